@@ -1,0 +1,104 @@
+//! The syntax tree of a deck: cards with parameters and data lines, every word with its span.
+//! Never here: what a name refers to.
+
+use super::diagnostic::Diagnostics;
+use super::keywords::Keyword;
+use super::source::{Sources, Span};
+
+/// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
+#[derive(Clone, Debug, Default)]
+pub struct Deck {
+    /// The files it came from.
+    pub sources: Sources,
+    /// The cards in order.
+    pub cards: Vec<Card>,
+    /// The `*PARAMETER` values in force, overrides included, in order of definition.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// One keyword line with its data lines.
+#[derive(Clone, Debug)]
+pub struct Card {
+    /// The row of the keyword table.
+    pub keyword: &'static Keyword,
+    /// The keyword word, star included.
+    pub span: Span,
+    /// `NAME=value` words of the keyword line.
+    pub parameters: Vec<Parameter>,
+    /// The data lines below it (comments and blank lines dropped).
+    pub lines: Vec<DataLine>,
+}
+
+/// A parameter of a keyword line.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// The full canonical name of the keyword table, upper case with single blanks (`REF NODE`).
+    pub name: &'static str,
+    /// Where the name stands.
+    pub span: Span,
+    /// What follows the equals sign.
+    pub value: Option<Word>,
+}
+
+/// A piece of text: quotes removed, blanks trimmed, parameters substituted.
+#[derive(Clone, Debug, Default)]
+pub struct Word {
+    /// The text as written (case kept).
+    pub text: String,
+    /// Where it stands.
+    pub span: Span,
+    /// Whether it stood in quotes.
+    pub quoted: bool,
+}
+
+/// One data line.
+#[derive(Clone, Debug)]
+pub struct DataLine {
+    /// The comma-separated fields; an empty field is a [`Word`] with empty text. A trailing comma gives no extra field.
+    pub fields: Vec<Word>,
+    /// The whole line.
+    pub span: Span,
+}
+
+impl Card {
+    /// The parameter of that canonical name.
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|p| p.name == name)
+    }
+
+    /// The value of a parameter, if it is there and has one.
+    pub fn value(&self, name: &str) -> Option<&Word> {
+        self.parameter(name).and_then(|p| p.value.as_ref())
+    }
+
+    /// Whether a parameter is there, with or without value.
+    pub fn has(&self, name: &str) -> bool {
+        self.parameter(name).is_some()
+    }
+}
+
+impl DataLine {
+    /// The field with that index, `None` if absent or empty.
+    pub fn field(&self, index: usize) -> Option<&Word> {
+        self.fields.get(index).filter(|w| !w.text.is_empty())
+    }
+}
+
+impl Word {
+    /// Names are compared without regard to case.
+    pub fn is(&self, name: &str) -> bool {
+        self.text.eq_ignore_ascii_case(name)
+    }
+
+    /// The field as a finite number (`1.`, `.5`, `1.57d0`); otherwise a located diagnostic and `None`.
+    pub fn number(&self, diagnostics: &mut Diagnostics) -> Option<f64> {
+        let _ = diagnostics;
+        todo!("the deck room parses numbers")
+    }
+
+    /// The field as a whole number; otherwise a located diagnostic and `None`.
+    pub fn integer(&self, diagnostics: &mut Diagnostics) -> Option<i64> {
+        let _ = diagnostics;
+        todo!("the deck room parses numbers")
+    }
+}

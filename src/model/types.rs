@@ -1,0 +1,464 @@
+//! The model: a deck with all names resolved and nothing decided. Validated data, each piece with the span that asked for it.
+//! Never here: arrays for solving, decisions about effects.
+
+use indexmap::IndexMap;
+
+use crate::deck::Span;
+
+/// Everything a deck describes.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// The `*HEADING` text.
+    pub title: String,
+    /// Nodes and elements, parts and instances flattened.
+    pub mesh: Mesh,
+    /// Node sets by upper-case name (qualified `INSTANCE.SET` where they belong to an instance); members ascending.
+    pub node_sets: IndexMap<String, Set>,
+    /// Element sets, as node sets.
+    pub element_sets: IndexMap<String, Set>,
+    /// Surfaces by upper-case name.
+    pub surfaces: IndexMap<String, Surface>,
+    /// Materials in deck order.
+    pub materials: Vec<Material>,
+    /// `*SOLID SECTION` assignments.
+    pub sections: Vec<SolidSection>,
+    /// Amplitudes in deck order.
+    pub amplitudes: Vec<Amplitude>,
+    /// Rigid bodies in deck order.
+    pub rigid_bodies: Vec<RigidBody>,
+    /// `*MASS` on nodes.
+    pub point_masses: Vec<PointMass>,
+    /// `*INITIAL CONDITIONS`.
+    pub initial_conditions: Vec<InitialCondition>,
+    /// `*TARGET` stacks.
+    pub targets: Vec<Target>,
+    /// Steps; each lists everything in force in it (propagation and OP=NEW already worked out).
+    pub steps: Vec<Step>,
+    /// Cards that were read but change nothing in this deck: keyword, span, why.
+    pub inert: Vec<Inert>,
+}
+
+/// Nodes and elements.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Node names as the deck knows them (`12` or `INSTANCE.12`).
+    pub node_names: Vec<String>,
+    /// Node coordinates `[r, z]`, in the deck's length unit.
+    pub points: Vec<[f64; 2]>,
+    /// Elements.
+    pub elements: Vec<Element>,
+}
+
+/// What an element is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ElementKind {
+    /// Two-node axisymmetric rigid surface element.
+    Rax2,
+    /// Three-node axisymmetric triangle.
+    Cax3,
+    /// Four-node axisymmetric quadrilateral, one integration point.
+    Cax4r,
+    /// One-node point mass.
+    Mass,
+}
+
+/// One element.
+#[derive(Clone, Debug)]
+pub struct Element {
+    /// Name as the deck knows it.
+    pub name: String,
+    /// Type.
+    pub kind: ElementKind,
+    /// Indices into [`Mesh::points`]; as many as the type has nodes.
+    pub nodes: Vec<usize>,
+    /// The data line (or mesh card) that made it.
+    pub span: Span,
+}
+
+/// A named set of indices.
+#[derive(Clone, Debug, Default)]
+pub struct Set {
+    /// Ascending, without repetition.
+    pub members: Vec<usize>,
+    /// First definition.
+    pub span: Span,
+}
+
+/// A side of an element that faces outward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// The side of a RAX2's positive normal: first to second node turned 90 degrees counter-clockwise in (r, z).
+    Positive,
+    /// The other side.
+    Negative,
+    /// Face number (1-based) of a solid element: S1 is nodes 1-2, S2 nodes 2-3, and so on.
+    Face(u8),
+}
+
+/// A surface made of element sides.
+#[derive(Clone, Debug, Default)]
+pub struct Surface {
+    /// The name as written.
+    pub name: String,
+    /// `(element index, side)` in deck order.
+    pub faces: Vec<(usize, Side)>,
+    /// First definition.
+    pub span: Span,
+}
+
+/// A material.
+#[derive(Clone, Debug, Default)]
+pub struct Material {
+    /// Upper-case name.
+    pub name: String,
+    /// `*MATERIAL` card.
+    pub span: Span,
+    /// Mass per volume.
+    pub density: Option<f64>,
+    /// Young's modulus and Poisson's ratio.
+    pub elastic: Option<[f64; 2]>,
+    /// Yield description.
+    pub plastic: Option<Plastic>,
+    /// Rate dependence.
+    pub rate: Option<RateDependence>,
+    /// Fraction of plastic work turned into heat.
+    pub inelastic_heat_fraction: Option<f64>,
+    /// Heat per mass and temperature.
+    pub specific_heat: Option<f64>,
+    /// `*CAVITY EXPANSION` (extension).
+    pub cavity: Option<CavityExpansion>,
+}
+
+/// `*PLASTIC`.
+#[derive(Clone, Debug)]
+pub enum Plastic {
+    /// Rows of yield stress, plastic strain, temperature (NaN where absent).
+    Tabular(Vec<[f64; 3]>),
+    /// A, B, n, m, melting temperature, transition temperature.
+    JohnsonCook([f64; 6]),
+}
+
+/// `*RATE DEPENDENT`.
+#[derive(Clone, Debug)]
+pub enum RateDependence {
+    /// C and the reference strain rate.
+    JohnsonCook([f64; 2]),
+    /// D and n rows.
+    PowerLaw(Vec<[f64; 2]>),
+    /// Yield stress ratio and strain rate rows.
+    YieldRatio(Vec<[f64; 2]>),
+}
+
+/// Resistance of a material to an expanding cavity: `sigma_n = Y (A + B x + C x^2)`, `x = v_n sqrt(rho / Y)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CavityExpansion {
+    /// Y, stress.
+    pub yield_stress: f64,
+    /// A, dimensionless.
+    pub a: f64,
+    /// B, dimensionless.
+    pub b: f64,
+    /// C, dimensionless.
+    pub c: f64,
+    /// The card.
+    pub span: Span,
+}
+
+/// `*SOLID SECTION`.
+#[derive(Clone, Debug)]
+pub struct SolidSection {
+    /// Element indices.
+    pub elements: Vec<usize>,
+    /// Index into [`Model::materials`].
+    pub material: usize,
+    /// The card.
+    pub span: Span,
+}
+
+/// A function of time that scales a load or a motion.
+#[derive(Clone, Debug)]
+pub struct Amplitude {
+    /// Upper-case name.
+    pub name: String,
+    /// `(time, value)` with ascending times; constant before the first and after the last.
+    pub points: Vec<[f64; 2]>,
+    /// `DEFINITION=SMOOTH STEP`.
+    pub smooth: bool,
+    /// `TIME=TOTAL TIME`.
+    pub total_time: bool,
+    /// The card.
+    pub span: Span,
+}
+
+/// A rigid body.
+#[derive(Clone, Debug)]
+pub struct RigidBody {
+    /// Name of the element set that makes it, for messages.
+    pub name: String,
+    /// Reference node.
+    pub reference: usize,
+    /// Its elements.
+    pub elements: Vec<usize>,
+    /// Nodes tied or pinned in addition to the elements' own.
+    pub nodes: Vec<usize>,
+    /// Thickness of its RAX2 elements (0 if not given), length.
+    pub thickness: f64,
+    /// Mass per volume of its RAX2 elements (0 if not given).
+    pub density: f64,
+    /// The card.
+    pub span: Span,
+}
+
+/// A mass on a node.
+#[derive(Clone, Copy, Debug)]
+pub struct PointMass {
+    /// Node index.
+    pub node: usize,
+    /// Mass.
+    pub mass: f64,
+    /// The card.
+    pub span: Span,
+}
+
+/// An initial condition.
+#[derive(Clone, Debug)]
+pub struct InitialCondition {
+    /// What is given.
+    pub kind: InitialKind,
+    /// Nodes (velocity, temperature) or elements (stress) it is given for.
+    pub members: Vec<usize>,
+    /// The data line.
+    pub span: Span,
+}
+
+/// What an initial condition gives.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InitialKind {
+    /// Degree of freedom (1 = r, 2 = z, 6 = rotation) and velocity.
+    Velocity(u8, f64),
+    /// Temperature.
+    Temperature(f64),
+    /// Stress components as the card lists them.
+    Stress(Vec<f64>),
+}
+
+/// A target that is not meshed: layers of material, one behind the other (extension).
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Upper-case name.
+    pub name: String,
+    /// z of the impact face.
+    pub front: f64,
+    /// +1 or -1: the way the layers follow each other along z.
+    pub direction: f64,
+    /// From the front on.
+    pub layers: Vec<Layer>,
+    /// The card.
+    pub span: Span,
+}
+
+/// One layer of a target.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer {
+    /// Index into [`Model::materials`]; that material has density and cavity expansion.
+    pub material: usize,
+    /// Thickness, length; may be infinite.
+    pub thickness: f64,
+    /// The data line.
+    pub span: Span,
+}
+
+/// One step.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Name (or `Step-1`, …).
+    pub name: String,
+    /// The `*DYNAMIC` card.
+    pub span: Span,
+    /// Length of the step, time.
+    pub duration: f64,
+    /// How the increment is chosen.
+    pub increment: IncrementControl,
+    /// Factor on an automatic increment.
+    pub scale_factor: f64,
+    /// What velocity a load is shown.
+    pub load_velocity: LoadVelocity,
+    /// Linear and quadratic bulk viscosity.
+    pub bulk_viscosity: [f64; 2],
+    /// Prescribed motions in force.
+    pub boundaries: Vec<Boundary>,
+    /// Loads in force.
+    pub loads: Vec<Load>,
+    /// Output requests in force.
+    pub outputs: Vec<OutputRequest>,
+}
+
+/// How the increment is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IncrementControl {
+    /// By the stability limit, or by an error estimate where nothing limits it; `accuracy` is the relative error aimed at.
+    Automatic {
+        /// Relative error of the motion aimed at (default 1e-4).
+        accuracy: f64,
+        /// `ELEMENT BY ELEMENT`.
+        element_by_element: bool,
+    },
+    /// `DIRECT USER CONTROL`: this increment.
+    Fixed(f64),
+}
+
+/// What velocity a load is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadVelocity {
+    /// A second-order estimate at the increment's own time (default).
+    Predicted,
+    /// The mid-increment velocity behind, as ABAQUS passes it.
+    Lagged,
+}
+
+/// A prescribed motion.
+#[derive(Clone, Debug)]
+pub struct Boundary {
+    /// Node indices.
+    pub nodes: Vec<usize>,
+    /// What the deck called them.
+    pub set: String,
+    /// 1 = r, 2 = z, 6 = rotation.
+    pub dof: u8,
+    /// What is prescribed.
+    pub kind: Motion,
+    /// Magnitude (0 = held).
+    pub value: f64,
+    /// Index into [`Model::amplitudes`].
+    pub amplitude: Option<usize>,
+    /// The data line.
+    pub span: Span,
+}
+
+/// What a boundary prescribes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Displacement.
+    Displacement,
+    /// Velocity.
+    Velocity,
+    /// Acceleration.
+    Acceleration,
+}
+
+/// A load in force in a step.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// What acts.
+    pub kind: LoadKind,
+    /// Magnitude as on the data line (1 where the load has none).
+    pub magnitude: f64,
+    /// Index into [`Model::amplitudes`].
+    pub amplitude: Option<usize>,
+    /// The data line.
+    pub span: Span,
+}
+
+/// What a load acts on and how.
+#[derive(Clone, Debug)]
+pub enum LoadKind {
+    /// `*CLOAD`: a force on each node in a degree of freedom.
+    Concentrated {
+        /// Node indices.
+        nodes: Vec<usize>,
+        /// 1 = r, 2 = z.
+        dof: u8,
+        /// What the deck called them.
+        set: String,
+    },
+    /// `*DLOAD … GRAV`: an acceleration; the direction is a unit vector `[r, z]`.
+    Gravity {
+        /// Element indices; `None` means everything with mass.
+        elements: Option<Vec<usize>>,
+        /// Unit vector `[r, z]`.
+        direction: [f64; 2],
+    },
+    /// `P`: a pressure on sides.
+    Pressure(Sides),
+    /// `PNU`: the user's routine gives the pressure.
+    User(Sides),
+    /// `CAVITY` (extension): a target's resistance.
+    Cavity {
+        /// Where.
+        sides: Sides,
+        /// Index into [`Model::targets`].
+        target: usize,
+        /// Coulomb friction coefficient.
+        friction: f64,
+    },
+}
+
+/// Where a distributed load acts.
+#[derive(Clone, Debug)]
+pub struct Sides {
+    /// Name of the surface or element set, as written.
+    pub name: String,
+    /// Whether it came by `*DSLOAD` (a surface) or `*DLOAD` (elements).
+    pub surface: bool,
+    /// `(element index, side)`.
+    pub faces: Vec<(usize, Side)>,
+}
+
+/// What to write and when.
+#[derive(Clone, Debug)]
+pub struct OutputRequest {
+    /// Fields into frames, or histories into columns.
+    pub kind: OutputKind,
+    /// How often.
+    pub interval: Interval,
+    /// Upper-case variable names; `PRESELECT` and `ALL` stand for themselves.
+    pub variables: Vec<String>,
+    /// What the variables are taken from.
+    pub region: Region,
+    /// The card.
+    pub span: Span,
+}
+
+/// Frames or histories.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputKind {
+    /// `*OUTPUT, FIELD`.
+    Field,
+    /// `*OUTPUT, HISTORY`.
+    History,
+}
+
+/// How often output is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Interval {
+    /// Every so much time.
+    Time(f64),
+    /// So many times over the step, evenly.
+    Number(u32),
+    /// Every so many increments.
+    Increments(u32),
+    /// The program's default.
+    Default,
+}
+
+/// What output variables are taken from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Region {
+    /// The whole model.
+    Whole,
+    /// A node set by upper-case name.
+    Nodes(String),
+    /// An element set by upper-case name.
+    Elements(String),
+}
+
+/// A card that was read but changes nothing here.
+#[derive(Clone, Debug)]
+pub struct Inert {
+    /// Keyword.
+    pub keyword: String,
+    /// The card.
+    pub span: Span,
+    /// Why it changes nothing.
+    pub why: String,
+}
