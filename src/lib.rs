@@ -1,6 +1,11 @@
-//! Revolve.
+//! Revolve: axisymmetric explicit finite elements with user-load hooks.
 #![warn(missing_docs)]
 pub mod deck;
+pub mod effect;
+pub mod kernel;
 pub mod model;
 pub mod output;
+pub mod plan;
+pub mod solve;
+pub mod state;
 pub mod user;

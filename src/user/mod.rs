@@ -1,6 +1,8 @@
 //! User loads: the trait a Rust plug-in implements, with the arguments of VDLOAD.
 //! Never here: solver internals.
 
+use std::sync::{Arc, Mutex};
+
 /// What a user load is told, for one surface and a block of points: VDLOAD's arguments, structure of arrays
 /// (ABAQUS User Subroutines Reference, VDLOAD). Slices have one entry a point unless said otherwise.
 #[derive(Debug)]
@@ -45,4 +47,26 @@ pub trait UserLoad: Send {
     /// # Errors
     /// Any reason; the run halts with the last good state written.
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure>;
+}
+
+/// One routine shared by all the surfaces of a job, as one VDLOAD serves a whole ABAQUS job: its state is common to them.
+#[derive(Clone)]
+pub struct SharedLoad(Arc<Mutex<dyn UserLoad>>);
+
+impl SharedLoad {
+    /// Shares a routine.
+    pub fn new(routine: impl UserLoad + 'static) -> Self {
+        SharedLoad(Arc::new(Mutex::new(routine)))
+    }
+
+    /// Calls the routine.
+    ///
+    /// # Errors
+    /// Those of the routine; also if it panicked in an earlier call.
+    pub fn call(&self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        match self.0.lock() {
+            Ok(mut routine) => routine.pressure(points, pressure),
+            Err(_) => Err(LoadFailure { point: None, reason: "the routine panicked in an earlier call".into() }),
+        }
+    }
 }

@@ -1,0 +1,35 @@
+//! A concentrated force on bodies (`*CLOAD`).
+//! Never here: distributed loads.
+
+use super::{Account, Cause, Force, Halt, Limit, Magnitude, Slot};
+use crate::state::{Bodies, Instant};
+
+/// The same force along z on each of some bodies.
+#[derive(Debug)]
+pub struct Concentrated {
+    /// What asked for it.
+    pub cause: Cause,
+    /// The bodies it acts on.
+    pub bodies: Vec<usize>,
+    /// Force.
+    pub magnitude: Magnitude,
+}
+
+impl Force for Concentrated {
+    fn cause(&self) -> Cause {
+        self.cause
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        self.bodies.iter().map(|&body| Slot { body, account: Account::Work }).collect()
+    }
+
+    fn evaluate(&mut self, now: &Instant, _bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
+        out.fill(self.magnitude.at(now));
+        Ok(())
+    }
+
+    fn limit(&self, now: &Instant, _bodies: &Bodies) -> Limit {
+        self.magnitude.limit(now)
+    }
+}

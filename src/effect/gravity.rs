@@ -1,0 +1,38 @@
+//! A uniform acceleration of mass (`*DLOAD`, GRAV).
+//! Never here: forces that do not scale with mass.
+
+use super::{Account, Cause, Force, Halt, Limit, Magnitude, Slot};
+use crate::state::{Bodies, Instant};
+
+/// Gravity along z on some bodies.
+#[derive(Debug)]
+pub struct Gravity {
+    /// What asked for it.
+    pub cause: Cause,
+    /// `(body, mass it acts on)`.
+    pub masses: Vec<(usize, f64)>,
+    /// Acceleration along z.
+    pub acceleration: Magnitude,
+}
+
+impl Force for Gravity {
+    fn cause(&self) -> Cause {
+        self.cause
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        self.masses.iter().map(|&(body, _)| Slot { body, account: Account::Work }).collect()
+    }
+
+    fn evaluate(&mut self, now: &Instant, _bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
+        let acceleration = self.acceleration.at(now);
+        for (force, (_, mass)) in out.iter_mut().zip(&self.masses) {
+            *force = mass * acceleration;
+        }
+        Ok(())
+    }
+
+    fn limit(&self, now: &Instant, _bodies: &Bodies) -> Limit {
+        self.acceleration.limit(now)
+    }
+}

@@ -1,0 +1,153 @@
+//! Effects: what a deck asks for, one file each. An effect that is not asked for is never constructed.
+//! Never here: names of other effects; deck words (an effect carries an opaque cause that only the ledger reads).
+
+pub mod cavity;
+pub mod concentrated;
+pub mod gravity;
+pub mod motion;
+pub mod pressure;
+pub mod user_load;
+
+use crate::kernel::amplitude::Curve;
+use crate::state::{Bodies, Instant};
+
+/// Index into the ledger: the only thing an effect knows of the deck.
+pub type Cause = usize;
+
+/// Which energy a force's work is booked under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Account {
+    /// Work of prescribed loads and motions (`ALLWK`).
+    Work,
+    /// Dissipated by friction (`ALLFD`).
+    Friction,
+    /// Dissipated by opening the cavity (`ALLCD` is creep in ABAQUS, so `ALLCAV`).
+    Cavity,
+}
+
+/// A generalised force of one effect on one body, and the account of its work.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot {
+    /// Body index.
+    pub body: usize,
+    /// Where its work is booked.
+    pub account: Account,
+}
+
+/// Why a run stops before its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Halt {
+    /// Stable code (`R…`).
+    pub code: &'static str,
+    /// What happened, with the place in the scene.
+    pub reason: String,
+}
+
+/// How far in time an effect lets an increment go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// From now on.
+    pub time: f64,
+    /// Whether the force jumps there: central differences then start afresh.
+    pub jump: bool,
+}
+
+impl Limit {
+    /// No limit.
+    pub const NONE: Limit = Limit { time: f64::INFINITY, jump: false };
+
+    /// The nearer of two.
+    #[must_use]
+    pub fn nearer(self, other: Limit) -> Limit {
+        if other.time < self.time { other } else { self }
+    }
+}
+
+/// What a surface effect shows in a frame, one entry a facet.
+#[derive(Clone, Debug, Default)]
+pub struct FacetFields {
+    /// Element index of each facet.
+    pub elements: Vec<usize>,
+    /// Pressure, area mean.
+    pub pressure: Vec<f64>,
+    /// Velocity along the outward normal.
+    pub normal_velocity: Vec<f64>,
+    /// Number (from 1) of the layer that takes the largest part of the facet's area; 0 outside any.
+    pub layer: Vec<f64>,
+}
+
+/// A force of the scene.
+pub trait Force: Send {
+    /// What asked for it.
+    fn cause(&self) -> Cause;
+
+    /// The generalised forces it will write.
+    fn slots(&self) -> Vec<Slot>;
+
+    /// Writes its generalised forces along z at this instant.
+    ///
+    /// # Errors
+    /// Where no finite force can be given; the run halts.
+    fn evaluate(&mut self, now: &Instant, bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt>;
+
+    /// How far the next increment may go.
+    fn limit(&self, _now: &Instant, _bodies: &Bodies) -> Limit {
+        Limit::NONE
+    }
+
+    /// Whether it opposes motion and vanishes at rest, so that it can stop a body but never push it back.
+    fn resists(&self) -> bool {
+        false
+    }
+
+    /// Whether it reads velocity, so that an instant of rest must be met exactly.
+    fn reads_velocity(&self) -> bool {
+        false
+    }
+
+    /// What it shows on facets in a frame.
+    fn facet_fields(&self, _bodies: &Bodies) -> Option<FacetFields> {
+        None
+    }
+
+    /// Names and bytes of the arrays it holds.
+    fn arrays(&self) -> Vec<(&'static str, usize)> {
+        Vec::new()
+    }
+}
+
+/// A magnitude that may follow an amplitude.
+#[derive(Clone, Debug)]
+pub struct Magnitude {
+    /// Value at amplitude 1.
+    pub value: f64,
+    /// Function of time, if any.
+    pub curve: Option<Curve>,
+}
+
+impl Magnitude {
+    /// Amplitude now, 1 without one.
+    pub fn amplitude(&self, now: &Instant) -> f64 {
+        self.curve.as_ref().map_or(1.0, |c| c.value(if c.total_time { now.total_time } else { now.step_time }))
+    }
+
+    /// Value now.
+    pub fn at(&self, now: &Instant) -> f64 {
+        self.value * self.amplitude(now)
+    }
+
+    /// Rate of change now.
+    pub fn rate(&self, now: &Instant) -> f64 {
+        let slope = |c: &Curve| c.slope(if c.total_time { now.total_time } else { now.step_time });
+        self.value * self.curve.as_ref().map_or(0.0, slope)
+    }
+
+    /// Time until the next kink of the amplitude.
+    pub fn limit(&self, now: &Instant) -> Limit {
+        let time = self.curve.as_ref().map_or(f64::INFINITY, |c| {
+            let t = if c.total_time { now.total_time } else { now.step_time };
+            c.next_point(t) - t
+        });
+        Limit { time, jump: false }
+    }
+}

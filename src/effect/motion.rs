@@ -1,0 +1,52 @@
+//! A prescribed motion of a body along z (`*BOUNDARY` on its reference node).
+//! Never here: forces.
+
+use super::{Cause, Magnitude};
+use crate::state::Instant;
+
+/// What is prescribed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prescribed {
+    /// Displacement since the start of the step.
+    Displacement,
+    /// Velocity.
+    Velocity,
+    /// Acceleration.
+    Acceleration,
+}
+
+/// A motion that a body follows whatever forces act; the force needed is its reaction.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// What asked for it.
+    pub cause: Cause,
+    /// The body it moves.
+    pub body: usize,
+    /// What is prescribed.
+    pub kind: Prescribed,
+    /// How much.
+    pub magnitude: Magnitude,
+    /// Displacement of the body at the start of the step, to which a prescribed displacement adds.
+    pub start: f64,
+}
+
+impl Motion {
+    /// Velocity and acceleration now, given the velocity the body has.
+    pub fn rates(&self, now: &Instant, velocity: f64) -> [f64; 2] {
+        match self.kind {
+            Prescribed::Displacement => [self.magnitude.rate(now), 0.0],
+            Prescribed::Velocity => [self.magnitude.at(now), self.magnitude.rate(now)],
+            Prescribed::Acceleration => [velocity, self.magnitude.at(now)],
+        }
+    }
+
+    /// The mid-increment velocity that carries the body over an increment from displacement `u` and velocity `v`.
+    pub fn velocity_over(&self, now: &Instant, increment: f64, u: f64, v: f64) -> f64 {
+        let later = |time: f64| Instant { step_time: now.step_time + time, total_time: now.total_time + time };
+        match self.kind {
+            Prescribed::Displacement => (self.start + self.magnitude.at(&later(increment)) - u) / increment,
+            Prescribed::Velocity => self.magnitude.at(&later(0.5 * increment)),
+            Prescribed::Acceleration => v + 0.5 * increment * self.magnitude.at(now),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! A prescribed pressure on facets (`P`).
+//! Never here: pressures that depend on motion.
+
+use super::{Account, Cause, FacetFields, Force, Halt, Limit, Magnitude, Slot};
+use crate::state::{Bodies, Instant};
+
+/// A pressure on facets of bodies; positive pushes against the outward normal. On a body that only shifts along z the
+/// facets enter by the sum of their axial areas alone.
+#[derive(Debug)]
+pub struct Pressure {
+    /// What asked for it.
+    pub cause: Cause,
+    /// `(body, sum of area times n_z)`.
+    pub axial_areas: Vec<(usize, f64)>,
+    /// `(element, body, n_z)` of each facet, for frames.
+    pub facets: Vec<(usize, usize, f64)>,
+    /// Pressure.
+    pub magnitude: Magnitude,
+    /// Pressure at the last evaluation, for frames.
+    pub current: f64,
+}
+
+impl Force for Pressure {
+    fn cause(&self) -> Cause {
+        self.cause
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        self.axial_areas.iter().map(|&(body, _)| Slot { body, account: Account::Work }).collect()
+    }
+
+    fn evaluate(&mut self, now: &Instant, _bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
+        self.current = self.magnitude.at(now);
+        for (force, (_, area)) in out.iter_mut().zip(&self.axial_areas) {
+            *force = -self.current * area;
+        }
+        Ok(())
+    }
+
+    fn limit(&self, now: &Instant, _bodies: &Bodies) -> Limit {
+        self.magnitude.limit(now)
+    }
+
+    fn facet_fields(&self, bodies: &Bodies) -> Option<FacetFields> {
+        Some(FacetFields {
+            elements: self.facets.iter().map(|f| f.0).collect(),
+            pressure: vec![self.current; self.facets.len()],
+            normal_velocity: self.facets.iter().map(|f| bodies.velocity[f.1] * f.2).collect(),
+            layer: vec![0.0; self.facets.len()],
+        })
+    }
+
+    fn arrays(&self) -> Vec<(&'static str, usize)> {
+        vec![("facets", size_of_val(&self.facets[..]))]
+    }
+}

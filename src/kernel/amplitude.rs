@@ -1,0 +1,71 @@
+//! Functions of time that scale loads and motions.
+//! Never here: which load refers to which amplitude.
+
+/// A piecewise amplitude: linear or smooth-step between points, constant outside
+/// (ABAQUS Analysis User's Guide, "Amplitude curves").
+#[derive(Clone, Debug)]
+pub struct Curve {
+    points: Vec<[f64; 2]>,
+    smooth: bool,
+    /// Whether the times count from the start of the analysis instead of the step.
+    pub total_time: bool,
+}
+
+impl Curve {
+    /// A curve through `(time, value)` points with ascending times; `smooth` selects the smooth step
+    /// a(xi) = a0 + (a1 - a0) xi^3 (10 - 15 xi + 6 xi^2).
+    pub fn new(points: Vec<[f64; 2]>, smooth: bool, total_time: bool) -> Self {
+        Curve { points, smooth, total_time }
+    }
+
+    /// Value at a time.
+    pub fn value(&self, time: f64) -> f64 {
+        let after = self.points.partition_point(|p| p[0] <= time);
+        let (Some(from), Some(to)) = (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) else {
+            return if after == 0 { self.points.first() } else { self.points.last() }.map_or(1.0, |p| p[1]);
+        };
+        let xi = (time - from[0]) / (to[0] - from[0]);
+        let weight = if self.smooth { xi * xi * xi * (10.0 + xi * (6.0 * xi - 15.0)) } else { xi };
+        from[1] + (to[1] - from[1]) * weight
+    }
+
+    /// Slope at a time, from the right at a kink.
+    pub fn slope(&self, time: f64) -> f64 {
+        let after = self.points.partition_point(|p| p[0] <= time);
+        let (Some(from), Some(to)) = (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) else {
+            return 0.0;
+        };
+        let length = to[0] - from[0];
+        let xi = (time - from[0]) / length;
+        let weight = if self.smooth { 30.0 * xi * xi * (1.0 - xi) * (1.0 - xi) } else { 1.0 };
+        (to[1] - from[1]) * weight / length
+    }
+
+    /// The first point of the curve strictly after a time: increments end there, so that no kink is stepped over.
+    pub fn next_point(&self, time: f64) -> f64 {
+        let scale = self.points.last().map_or(0.0, |p| p[0].abs());
+        let after = self.points.partition_point(|p| p[0] <= time + 1e-12 * scale);
+        self.points.get(after).map_or(f64::INFINITY, |p| p[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Curve;
+
+    #[test]
+    fn linear_between_points_and_constant_outside() {
+        let curve = Curve::new(vec![[1.0, 2.0], [3.0, 6.0]], false, false);
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| curve.value(t)), [2.0, 2.0, 4.0, 6.0, 6.0]);
+        assert_eq!(curve.next_point(0.0), 1.0);
+        assert_eq!(curve.next_point(1.0), 3.0);
+        assert_eq!(curve.next_point(3.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn smooth_step_has_no_slope_at_its_ends() {
+        let curve = Curve::new(vec![[0.0, 0.0], [1.0, 1.0]], true, false);
+        assert_eq!(curve.value(0.5), 0.5);
+        assert!(curve.value(1e-4) < 1e-10);
+    }
+}

@@ -1,0 +1,100 @@
+//! Facets: straight meridian segments, which are frusta of cones in space. Area, normal, clipping by planes z = const.
+//! Never here: what acts on a facet.
+
+use std::f64::consts::PI;
+
+/// One facet with its outward unit normal. Coordinates are `[r, z]`, lengths in the deck's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet {
+    /// The end with the smaller z (the first end where both are level).
+    pub low: [f64; 2],
+    /// The end with the larger z.
+    pub high: [f64; 2],
+    /// Outward unit normal.
+    pub normal: [f64; 2],
+    /// Area of the frustum, pi (r1 + r2) L.
+    pub area: f64,
+}
+
+impl Facet {
+    /// The facet between two nodes. Its positive normal is the direction from the first to the second node turned 90
+    /// degrees counter-clockwise in (r, z); `positive` chooses that side as the outward one, otherwise the other.
+    /// `None` if the nodes coincide.
+    pub fn new(first: [f64; 2], second: [f64; 2], positive: bool) -> Option<Facet> {
+        let along = [second[0] - first[0], second[1] - first[1]];
+        let length = along[0].hypot(along[1]);
+        if length.is_nan() || length <= 0.0 {
+            return None;
+        }
+        let sign = if positive { 1.0 } else { -1.0 };
+        let normal = [-sign * along[1] / length, sign * along[0] / length];
+        let (low, high) = if first[1] <= second[1] { (first, second) } else { (second, first) };
+        Some(Facet { low, high, normal, area: PI * (first[0] + second[0]) * length })
+    }
+
+    /// Midpoint of the segment: the load integration point, where 2 pi r L is the facet's area.
+    pub fn middle(&self) -> [f64; 2] {
+        [0.5 * (self.low[0] + self.high[0]), 0.5 * (self.low[1] + self.high[1])]
+    }
+
+    /// Extent along z.
+    pub fn height(&self) -> f64 {
+        self.high[1] - self.low[1]
+    }
+
+    /// Area of the part with `from <= z <= to`, for a facet that is not level. Exact: the part is a frustum too.
+    pub fn area_between(&self, from: f64, to: f64) -> f64 {
+        let height = self.height();
+        let start = ((from - self.low[1]) / height).clamp(0.0, 1.0);
+        let end = ((to - self.low[1]) / height).clamp(0.0, 1.0);
+        if end <= start {
+            return 0.0;
+        }
+        let radius = |s: f64| self.low[0] + s * (self.high[0] - self.low[0]);
+        self.area * (end - start) * (radius(start) + radius(end)) / (self.low[0] + self.high[0])
+    }
+
+    /// Consistent mass of a shell of this thickness and density, lumped by row sums on the first (low) and second
+    /// (high) end: rho t 2 pi L (2 r1 + r2) / 6 and rho t 2 pi L (r1 + 2 r2) / 6.
+    pub fn lumped_mass(&self, density: f64, thickness: f64) -> [f64; 2] {
+        let (low, high) = (self.low[0], self.high[0]);
+        let length = (high - low).hypot(self.height());
+        let factor = density * thickness * PI * length / 3.0;
+        [factor * (2.0 * low + high), factor * (low + 2.0 * high)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_positive_normal_is_the_direction_turned_counter_clockwise() {
+        let facet = Facet::new([1.0, 0.0], [2.0, 0.0], true).expect("a facet");
+        assert_eq!(facet.normal, [0.0, 1.0]);
+        assert!(Facet::new([1.0, 1.0], [1.0, 1.0], true).is_none());
+    }
+
+    #[test]
+    fn parts_add_up_to_the_whole() {
+        let facet = Facet::new([0.5, 1.0], [2.0, 4.0], true).expect("a facet");
+        let parts = facet.area_between(-9.0, 1.7) + facet.area_between(1.7, 3.1) + facet.area_between(3.1, 9.0);
+        assert!((parts - facet.area).abs() < 1e-14 * facet.area);
+        assert!((facet.lumped_mass(3.0, 0.1).iter().sum::<f64>() - 0.3 * facet.area).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_sphere_in_equal_angles_has_n2_one_half_for_any_count() {
+        for count in [1, 2, 3, 7, 20, 400] {
+            let node = |i: usize| {
+                let angle = 0.5 * PI * i as f64 / count as f64;
+                [angle.sin(), -angle.cos()]
+            };
+            let n2: f64 = (0..count)
+                .filter_map(|i| Facet::new(node(i), node(i + 1), false))
+                .map(|f| f.area * f.normal[1].abs().powi(3) / PI)
+                .sum();
+            assert!((n2 - 0.5).abs() < 4e-15 * count as f64, "{count} facets: {n2}");
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! Pure arithmetic: facets, resistance laws, amplitudes. Sources are cited where a formula stands.
+//! Never here: meshes, allocation inside an increment, text.
+
+pub mod amplitude;
+pub mod cavity;
+pub mod facet;

@@ -1,0 +1,192 @@
+//! Rigid bodies of the plan: their nodes, lumped mass and initial velocity.
+//! Never here: loads.
+
+use super::Compiler;
+use crate::deck::{Diagnostic, Span};
+use crate::kernel::facet::Facet;
+use crate::model::{ElementKind, InitialKind, RigidBody};
+
+/// A rigid body.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name for messages and results.
+    pub name: String,
+    /// Reference node.
+    pub reference: usize,
+    /// Lumped mass of each node that carries some: `(node, mass)`, ascending.
+    pub lumped_mass: Vec<(usize, f64)>,
+    /// All nodes that move with it, ascending.
+    pub nodes: Vec<usize>,
+    /// Its elements.
+    pub elements: Vec<usize>,
+    /// Velocity along z at the start.
+    pub initial_velocity: f64,
+    /// The card.
+    pub span: Span,
+}
+
+impl Body {
+    /// Total mass: the sum of the diagonal of the lumped mass matrix.
+    pub fn mass(&self) -> f64 {
+        self.lumped_mass.iter().map(|m| m.1).sum()
+    }
+}
+
+impl Compiler<'_> {
+    /// Makes all bodies and refuses what moves in other ways.
+    pub(super) fn bodies(&mut self) {
+        for body in &self.model.rigid_bodies {
+            self.body(body);
+        }
+        self.initial_velocities();
+        self.refuse_deformable();
+        self.refuse_free_masses();
+        self.check_masses();
+    }
+
+    fn body(&mut self, rigid: &RigidBody) {
+        let index = self.bodies.len();
+        let mesh = &self.model.mesh;
+        let mut nodes: Vec<usize> = rigid.elements.iter().flat_map(|&e| mesh.elements[e].nodes.clone()).collect();
+        nodes.extend(&rigid.nodes);
+        nodes.push(rigid.reference);
+        nodes.sort_unstable();
+        nodes.dedup();
+        for &node in &nodes {
+            if self.body_of_node.insert(node, index).is_some_and(|other| other != index) {
+                self.shared(rigid, format!("node {}", mesh.node_names[node]));
+            }
+        }
+        for &element in &rigid.elements {
+            if self.body_of_element.insert(element, index).is_some_and(|other| other != index) {
+                self.shared(rigid, format!("element {}", mesh.elements[element].name));
+            }
+        }
+        let lumped_mass = self.lumped_mass(rigid, &nodes);
+        let body = Body {
+            name: rigid.name.clone(),
+            reference: rigid.reference,
+            lumped_mass,
+            nodes,
+            elements: rigid.elements.clone(),
+            initial_velocity: 0.0,
+            span: rigid.span,
+        };
+        let detail = format!("reference node {}, moves along z", mesh.node_names[rigid.reference]);
+        let cause = self.cause(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
+        self.ledger.effects[cause].arrays = vec![("state".into(), 7 * size_of::<f64>())];
+        let detail = format!("mass {}", body.mass());
+        let cause = self.cause(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
+        self.ledger.effects[cause].arrays = vec![("mass".into(), size_of_val(&body.lumped_mass[..]))];
+        self.bodies.push(body);
+    }
+
+    fn shared(&mut self, rigid: &RigidBody, what: String) {
+        let message = format!("{what} belongs to two rigid bodies");
+        self.diagnostics.push(Diagnostic::error("P009", message).at(rigid.span, "the second of them"));
+    }
+
+    /// The diagonal of the lumped mass matrix: RAX2 shells by row sums, point masses as they are.
+    fn lumped_mass(&self, rigid: &RigidBody, nodes: &[usize]) -> Vec<(usize, f64)> {
+        let mesh = &self.model.mesh;
+        let mut masses = vec![0.0; nodes.len()];
+        let mut add = |node: usize, mass: f64| {
+            if let Ok(at) = nodes.binary_search(&node) {
+                masses[at] += mass;
+            }
+        };
+        for &element in &rigid.elements {
+            let element = &mesh.elements[element];
+            if element.kind != ElementKind::Rax2 {
+                continue;
+            }
+            let ends = [element.nodes[0], element.nodes[1]];
+            let Some(facet) = Facet::new(mesh.points[ends[0]], mesh.points[ends[1]], true) else { continue };
+            let [low, high] = facet.lumped_mass(rigid.density, rigid.thickness);
+            let first_is_low = facet.low == mesh.points[ends[0]];
+            add(ends[0], if first_is_low { low } else { high });
+            add(ends[1], if first_is_low { high } else { low });
+        }
+        for point in &self.model.point_masses {
+            add(point.node, point.mass);
+        }
+        nodes.iter().copied().zip(masses).filter(|m| m.1 != 0.0).collect()
+    }
+
+    fn initial_velocities(&mut self) {
+        for condition in &self.model.initial_conditions {
+            let InitialKind::Velocity(dof, value) = condition.kind else {
+                self.unused(condition.span, "*INITIAL CONDITIONS", "rigid bodies have no temperature or stress");
+                continue;
+            };
+            if dof != 2 {
+                self.radial_velocity(condition.span, value);
+                continue;
+            }
+            let moved: Vec<usize> =
+                (0..self.bodies.len()).filter(|&b| condition.members.contains(&self.bodies[b].reference)).collect();
+            if moved.is_empty() {
+                let message = "this initial velocity is given for no reference node, so nothing starts with it";
+                let finding = Diagnostic::warning("P104", message).at(condition.span, "no reference node among these");
+                self.diagnostics.push(finding.help("give the velocity of a rigid body on its REF NODE"));
+                continue;
+            }
+            if value != 0.0 {
+                self.cause(condition.span, "initial velocity", moved.len(), "bodies", format!("v_z = {value}"));
+            }
+            for body in moved {
+                self.bodies[body].initial_velocity = value;
+            }
+        }
+    }
+
+    fn radial_velocity(&mut self, span: Span, value: f64) {
+        if value == 0.0 {
+            self.unused(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
+        } else {
+            let message = "a rigid body of revolution cannot start with a radial velocity or a rotation";
+            self.diagnostics.push(Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move"));
+        }
+    }
+
+    fn refuse_deformable(&mut self) {
+        let free = |e: &usize| !self.body_of_element.contains_key(e);
+        let mesh = &self.model.mesh;
+        let first = (0..mesh.elements.len()).find(|e| mesh.elements[*e].kind != ElementKind::Mass && free(e));
+        let Some(first) = first else { return };
+        let element = &mesh.elements[first];
+        let (message, help) = if element.kind == ElementKind::Rax2 {
+            ("RAX2 elements belong to no rigid body", "name their element set on *RIGID BODY, ELSET=")
+        } else {
+            ("deformable elements are read, but not simulated yet", "only elements of a *RIGID BODY can move for now")
+        };
+        let label = format!("element {} and others", element.name);
+        self.diagnostics.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
+    }
+
+    fn refuse_free_masses(&mut self) {
+        for point in &self.model.point_masses {
+            if !self.body_of_node.contains_key(&point.node) {
+                let name = &self.model.mesh.node_names[point.node];
+                let message = format!("the mass on node {name} belongs to no rigid body");
+                let finding = Diagnostic::error("P005", message).at(point.span, "here");
+                self.diagnostics.push(finding.help("put it on the reference node of a *RIGID BODY"));
+            }
+        }
+    }
+
+    /// A free body needs mass; one whose axial motion is prescribed in every step needs none.
+    fn check_masses(&mut self) {
+        for body in &self.bodies {
+            let held = |b: &crate::model::Boundary| b.dof == 2 && b.nodes.contains(&body.reference);
+            let free = self.model.steps.iter().any(|s| !s.boundaries.iter().any(held));
+            let mass = body.mass();
+            if free && !(mass > 0.0 && mass.is_finite()) {
+                let message = format!("rigid body `{}` has no mass", body.name);
+                let finding = Diagnostic::error("P002", message).at(body.span, format!("its mass is {mass}"));
+                let help = "give DENSITY= and a thickness on the data line, or *MASS on the reference node";
+                self.diagnostics.push(finding.help(help));
+            }
+        }
+    }
+}

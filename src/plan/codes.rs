@@ -1,0 +1,99 @@
+//! Diagnostic codes of the plan (`P…`) and of the run (`R…`), for `revolve explain`.
+//! Never here: the checks.
+
+use crate::deck::Code;
+
+/// All codes of this room.
+pub const CODES: &[Code] = &[
+    Code {
+        code: "P001",
+        title: "deformable elements are not simulated yet",
+        text: "The deck holds CAX3 or CAX4R elements with a section. They are read, checked and written, but this version moves rigid bodies only. Put the elements into a *RIGID BODY, or wait for deformable solids.",
+    },
+    Code {
+        code: "P002",
+        title: "rigid body without mass",
+        text: "A body that is free to move needs mass: give *RIGID BODY a DENSITY and a thickness on its data line (RAX2 elements then carry mass), or put an element of TYPE=MASS with *MASS on its reference node. A body whose motion along z is prescribed needs none.",
+    },
+    Code {
+        code: "P003",
+        title: "load on elements of no rigid body",
+        text: "A distributed load acts on facets of a rigid body; these elements belong to none.",
+    },
+    Code {
+        code: "P004",
+        title: "user load without a routine",
+        text: "PNU, as in ABAQUS/Explicit, calls the user's load routine. Link one through the library (`revolve::job`, trait `UserLoad`), or use CAVITY for the built-in resistance.",
+    },
+    Code {
+        code: "P005",
+        title: "mass on a node of no rigid body",
+        text: "A point mass moves only as part of a rigid body: put it on the reference node.",
+    },
+    Code {
+        code: "P006",
+        title: "nothing to simulate",
+        text: "A run needs at least one rigid body and one step with *DYNAMIC, EXPLICIT.",
+    },
+    Code {
+        code: "P007",
+        title: "prescribed motion on a dependent node",
+        text: "The nodes of a rigid body follow its reference node; prescribe the motion there.",
+    },
+    Code {
+        code: "P008",
+        title: "two prescribed motions on one body",
+        text: "The same degree of freedom is prescribed twice with different values.",
+    },
+    Code {
+        code: "P009",
+        title: "node or element in two rigid bodies",
+        text: "A node or element can follow one reference node only.",
+    },
+    Code {
+        code: "P101",
+        title: "held by axial symmetry already",
+        text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",
+    },
+    Code { code: "P102", title: "a load of zero", text: "Its magnitude is zero, so nothing is constructed for it." },
+    Code {
+        code: "P103",
+        title: "prescribed value that cannot happen",
+        text: "Radial motion or rotation of a rigid body would break axial symmetry.",
+    },
+    Code {
+        code: "P104",
+        title: "initial condition without effect",
+        text: "It is given for nodes that do not move on their own; the velocity of a rigid body is that of its reference node.",
+    },
+    Code {
+        code: "P105",
+        title: "output that this scene has not",
+        text: "The variable needs something that this scene does not simulate, so there is no column or field for it.",
+    },
+    Code {
+        code: "R201",
+        title: "the user's load routine failed",
+        text: "It returned an error, or a pressure that is not a finite number. The message names surface, point, increment and time; the last good state is in the last frame.",
+    },
+    Code {
+        code: "R202",
+        title: "resistance not finite",
+        text: "The law of a layer gave a non-finite stress at the velocity named; check YIELD, density and A, B, C.",
+    },
+    Code {
+        code: "R203",
+        title: "motion not finite",
+        text: "Acceleration or velocity of a body is not finite. The last good state is in the last frame.",
+    },
+    Code {
+        code: "R204",
+        title: "increment too small",
+        text: "The increment no longer advances the clock. The last good state is in the last frame.",
+    },
+    Code {
+        code: "R205",
+        title: "output could not be written",
+        text: "A result file could not be written: the folder vanished, is read-only, or the disk is full.",
+    },
+];

@@ -1,0 +1,101 @@
+//! The ledger: which effects a deck brought to life, what asked for each, what it holds and what share of the time it took.
+//! Never here: the decision which effects exist.
+
+use serde::Serialize;
+
+/// One row.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// The effect.
+    pub effect: String,
+    /// How many facets, nodes, bodies, … it acts on.
+    pub count: usize,
+    /// What is counted.
+    pub unit: &'static str,
+    /// `file:line` of the cards that asked for it.
+    pub asked_by: Vec<String>,
+    /// Details a reader wants: law, scheme, values.
+    pub detail: String,
+    /// Names and bytes of its arrays.
+    pub arrays: Vec<(String, usize)>,
+    /// Share of the run's time, 0 to 1; absent before a run and where it was not measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+}
+
+/// A card that was read and brings nothing to life.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Unused {
+    /// Keyword or load label.
+    pub what: String,
+    /// `file:line`.
+    pub asked_by: String,
+    /// Why.
+    pub why: String,
+}
+
+/// All rows, in the order in which an increment meets them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Ledger {
+    /// Effects that exist.
+    pub effects: Vec<Row>,
+    /// Cards that change nothing here.
+    pub unused: Vec<Unused>,
+}
+
+impl Ledger {
+    /// Adds a row and returns its index, which serves as the effect's cause.
+    pub fn add(&mut self, effect: &str, count: usize, unit: &'static str, asked_by: String, detail: String) -> usize {
+        self.effects.push(Row {
+            effect: effect.into(),
+            count,
+            unit,
+            asked_by: vec![asked_by],
+            detail,
+            arrays: Vec::new(),
+            share: None,
+        });
+        self.effects.len() - 1
+    }
+
+    /// The ledger as text; the last column only after a run.
+    pub fn render(&self) -> String {
+        let timed = self.effects.iter().any(|r| r.share.is_some());
+        let mut table = comfy_table::Table::new();
+        table.load_style(comfy_table::presets::NOTHING);
+        let mut header = vec!["effect", "count", "asked by", "bytes", "detail"];
+        if timed {
+            header.push("time");
+        }
+        table.set_header(header);
+        for row in &self.effects {
+            table.add_row(row.cells(timed));
+        }
+        let mut text = trim_lines(&table.to_string());
+        for unused in &self.unused {
+            text += &format!("not used: {} ({}): {}\n", unused.what, unused.asked_by, unused.why);
+        }
+        text
+    }
+}
+
+impl Row {
+    fn cells(&self, timed: bool) -> Vec<String> {
+        let bytes: usize = self.arrays.iter().map(|a| a.1).sum();
+        let mut cells = vec![
+            self.effect.clone(),
+            format!("{} {}", self.count, self.unit),
+            self.asked_by.join(", "),
+            bytes.to_string(),
+            self.detail.clone(),
+        ];
+        if timed {
+            cells.push(self.share.map_or(String::new(), |s| format!("{:.0} %", 100.0 * s)));
+        }
+        cells
+    }
+}
+
+fn trim_lines(text: &str) -> String {
+    text.lines().map(|l| l.trim_end().to_owned() + "\n").collect()
+}

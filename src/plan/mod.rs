@@ -1,0 +1,172 @@
+//! The meeting point: model in, effects out, with the ledger that says which and why. The one place that decides.
+//! Never here: time stepping.
+
+mod bodies;
+pub mod codes;
+pub mod ledger;
+mod loads;
+mod outputs;
+
+use indexmap::IndexMap;
+
+use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
+use crate::effect::{Cause, Force, motion::Motion};
+use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
+use crate::user::SharedLoad;
+pub use bodies::Body;
+use ledger::{Ledger, Unused};
+pub use outputs::{Column, FieldVariable, Outputs, Quantity, Schedule};
+
+/// What is to be run: every effect the deck asks for, and nothing else.
+pub struct Plan {
+    /// What exists and why.
+    pub ledger: Ledger,
+    /// Nodes and elements, for frames.
+    pub mesh: Mesh,
+    /// Bodies that move.
+    pub bodies: Vec<Body>,
+    /// Steps in order.
+    pub steps: Vec<StepPlan>,
+    /// Names of the history columns, the same in every step.
+    pub columns: Vec<Column>,
+    /// Variables shown on nodes in frames.
+    pub fields: Vec<FieldVariable>,
+}
+
+/// One step.
+pub struct StepPlan {
+    /// Name.
+    pub name: String,
+    /// Length, time.
+    pub duration: f64,
+    /// How the increment is chosen.
+    pub control: IncrementControl,
+    /// Factor on an automatic increment.
+    pub scale_factor: f64,
+    /// What velocity loads are shown.
+    pub load_velocity: LoadVelocity,
+    /// Forces; those that resist come last.
+    pub forces: Vec<Box<dyn Force>>,
+    /// Prescribed motions.
+    pub motions: Vec<Motion>,
+    /// When to write.
+    pub outputs: Outputs,
+}
+
+/// What compilation carries along.
+struct Compiler<'a> {
+    deck: &'a Deck,
+    model: &'a Model,
+    routine: Option<&'a SharedLoad>,
+    diagnostics: Diagnostics,
+    ledger: Ledger,
+    causes: IndexMap<(Span, &'static str), Cause>,
+    bodies: Vec<Body>,
+    /// Body of each node that moves with one.
+    body_of_node: IndexMap<usize, usize>,
+    /// Body of each element that belongs to one.
+    body_of_element: IndexMap<usize, usize>,
+}
+
+/// Decides which effects a model brings to life. `routine` serves the user loads.
+pub fn compile(deck: &Deck, model: &Model, routine: Option<&SharedLoad>) -> (Plan, Diagnostics) {
+    let mut compiler = Compiler {
+        deck,
+        model,
+        routine,
+        diagnostics: Diagnostics::default(),
+        ledger: Ledger::default(),
+        causes: IndexMap::new(),
+        bodies: Vec::new(),
+        body_of_node: IndexMap::new(),
+        body_of_element: IndexMap::new(),
+    };
+    compiler.bodies();
+    let (columns, fields) = compiler.variables();
+    let steps = (0..model.steps.len()).map(|i| compiler.step(i)).collect();
+    compiler.check_complete();
+    compiler.list_inert();
+    let Compiler { ledger, bodies, diagnostics, .. } = compiler;
+    (Plan { ledger, mesh: model.mesh.clone(), bodies, steps, columns, fields }, diagnostics)
+}
+
+impl Compiler<'_> {
+    /// The ledger row of an effect that a span asked for; made at the first asking, so that a load that stays in force
+    /// over several steps has one row.
+    fn cause(&mut self, span: Span, effect: &'static str, count: usize, unit: &'static str, detail: String) -> Cause {
+        if let Some(&cause) = self.causes.get(&(span, effect)) {
+            return cause;
+        }
+        let asked_by = self.deck.sources.describe(span);
+        let cause = self.ledger.add(effect, count, unit, asked_by, detail);
+        self.causes.insert((span, effect), cause);
+        cause
+    }
+
+    /// Notes a card that brings nothing to life.
+    fn unused(&mut self, span: Span, what: impl Into<String>, why: impl Into<String>) {
+        let unused = Unused { what: what.into(), asked_by: self.deck.sources.describe(span), why: why.into() };
+        if !self.ledger.unused.contains(&unused) {
+            self.ledger.unused.push(unused);
+        }
+    }
+
+    fn step(&mut self, index: usize) -> StepPlan {
+        let step = &self.model.steps[index];
+        let mut forces: Vec<_> = step.loads.iter().flat_map(|load| self.load(load, step)).collect();
+        forces.sort_by_key(|f| f.resists());
+        let motions = self.motions(step);
+        self.increment_rows(step, &forces);
+        for force in &forces {
+            self.ledger.effects[force.cause()].arrays = owned(force.arrays());
+        }
+        StepPlan {
+            name: step.name.clone(),
+            duration: step.duration,
+            control: step.increment,
+            scale_factor: step.scale_factor,
+            load_velocity: step.load_velocity,
+            forces,
+            motions,
+            outputs: self.outputs(step),
+        }
+    }
+
+    fn increment_rows(&mut self, step: &crate::model::Step, forces: &[Box<dyn Force>]) {
+        let detail = match step.increment {
+            IncrementControl::Fixed(dt) => format!("fixed increment {dt:e} (direct user control)"),
+            IncrementControl::Automatic { accuracy, .. } => {
+                format!("nothing limits the increment: error estimate, accuracy {accuracy:e}")
+            }
+        };
+        self.cause(step.span, "central difference", 1, "step", detail);
+        if forces.iter().any(|f| f.reads_velocity()) {
+            let scheme = match step.load_velocity {
+                LoadVelocity::Predicted => "second-order estimate at the increment's own time",
+                LoadVelocity::Lagged => "mid-increment velocity behind (LAGGED)",
+            };
+            self.cause(step.span, "load velocity", 1, "step", scheme.into());
+        }
+    }
+
+    fn check_complete(&mut self) {
+        if self.model.rigid_bodies.is_empty() || self.model.steps.is_empty() {
+            let missing = if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "*RIGID BODY" };
+            let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the deck has no {missing}"));
+            if let Some(card) = self.deck.cards.last() {
+                finding = finding.at(card.span, "the deck ends after this card");
+            }
+            self.diagnostics.push(finding.help("a run needs a *RIGID BODY and a *STEP with *DYNAMIC, EXPLICIT"));
+        }
+    }
+
+    fn list_inert(&mut self) {
+        for inert in &self.model.inert {
+            self.unused(inert.span, format!("*{}", inert.keyword), inert.why.clone());
+        }
+    }
+}
+
+fn owned(arrays: Vec<(&'static str, usize)>) -> Vec<(String, usize)> {
+    arrays.into_iter().map(|(name, bytes)| (name.to_owned(), bytes)).collect()
+}

@@ -1,0 +1,161 @@
+//! The length of the next increment, and what it ends in.
+//! Never here: forces, the motion itself.
+
+use super::Run;
+use crate::effect::{Halt, Limit};
+use crate::model::IncrementControl;
+use crate::plan::StepPlan;
+use crate::state::{Bodies, Instant};
+
+/// What an increment ends in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Nothing special.
+    Plain,
+    /// The end of the step.
+    Step,
+    /// A force jumps there.
+    Jump,
+    /// This body comes to rest there.
+    Rest(usize),
+}
+
+/// The next increment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Increment {
+    /// Length, time.
+    pub length: f64,
+    /// What it ends in.
+    pub end: End,
+}
+
+impl Increment {
+    /// The instant it arrives at; the end of the step is met to the last bit.
+    pub fn arrival(&self, now: &Instant, duration: f64) -> Instant {
+        let step_time = if self.end == End::Step { duration } else { now.step_time + self.length };
+        Instant { step_time, total_time: now.total_time + self.length }
+    }
+
+    fn shorten(&mut self, limit: Limit) {
+        if limit.time < self.length {
+            *self = Increment { length: limit.time, end: if limit.jump { End::Jump } else { End::Plain } };
+        }
+    }
+}
+
+/// First automatic increment as a fraction of the largest allowed: nothing is known of the forces yet.
+const FIRST: f64 = 0.01;
+/// The most by which an increment may exceed the one before.
+const GROWTH: f64 = 2.0;
+/// Change of velocity over an increment, in units of sqrt(accuracy) of the scene's velocity. Central differences are of
+/// second order, so the error follows the accuracy itself; the factor keeps it and the energy drift below it.
+const RESOLUTION: f64 = 0.25;
+
+/// Chooses increments over a step.
+#[derive(Debug)]
+pub struct Pace {
+    fixed: Option<f64>,
+    factor: f64,
+    resolution: f64,
+    largest: f64,
+    free: f64,
+    /// Largest speed of each body so far.
+    speed: Vec<f64>,
+}
+
+impl Pace {
+    /// The pace of a step.
+    pub fn new(step: &StepPlan, bodies: &Bodies) -> Self {
+        let (fixed, accuracy) = match step.control {
+            IncrementControl::Fixed(length) => (Some(length), 1.0),
+            IncrementControl::Automatic { accuracy, .. } => (None, accuracy),
+        };
+        let largest = accuracy.sqrt() * step.duration;
+        Pace {
+            fixed,
+            factor: step.scale_factor,
+            resolution: RESOLUTION * accuracy.sqrt(),
+            largest,
+            free: FIRST * largest / GROWTH,
+            speed: bodies.velocity.iter().map(|v| v.abs()).collect(),
+        }
+    }
+
+    /// The next increment.
+    ///
+    /// # Errors
+    /// If it would no longer advance the clock.
+    pub fn choose(&mut self, run: &Run<'_>, step: &StepPlan) -> Result<Increment, Halt> {
+        let mut next = Increment { length: f64::INFINITY, end: End::Plain };
+        match self.fixed {
+            Some(length) => next.length = length,
+            None => {
+                next.length = self.automatic(run) * self.factor;
+                for force in &step.forces {
+                    next.shorten(force.limit(&run.now, &run.bodies));
+                }
+                for motion in &step.motions {
+                    next.shorten(motion.magnitude.limit(&run.now));
+                }
+            }
+        }
+        self.fit_step(&mut next, step.duration - run.now.step_time);
+        meet_rest(&mut next, run, step);
+        if run.now.total_time + next.length > run.now.total_time {
+            return Ok(next);
+        }
+        let reason = format!(
+            "the next increment, {:e}, no longer advances the clock at time {:e} (increment {})",
+            next.length, run.now.total_time, run.increment
+        );
+        Err(Halt { code: "R204", reason })
+    }
+
+    /// From the error estimate: neither velocity nor acceleration may change much over an increment.
+    fn automatic(&mut self, run: &Run<'_>) -> f64 {
+        self.free = (GROWTH * self.free).min(self.largest);
+        let bodies = &run.bodies;
+        for b in 0..bodies.count() {
+            self.speed[b] = self.speed[b].max(bodies.velocity[b].abs());
+            let acceleration = bodies.acceleration[b].abs();
+            let scale = self.speed[b].max(acceleration * self.largest);
+            if run.reads_velocity[b] && acceleration * self.free > self.resolution * scale {
+                self.free = self.resolution * scale / acceleration;
+            }
+            if run.behind > 0.0 {
+                let jerk = (bodies.acceleration[b] - run.acceleration_before[b]).abs() / run.behind;
+                if jerk * self.free * self.free > self.resolution * self.resolution * scale {
+                    self.free = self.resolution * (scale / jerk).sqrt();
+                }
+            }
+        }
+        self.free
+    }
+
+    /// Ends the step on time, without a sliver before it.
+    fn fit_step(&self, next: &mut Increment, remaining: f64) {
+        if next.length >= remaining * (1.0 - 1e-9) {
+            *next = Increment { length: remaining, end: End::Step };
+        } else if self.fixed.is_none() && next.end == End::Plain && next.length > 0.5 * remaining {
+            next.length = 0.5 * remaining;
+        }
+    }
+}
+
+/// A body under loads that read its velocity meets rest exactly: x + v^2 / 2|a| after the time v / |a|. An increment
+/// that would end just short of rest stops half way, so that a growing force cannot turn the velocity unnoticed.
+fn meet_rest(next: &mut Increment, run: &Run<'_>, step: &StepPlan) {
+    let bodies = &run.bodies;
+    for b in 0..bodies.count() {
+        let (v, a) = (bodies.velocity[b], bodies.acceleration[b]);
+        if !run.reads_velocity[b] || v * a >= 0.0 || step.motions.iter().any(|m| m.body == b) {
+            continue;
+        }
+        let rest = -v / a;
+        if rest <= next.length {
+            *next = Increment { length: rest, end: End::Rest(b) };
+        } else if rest < 1.25 * next.length {
+            *next = Increment { length: 0.5 * rest, end: End::Plain };
+        }
+    }
+}
