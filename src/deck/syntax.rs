@@ -1,8 +1,9 @@
 //! The syntax tree of a deck: cards with parameters and data lines, every word with its span.
 //! Never here: what a name refers to.
 
-use super::diagnostic::Diagnostics;
+use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::Keyword;
+use super::number::parse_number;
 use super::source::{Sources, Span};
 
 /// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
@@ -92,13 +93,26 @@ impl Word {
 
     /// The field as a finite number (`1.`, `.5`, `1.57d0`); otherwise a located diagnostic and `None`.
     pub fn number(&self, diagnostics: &mut Diagnostics) -> Option<f64> {
-        let _ = diagnostics;
-        todo!("the deck room parses numbers")
+        match parse_number(&self.text) {
+            Ok(value) => Some(value),
+            Err(message) => {
+                diagnostics.push(Diagnostic::error("D115", message).at(self.span, "a number was expected"));
+                None
+            }
+        }
     }
 
     /// The field as a whole number; otherwise a located diagnostic and `None`.
     pub fn integer(&self, diagnostics: &mut Diagnostics) -> Option<i64> {
-        let _ = diagnostics;
-        todo!("the deck room parses numbers")
+        if let Ok(value) = self.text.parse::<i64>() {
+            return Some(value);
+        }
+        let message = match parse_number(&self.text) {
+            Ok(value) if value.fract() == 0.0 && value.abs() < 1e15 => return Some(value as i64),
+            Ok(_) => format!("`{}` is not a whole number", self.text),
+            Err(message) => message,
+        };
+        diagnostics.push(Diagnostic::error("D116", message).at(self.span, "a whole number was expected"));
+        None
     }
 }
