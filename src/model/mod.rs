@@ -1,6 +1,21 @@
 //! From syntax tree to model: names resolved, parts and instances flattened, values checked.
 //! Never here: arrays for solving.
 
+mod amplitudes;
+mod bodies;
+mod builder;
+pub mod codes;
+mod elements;
+mod loads;
+mod materials;
+pub mod mesh_file;
+mod names;
+mod nodes;
+mod outputs;
+mod parts;
+mod sets;
+mod steps;
+mod surfaces;
 pub mod types;
 
 pub use types::*;
@@ -9,6 +24,9 @@ use crate::deck::{Deck, Diagnostics};
 
 /// Resolves a deck. Always returns a model; it may be run only where the diagnostics hold no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
-    let _ = deck;
-    todo!("the model room")
+    let mut builder = builder::Builder::new(deck);
+    for card in &deck.cards {
+        builder.card(card);
+    }
+    builder.finish()
 }

@@ -1,0 +1,162 @@
+//! Bodies: `*RIGID BODY`, `*MASS`, `*TARGET`, `*INITIAL CONDITIONS`.
+//! Never here: mass matrices.
+
+use super::builder::Builder;
+use super::names::{qualified, upper};
+use super::types::{InitialCondition, InitialKind, Layer, PointMass, RigidBody, Target};
+use crate::deck::{Card, Diagnostic};
+
+impl Builder<'_> {
+    pub(super) fn rigid_body(&mut self, card: &Card) {
+        self.refuse(card, &["ANALYTICAL SURFACE"]);
+        if let Some(position) = card.value("POSITION").filter(|w| !w.is("INPUT")) {
+            self.unsupported(
+                position.span,
+                format!("POSITION={} is not supported", position.text),
+                "a body of revolution moves along z only, so the place of its reference node does not matter",
+            );
+        }
+        let Some(reference) = self.required(card, "REF NODE") else { return };
+        let Some(nodes) = self.node_members(reference) else { return };
+        let [reference] = nodes[..] else {
+            self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+            return;
+        };
+        let elements = card.value("ELSET").and_then(|w| self.element_members(w)).unwrap_or_default();
+        let mut tied = Vec::new();
+        for name in ["PIN NSET", "TIE NSET"] {
+            tied.extend(card.value(name).and_then(|w| self.node_members(w)).unwrap_or_default());
+        }
+        let density = card.value("DENSITY").map_or(Some(0.0), |w| w.number(&mut self.diagnostics)).unwrap_or(0.0);
+        let thickness = card.lines.first().and_then(|l| self.number_or(l, 0, 0.0)).unwrap_or(0.0);
+        if density < 0.0 || thickness < 0.0 {
+            self.out_of_range(card.span, "density and thickness of a rigid body must not be below zero");
+        }
+        let name = card.value("ELSET").map_or_else(|| "RIGID BODY".into(), |w| upper(&w.text));
+        self.model.rigid_bodies.push(RigidBody {
+            name,
+            reference,
+            elements,
+            nodes: tied,
+            thickness,
+            density,
+            span: card.span,
+        });
+    }
+
+    /// The mass is kept with its set and given to nodes at the end: MASS elements may follow.
+    pub(super) fn mass(&mut self, card: &Card) {
+        self.refuse(card, &["ALPHA"]);
+        let Some(set) = self.required(card, "ELSET") else { return };
+        let Some(line) = self.first_line(card) else { return };
+        let Some(mass) = self.number(line, 0, "the mass") else { return };
+        if mass < 0.0 {
+            self.out_of_range(line.span, format!("a mass must not be below zero, not {mass}"));
+            return;
+        }
+        for element in self.element_members(set).unwrap_or_default() {
+            let node = self.model.mesh.elements[element].nodes[0];
+            self.model.point_masses.push(PointMass { node, mass, span: card.span });
+        }
+    }
+
+    /// Several masses on one node add up; MASS elements without *MASS are left without.
+    pub(super) fn apply_masses(&mut self) {
+        self.model.point_masses.retain(|p| p.mass > 0.0);
+    }
+
+    pub(super) fn target(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "NAME") else { return };
+        let front = card.value("FRONT").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
+        let direction = card.value("DIRECTION").map_or(Some(-1.0), |w| w.number(&mut self.diagnostics));
+        let (Some(front), Some(direction)) = (front, direction) else { return };
+        if direction.abs() != 1.0 {
+            self.out_of_range(card.span, format!("DIRECTION is +1 or -1, not {direction}"));
+            return;
+        }
+        if self.first_line(card).is_none() {
+            return;
+        }
+        let mut layers = Vec::new();
+        for line in &card.lines {
+            let Some(word) = line.field(0) else {
+                self.out_of_range(line.span, "a layer needs a material");
+                continue;
+            };
+            let material = self.material(word);
+            let thickness = self.number_or(line, 1, f64::INFINITY);
+            let (Some(material), Some(thickness)) = (material, thickness) else { continue };
+            if thickness.is_nan() || thickness <= 0.0 {
+                self.out_of_range(line.span, format!("a layer must be thicker than zero, not {thickness}"));
+                continue;
+            }
+            let properties = &self.model.materials[material];
+            if properties.cavity.is_none() || properties.density.is_none() {
+                let message = format!(
+                    "material {} has no resistance: a layer needs *DENSITY and *CAVITY EXPANSION",
+                    properties.name
+                );
+                let finding =
+                    Diagnostic::error("M101", message).at(line.span, "this layer").at(properties.span, "the material");
+                self.diagnostics.push(finding);
+            }
+            layers.push(Layer { material, thickness, span: line.span });
+        }
+        if let Some(layer) = layers.iter().rev().skip(1).find(|l| l.thickness.is_infinite()) {
+            let span = layer.span;
+            self.out_of_range(span, "only the last layer may be without end");
+        }
+        self.model.targets.push(Target { name: upper(&name.text), front, direction, layers, span: card.span });
+    }
+
+    pub(super) fn initial_conditions(&mut self, card: &Card) {
+        let Some(kind) = self.required(card, "TYPE") else { return };
+        let name = upper(&kind.text);
+        for line in &card.lines {
+            let Some(set) = line.field(0) else { continue };
+            let found = match name.as_str() {
+                "VELOCITY" => {
+                    let (Some(dof), Some(v)) =
+                        (self.integer(line, 1, "the degree of freedom"), self.number_or(line, 2, 0.0))
+                    else {
+                        continue;
+                    };
+                    if !(1..=6).contains(&dof) {
+                        self.out_of_range(line.span, format!("degree of freedom {dof}: 1 is r, 2 is z"));
+                        continue;
+                    }
+                    self.node_members(set).map(|m| (InitialKind::Velocity(dof as u8, v), m))
+                }
+                "TEMPERATURE" => {
+                    let Some(value) = self.number(line, 1, "the temperature") else { continue };
+                    self.node_members(set).map(|m| (InitialKind::Temperature(value), m))
+                }
+                "STRESS" => {
+                    let values: Vec<f64> =
+                        (1..line.fields.len()).filter_map(|i| self.number_or(line, i, 0.0)).collect();
+                    self.element_members(set).map(|m| (InitialKind::Stress(values), m))
+                }
+                other => {
+                    let help = "VELOCITY, TEMPERATURE and STRESS are";
+                    self.unsupported(kind.span, format!("TYPE={other} is not supported"), help);
+                    return;
+                }
+            };
+            if let Some((kind, members)) = found {
+                self.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
+            }
+        }
+    }
+
+    /// Surface index by name.
+    pub(super) fn surface_key(&mut self, word: &crate::deck::Word) -> Option<String> {
+        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
+            if self.model.surfaces.contains_key(&name) {
+                return Some(name);
+            }
+        }
+        let names: Vec<String> = self.model.surfaces.keys().cloned().collect();
+        self.unknown("M114", "surface", word, &names);
+        None
+    }
+}

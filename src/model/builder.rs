@@ -1,0 +1,267 @@
+//! The builder that walks over the cards: which block it is in, and helpers every card uses.
+//! Never here: what a card means (one file per family of cards).
+
+use std::collections::HashMap;
+
+use crate::deck::keywords::{Tier, nearest};
+use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Parameter, Span, Word};
+
+use super::names::{Labels, qualified, upper};
+use super::steps::StepState;
+use super::types::{Inert, Material, Model};
+
+/// The most nodes, elements or members that one card may generate.
+pub(super) const MOST: usize = 20_000_000;
+
+/// A block that is open.
+#[derive(Debug)]
+pub(super) struct Block {
+    /// `PART`, `ASSEMBLY`, `INSTANCE` or `STEP`.
+    pub kind: &'static str,
+    pub span: Span,
+}
+
+/// What is collected while the cards are read.
+pub(super) struct Builder<'a> {
+    pub deck: &'a Deck,
+    pub model: Model,
+    pub diagnostics: Diagnostics,
+    pub nodes: Labels,
+    pub elements: Labels,
+    /// Name space of labels and sets: an instance, or empty.
+    pub scope: String,
+    pub blocks: Vec<Block>,
+    /// Cards of each part, replayed for each instance.
+    pub parts: HashMap<String, Vec<&'a Card>>,
+    pub recording: Option<String>,
+    pub instance: Option<super::parts::Placement>,
+    pub step: Option<StepState>,
+    pub carried: StepState,
+    pub output: Option<super::types::OutputRequest>,
+}
+
+impl<'a> Builder<'a> {
+    pub fn new(deck: &'a Deck) -> Self {
+        Builder {
+            deck,
+            model: Model::default(),
+            diagnostics: Diagnostics::default(),
+            nodes: Labels::default(),
+            elements: Labels::default(),
+            scope: String::new(),
+            blocks: Vec::new(),
+            parts: HashMap::new(),
+            recording: None,
+            instance: None,
+            step: None,
+            carried: StepState::default(),
+            output: None,
+        }
+    }
+
+    /// Reads one card.
+    pub fn card(&mut self, card: &'a Card) {
+        if self.record(card) {
+            return;
+        }
+        if !card.keyword.name.ends_with(" OUTPUT") {
+            self.output = None;
+        }
+        match card.keyword.name {
+            "HEADING" => self.heading(card),
+            "NODE" => self.node(card),
+            "NGEN" => self.ngen(card),
+            "NFILL" => self.nfill(card),
+            "ELEMENT" => self.element(card),
+            "ELGEN" => self.elgen(card),
+            "NSET" => self.nset(card),
+            "ELSET" => self.elset(card),
+            "SURFACE" => self.surface(card),
+            "MESH" => self.mesh_file(card),
+            "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => self.block(card),
+            "MATERIAL"
+            | "DENSITY"
+            | "ELASTIC"
+            | "PLASTIC"
+            | "RATE DEPENDENT"
+            | "INELASTIC HEAT FRACTION"
+            | "SPECIFIC HEAT"
+            | "CAVITY EXPANSION" => self.material_card(card),
+            "SOLID SECTION" => self.solid_section(card),
+            "SECTION CONTROLS" => {}
+            "RIGID BODY" => self.rigid_body(card),
+            "MASS" => self.mass(card),
+            "TARGET" => self.target(card),
+            "AMPLITUDE" => self.amplitude(card),
+            "INITIAL CONDITIONS" => self.initial_conditions(card),
+            "STEP" | "END STEP" | "DYNAMIC" | "BULK VISCOSITY" | "FIXED MASS SCALING" => self.step_card(card),
+            "BOUNDARY" => self.boundary(card),
+            "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
+            "OUTPUT"
+            | "NODE OUTPUT"
+            | "ELEMENT OUTPUT"
+            | "ENERGY OUTPUT"
+            | "INCREMENTATION OUTPUT"
+            | "CONTACT OUTPUT" => self.output_card(card),
+            _ => self.parsed_card(card),
+        }
+    }
+
+    pub fn finish(mut self) -> (Model, Diagnostics) {
+        for block in std::mem::take(&mut self.blocks) {
+            let message = format!("this *{} is never closed", block.kind);
+            let finding = Diagnostic::error("M105", message).at(block.span, "opened here");
+            self.diagnostics.push(finding.help(format!("end it with *END {}", block.kind)));
+        }
+        self.close_step();
+        self.apply_masses();
+        (self.model, self.diagnostics)
+    }
+
+    fn heading(&mut self, card: &Card) {
+        let words = card.lines.iter().filter_map(|l| l.fields.first()).map(|w| w.text.as_str());
+        self.model.title = words.collect::<Vec<_>>().join("\n");
+    }
+
+    /// Cards that are read although nothing uses them yet.
+    fn parsed_card(&mut self, card: &Card) {
+        let inert = |why: &str| Some(why.to_owned());
+        let why = match card.keyword.name {
+            "CONDUCTIVITY" => inert("no step here conducts heat"),
+            "EXPANSION" => inert("no step here computes thermal strain: temperature changes by adiabatic heating only"),
+            "DEPVAR" => inert("it serves *USER MATERIAL only"),
+            "SURFACE INTERACTION" | "SURFACE BEHAVIOR" | "FRICTION" => inert("it serves contact only"),
+            "ORIENTATION" => inert("nothing here is anisotropic"),
+            _ => None,
+        };
+        match why {
+            Some(why) => self.inert(card, why),
+            None if card.keyword.tier == Tier::Parsed => self.not_yet(card),
+            None => {}
+        }
+    }
+
+    pub fn not_yet(&mut self, card: &Card) {
+        let message =
+            format!("*{} is read, but not simulated yet; without it the physics would change", card.keyword.name);
+        self.diagnostics.push(Diagnostic::error("M106", message).at(card.span, "not simulated yet"));
+    }
+
+    pub fn inert(&mut self, card: &Card, why: String) {
+        self.model.inert.push(Inert { keyword: card.keyword.name.into(), span: card.span, why });
+    }
+
+    /// A parameter value that must be there.
+    pub fn required<'c>(&mut self, card: &'c Card, name: &str) -> Option<&'c Word> {
+        let value = card.value(name);
+        if value.is_none() {
+            let message = format!("*{} needs {name}=", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M101", message).at(card.span, format!("{name}= is missing")));
+        }
+        value
+    }
+
+    /// A number that must be there.
+    pub fn number(&mut self, line: &DataLine, index: usize, what: &str) -> Option<f64> {
+        match line.field(index) {
+            Some(word) => word.number(&mut self.diagnostics),
+            None => {
+                let finding = Diagnostic::error("M102", format!("{what} is missing"));
+                self.diagnostics.push(finding.at(line.span, format!("field {} should be {what}", index + 1)));
+                None
+            }
+        }
+    }
+
+    /// A number, or a default where the field is empty or absent.
+    pub fn number_or(&mut self, line: &DataLine, index: usize, default: f64) -> Option<f64> {
+        line.field(index).map_or(Some(default), |w| w.number(&mut self.diagnostics))
+    }
+
+    /// A whole number that must be there.
+    pub fn integer(&mut self, line: &DataLine, index: usize, what: &str) -> Option<i64> {
+        match line.field(index) {
+            Some(word) => word.integer(&mut self.diagnostics),
+            None => {
+                let finding = Diagnostic::error("M102", format!("{what} is missing"));
+                self.diagnostics.push(finding.at(line.span, format!("field {} should be {what}", index + 1)));
+                None
+            }
+        }
+    }
+
+    pub fn out_of_range(&mut self, span: Span, message: impl Into<String>) {
+        self.diagnostics.push(Diagnostic::error("M103", message).at(span, "here"));
+    }
+
+    pub fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {
+        let finding = Diagnostic::error("M104", message).at(span, "not supported");
+        self.diagnostics.push(if help.is_empty() { finding } else { finding.help(help) });
+    }
+
+    /// A parameter whose presence or value is not supported is an error, so that nothing is parsed and ignored.
+    pub fn refuse(&mut self, card: &Card, names: &[&str]) {
+        for parameter in card.parameters.iter().filter(|p: &&Parameter| names.contains(&p.name)) {
+            let message = format!("{} on *{} is not supported", parameter.name, card.keyword.name);
+            self.unsupported(parameter.span, message, "");
+        }
+    }
+
+    /// Says that a name refers to nothing, with the nearest that exists.
+    pub fn unknown(&mut self, code: &'static str, what: &str, word: &Word, names: &[String]) {
+        let finding =
+            Diagnostic::error(code, format!("there is no {what} `{}`", word.text)).at(word.span, "not defined");
+        let near = nearest(&word.text, names.iter().map(String::as_str)).map(str::to_owned);
+        let finding = match near {
+            Some(near) => finding.help(format!("did you mean {near}?")),
+            None if names.is_empty() => finding.help(format!("the deck defines no {what}")),
+            None => {
+                let shown: Vec<_> = names.iter().take(12).map(String::as_str).collect();
+                let more = if names.len() > 12 { ", …" } else { "" };
+                finding.help(format!("there are: {}{more}", shown.join(", ")))
+            }
+        };
+        self.diagnostics.push(finding);
+    }
+
+    /// Material index by name.
+    pub fn material(&mut self, word: &Word) -> Option<usize> {
+        let name = upper(&word.text);
+        let found = self.model.materials.iter().position(|m: &Material| m.name == name);
+        if found.is_none() {
+            let names: Vec<String> = self.model.materials.iter().map(|m| m.name.clone()).collect();
+            self.unknown("M111", "material", word, &names);
+        }
+        found
+    }
+
+    /// The nodes a word stands for: a set or a label.
+    pub fn node_members(&mut self, word: &Word) -> Option<Vec<usize>> {
+        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
+            if let Some(set) = self.model.node_sets.get(&name) {
+                return Some(set.members.clone());
+            }
+        }
+        if let Some(node) = self.nodes.resolve(&self.scope, word) {
+            return Some(vec![node]);
+        }
+        let names: Vec<String> = self.model.node_sets.keys().cloned().collect();
+        self.unknown("M110", "node set or node", word, &names);
+        None
+    }
+
+    /// The elements a word stands for: a set or a label.
+    pub fn element_members(&mut self, word: &Word) -> Option<Vec<usize>> {
+        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
+            if let Some(set) = self.model.element_sets.get(&name) {
+                return Some(set.members.clone());
+            }
+        }
+        if let Some(element) = self.elements.resolve(&self.scope, word) {
+            return Some(vec![element]);
+        }
+        let names: Vec<String> = self.model.element_sets.keys().cloned().collect();
+        self.unknown("M110", "element set or element", word, &names);
+        None
+    }
+}

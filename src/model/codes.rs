@@ -1,0 +1,75 @@
+//! Diagnostic codes of the model room (`M…`) with their explanations.
+//! Never here: the checks.
+
+use crate::deck::Code;
+
+const fn code(code: &'static str, title: &'static str, text: &'static str) -> Code {
+    Code { code, title, text }
+}
+
+/// All codes of this room.
+pub const CODES: &[Code] = &[
+    code("M101", "a needed parameter is missing", "The keyword line needs this parameter."),
+    code("M102", "a needed value is missing", "The data line has fewer fields than the card needs."),
+    code("M103", "value out of range", "The value cannot be what the card asks for; the message says why."),
+    code("M104", "option not supported", "The card asks for a variant that is known and not simulated."),
+    code(
+        "M105",
+        "card out of place",
+        "Blocks open and close: *PART … *END PART, *STEP … *END STEP. The card stands outside the block it belongs to.",
+    ),
+    code(
+        "M106",
+        "read, not simulated yet",
+        "The card is read and checked, but what it asks for is not simulated yet; leaving it out would change the physics.",
+    ),
+    code("M107", "card without data", "The card needs at least one data line."),
+    code(
+        "M110",
+        "unknown set, node or element",
+        "Nothing has this name or label. Inside parts names are as written; from outside write INSTANCE.NAME.",
+    ),
+    code("M111", "unknown material", "No *MATERIAL has this name."),
+    code("M112", "unknown amplitude", "No *AMPLITUDE has this name."),
+    code("M113", "unknown target", "No *TARGET has this name."),
+    code("M114", "unknown surface", "No *SURFACE has this name."),
+    code("M115", "unknown part", "No *PART has this name."),
+    code("M120", "unknown element type", "No element type of ABAQUS has this name."),
+    code(
+        "M121",
+        "element type not supported",
+        "The type is known, but this code is axisymmetric and supports RAX2, CAX3, CAX4R and MASS.",
+    ),
+    code(
+        "M122",
+        "element with a missing node",
+        "The element refers to a node that is not defined (nodes must come before their elements).",
+    ),
+    code(
+        "M123",
+        "degenerate element",
+        "Its nodes coincide, it has no area, it runs clockwise, or it reaches across the axis.",
+    ),
+    code("M124", "label used twice", "Two elements have the same label; for nodes the later definition counts."),
+    code("M125", "too many", "The card would generate more than 20 million items; that is taken for a slip."),
+    code("M126", "node off the plane or beyond the axis", "An axisymmetric model lies in the r-z plane with r >= 0."),
+    code("M130", "side of a surface is missing", "A RAX2 element has two sides: write SPOS or SNEG."),
+    code("M131", "no such side", "RAX2 has SPOS and SNEG, solids have S1 to S3 or S4."),
+    code("M132", "unknown load", "The load label is not one of those that this code knows."),
+    code(
+        "M140",
+        "displacement ignored",
+        "As in ABAQUS/Explicit, a displacement without AMPLITUDE would be a jump; its value is ignored and the motion is held.",
+    ),
+    code("M141", "unknown output variable", "No output variable has this name; it is left out."),
+    code(
+        "M142",
+        "time marks",
+        "Frames are written at the first increment at or past the mark; looking does not change the increments.",
+    ),
+    code(
+        "M150",
+        "mesh file cannot be read",
+        "The file is missing, damaged, or in a form that is not read; the message says how to save it again.",
+    ),
+];

@@ -1,0 +1,279 @@
+//! Elements: `*ELEMENT`, `*ELGEN`, and the types there are.
+//! Never here: materials.
+
+use super::builder::{Builder, MOST};
+use super::names::qualified;
+use super::types::{Element, ElementKind};
+use crate::deck::keywords::nearest;
+use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+
+/// Types that are simulated.
+const SUPPORTED: &[(&str, ElementKind)] = &[
+    ("RAX2", ElementKind::Rax2),
+    ("CAX3", ElementKind::Cax3),
+    ("CAX4R", ElementKind::Cax4r),
+    ("MASS", ElementKind::Mass),
+];
+
+/// Axisymmetric types of ABAQUS that are not simulated, with what to use instead.
+const AXISYMMETRIC: &[(&str, &str)] = &[
+    ("CAX4", "CAX4R is; it has one integration point"),
+    ("CAX4H", "CAX4R is"),
+    ("CAX4RH", "CAX4R is"),
+    ("CAX4I", "CAX4R is"),
+    ("CAX4RT", "no temperature degree of freedom is solved; CAX4R with adiabatic heating is"),
+    ("CAX4T", "no temperature degree of freedom is solved; CAX4R is"),
+    ("CAX3T", "no temperature degree of freedom is solved; CAX3 is"),
+    ("CAX3H", "CAX3 is"),
+    ("CAX6M", "CAX3 is"),
+    ("CAX6", "CAX3 is"),
+    ("CAX8", "explicit dynamics uses linear elements: CAX4R"),
+    ("CAX8R", "explicit dynamics uses linear elements: CAX4R"),
+    ("CAX8RT", "explicit dynamics uses linear elements: CAX4R"),
+    ("SAX1", "shells are not simulated"),
+    ("SAX2", "shells are not simulated"),
+    ("MAX1", "membranes are not simulated"),
+    ("SFMAX1", "surface elements on solids are not simulated"),
+    ("COHAX4", "cohesive elements are not simulated"),
+    ("SPRINGA", "springs are not simulated yet"),
+    ("SPRING1", "springs are not simulated yet"),
+    ("SPRING2", "springs are not simulated yet"),
+    ("DASHPOTA", "dashpots are not simulated yet"),
+    ("DASHPOT1", "dashpots are not simulated yet"),
+    ("ROTARYI", "a body of revolution does not turn"),
+    ("CONN2D2", "connectors are not simulated"),
+];
+
+/// Beginnings of names of types for other geometries.
+const OTHER_GEOMETRY: &[(&str, &str)] = &[
+    ("C3D", "three-dimensional"),
+    ("SC6", "three-dimensional"),
+    ("SC8", "three-dimensional"),
+    ("R3D", "three-dimensional"),
+    ("S3", "a three-dimensional shell"),
+    ("S4", "a three-dimensional shell"),
+    ("S8", "a three-dimensional shell"),
+    ("STRI", "a three-dimensional shell"),
+    ("M3D", "a three-dimensional membrane"),
+    ("SFM3D", "three-dimensional"),
+    ("COH3D", "three-dimensional"),
+    ("T3D", "a three-dimensional truss"),
+    ("B3", "a three-dimensional beam"),
+    ("CPE", "plane strain"),
+    ("CPS", "plane stress"),
+    ("COH2D", "plane"),
+    ("R2D2", "plane"),
+    ("T2D", "a plane truss"),
+    ("B2", "a plane beam"),
+    ("EC3D", "three-dimensional Eulerian"),
+    ("PC3D", "a particle"),
+    ("AC", "acoustic"),
+    ("DC", "for heat transfer"),
+];
+
+impl ElementKind {
+    /// How many nodes it has.
+    pub fn node_count(self) -> usize {
+        match self {
+            ElementKind::Mass => 1,
+            ElementKind::Rax2 => 2,
+            ElementKind::Cax3 => 3,
+            ElementKind::Cax4r => 4,
+        }
+    }
+
+    /// ABAQUS's name of the type.
+    pub fn name(self) -> &'static str {
+        SUPPORTED.iter().find(|s| s.1 == self).map_or("?", |s| s.0)
+    }
+}
+
+impl Builder<'_> {
+    pub(super) fn element(&mut self, card: &Card) {
+        self.refuse(card, &["INPUT"]);
+        let Some(kind) = self.required(card, "TYPE").and_then(|w| self.element_kind(w)) else { return };
+        let mut made = Vec::new();
+        let mut at = 0;
+        while at < card.lines.len() {
+            let (words, next) = joined(card, at, kind.node_count() + 1);
+            if let Some(element) = self.element_line(kind, &words, &card.lines[at]) {
+                made.push(element);
+            }
+            at = next;
+        }
+        if let Some(name) = card.value("ELSET") {
+            self.add_element_set(&name.text, made, card.span);
+        }
+    }
+
+    /// The type a word names; one finding where it is none of ours.
+    pub(super) fn element_kind(&mut self, word: &Word) -> Option<ElementKind> {
+        let name = word.text.to_uppercase();
+        if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
+            return Some(found.1);
+        }
+        let supported = "supported are RAX2, CAX3, CAX4R and MASS";
+        let finding = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
+            Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
+        } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
+            Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
+                .help(supported)
+        } else {
+            let names = SUPPORTED.iter().map(|s| s.0).chain(AXISYMMETRIC.iter().map(|a| a.0));
+            let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));
+            Diagnostic::error("M120", format!("unknown element type {name}")).help(help)
+        };
+        self.diagnostics.push(finding.at(word.span, "this type"));
+        None
+    }
+
+    fn element_line(&mut self, kind: ElementKind, words: &[&Word], line: &DataLine) -> Option<usize> {
+        let need = kind.node_count();
+        if words.len() < need + 1 {
+            let message = format!("a {} element has a label and {need} nodes", kind.name());
+            self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, format!("{} given", words.len())));
+            return None;
+        }
+        let label = words[0].integer(&mut self.diagnostics)?;
+        let mut nodes = Vec::with_capacity(need);
+        for word in &words[1..=need] {
+            match self.nodes.resolve(&self.scope, word) {
+                Some(node) => nodes.push(node),
+                None => {
+                    let message = format!("element {label} refers to node {}, which is not defined", word.text);
+                    let finding = Diagnostic::error("M122", message).at(word.span, "no such node");
+                    let help = format!("there are {} nodes defined above", self.nodes.len());
+                    self.diagnostics.push(finding.help(help));
+                    return None;
+                }
+            }
+        }
+        self.add_element(label, kind, nodes, line.span)
+    }
+
+    /// Adds an element of the present scope after checking its shape.
+    pub(super) fn add_element(
+        &mut self,
+        label: i64,
+        kind: ElementKind,
+        nodes: Vec<usize>,
+        span: Span,
+    ) -> Option<usize> {
+        if let Some(fault) = self.shape_fault(kind, &nodes) {
+            let message = format!("element {label} ({}) {fault}", kind.name());
+            self.diagnostics.push(Diagnostic::error("M123", message).at(span, "this element"));
+            return None;
+        }
+        let index = self.model.mesh.elements.len();
+        if let Some(other) = self.elements.insert(&self.scope, label, index) {
+            let first = self.model.mesh.elements[other].span;
+            let finding =
+                Diagnostic::error("M124", format!("element label {label} is used twice")).at(span, "again here");
+            self.diagnostics.push(finding.at(first, "first here"));
+        }
+        let name = qualified(&self.scope, &label.to_string());
+        self.model.mesh.elements.push(Element { name, kind, nodes, span });
+        Some(index)
+    }
+
+    fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<&'static str> {
+        let points: Vec<[f64; 2]> = nodes.iter().map(|&n| self.model.mesh.points[n]).collect();
+        if kind == ElementKind::Mass {
+            return None;
+        }
+        let extent = points.iter().fold(0.0, |m: f64, p| m.max(p[0].abs()));
+        if points.iter().any(|p| p[0] < -1e-9 * extent) {
+            return Some("reaches across the axis: r must not be negative");
+        }
+        let area: f64 = (0..points.len())
+            .map(|i| (points[i], points[(i + 1) % points.len()]))
+            .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
+            .sum();
+        match kind {
+            ElementKind::Rax2 if points[0] == points[1] => Some("has no length: its nodes coincide"),
+            ElementKind::Cax3 | ElementKind::Cax4r if area < 0.0 => {
+                Some("runs clockwise: number its nodes the other way")
+            }
+            ElementKind::Cax3 | ElementKind::Cax4r if area == 0.0 => Some("has no area"),
+            _ => None,
+        }
+    }
+
+    /// Repeats elements in rows and rows of rows (ABAQUS Keywords Guide, *ELGEN).
+    pub(super) fn elgen(&mut self, card: &Card) {
+        let mut made = Vec::new();
+        for line in &card.lines {
+            if let Some(elements) = self.elgen_line(line) {
+                made.extend(elements);
+            }
+        }
+        if let Some(name) = card.value("ELSET") {
+            self.add_element_set(&name.text, made, card.span);
+        }
+    }
+
+    fn elgen_line(&mut self, line: &DataLine) -> Option<Vec<usize>> {
+        let master = self.integer(line, 0, "the master element")?;
+        let mut given = [1_i64; 9];
+        for (i, value) in given.iter_mut().enumerate() {
+            if let Some(word) = line.field(i + 1) {
+                *value = word.integer(&mut self.diagnostics)?;
+            }
+        }
+        let [count, node_step, element_step, rows, row_node_step, row_element_step, layers, ..] = given;
+        let Some(model) = self.elements.find(&self.scope, master) else {
+            let message = format!("the master element {master} is not defined");
+            self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "no such element"));
+            return None;
+        };
+        let total = i128::from(count) * i128::from(rows);
+        if count < 1 || rows < 1 || layers != 1 || total > MOST as i128 {
+            let message = format!("cannot generate {count} x {rows} x {layers} elements");
+            self.diagnostics.push(Diagnostic::error("M125", message).at(line.span, "check the counts"));
+            return None;
+        }
+        let master_nodes = self.model.mesh.elements[model].nodes.clone();
+        let kind = self.model.mesh.elements[model].kind;
+        let labels: Vec<i64> = master_nodes
+            .iter()
+            .filter_map(|&n| self.model.mesh.node_names[n].rsplit('.').next()?.parse().ok())
+            .collect();
+        let mut made = vec![model];
+        for row in 0..rows {
+            for column in (0..count).filter(|c| row > 0 || *c > 0) {
+                let shift = column * node_step + row * row_node_step;
+                let label = master + column * element_step + row * row_element_step;
+                let nodes = self.shifted(&labels, shift, label, line.span)?;
+                made.extend(self.add_element(label, kind, nodes, line.span));
+            }
+        }
+        Some(made)
+    }
+
+    fn shifted(&mut self, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
+        let mut nodes = Vec::with_capacity(labels.len());
+        for label in labels {
+            match self.nodes.find(&self.scope, label + shift) {
+                Some(node) => nodes.push(node),
+                None => {
+                    let message =
+                        format!("generated element {element} needs node {}, which is not defined", label + shift);
+                    self.diagnostics.push(Diagnostic::error("M122", message).at(span, "generated here"));
+                    return None;
+                }
+            }
+        }
+        Some(nodes)
+    }
+}
+
+/// The fields of as many lines as a card needs, and the index of the line after them.
+pub(super) fn joined(card: &Card, at: usize, need: usize) -> (Vec<&Word>, usize) {
+    let mut words: Vec<&Word> = card.lines[at].fields.iter().filter(|w| !w.text.is_empty()).collect();
+    let mut next = at + 1;
+    while words.len() < need && next < card.lines.len() {
+        words.extend(card.lines[next].fields.iter().filter(|w| !w.text.is_empty()));
+        next += 1;
+    }
+    (words, next)
+}

@@ -1,0 +1,201 @@
+//! Loads: `*CLOAD`, `*DLOAD`, `*DSLOAD`.
+//! Never here: their effect.
+
+use super::builder::Builder;
+use super::names::upper;
+use super::surfaces::side;
+use super::types::{Load, LoadKind, Sides};
+use crate::deck::{Card, DataLine, Diagnostic, Word};
+
+/// Labels this code knows.
+const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, CAVITY";
+
+impl Builder<'_> {
+    pub(super) fn load_card(&mut self, card: &Card) {
+        self.refuse(card, &["CONSTANT RESULTANT"]);
+        if card.keyword.name == "CLOAD" {
+            self.refuse(card, &["FOLLOWER"]);
+        }
+        if self.step.is_none() {
+            let message = format!("*{} belongs into a *STEP", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
+            return;
+        }
+        let Ok(amplitude) = self.amplitude_of(card) else { return };
+        let family = card.keyword.name;
+        if self.operation(card, family) {
+            self.state().loads.retain(|l| load_family(&l.kind) != family);
+        }
+        for line in &card.lines {
+            let parsed = match family {
+                "CLOAD" => self.concentrated(line),
+                "DLOAD" => self.element_load(card, line),
+                _ => self.surface_load(card, line),
+            };
+            if let Some((kind, magnitude)) = parsed {
+                self.put_load(Load { kind, magnitude, amplitude, span: line.span });
+            }
+        }
+    }
+
+    /// A load of the same kind at the same place takes the place of the one from an earlier step.
+    fn put_load(&mut self, load: Load) {
+        let key = load_key(&load.kind);
+        let list = &mut self.state().loads;
+        match list.iter().position(|l| load_key(&l.kind) == key) {
+            Some(same) => list[same] = load,
+            None => list.push(load),
+        }
+    }
+
+    fn concentrated(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
+        let set = self.region(line)?;
+        let nodes = self.node_members(set)?;
+        let dof = self.integer(line, 1, "the degree of freedom")?;
+        let magnitude = self.number(line, 2, "the force")?;
+        if !(1..=6).contains(&dof) {
+            self.out_of_range(line.span, format!("degree of freedom {dof}: 1 is r, 2 is z"));
+            return None;
+        }
+        Some((LoadKind::Concentrated { nodes, dof: dof as u8, set: set.text.clone() }, magnitude))
+    }
+
+    fn region<'l>(&mut self, line: &'l DataLine) -> Option<&'l Word> {
+        let word = line.field(0);
+        if word.is_none() {
+            self.diagnostics
+                .push(Diagnostic::error("M102", "a set or surface is missing").at(line.span, "first field"));
+        }
+        word
+    }
+
+    fn label<'l>(&mut self, line: &'l DataLine) -> Option<&'l Word> {
+        let word = line.field(1);
+        if word.is_none() {
+            let finding = Diagnostic::error("M102", "a load label is missing").at(line.span, "second field");
+            self.diagnostics.push(finding.help(format!("known are {LABELS}")));
+        }
+        word
+    }
+
+    fn unknown_label(&mut self, label: &Word) {
+        let message = format!("load label {} is not supported", label.text);
+        let finding = Diagnostic::error("M132", message).at(label.span, "this label");
+        self.diagnostics.push(finding.help(format!("known are {LABELS}")));
+    }
+
+    fn element_load(&mut self, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
+        let label = self.label(line)?;
+        let name = upper(&label.text);
+        if name == "GRAV" {
+            return self.gravity(line);
+        }
+        let set = self.region(line)?;
+        let elements = self.element_members(set)?;
+        let user = name.strip_suffix("NU");
+        let number = user.unwrap_or(&name).strip_prefix('P');
+        let faces = match (number, name.as_str()) {
+            // P on RAX2: pressure against the positive side (ABAQUS Elements Guide, rigid element library).
+            (Some(""), _) | (_, "CAVITY") => {
+                let spos = Word { text: "SPOS".into(), ..label.clone() };
+                self.sides(&elements, &spos)
+            }
+            (Some(n), _) if n.parse::<u8>().is_ok_and(|n| (1..=4).contains(&n)) => {
+                let word = Word { text: format!("S{n}"), ..label.clone() };
+                self.sides(&elements, &word)
+            }
+            _ => {
+                self.unknown_label(label);
+                return None;
+            }
+        };
+        let sides = Sides { name: set.text.clone(), surface: false, faces };
+        self.distributed(card, line, sides, user.is_some(), name == "CAVITY")
+    }
+
+    fn surface_load(&mut self, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
+        let word = self.region(line)?;
+        let key = self.surface_key(word)?;
+        let label = self.label(line)?;
+        let name = upper(&label.text);
+        if !matches!(name.as_str(), "P" | "PNU" | "CAVITY") {
+            self.unknown_label(label);
+            return None;
+        }
+        let faces = self.model.surfaces[&key].faces.clone();
+        let sides = Sides { name: word.text.clone(), surface: true, faces };
+        self.distributed(card, line, sides, name == "PNU", name == "CAVITY")
+    }
+
+    fn distributed(
+        &mut self,
+        card: &Card,
+        line: &DataLine,
+        sides: Sides,
+        user: bool,
+        cavity: bool,
+    ) -> Option<(LoadKind, f64)> {
+        if cavity {
+            return self.cavity(card, sides).map(|kind| (kind, 1.0));
+        }
+        if user {
+            return Some((LoadKind::User(sides), self.number_or(line, 2, 1.0)?));
+        }
+        Some((LoadKind::Pressure(sides), self.number(line, 2, "the pressure")?))
+    }
+
+    fn cavity(&mut self, card: &Card, sides: Sides) -> Option<LoadKind> {
+        let word = self.required(card, "TARGET")?;
+        let target = self.model.targets.iter().position(|t| t.name == upper(&word.text));
+        if target.is_none() {
+            let names: Vec<String> = self.model.targets.iter().map(|t| t.name.clone()).collect();
+            self.unknown("M113", "target", word, &names);
+        }
+        let friction = card.value("FRICTION").map_or(Some(0.0), |w| w.number(&mut self.diagnostics))?;
+        if friction < 0.0 {
+            self.out_of_range(card.span, format!("FRICTION must not be below zero, not {friction}"));
+            return None;
+        }
+        Some(LoadKind::Cavity { sides, target: target?, friction })
+    }
+
+    fn gravity(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
+        let elements = match line.field(0) {
+            Some(word) => Some(self.element_members(word)?),
+            None => None,
+        };
+        let magnitude = self.number(line, 2, "the acceleration")?;
+        let (r, z) = (self.number_or(line, 3, 0.0)?, self.number_or(line, 4, 0.0)?);
+        let length = r.hypot(z);
+        if length == 0.0 {
+            self.out_of_range(line.span, "GRAV needs a direction: magnitude, r, z");
+            return None;
+        }
+        Some((LoadKind::Gravity { elements, direction: [r / length, z / length] }, magnitude))
+    }
+}
+
+fn load_family(kind: &LoadKind) -> &'static str {
+    match kind {
+        LoadKind::Concentrated { .. } => "CLOAD",
+        LoadKind::Gravity { .. } => "DLOAD",
+        LoadKind::Pressure(s) | LoadKind::User(s) | LoadKind::Cavity { sides: s, .. } => {
+            if s.surface {
+                "DSLOAD"
+            } else {
+                "DLOAD"
+            }
+        }
+    }
+}
+
+/// What makes two loads the same load.
+fn load_key(kind: &LoadKind) -> String {
+    match kind {
+        LoadKind::Concentrated { dof, set, .. } => format!("C {dof} {}", upper(set)),
+        LoadKind::Gravity { elements, .. } => format!("G {elements:?}"),
+        LoadKind::Pressure(s) => format!("P {} {:?}", upper(&s.name), s.faces.first()),
+        LoadKind::User(s) => format!("U {} {:?}", upper(&s.name), s.faces.first()),
+        LoadKind::Cavity { sides, target, .. } => format!("X {} {target}", upper(&sides.name)),
+    }
+}

@@ -1,0 +1,190 @@
+//! Materials: `*MATERIAL` and the cards below it, `*SOLID SECTION`.
+//! Never here: what a material does under load.
+
+use super::builder::Builder;
+use super::names::upper;
+use super::types::{CavityExpansion, Material, Plastic, RateDependence, SolidSection};
+use crate::deck::{Card, DataLine, Diagnostic};
+
+impl Builder<'_> {
+    pub(super) fn material_card(&mut self, card: &Card) {
+        if card.keyword.name == "MATERIAL" {
+            if let Some(name) = self.required(card, "NAME") {
+                let material = Material { name: upper(&name.text), span: card.span, ..Material::default() };
+                self.model.materials.push(material);
+            }
+            return;
+        }
+        if self.model.materials.is_empty() {
+            let message = format!("*{} belongs below a *MATERIAL", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no material above"));
+            return;
+        }
+        self.refuse(card, &["RATE", "SCALESTRESS"]);
+        match card.keyword.name {
+            "DENSITY" => {
+                let density = self.positive(card, "the density");
+                self.last_material().density = density;
+            }
+            "ELASTIC" => self.elastic(card),
+            "PLASTIC" => self.plastic(card),
+            "RATE DEPENDENT" => self.rate_dependent(card),
+            "INELASTIC HEAT FRACTION" => {
+                let fraction = card.lines.first().map_or(Some(0.9), |l| self.number_or(l, 0, 0.9));
+                self.last_material().inelastic_heat_fraction = fraction;
+            }
+            "SPECIFIC HEAT" => {
+                let heat = self.positive(card, "the specific heat");
+                self.last_material().specific_heat = heat;
+            }
+            _ => self.cavity_expansion(card),
+        }
+    }
+
+    fn last_material(&mut self) -> &mut Material {
+        let last = self.model.materials.len() - 1;
+        &mut self.model.materials[last]
+    }
+
+    pub(super) fn first_line<'c>(&mut self, card: &'c Card) -> Option<&'c DataLine> {
+        let line = card.lines.first();
+        if line.is_none() {
+            let message = format!("*{} needs a data line", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M107", message).at(card.span, "no data below"));
+        }
+        line
+    }
+
+    fn positive(&mut self, card: &Card, what: &str) -> Option<f64> {
+        let line = self.first_line(card)?;
+        let value = self.number(line, 0, what)?;
+        if value > 0.0 {
+            return Some(value);
+        }
+        self.out_of_range(line.span, format!("{what} must be above zero, not {value}"));
+        None
+    }
+
+    fn elastic(&mut self, card: &Card) {
+        if let Some(kind) = card.value("TYPE").filter(|w| !w.text.to_uppercase().starts_with("ISO")) {
+            self.unsupported(kind.span, format!("TYPE={} is not supported", kind.text), "isotropic elasticity is");
+            return;
+        }
+        if card.has("DEPENDENCIES") || card.lines.len() > 1 {
+            self.unsupported(
+                card.span,
+                "elasticity that depends on fields or temperature is not supported",
+                "give one line",
+            );
+            return;
+        }
+        let Some(line) = self.first_line(card) else { return };
+        let (Some(e), Some(nu)) = (self.number(line, 0, "Young's modulus"), self.number_or(line, 1, 0.0)) else {
+            return;
+        };
+        if e <= 0.0 || nu <= -1.0 || nu >= 0.5 {
+            self.out_of_range(
+                line.span,
+                format!("Young's modulus {e} must be above 0, Poisson's ratio {nu} between -1 and 0.5"),
+            );
+            return;
+        }
+        self.last_material().elastic = Some([e, nu]);
+    }
+
+    fn plastic(&mut self, card: &Card) {
+        self.refuse(card, &["DEPENDENCIES"]);
+        let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
+        match hardening.as_str() {
+            "JOHNSONCOOK" => {
+                let Some(line) = self.first_line(card) else { return };
+                if let Some(values) = self.numbers::<6>(line, &[0.0; 6]) {
+                    self.last_material().plastic = Some(Plastic::JohnsonCook(values));
+                }
+            }
+            "ISOTROPIC" => {
+                let rows =
+                    card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0, 0.0, f64::NAN])).collect::<Vec<_>>();
+                if self.first_line(card).is_some() {
+                    self.last_material().plastic = Some(Plastic::Tabular(rows));
+                }
+            }
+            other => self.unsupported(
+                card.span,
+                format!("HARDENING={other} is not supported"),
+                "ISOTROPIC and JOHNSON COOK are",
+            ),
+        }
+    }
+
+    fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
+        let mut values = *defaults;
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = self.number_or(line, i, *value)?;
+        }
+        Some(values)
+    }
+
+    fn rate_dependent(&mut self, card: &Card) {
+        self.refuse(card, &["DEPENDENCIES"]);
+        let kind = card.value("TYPE").map_or("POWERLAW".into(), |w| upper(&w.text).replace(' ', ""));
+        if self.first_line(card).is_none() {
+            return;
+        }
+        let rows: Vec<[f64; 2]> = card.lines.iter().filter_map(|l| self.numbers::<2>(l, &[0.0, 1.0])).collect();
+        let rate = match kind.as_str() {
+            "JOHNSONCOOK" => rows.first().map(|r| RateDependence::JohnsonCook(*r)),
+            "POWERLAW" => Some(RateDependence::PowerLaw(rows)),
+            "YIELDRATIO" => Some(RateDependence::YieldRatio(rows)),
+            other => {
+                self.unsupported(
+                    card.span,
+                    format!("TYPE={other} is not supported"),
+                    "JOHNSON COOK, POWER LAW and YIELD RATIO are",
+                );
+                None
+            }
+        };
+        self.last_material().rate = rate;
+    }
+
+    fn cavity_expansion(&mut self, card: &Card) {
+        let Some(yield_word) = self.required(card, "YIELD") else { return };
+        let Some(yield_stress) = yield_word.number(&mut self.diagnostics) else { return };
+        let Some(line) = self.first_line(card) else { return };
+        let (Some(a), Some(b), Some(c)) =
+            (self.number(line, 0, "A"), self.number(line, 1, "B"), self.number(line, 2, "C"))
+        else {
+            return;
+        };
+        if yield_stress <= 0.0 || a < 0.0 || b < 0.0 || c < 0.0 {
+            self.out_of_range(line.span, "a resistance needs YIELD above zero and A, B, C not below zero");
+            return;
+        }
+        self.last_material().cavity = Some(CavityExpansion { yield_stress, a, b, c, span: card.span });
+    }
+
+    pub(super) fn solid_section(&mut self, card: &Card) {
+        let (Some(set), Some(material)) = (self.required(card, "ELSET"), self.required(card, "MATERIAL")) else {
+            return;
+        };
+        // In a part the material follows later in the deck: it is looked up by name in the whole deck.
+        let known = self.deck.cards.iter().any(|c| {
+            c.keyword.name == "MATERIAL" && c.value("NAME").is_some_and(|n| upper(&n.text) == upper(&material.text))
+        });
+        let elements = self.element_members(set).unwrap_or_default();
+        if !known {
+            let names = self.material_names();
+            self.unknown("M111", "material", material, &names);
+            return;
+        }
+        let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
+        self.model.sections.push(SolidSection { elements, material: index, span: card.span });
+    }
+
+    /// Names of all materials of the deck, in order, whether read yet or not.
+    fn material_names(&self) -> Vec<String> {
+        let materials = self.deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
+        materials.filter_map(|c| c.value("NAME")).map(|n| upper(&n.text)).collect()
+    }
+}

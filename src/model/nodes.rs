@@ -1,0 +1,219 @@
+//! Nodes: `*NODE`, `*NGEN`, `*NFILL`.
+//! Never here: elements.
+
+use super::builder::{Builder, MOST};
+use super::names::qualified;
+use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+
+impl Builder<'_> {
+    pub(super) fn node(&mut self, card: &Card) {
+        self.refuse(card, &["INPUT"]);
+        if card.value("SYSTEM").is_some_and(|w| !w.is("R")) {
+            self.unsupported(card.span, "only SYSTEM=R is supported", "give r and z");
+        }
+        let mut made = Vec::with_capacity(card.lines.len());
+        for line in &card.lines {
+            let Some(label) = self.integer(line, 0, "the node label") else { continue };
+            let (Some(r), Some(z)) = (self.number_or(line, 1, 0.0), self.number_or(line, 2, 0.0)) else { continue };
+            let Some(third) = self.number_or(line, 3, 0.0) else { continue };
+            made.push(self.add_node(label, [r, z, third], line.span));
+        }
+        self.collect_nodes(card, made);
+    }
+
+    /// Adds a node of the present scope, or moves it if the label is there already (the last definition counts).
+    pub(super) fn add_node(&mut self, label: i64, point: [f64; 3], span: Span) -> usize {
+        let point = match &self.instance {
+            Some(placement) => placement.apply(point),
+            None => point,
+        };
+        // Three-dimensional decks are refused by their elements; a lone node off the plane says nothing yet.
+        let place = [point[0], point[1]];
+        if let Some(known) = self.nodes.find(&self.scope, label) {
+            self.model.mesh.points[known] = place;
+            return known;
+        }
+        let index = self.model.mesh.points.len();
+        self.model.mesh.points.push(place);
+        self.model.mesh.node_names.push(qualified(&self.scope, &label.to_string()));
+        self.nodes.insert(&self.scope, label, index);
+        let _ = span;
+        index
+    }
+
+    fn collect_nodes(&mut self, card: &Card, made: Vec<usize>) {
+        if let Some(name) = card.value("NSET") {
+            self.add_node_set(&name.text, made, card.span);
+        }
+    }
+
+    fn label_of(&mut self, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
+        let Some(word) = word else {
+            let finding = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
+            self.diagnostics.push(finding);
+            return None;
+        };
+        let label = word.integer(&mut self.diagnostics)?;
+        match self.nodes.find(&self.scope, label) {
+            Some(index) => Some((label, index)),
+            None => {
+                let message = format!("{what} {label} is not defined");
+                self.diagnostics.push(Diagnostic::error("M110", message).at(word.span, "no such node"));
+                None
+            }
+        }
+    }
+
+    /// Nodes between two nodes (ABAQUS Keywords Guide, *NGEN): straight, or LINE=C on the arc around a centre.
+    pub(super) fn ngen(&mut self, card: &Card) {
+        let arc = card.value("LINE").is_some_and(|w| w.is("C"));
+        if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
+            self.unsupported(
+                line.span,
+                format!("LINE={} is not supported", line.text),
+                "straight lines and LINE=C are",
+            );
+        }
+        let mut made = Vec::new();
+        for line in &card.lines {
+            if let Some(nodes) = self.ngen_line(line, arc) {
+                made.extend(nodes);
+            }
+        }
+        self.collect_nodes(card, made);
+    }
+
+    fn ngen_line(&mut self, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
+        let (first, from) = self.label_of(line.field(0), line, "the first node")?;
+        let (last, to) = self.label_of(line.field(1), line, "the last node")?;
+        let step = line.field(2).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
+        let span = (i128::from(last) - i128::from(first)).abs();
+        if step <= 0 || span % i128::from(step) != 0 {
+            self.out_of_range(line.span, format!("labels {first} to {last} cannot be reached in increments of {step}"));
+            return None;
+        }
+        let count = self.count(span / i128::from(step), line.span)?;
+        let (a, b) = (self.model.mesh.points[from], self.model.mesh.points[to]);
+        let centre = if arc { Some(self.centre(line)?) } else { None };
+        let sign = (last - first).signum();
+        let mut made = vec![from];
+        for i in 1..count {
+            let s = i as f64 / count as f64;
+            let [r, z] = match centre {
+                Some(c) => on_arc(a, b, c, s),
+                None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
+            };
+            made.push(self.place_generated(first + sign * step * i as i64, [r, z], line.span));
+        }
+        made.push(to);
+        if let Some(c) = centre.filter(|c| !same_radius(a, b, *c)) {
+            let message = format!("the ends of the arc are not equally far from its centre ({}, {})", c[0], c[1]);
+            self.out_of_range(line.span, message);
+        }
+        Some(made)
+    }
+
+    /// Generated nodes are already placed: their ends were.
+    fn place_generated(&mut self, label: i64, [r, z]: [f64; 2], span: Span) -> usize {
+        let placement = self.instance.take();
+        let index = self.add_node(label, [r, z, 0.0], span);
+        self.instance = placement;
+        index
+    }
+
+    fn centre(&mut self, line: &DataLine) -> Option<[f64; 2]> {
+        if line.field(3).is_some() {
+            let (_, index) = self.label_of(line.field(3), line, "the centre node")?;
+            return Some(self.model.mesh.points[index]);
+        }
+        Some([self.number(line, 4, "r of the centre")?, self.number(line, 5, "z of the centre")?])
+    }
+
+    fn count(&mut self, count: i128, span: Span) -> Option<usize> {
+        if count > MOST as i128 {
+            let message = format!("this would generate {count} nodes");
+            self.diagnostics.push(Diagnostic::error("M125", message).at(span, "taken for a slip"));
+            return None;
+        }
+        Some(count.max(1) as usize)
+    }
+
+    /// Rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
+    pub(super) fn nfill(&mut self, card: &Card) {
+        let bias = match card.value("BIAS") {
+            Some(word) => word.number(&mut self.diagnostics).unwrap_or(1.0),
+            None => 1.0,
+        };
+        if bias <= 0.0 {
+            self.out_of_range(card.span, "BIAS must be positive");
+            return;
+        }
+        let mut made = Vec::new();
+        for line in &card.lines {
+            if let Some(nodes) = self.nfill_line(line, bias) {
+                made.extend(nodes);
+            }
+        }
+        self.collect_nodes(card, made);
+    }
+
+    fn nfill_line(&mut self, line: &DataLine, bias: f64) -> Option<Vec<usize>> {
+        let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
+            self.diagnostics.push(Diagnostic::error("M102", "two node sets are needed").at(line.span, "here"));
+            return None;
+        };
+        let from = self.node_members(first)?;
+        let to = self.node_members(second)?;
+        let intervals = self.integer(line, 2, "the number of intervals")?;
+        let step = line.field(3).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
+        if from.len() != to.len() || intervals < 1 || step < 1 {
+            let message = format!("the sets have {} and {} nodes; both need the same number", from.len(), to.len());
+            self.out_of_range(line.span, message);
+            return None;
+        }
+        self.count(i128::from(intervals) * from.len() as i128, line.span)?;
+        let shares = shares(intervals as usize, bias);
+        let mut made = Vec::new();
+        for (a, b) in from.iter().zip(&to) {
+            let (start, end) = (self.model.mesh.points[*a], self.model.mesh.points[*b]);
+            let label = self.label_of_index(*a)?;
+            for (i, s) in shares.iter().enumerate() {
+                let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
+                made.push(self.place_generated(label + step * (i as i64 + 1), place, line.span));
+            }
+            made.extend([*a, *b]);
+        }
+        Some(made)
+    }
+
+    fn label_of_index(&self, index: usize) -> Option<i64> {
+        self.model.mesh.node_names[index].rsplit('.').next()?.parse().ok()
+    }
+}
+
+/// Where the inner nodes lie, 0 to 1: each interval is `bias` times as long as the one after it.
+fn shares(intervals: usize, bias: f64) -> Vec<f64> {
+    let lengths: Vec<f64> = (0..intervals).map(|i| bias.powi(-(i as i32))).collect();
+    let total: f64 = lengths.iter().sum();
+    let mut sum = 0.0;
+    lengths[..intervals - 1]
+        .iter()
+        .map(|l| {
+            sum += l / total;
+            sum
+        })
+        .collect()
+}
+
+fn same_radius(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
+    let radius = |p: [f64; 2]| (p[0] - c[0]).hypot(p[1] - c[1]);
+    (radius(a) - radius(b)).abs() <= 1e-6 * radius(a).max(radius(b))
+}
+
+/// The point at fraction `s` of the shorter arc from `a` to `b` around `c`.
+fn on_arc(a: [f64; 2], b: [f64; 2], c: [f64; 2], s: f64) -> [f64; 2] {
+    let (u, v) = ([a[0] - c[0], a[1] - c[1]], [b[0] - c[0], b[1] - c[1]]);
+    let whole = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
+    let (sine, cosine) = (s * whole).sin_cos();
+    [c[0] + u[0] * cosine - u[1] * sine, c[1] + u[0] * sine + u[1] * cosine]
+}

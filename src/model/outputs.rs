@@ -1,0 +1,228 @@
+//! Output requests: `*OUTPUT` and the cards below it.
+//! Never here: files.
+
+use super::builder::Builder;
+use super::names::{qualified, upper};
+use super::types::{Interval, OutputKind, OutputRequest, Region};
+use crate::deck::keywords::nearest;
+use crate::deck::{Card, Diagnostic, Word};
+
+/// Output variables that exist (ABAQUS/Explicit Output Variable Identifiers) or are ours; components follow by number.
+const VARIABLES: &[&str] = &[
+    "U",
+    "V",
+    "A",
+    "RF",
+    "CF",
+    "COORD",
+    "COOR1",
+    "COOR2",
+    "NT",
+    "UR",
+    "VR",
+    "AR",
+    "RM",
+    "UT",
+    "VT",
+    "AT",
+    "RT",
+    "S",
+    "MISES",
+    "PRESS",
+    "TRESC",
+    "INV3",
+    "SP",
+    "LE",
+    "LEP",
+    "NE",
+    "NEP",
+    "E",
+    "EP",
+    "EE",
+    "PE",
+    "PEEQ",
+    "PEP",
+    "PEMAG",
+    "ER",
+    "ERV",
+    "ERP",
+    "SDV",
+    "STATUS",
+    "TEMP",
+    "DENSITY",
+    "EVF",
+    "PEEQVAVG",
+    "PEVAVG",
+    "SVAVG",
+    "TEMPMAVG",
+    "ENER",
+    "ELEN",
+    "ELEDEN",
+    "EDT",
+    "EMSF",
+    "EVOL",
+    "MASS",
+    "DMICRT",
+    "SDEG",
+    "P",
+    "PRESSURE",
+    "NORMAL_VELOCITY",
+    "LAYER",
+    "ALLAE",
+    "ALLCD",
+    "ALLDMD",
+    "ALLFD",
+    "ALLIE",
+    "ALLKE",
+    "ALLPD",
+    "ALLSE",
+    "ALLVD",
+    "ALLWK",
+    "ALLCAV",
+    "ALLCW",
+    "ALLMW",
+    "ALLPW",
+    "ALLDC",
+    "ALLFC",
+    "ALLHF",
+    "ALLIHE",
+    "ETOTAL",
+    "DT",
+    "DMASS",
+    "CSTRESS",
+    "CDISP",
+    "CFORCE",
+    "CFN",
+    "CFS",
+    "CE",
+    "CEEQ",
+    "PRESELECT",
+    "ALL",
+];
+
+impl Builder<'_> {
+    pub(super) fn output_card(&mut self, card: &Card) {
+        if self.step.is_none() {
+            let message = format!("*{} belongs into a *STEP", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
+            return;
+        }
+        if card.keyword.name == "OUTPUT" {
+            self.request(card);
+        } else {
+            self.sub_request(card);
+        }
+    }
+
+    fn request(&mut self, card: &Card) {
+        self.refuse(card, &["TIME POINTS"]);
+        let kind = if card.has("HISTORY") { OutputKind::History } else { OutputKind::Field };
+        if !card.has("HISTORY") && !card.has("FIELD") {
+            let finding = Diagnostic::error("M101", "*OUTPUT needs FIELD or HISTORY").at(card.span, "which of them?");
+            self.diagnostics.push(finding);
+            return;
+        }
+        if card.value("OP").is_none_or(|w| !w.is("ADD")) && !self.state().cleared.contains(&kind_name(kind)) {
+            // The first *OUTPUT of a kind in a step takes the place of what earlier steps asked for.
+            self.state().cleared.push(kind_name(kind));
+            self.state().outputs.retain(|o| o.kind != kind);
+        }
+        let Some(interval) = self.interval(card) else { return };
+        if card.value("TIME MARKS").is_some_and(|w| w.is("YES")) {
+            let message = "with TIME MARKS=YES output is written at the first increment at or past the mark";
+            self.diagnostics
+                .push(Diagnostic::note("M142", message).at(card.span, "looking does not change increments"));
+        }
+        let variables: Vec<String> = card.value("VARIABLE").map(preselected).into_iter().collect();
+        let request = OutputRequest { kind, interval, variables, region: Region::Whole, span: card.span };
+        if !request.variables.is_empty() {
+            self.state().outputs.push(request.clone());
+        }
+        self.output = Some(request);
+    }
+
+    fn interval(&mut self, card: &Card) -> Option<Interval> {
+        if let Some(word) = card.value("TIME INTERVAL") {
+            let value = word.number(&mut self.diagnostics)?;
+            if value > 0.0 {
+                return Some(Interval::Time(value));
+            }
+            self.out_of_range(word.span, "TIME INTERVAL must be above zero");
+            return None;
+        }
+        for (name, make) in
+            [("NUMBER INTERVAL", Interval::Number as fn(u32) -> Interval), ("FREQUENCY", Interval::Increments)]
+        {
+            if let Some(word) = card.value(name) {
+                let value = word.integer(&mut self.diagnostics)?;
+                if let Some(count) = u32::try_from(value).ok().filter(|c| *c > 0) {
+                    return Some(make(count));
+                }
+                self.out_of_range(word.span, format!("{name} must be a whole number above zero"));
+                return None;
+            }
+        }
+        Some(Interval::Default)
+    }
+
+    fn sub_request(&mut self, card: &Card) {
+        if card.keyword.name == "CONTACT OUTPUT" {
+            self.inert(card, "no contact is simulated".into());
+            return;
+        }
+        let Some(request) = self.output.clone() else {
+            let message = format!("*{} belongs below an *OUTPUT", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *OUTPUT above"));
+            return;
+        };
+        let Some(region) = self.output_region(card) else { return };
+        let mut variables: Vec<String> = card.value("VARIABLE").map(preselected).into_iter().collect();
+        for word in card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty()) {
+            variables.extend(self.variable(word));
+        }
+        if !variables.is_empty() {
+            self.state().outputs.push(OutputRequest { variables, region, span: card.span, ..request });
+        }
+    }
+
+    fn output_region(&mut self, card: &Card) -> Option<Region> {
+        if let Some(word) = card.value("NSET") {
+            self.node_members(word)?;
+            let inner = qualified(&self.scope, &word.text);
+            let name = if self.model.node_sets.contains_key(&inner) { inner } else { upper(&word.text) };
+            return Some(Region::Nodes(name));
+        }
+        if let Some(word) = card.value("ELSET") {
+            self.element_members(word)?;
+            return Some(Region::Elements(upper(&word.text)));
+        }
+        Some(Region::Whole)
+    }
+
+    fn variable(&mut self, word: &Word) -> Option<String> {
+        let name = upper(&word.text);
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        if VARIABLES.contains(&name.as_str()) || VARIABLES.contains(&stem) {
+            return Some(name);
+        }
+        let message = format!("there is no output variable {}", word.text);
+        let finding = Diagnostic::warning("M141", message).at(word.span, "left out");
+        let near = nearest(&name, VARIABLES.iter().copied());
+        self.diagnostics.push(match near {
+            Some(near) => finding.help(format!("did you mean {near}?")),
+            None => finding,
+        });
+        None
+    }
+}
+
+fn kind_name(kind: OutputKind) -> &'static str {
+    match kind {
+        OutputKind::Field => "FIELD OUTPUT",
+        OutputKind::History => "HISTORY OUTPUT",
+    }
+}
+
+fn preselected(word: &Word) -> String {
+    if upper(&word.text).starts_with('A') { "ALL".into() } else { "PRESELECT".into() }
+}

@@ -1,0 +1,135 @@
+//! Parts, instances and the assembly: a part's cards are replayed in each instance, with its place and its names.
+//! Never here: what the cards mean.
+
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
+
+use super::builder::{Block, Builder};
+use super::names::upper;
+use crate::deck::{Card, Diagnostic};
+
+/// Where an instance stands: a translation, then a rotation about an axis.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    translation: Vector3<f64>,
+    rotation: Option<(Point3<f64>, Rotation3<f64>)>,
+}
+
+impl Placement {
+    /// A point of the part in the assembly.
+    pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
+        let moved = Point3::from(point) + self.translation;
+        let placed = match &self.rotation {
+            Some((centre, rotation)) => centre + rotation * (moved - centre),
+            None => moved,
+        };
+        [placed.x, placed.y, placed.z]
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// Keeps a part's cards for its instances. Returns whether the card was kept.
+    pub(super) fn record(&mut self, card: &'a Card) -> bool {
+        let Some(part) = self.recording.clone() else { return false };
+        if card.keyword.name == "END PART" {
+            return false;
+        }
+        if matches!(card.keyword.name, "PART" | "ASSEMBLY" | "STEP" | "INSTANCE") {
+            self.recording = None;
+            return false;
+        }
+        self.parts.entry(part).or_default().push(card);
+        true
+    }
+
+    pub(super) fn block(&mut self, card: &'a Card) {
+        match card.keyword.name {
+            "PART" => self.begin_part(card),
+            "INSTANCE" => self.begin_instance(card),
+            "ASSEMBLY" => self.open("ASSEMBLY", card),
+            "END PART" => {
+                self.recording = None;
+                self.close("PART", card);
+            }
+            "END INSTANCE" => {
+                self.instance = None;
+                self.scope.clear();
+                self.close("INSTANCE", card);
+            }
+            _ => self.close("ASSEMBLY", card),
+        }
+    }
+
+    fn begin_part(&mut self, card: &Card) {
+        self.open("PART", card);
+        if let Some(name) = self.required(card, "NAME") {
+            let name = upper(&name.text);
+            self.parts.insert(name.clone(), Vec::new());
+            self.recording = Some(name);
+        }
+    }
+
+    fn begin_instance(&mut self, card: &'a Card) {
+        self.open("INSTANCE", card);
+        self.refuse(card, &["LIBRARY", "INSTANCE"]);
+        let Some(name) = self.required(card, "NAME") else { return };
+        let Some(part) = card.value("PART") else { return };
+        let Some(cards) = self.parts.get(&upper(&part.text)).cloned() else {
+            let mut names: Vec<String> = self.parts.keys().cloned().collect();
+            names.sort();
+            self.unknown("M115", "part", part, &names);
+            return;
+        };
+        self.scope = upper(&name.text);
+        self.instance = self.placement(card);
+        for inner in cards {
+            self.card(inner);
+        }
+        self.scope = upper(&name.text);
+    }
+
+    fn placement(&mut self, card: &Card) -> Option<Placement> {
+        let line = card.lines.first()?;
+        let mut t = [0.0; 3];
+        for (i, value) in t.iter_mut().enumerate() {
+            *value = self.number_or(line, i, 0.0)?;
+        }
+        let rotation = match card.lines.get(1) {
+            None => None,
+            Some(line) => {
+                let mut n = [0.0; 7];
+                for (i, value) in n.iter_mut().enumerate() {
+                    *value = self.number(line, i, "a point of the axis or the angle")?;
+                }
+                let axis = Unit::try_new(Vector3::new(n[3] - n[0], n[4] - n[1], n[5] - n[2]), 0.0);
+                let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || (n[6] % 180.0).abs() < 1e-9) else {
+                    let message =
+                        "an instance may turn about an axis normal to the r-z plane, or be flipped by 180 degrees";
+                    self.diagnostics.push(Diagnostic::error("M126", message).at(line.span, "leaves the r-z plane"));
+                    return None;
+                };
+                Some((Point3::new(n[0], n[1], n[2]), Rotation3::from_axis_angle(&axis, n[6].to_radians())))
+            }
+        };
+        Some(Placement { translation: Vector3::from(t), rotation })
+    }
+
+    pub(super) fn open(&mut self, kind: &'static str, card: &Card) {
+        self.blocks.push(Block { kind, span: card.span });
+    }
+
+    pub(super) fn close(&mut self, kind: &'static str, card: &Card) {
+        match self.blocks.last() {
+            Some(block) if block.kind == kind => {
+                self.blocks.pop();
+            }
+            other => {
+                let mut finding = Diagnostic::error("M105", format!("*{} closes no *{kind}", card.keyword.name));
+                finding = finding.at(card.span, "nothing of this kind is open");
+                if let Some(block) = other {
+                    finding = finding.at(block.span, format!("this *{} is open", block.kind));
+                }
+                self.diagnostics.push(finding);
+            }
+        }
+    }
+}

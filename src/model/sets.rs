@@ -1,0 +1,93 @@
+//! Sets: `*NSET`, `*ELSET`, GENERATE, sets of sets; the same name twice is a union.
+//! Never here: surfaces.
+
+use super::builder::{Builder, MOST};
+use super::names::{qualified, upper};
+use super::types::Set;
+use crate::deck::{Card, DataLine, Diagnostic, Span};
+
+impl Builder<'_> {
+    pub(super) fn nset(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "NSET") else { return };
+        let outer = self.enter_instance(card);
+        let mut members = self.members(card, true);
+        if let Some(elements) = card.value("ELSET") {
+            for element in self.element_members(elements).unwrap_or_default() {
+                members.extend(&self.model.mesh.elements[element].nodes);
+            }
+        }
+        self.scope = outer;
+        self.add_node_set(&name.text, members, card.span);
+    }
+
+    pub(super) fn elset(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "ELSET") else { return };
+        let outer = self.enter_instance(card);
+        let members = self.members(card, false);
+        self.scope = outer;
+        self.add_element_set(&name.text, members, card.span);
+    }
+
+    /// With INSTANCE= the labels are those of that instance. Returns the scope to go back to.
+    fn enter_instance(&mut self, card: &Card) -> String {
+        let inner = card.value("INSTANCE").map_or_else(|| self.scope.clone(), |w| upper(&w.text));
+        std::mem::replace(&mut self.scope, inner)
+    }
+
+    fn members(&mut self, card: &Card, nodes: bool) -> Vec<usize> {
+        let mut members = Vec::new();
+        for line in &card.lines {
+            if card.has("GENERATE") {
+                self.generated(line, nodes, &mut members);
+                continue;
+            }
+            for word in line.fields.iter().filter(|w| !w.text.is_empty()) {
+                let found = if nodes { self.node_members(word) } else { self.element_members(word) };
+                members.extend(found.unwrap_or_default());
+            }
+        }
+        members
+    }
+
+    fn generated(&mut self, line: &DataLine, nodes: bool, members: &mut Vec<usize>) {
+        let (Some(first), Some(last)) =
+            (self.integer(line, 0, "the first label"), self.integer(line, 1, "the last label"))
+        else {
+            return;
+        };
+        let step = line.field(2).map_or(Some(1), |w| w.integer(&mut self.diagnostics));
+        let Some(step) = step.filter(|s| *s > 0) else {
+            self.out_of_range(line.span, "the increment must be a whole number above zero");
+            return;
+        };
+        let count = (i128::from(last) - i128::from(first)) / i128::from(step) + 1;
+        if count > MOST as i128 {
+            let message = format!("this would generate {count} members");
+            self.diagnostics.push(Diagnostic::error("M125", message).at(line.span, "taken for a slip"));
+            return;
+        }
+        let labels = if nodes { &self.nodes } else { &self.elements };
+        let before = members.len();
+        members.extend((0..count.max(0)).filter_map(|i| labels.find(&self.scope, first + step * i as i64)));
+        if members.len() == before {
+            let message = format!("no label from {first} to {last} in steps of {step} is defined");
+            self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "nothing there"));
+        }
+    }
+
+    pub(super) fn add_node_set(&mut self, name: &str, members: Vec<usize>, span: Span) {
+        let name = qualified(&self.scope, name);
+        unite(self.model.node_sets.entry(name).or_insert_with(|| Set { members: Vec::new(), span }), members);
+    }
+
+    pub(super) fn add_element_set(&mut self, name: &str, members: Vec<usize>, span: Span) {
+        let name = qualified(&self.scope, name);
+        unite(self.model.element_sets.entry(name).or_insert_with(|| Set { members: Vec::new(), span }), members);
+    }
+}
+
+fn unite(set: &mut Set, members: Vec<usize>) {
+    set.members.extend(members);
+    set.members.sort_unstable();
+    set.members.dedup();
+}

@@ -1,0 +1,101 @@
+//! Surfaces: `*SURFACE` on elements and sides.
+//! Never here: loads on them.
+
+use std::collections::HashMap;
+
+use super::builder::Builder;
+use super::names::{qualified, upper};
+use super::types::{ElementKind, Side, Surface};
+use crate::deck::{Card, Diagnostic, Span, Word};
+
+impl Builder<'_> {
+    pub(super) fn surface(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "NAME") else { return };
+        self.refuse(card, &["COMBINE"]);
+        if card.value("TYPE").is_some_and(|w| w.is("NODE")) {
+            self.inert(card, "a surface of nodes serves contact only".into());
+            return;
+        }
+        if let Some(kind) = card.value("TYPE").filter(|w| !w.is("ELEMENT")) {
+            self.unsupported(kind.span, format!("TYPE={} is not supported", kind.text), "surfaces of elements are");
+            return;
+        }
+        let mut faces = Vec::new();
+        for line in &card.lines {
+            let Some(set) = line.field(0) else { continue };
+            let elements = self.element_members(set).unwrap_or_default();
+            match line.field(1) {
+                Some(side) => faces.extend(self.sides(&elements, side)),
+                None => faces.extend(self.free_sides(&elements, line.span)),
+            }
+        }
+        let key = qualified(&self.scope, &name.text);
+        let fresh = || Surface { name: name.text.clone(), faces: Vec::new(), span: card.span };
+        self.model.surfaces.entry(key).or_insert_with(fresh).faces.extend(faces);
+    }
+
+    /// One named side of each element.
+    pub(super) fn sides(&mut self, elements: &[usize], word: &Word) -> Vec<(usize, Side)> {
+        let name = upper(&word.text);
+        let mut faces = Vec::new();
+        for &element in elements {
+            let kind = self.model.mesh.elements[element].kind;
+            let Some(side) = side(&name, kind) else {
+                let message = format!("{} has no side {}", kind.name(), word.text);
+                let finding = Diagnostic::error("M131", message).at(word.span, "no such side");
+                self.diagnostics.push(finding.help("RAX2 has SPOS and SNEG, CAX3 S1 to S3, CAX4R S1 to S4"));
+                return faces;
+            };
+            faces.push((element, side));
+        }
+        faces
+    }
+
+    /// The free faces of solids; a RAX2 has two sides, so one must be named.
+    fn free_sides(&mut self, elements: &[usize], span: Span) -> Vec<(usize, Side)> {
+        let mesh = &self.model.mesh;
+        if elements.iter().any(|&e| mesh.elements[e].kind == ElementKind::Rax2) {
+            let finding = Diagnostic::error("M130", "which side of these RAX2 elements?").at(span, "no side named");
+            let help = "SPOS is first to second node turned 90 degrees counter-clockwise in (r, z), SNEG the other";
+            self.diagnostics.push(finding.help(help));
+            return Vec::new();
+        }
+        let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
+        for element in mesh.elements.iter().filter(|e| e.nodes.len() > 2) {
+            for edge in edges(&element.nodes) {
+                *shared.entry(edge).or_default() += 1;
+            }
+        }
+        let free = |e: usize| {
+            let edges = edges(&mesh.elements[e].nodes);
+            edges
+                .into_iter()
+                .enumerate()
+                .filter(|(_, edge)| shared.get(edge) == Some(&1))
+                .map(move |(i, _)| (e, Side::Face(i as u8 + 1)))
+        };
+        elements
+            .iter()
+            .filter(|&&e| mesh.elements[e].nodes.len() > 2)
+            .flat_map(|&e| free(e).collect::<Vec<_>>())
+            .collect()
+    }
+}
+
+fn edges(nodes: &[usize]) -> Vec<[usize; 2]> {
+    let pair = |i: usize| (nodes[i], nodes[(i + 1) % nodes.len()]);
+    (0..nodes.len()).map(pair).map(|(a, b)| [a.min(b), a.max(b)]).collect()
+}
+
+/// The side a name means on a type of element.
+pub(super) fn side(name: &str, kind: ElementKind) -> Option<Side> {
+    match (name, kind) {
+        ("SPOS", ElementKind::Rax2) => Some(Side::Positive),
+        ("SNEG", ElementKind::Rax2) => Some(Side::Negative),
+        (_, ElementKind::Cax3 | ElementKind::Cax4r) => {
+            let number: u8 = name.strip_prefix('S')?.parse().ok()?;
+            (1..=kind.node_count() as u8).contains(&number).then_some(Side::Face(number))
+        }
+        _ => None,
+    }
+}
