@@ -106,9 +106,18 @@ impl Diagnostics {
         self.list.append(&mut other.list);
     }
 
-    /// The findings as text for a terminal: file, line, column, caret, reason, help.
+    /// How many errors there are.
+    pub fn error_count(&self) -> usize {
+        self.list.iter().filter(|d| d.severity == Severity::Error).count()
+    }
+
+    /// The findings as plain text: file, line, column, caret, reason, help; about twenty of each severity.
     pub fn render(&self, sources: &Sources) -> String {
-        let _ = sources;
-        todo!("the deck room renders with annotate-snippets")
+        super::render::render(&self.list, sources, false)
+    }
+
+    /// The same with colours, for a terminal.
+    pub fn render_styled(&self, sources: &Sources) -> String {
+        super::render::render(&self.list, sources, true)
     }
 }

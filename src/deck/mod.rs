@@ -1,14 +1,27 @@
 //! From text to syntax tree: sources and spans, diagnostics, the keyword table, a parser that never fails.
 //! Never here: physics.
 
+pub mod codes;
 pub mod diagnostic;
+pub mod expression;
+mod findings;
 pub mod keywords;
+mod lexer;
+pub mod manual;
+pub mod names;
+pub mod number;
+mod parameters;
+mod parser;
+mod render;
 pub mod source;
 pub mod syntax;
+mod table;
 
 use std::path::Path;
 
+pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use findings::tier_findings;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, Parameter, Word};
 
@@ -26,12 +39,14 @@ pub struct Code {
 /// Reads a deck file and everything it includes. Always returns a tree; what was wrong is in the diagnostics.
 /// `overrides` are `--set NAME=VALUE` and take the place of `*PARAMETER` definitions of that name.
 pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
-    let _ = (path, overrides);
-    todo!("the deck room")
+    let mut parser = parser::Parser::new(overrides);
+    parser.main_file(path);
+    parser.finish()
 }
 
 /// The same from text already in memory; `name` stands for the file (used to look up includes beside it).
 pub fn read_text(name: &str, text: &str, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
-    let _ = (name, text, overrides);
-    todo!("the deck room")
+    let mut parser = parser::Parser::new(overrides);
+    parser.text(Path::new(name), source::normalise(text.to_owned()), None);
+    parser.finish()
 }

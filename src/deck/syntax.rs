@@ -1,8 +1,10 @@
 //! The syntax tree of a deck: cards with parameters and data lines, every word with its span.
 //! Never here: what a name refers to.
 
-use super::diagnostic::Diagnostics;
+use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::Keyword;
+use super::number::{NumberError, parse_number};
+use super::parameters::is_unresolved;
 use super::source::{Sources, Span};
 
 /// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
@@ -92,13 +94,50 @@ impl Word {
 
     /// The field as a finite number (`1.`, `.5`, `1.57d0`); otherwise a located diagnostic and `None`.
     pub fn number(&self, diagnostics: &mut Diagnostics) -> Option<f64> {
-        let _ = diagnostics;
-        todo!("the deck room parses numbers")
+        match parse_number(&self.text) {
+            Ok(value) => Some(value),
+            Err(_) if is_unresolved(&self.text) => None,
+            Err(e) => {
+                diagnostics.push(self.number_finding(e));
+                None
+            }
+        }
     }
 
     /// The field as a whole number; otherwise a located diagnostic and `None`.
     pub fn integer(&self, diagnostics: &mut Diagnostics) -> Option<i64> {
-        let _ = diagnostics;
-        todo!("the deck room parses numbers")
+        let text = self.text.trim();
+        if let Ok(value) = text.parse() {
+            return Some(value);
+        }
+        if let Ok(value) = parse_number(text) {
+            let what = Diagnostic::error("D304", format!("`{text}` is not a whole number"))
+                .at(self.span, "whole number expected");
+            let whole = value.fract() == 0.0 && value.abs() < 1e15;
+            diagnostics.push(if whole { what.help(format!("write {value:.0}")) } else { what });
+            return None;
+        }
+        self.number(diagnostics).and(None)
+    }
+
+    fn number_finding(&self, error: NumberError) -> Diagnostic {
+        let text = &self.text;
+        match error {
+            NumberError::Empty => Diagnostic::error("D301", "a number is missing").at(self.span, "expected here"),
+            NumberError::LookAlike(letter, meant) => Diagnostic::error("D302", format!("`{text}` is not a number"))
+                .at(self.span, format!("letter {letter}"))
+                .help(format!("did you mean {meant}?")),
+            NumberError::NotFinite => {
+                Diagnostic::error("D303", format!("`{text}` is too large")).at(self.span, "not finite")
+            }
+            NumberError::Malformed(guess) => {
+                let what =
+                    Diagnostic::error("D301", format!("`{text}` is not a number")).at(self.span, "number expected");
+                match guess {
+                    Some(guess) => what.help(format!("did you mean {guess}?")),
+                    None => what,
+                }
+            }
+        }
     }
 }

@@ -1,0 +1,424 @@
+//! Arithmetic in text: numbers, names, functions. An expression becomes a list of operations for a stack machine, so neither
+//! reading nor evaluating can run away.
+//! Never here: what the names stand for.
+
+use super::number;
+
+/// Longer texts are refused.
+const LONGEST: usize = 4096;
+/// Deeper nesting is refused.
+const DEEPEST: usize = 64;
+/// How strongly a sign binds: stronger than `*`, weaker than `**` to its right.
+const SIGN: u8 = 30;
+
+/// What is wrong with an expression, and where in its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExpressionError {
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+    /// What is wrong.
+    pub message: String,
+    /// The name nothing is known of, if that is what is wrong.
+    pub unknown: Option<String>,
+}
+
+/// What a function is called with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Argument {
+    /// A value.
+    Number(f64),
+    /// The text between the parentheses, of a function that takes names.
+    Raw(String),
+}
+
+/// An expression that has been read.
+#[derive(Clone, Debug)]
+pub struct Expression {
+    operations: Vec<Located>,
+}
+
+#[derive(Clone, Debug)]
+struct Located {
+    operation: Operation,
+    start: usize,
+    end: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Operation {
+    Number(f64),
+    Name(String),
+    Negate,
+    Binary(Binary),
+    Call(String, usize),
+    Raw(String, String),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Binary {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Floor,
+    Remainder,
+    Power,
+}
+
+impl Expression {
+    /// Reads an expression: `+ - * / // % **` as in Python (`/` is true division, `**` groups from the right), parentheses,
+    /// names, `f(x, y)`, numbers such as `340e6`, `.5`, `1.d0`.
+    pub fn parse(text: &str) -> Result<Expression, ExpressionError> {
+        Self::parse_with(text, &[])
+    }
+
+    /// The same; what stands between the parentheses of the functions named in `raw_functions` is taken as it is
+    /// (`final(U2@REF-1)`) and handed over as [`Argument::Raw`].
+    pub fn parse_with(text: &str, raw_functions: &[&str]) -> Result<Expression, ExpressionError> {
+        if text.len() > LONGEST {
+            return Err(error(0..text.len(), format!("the expression is longer than {LONGEST} characters")));
+        }
+        let mut reader = Reader { text, at: 0, depth: 0, raw_functions, operations: Vec::new() };
+        reader.expression(0)?;
+        match reader.peek() {
+            None => Ok(Expression { operations: reader.operations }),
+            Some(c) => Err(error(reader.at..reader.at + c.len_utf8(), format!("`{c}` is not expected here"))),
+        }
+    }
+
+    /// The value. `lookup` knows the names; `call` knows functions of its own and answers `None` for others, of which the
+    /// usual ones (`sqrt sin cos tan asin acos atan atan2 exp log log10 abs min max int float round pow`) are built in, as is `pi`.
+    pub fn evaluate(
+        &self,
+        lookup: &dyn Fn(&str) -> Option<f64>,
+        call: &dyn Fn(&str, &[Argument]) -> Option<Result<f64, String>>,
+    ) -> Result<f64, ExpressionError> {
+        let mut stack = Vec::new();
+        for located in &self.operations {
+            let value = step(located, &mut stack, lookup, call)?;
+            stack.push(value);
+        }
+        Ok(stack.pop().unwrap_or(f64::NAN))
+    }
+
+    /// The names the value depends on.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.operations.iter().filter_map(|l| match &l.operation {
+            Operation::Name(name) => Some(name.as_str()),
+            _ => None,
+        })
+    }
+
+    /// The raw arguments of raw functions, with the functions' names.
+    pub fn raw_arguments(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.operations.iter().filter_map(|l| match &l.operation {
+            Operation::Raw(name, argument) => Some((name.as_str(), argument.as_str())),
+            _ => None,
+        })
+    }
+}
+
+fn error(range: std::ops::Range<usize>, message: impl Into<String>) -> ExpressionError {
+    ExpressionError { start: range.start, end: range.end, message: message.into(), unknown: None }
+}
+
+/// Carries out one operation on the stack and gives what it leaves there.
+fn step(
+    located: &Located,
+    stack: &mut Vec<f64>,
+    lookup: &dyn Fn(&str) -> Option<f64>,
+    call: &dyn Fn(&str, &[Argument]) -> Option<Result<f64, String>>,
+) -> Result<f64, ExpressionError> {
+    let fail = |message: String| error(located.start..located.end, message);
+    match &located.operation {
+        Operation::Number(value) => Ok(*value),
+        Operation::Name(name) => lookup(name)
+            .or_else(|| constant(name))
+            .ok_or_else(|| ExpressionError { unknown: Some(name.clone()), ..fail(format!("`{name}` is not defined")) }),
+        Operation::Negate => Ok(-pop(stack)),
+        Operation::Binary(binary) => {
+            let (right, left) = (pop(stack), pop(stack));
+            apply(*binary, left, right).map_err(fail)
+        }
+        Operation::Call(name, count) => {
+            let values = stack.split_off(stack.len().saturating_sub(*count));
+            let arguments: Vec<Argument> = values.iter().copied().map(Argument::Number).collect();
+            call(name, &arguments).unwrap_or_else(|| built_in(name, &values)).map_err(fail)
+        }
+        Operation::Raw(name, argument) => call(name, &[Argument::Raw(argument.clone())])
+            .unwrap_or_else(|| Err(format!("there is no function `{name}`")))
+            .map_err(fail),
+    }
+}
+
+fn pop(stack: &mut Vec<f64>) -> f64 {
+    stack.pop().unwrap_or(f64::NAN)
+}
+
+fn constant(name: &str) -> Option<f64> {
+    (name == "pi").then_some(std::f64::consts::PI)
+}
+
+fn apply(binary: Binary, left: f64, right: f64) -> Result<f64, String> {
+    let divides = matches!(binary, Binary::Divide | Binary::Floor | Binary::Remainder);
+    if divides && right == 0.0 {
+        return Err("division by zero".into());
+    }
+    Ok(match binary {
+        Binary::Add => left + right,
+        Binary::Subtract => left - right,
+        Binary::Multiply => left * right,
+        Binary::Divide => left / right,
+        Binary::Floor => (left / right).floor(),
+        Binary::Remainder => left - right * (left / right).floor(),
+        Binary::Power => left.powf(right),
+    })
+}
+
+/// Names of the built-in functions.
+pub const FUNCTIONS: &[&str] = &[
+    "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "log10", "abs", "min", "max", "int",
+    "float", "round", "pow",
+];
+
+fn built_in(name: &str, values: &[f64]) -> Result<f64, String> {
+    let value = match (name, values) {
+        ("sqrt", [x]) => x.sqrt(),
+        ("sin", [x]) => x.sin(),
+        ("cos", [x]) => x.cos(),
+        ("tan", [x]) => x.tan(),
+        ("asin", [x]) => x.asin(),
+        ("acos", [x]) => x.acos(),
+        ("atan", [x]) => x.atan(),
+        ("atan2", [y, x]) => y.atan2(*x),
+        ("exp", [x]) => x.exp(),
+        ("log", [x]) => x.ln(),
+        ("log", [x, base]) => x.ln() / base.ln(),
+        ("log10", [x]) => x.log10(),
+        ("abs", [x]) => x.abs(),
+        ("int", [x]) => x.trunc(),
+        ("float", [x]) => *x,
+        ("round", [x]) => x.round_ties_even(),
+        ("round", [x, digits]) => round_to(*x, *digits),
+        ("pow", [x, y]) => x.powf(*y),
+        ("min", [first, rest @ ..]) => rest.iter().fold(*first, |a, b| a.min(*b)),
+        ("max", [first, rest @ ..]) => rest.iter().fold(*first, |a, b| a.max(*b)),
+        _ => return Err(no_such_call(name, values.len())),
+    };
+    Ok(value)
+}
+
+fn round_to(x: f64, digits: f64) -> f64 {
+    let scale = 10f64.powf(digits.round());
+    (x * scale).round_ties_even() / scale
+}
+
+fn no_such_call(name: &str, count: usize) -> String {
+    if FUNCTIONS.contains(&name) {
+        return format!("`{name}` cannot be called with {count} argument(s)");
+    }
+    match super::names::nearest(name, FUNCTIONS.iter().copied()) {
+        Some(like) => format!("there is no function `{name}`; did you mean `{like}`?"),
+        None => format!("there is no function `{name}`"),
+    }
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+    raw_functions: &'a [&'a str],
+    operations: Vec<Located>,
+}
+
+impl Reader<'_> {
+    fn rest(&self) -> &str {
+        &self.text[self.at..]
+    }
+
+    fn peek(&mut self) -> Option<char> {
+        self.at += self.rest().len() - self.rest().trim_start().len();
+        self.rest().chars().next()
+    }
+
+    fn emit(&mut self, operation: Operation, start: usize) {
+        self.operations.push(Located { operation, start, end: self.at });
+    }
+
+    /// An operand and all operators behind it that bind at least as strongly as `strength`.
+    fn expression(&mut self, strength: u8) -> Result<(), ExpressionError> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(error(self.at..self.text.len(), format!("nested deeper than {DEEPEST} levels")));
+        }
+        self.operand()?;
+        while let Some((binary, length, left, right)) = self.operator() {
+            if left < strength {
+                break;
+            }
+            let start = self.at;
+            self.at += length;
+            self.expression(right)?;
+            self.emit(Operation::Binary(binary), start);
+        }
+        self.depth -= 1;
+        Ok(())
+    }
+
+    /// The operator here: its length and how strongly it binds to its left and right.
+    fn operator(&mut self) -> Option<(Binary, usize, u8, u8)> {
+        self.peek()?;
+        let found = match self.rest().as_bytes() {
+            [b'*', b'*', ..] => (Binary::Power, 2, 41, 40),
+            [b'/', b'/', ..] => (Binary::Floor, 2, 20, 21),
+            [b'+', ..] => (Binary::Add, 1, 10, 11),
+            [b'-', ..] => (Binary::Subtract, 1, 10, 11),
+            [b'*', ..] => (Binary::Multiply, 1, 20, 21),
+            [b'/', ..] => (Binary::Divide, 1, 20, 21),
+            [b'%', ..] => (Binary::Remainder, 1, 20, 21),
+            _ => return None,
+        };
+        Some(found)
+    }
+
+    fn operand(&mut self) -> Result<(), ExpressionError> {
+        let found = self.peek();
+        let start = self.at;
+        match found {
+            Some('-') => {
+                self.at += 1;
+                self.expression(SIGN)?;
+                self.emit(Operation::Negate, start);
+                Ok(())
+            }
+            Some('+') => {
+                self.at += 1;
+                self.expression(SIGN)
+            }
+            Some('(') => {
+                self.at += 1;
+                self.expression(0)?;
+                self.close(start)
+            }
+            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
+            Some(c) if c.is_alphabetic() || c == '_' => self.name(),
+            Some(c) => {
+                Err(error(start..start + c.len_utf8(), format!("`{c}` is not expected here: a number or a name is")))
+            }
+            None => Err(error(start..start, "the expression ends where a number or a name is expected")),
+        }
+    }
+
+    fn close(&mut self, opened: usize) -> Result<(), ExpressionError> {
+        if self.peek() == Some(')') {
+            self.at += 1;
+            return Ok(());
+        }
+        Err(error(opened..self.at, "a parenthesis is not closed"))
+    }
+
+    fn number(&mut self) -> Result<(), ExpressionError> {
+        let start = self.at;
+        let length = number::number_length(self.rest()).unwrap_or(1);
+        let stuck =
+            self.rest()[length..].chars().take_while(|c| c.is_alphanumeric() || "._".contains(*c)).map(char::len_utf8);
+        self.at += length + stuck.sum::<usize>();
+        let word = &self.text[start..self.at];
+        let value =
+            number::parse_number(word).map_err(|_| error(start..self.at, format!("`{word}` is not a number")))?;
+        self.emit(Operation::Number(value), start);
+        Ok(())
+    }
+
+    fn name(&mut self) -> Result<(), ExpressionError> {
+        let start = self.at;
+        self.at +=
+            self.rest().chars().take_while(|c| c.is_alphanumeric() || *c == '_').map(char::len_utf8).sum::<usize>();
+        let name = self.text[start..self.at].to_owned();
+        if self.peek() != Some('(') {
+            self.operations.push(Located { end: start + name.len(), start, operation: Operation::Name(name) });
+            return Ok(());
+        }
+        self.at += 1;
+        if self.raw_functions.contains(&name.as_str()) { self.raw(name, start) } else { self.arguments(name, start) }
+    }
+
+    fn raw(&mut self, name: String, start: usize) -> Result<(), ExpressionError> {
+        let Some(length) = self.rest().find(')') else {
+            return Err(error(start..self.text.len(), "a parenthesis is not closed"));
+        };
+        let argument = self.rest()[..length].trim().to_owned();
+        self.at += length + 1;
+        self.emit(Operation::Raw(name, argument), start);
+        Ok(())
+    }
+
+    fn arguments(&mut self, name: String, start: usize) -> Result<(), ExpressionError> {
+        let mut count = 0;
+        while self.peek() != Some(')') {
+            self.expression(0)?;
+            count += 1;
+            if self.peek() != Some(',') {
+                break;
+            }
+            self.at += 1;
+        }
+        self.close(start)?;
+        self.emit(Operation::Call(name, count), start);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> Result<f64, String> {
+        let expression = Expression::parse(text).map_err(|e| e.message)?;
+        expression.evaluate(&|n| (n == "x").then_some(3.0), &|_, _| None).map_err(|e| e.message)
+    }
+
+    #[test]
+    fn arithmetic_as_in_python() {
+        for (text, expected) in [
+            ("1 + 2*3", 7.0),
+            ("-2**2", -4.0),
+            ("2**-1", 0.5),
+            ("2**3**2", 512.0),
+            ("7/2", 3.5),
+            ("7//2", 3.0),
+            ("-7 % 3", 2.0),
+            ("(1+2)*x", 9.0),
+            ("340e6", 340e6),
+            ("1.d0 + .5", 1.5),
+            ("max(1, 2, x)", 3.0),
+            ("sqrt(16.) - abs(-4)", 0.0),
+            ("10-2-3", 5.0),
+            ("2*pi", std::f64::consts::TAU),
+            ("int(-2.7)", -2.0),
+        ] {
+            assert_eq!(value(text), Ok(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn refusals() {
+        for text in ["", "1+", "(1", "1 2", "2x", "y", "sqroot(2)", "1/0", "__import__('os')", "sqrt()", "$", "é"] {
+            assert!(value(text).is_err(), "{text}");
+        }
+        assert!(value(&"(".repeat(3000)).is_err());
+        assert!(value(&"-".repeat(3000)).is_err());
+        assert!(value(&"1+".repeat(3000)).is_err());
+    }
+
+    #[test]
+    fn raw_functions() {
+        let text = "-final(U2@REF-1.2) / 2";
+        let expression = Expression::parse_with(text, &["final"]).expect("well formed");
+        assert_eq!(expression.raw_arguments().collect::<Vec<_>>(), [("final", "U2@REF-1.2")]);
+        let known = |_: &str, a: &[Argument]| (a == [Argument::Raw("U2@REF-1.2".into())]).then_some(Ok(4.0));
+        assert_eq!(expression.evaluate(&|_| None, &known), Ok(-2.0));
+    }
+}

@@ -1,0 +1,364 @@
+//! From text to tree: cards, data lines, includes. Never fails, never panics; what is wrong becomes a diagnostic.
+//! Never here: which cards belong together, what fields mean.
+
+use std::path::{Path, PathBuf};
+
+use super::diagnostic::{Diagnostic, Diagnostics};
+use super::keywords::{self, Keyword, Lookup, ParameterRule, Tier};
+use super::lexer::{self, Fields, Line, LineKind, Lines};
+use super::parameters::Parameters;
+use super::source::{self, SourceFile, Span};
+use super::syntax::{Card, DataLine, Deck, Parameter, Word};
+
+/// Includes nested deeper are refused.
+const DEEPEST: usize = 32;
+/// More files than this are refused.
+const MOST_FILES: usize = 2000;
+/// More text than this, over all files, is refused.
+const MOST_BYTES: u64 = 2 << 30;
+
+/// Where data lines go.
+#[derive(Clone, Copy, PartialEq)]
+enum Block {
+    /// No keyword yet.
+    Start,
+    /// An unknown keyword: nowhere.
+    Unknown,
+    /// `*PARAMETER`.
+    Parameters,
+    /// The last card.
+    Card,
+}
+
+/// The reader of one deck.
+pub struct Parser {
+    deck: Deck,
+    diagnostics: Diagnostics,
+    parameters: Parameters,
+    block: Block,
+    chain: Vec<PathBuf>,
+    bytes: u64,
+}
+
+impl Parser {
+    /// A reader with these overrides of parameters.
+    pub fn new(overrides: &[(String, String)]) -> Self {
+        Parser {
+            deck: Deck::default(),
+            diagnostics: Diagnostics::default(),
+            parameters: Parameters::new(overrides),
+            block: Block::Start,
+            chain: Vec::new(),
+            bytes: 0,
+        }
+    }
+
+    /// What was read.
+    pub fn finish(mut self) -> (Deck, Diagnostics) {
+        self.parameters.check_overrides(&mut self.diagnostics);
+        self.deck.parameters = self.parameters.numbers();
+        super::findings::tier_findings(&self.deck, &mut self.diagnostics);
+        (self.deck, self.diagnostics)
+    }
+
+    /// Reads the deck's own file.
+    pub fn main_file(&mut self, path: &Path) {
+        match std::fs::read(path) {
+            Ok(bytes) => self.text(path, source::decode(&bytes), None),
+            Err(e) => {
+                let what = Diagnostic::error("D001", format!("cannot read {}: {e}", path.display()));
+                self.diagnostics.push(what.help("give the path of an existing deck"));
+            }
+        }
+    }
+
+    /// Reads a text that stands for a file.
+    pub fn text(&mut self, path: &Path, text: String, included_at: Option<Span>) {
+        self.bytes += text.len() as u64;
+        let name = path.display().to_string();
+        let empty = SourceFile { name: name.clone(), path: path.to_owned(), text: String::new(), included_at };
+        let file = self.deck.sources.add(empty);
+        if self.bytes > MOST_BYTES {
+            return self.refuse_file(
+                "D006",
+                format!("{name}: the deck is larger than {MOST_BYTES} bytes"),
+                included_at,
+            );
+        }
+        if text.contains('\0') {
+            return self.refuse_file("D005", format!("{name} is not a text file"), included_at);
+        }
+        self.chain.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
+        self.lines(file, &text);
+        self.chain.pop();
+        self.deck.sources.fill(file, text);
+    }
+
+    fn refuse_file(&mut self, code: &'static str, message: String, at: Option<Span>) {
+        let what = Diagnostic::error(code, message);
+        self.diagnostics.push(match at {
+            Some(span) => what.at(span, "asked for here"),
+            None => what,
+        });
+    }
+
+    fn lines(&mut self, file: u32, text: &str) {
+        let mut lines = Lines::new(text);
+        while let Some(line) = lines.next() {
+            match lexer::kind(&text[line.clone()]) {
+                LineKind::Blank | LineKind::Comment => {}
+                LineKind::Data => self.data_line(file, text, line),
+                LineKind::Keyword => self.keyword_line(file, text, line, &mut lines),
+            }
+        }
+    }
+
+    fn data_line(&mut self, file: u32, text: &str, line: Line) {
+        let trimmed = lexer::trim(text, line.clone());
+        let span = lexer::span(file, trimmed.clone());
+        match self.block {
+            Block::Unknown => {}
+            Block::Start => {
+                self.block = Block::Unknown;
+                let what = Diagnostic::error("D107", "a data line stands before any keyword");
+                self.diagnostics.push(
+                    what.at(span, "belongs to no keyword").help("a keyword line begins with `*`, a comment with `**`"),
+                );
+            }
+            Block::Parameters => self.parameters.define(&text[trimmed], span, &mut self.diagnostics),
+            Block::Card => self.card_line(file, text, line, span),
+        }
+    }
+
+    fn card_line(&mut self, file: u32, text: &str, line: Line, span: Span) {
+        let Some(keyword) = self.deck.cards.last().map(|c| c.keyword) else { return };
+        let fields = if keyword.name == "HEADING" {
+            vec![Word { text: text[lexer::trim(text, line.clone())].to_owned(), span, quoted: false }]
+        } else {
+            let fields = lexer::split(text, line.clone());
+            self.check_quotes(file, &line, &fields);
+            fields.ranges.into_iter().map(|r| self.word(file, text, r)).collect()
+        };
+        if let Some(card) = self.deck.cards.last_mut() {
+            card.lines.push(DataLine { fields, span });
+        }
+    }
+
+    fn word(&mut self, file: u32, text: &str, range: Line) -> Word {
+        self.parameters.substitute(lexer::word(text, file, range), &mut self.diagnostics)
+    }
+
+    fn check_quotes(&mut self, file: u32, line: &Line, fields: &Fields) {
+        if let Some(at) = fields.unclosed {
+            let what = Diagnostic::error("D108", "a quote is not closed");
+            let span = lexer::span(file, at..line.end);
+            self.diagnostics.push(what.at(span, "opened here").help("close it on the same line with `\"`"));
+        }
+    }
+
+    fn keyword_line(&mut self, file: u32, text: &str, line: Line, lines: &mut Lines<'_>) {
+        let mut fields = lexer::split(text, line.clone());
+        self.check_quotes(file, &line, &fields);
+        let star = fields.ranges.first().cloned().unwrap_or(lexer::trim(text, line));
+        let span = lexer::span(file, star.clone());
+        let Some(keyword) = self.keyword(&text[star.start + 1..star.end], span) else {
+            self.block = Block::Unknown;
+            return;
+        };
+        while fields.trailing_comma {
+            let Some((next, behind)) = lines.peek_significant() else { break };
+            let more = lexer::split(text, next.clone());
+            if !continues(text, &next, &more, keyword) {
+                break;
+            }
+            self.check_quotes(file, &next, &more);
+            fields.trailing_comma = more.trailing_comma;
+            fields.ranges.extend(more.ranges);
+            *lines = behind;
+        }
+        let parameters = self.card_parameters(file, text, keyword, fields.ranges.into_iter().skip(1));
+        self.card(Card { keyword, span, parameters, lines: Vec::new() });
+    }
+
+    fn card(&mut self, card: Card) {
+        match card.keyword.name {
+            "INCLUDE" => self.include_card(&card),
+            "PARAMETER" => {
+                self.block = Block::Parameters;
+                for parameter in &card.parameters {
+                    let what = Diagnostic::error("D405", format!("*PARAMETER, {} is not supported", parameter.name));
+                    self.diagnostics.push(
+                        what.at(parameter.span, "not supported").help("define parameters as `name = expression`"),
+                    );
+                }
+            }
+            name => {
+                self.block = Block::Card;
+                let input = card.value("INPUT").filter(|_| name != "MESH").cloned();
+                self.deck.cards.push(card);
+                if let Some(file) = input {
+                    self.include(&file);
+                }
+            }
+        }
+    }
+
+    fn keyword(&mut self, text: &str, span: Span) -> Option<&'static Keyword> {
+        let shown = text.trim();
+        let finding = match keywords::find_keyword(text) {
+            Lookup::Found(keyword) => return Some(keyword),
+            Lookup::Ambiguous(all) => {
+                let names: Vec<String> = all.iter().take(8).map(|k| format!("*{}", k.name)).collect();
+                let what = Diagnostic::error("D102", format!("*{shown} may stand for several keywords"));
+                what.at(span, "ambiguous").help(format!("write one of {}", names.join(", ")))
+            }
+            Lookup::Unknown { .. } if shown.is_empty() => Diagnostic::error("D101", "a keyword line without keyword")
+                .at(span, "nothing after the star")
+                .help("comments begin with `**`"),
+            Lookup::Unknown { nearest } => {
+                let what = Diagnostic::error("D101", format!("*{shown} is not a keyword")).at(span, "unknown keyword");
+                what.help(nearest.map_or("`revolve explain keywords` lists those that are known".into(), |k| {
+                    format!("did you mean *{}?", k.name)
+                }))
+            }
+        };
+        self.diagnostics.push(finding);
+        None
+    }
+
+    fn card_parameters(
+        &mut self,
+        file: u32,
+        text: &str,
+        keyword: &'static Keyword,
+        ranges: impl Iterator<Item = Line>,
+    ) -> Vec<Parameter> {
+        let mut parameters: Vec<Parameter> = Vec::new();
+        for range in ranges.filter(|r| !r.is_empty()) {
+            let Some(parameter) = self.parameter(file, text, keyword, range) else { continue };
+            match parameters.iter().find(|p| p.name == parameter.name) {
+                Some(first) => self.diagnostics.push(given_twice(keyword, &parameter, first)),
+                None => parameters.push(parameter),
+            }
+        }
+        parameters
+    }
+
+    fn parameter(&mut self, file: u32, text: &str, keyword: &'static Keyword, range: Line) -> Option<Parameter> {
+        let equals = lexer::equals_sign(text, range.clone());
+        let name = lexer::trim(text, range.start..equals.unwrap_or(range.end));
+        let span = lexer::span(file, name.clone());
+        let rule = self.rule(keyword, &text[name], span)?;
+        let value = equals.map(|at| lexer::trim(text, at + 1..range.end));
+        if value.as_ref().is_some_and(|r| r.is_empty()) && keyword.tier == Tier::Used {
+            let what = Diagnostic::error("D105", format!("*{}: {} has no value", keyword.name, rule.name));
+            self.diagnostics.push(what.at(span, "nothing after the equals sign"));
+        }
+        let value = value.filter(|r| !r.is_empty()).map(|r| self.word(file, text, r));
+        Some(Parameter { name: rule.name, span, value })
+    }
+
+    fn rule(&mut self, keyword: &'static Keyword, text: &str, span: Span) -> Option<&'static ParameterRule> {
+        let strict = matches!(keyword.tier, Tier::Used | Tier::Parsed);
+        let finding = match keywords::find_parameter(keyword, text) {
+            Lookup::Found(rule) => return Some(rule),
+            Lookup::Ambiguous(all) if strict => {
+                let names: Vec<&str> = all.iter().map(|r| r.name).collect();
+                let what =
+                    Diagnostic::error("D104", format!("*{}: {text} may stand for several parameters", keyword.name));
+                what.at(span, "ambiguous").help(format!("write one of {}", names.join(", ")))
+            }
+            Lookup::Unknown { nearest } if strict => unknown_parameter(keyword, text, span, nearest),
+            _ => return None,
+        };
+        self.diagnostics.push(finding);
+        None
+    }
+
+    fn include_card(&mut self, card: &Card) {
+        if let Some(password) = card.parameter("PASSWORD") {
+            let what = Diagnostic::error("D002", "encrypted input cannot be read");
+            self.diagnostics.push(what.at(password.span, "not supported"));
+        }
+        match card.value("INPUT") {
+            Some(file) => self.include(file),
+            None => {
+                let what = Diagnostic::error("D007", "*INCLUDE does not say which file");
+                self.diagnostics.push(what.at(card.span, "no INPUT here").help("write *INCLUDE, INPUT=file"));
+            }
+        }
+    }
+
+    fn include(&mut self, file: &Word) {
+        if super::parameters::is_unresolved(&file.text) {
+            return;
+        }
+        let path = self.deck.sources.folder(file.span).join(file.text.replace('\\', "/"));
+        let finding = match self.refusal(&path, file) {
+            Some(finding) => finding,
+            None => match std::fs::read(&path) {
+                Ok(bytes) => return self.text(&path, source::decode(&bytes), Some(file.span)),
+                Err(e) => unreadable(&path, file, &e),
+            },
+        };
+        self.diagnostics.push(finding);
+    }
+
+    /// Why a file must not be opened.
+    fn refusal(&self, path: &Path, file: &Word) -> Option<Diagnostic> {
+        let what = |code, message: String, label: &str| Some(Diagnostic::error(code, message).at(file.span, label));
+        let shown = path.display();
+        if path.canonicalize().is_ok_and(|p| self.chain.contains(&p)) {
+            return what("D003", format!("{shown} includes itself"), "this file is being read already");
+        }
+        if self.chain.len() > DEEPEST {
+            return what("D004", format!("includes are nested deeper than {DEEPEST}"), "one too many");
+        }
+        if self.deck.sources.files().len() >= MOST_FILES {
+            return what("D004", format!("more than {MOST_FILES} files are included"), "one too many");
+        }
+        let size = std::fs::metadata(path).map_or(0, |m| if m.is_file() { m.len() } else { 0 });
+        if self.bytes.saturating_add(size) > MOST_BYTES {
+            return what("D006", format!("the deck is larger than {MOST_BYTES} bytes"), "too much with this file");
+        }
+        None
+    }
+}
+
+/// Whether a line goes on with the parameters of a keyword line that ended in a comma.
+fn continues(text: &str, line: &Line, fields: &Fields, keyword: &Keyword) -> bool {
+    if lexer::kind(&text[line.clone()]) != LineKind::Data {
+        return false;
+    }
+    let free_text = matches!(keyword.name, "HEADING" | "PARAMETER");
+    fields.ranges.iter().filter(|r| !r.is_empty()).all(|range| match lexer::equals_sign(text, range.clone()) {
+        Some(at) => !free_text && text[range.start..at].starts_with(|c: char| c.is_alphabetic()),
+        None => keywords::is_parameter(keyword, &text[range.clone()]),
+    })
+}
+
+fn given_twice(keyword: &Keyword, second: &Parameter, first: &Parameter) -> Diagnostic {
+    let what = Diagnostic::error("D106", format!("*{}: {} is given twice", keyword.name, second.name));
+    what.at(second.span, "again here").at(first.span, "first here")
+}
+
+fn unknown_parameter(keyword: &Keyword, text: &str, span: Span, nearest: Option<&ParameterRule>) -> Diagnostic {
+    let message = format!("*{} has no parameter {text}", keyword.name);
+    let what = if keyword.tier == Tier::Used {
+        Diagnostic::error("D103", message)
+    } else {
+        Diagnostic::warning("D103", message)
+    };
+    let known: Vec<&str> = keyword.parameters.iter().map(|r| r.name).take(12).collect();
+    what.at(span, "unknown parameter").help(match nearest {
+        Some(rule) => format!("did you mean {}?", rule.name),
+        None if known.is_empty() => format!("*{} has no parameters", keyword.name),
+        None => format!("it has {}", known.join(", ")),
+    })
+}
+
+fn unreadable(path: &Path, file: &Word, e: &std::io::Error) -> Diagnostic {
+    let reason = if e.kind() == std::io::ErrorKind::NotFound { "no such file".to_owned() } else { e.to_string() };
+    let what = Diagnostic::error("D002", format!("cannot read {}", path.display()));
+    what.at(file.span, reason).help("the name is relative to the file that includes it")
+}
