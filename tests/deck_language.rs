@@ -158,6 +158,14 @@ fn a_bush_of_includes_ends() {
 }
 
 #[test]
+fn only_files_are_included() {
+    for name in ["/dev/zero", "/", ""] {
+        let (_, diagnostics) = deck::read_text("test.inp", &format!("*Include, input=\"{name}\"\n"), &[]);
+        assert_eq!(codes(&diagnostics), ["D002"], "{name}");
+    }
+}
+
+#[test]
 fn encodings() {
     let folder = tempfile::tempdir().expect("folder");
     let path = folder.path().join("deck.inp");

@@ -33,6 +33,9 @@ pub enum Argument {
     Raw(String),
 }
 
+/// Functions of the caller: the value, what is wrong, or `None` where the function is not the caller's.
+pub type Functions<'a> = dyn Fn(&str, &[Argument]) -> Option<Result<f64, String>> + 'a;
+
 /// An expression that has been read.
 #[derive(Clone, Debug)]
 pub struct Expression {
@@ -90,11 +93,7 @@ impl Expression {
 
     /// The value. `lookup` knows the names; `call` knows functions of its own and answers `None` for others, of which the
     /// usual ones (`sqrt sin cos tan asin acos atan atan2 exp log log10 abs min max int float round pow`) are built in, as is `pi`.
-    pub fn evaluate(
-        &self,
-        lookup: &dyn Fn(&str) -> Option<f64>,
-        call: &dyn Fn(&str, &[Argument]) -> Option<Result<f64, String>>,
-    ) -> Result<f64, ExpressionError> {
+    pub fn evaluate(&self, lookup: &dyn Fn(&str) -> Option<f64>, call: &Functions<'_>) -> Result<f64, ExpressionError> {
         let mut stack = Vec::new();
         for located in &self.operations {
             let value = step(located, &mut stack, lookup, call)?;
@@ -129,7 +128,7 @@ fn step(
     located: &Located,
     stack: &mut Vec<f64>,
     lookup: &dyn Fn(&str) -> Option<f64>,
-    call: &dyn Fn(&str, &[Argument]) -> Option<Result<f64, String>>,
+    call: &Functions<'_>,
 ) -> Result<f64, ExpressionError> {
     let fail = |message: String| error(located.start..located.end, message);
     match &located.operation {

@@ -34,7 +34,7 @@ fn unsupported_finding(cards: &[&Card]) -> Diagnostic {
         Tier::UnsupportedInert => Diagnostic::note("D202", format!("*{name} is not supported and is ignored"))
             .at(card.span, "changes no result"),
         _ => Diagnostic::error("D201", format!("*{name} is not supported"))
-            .at(card.span, format!("{}; without it the answer would be another", lower_first(summary)))
+            .at(card.span, format!("{}: leaving it out would change the answer", lower_first(summary)))
             .help(instead(name)),
     };
     also_at(what, &cards[1..])

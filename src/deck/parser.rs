@@ -217,7 +217,7 @@ impl Parser {
                 .help("comments begin with `**`"),
             Lookup::Unknown { nearest } => {
                 let what = Diagnostic::error("D101", format!("*{shown} is not a keyword")).at(span, "unknown keyword");
-                what.help(nearest.map_or("`revolve explain keywords` lists those that are known".into(), |k| {
+                what.help(nearest.map_or("docs/keywords.md lists those that are known".into(), |k| {
                     format!("did you mean *{}?", k.name)
                 }))
             }
@@ -317,7 +317,11 @@ impl Parser {
         if self.deck.sources.files().len() >= MOST_FILES {
             return what("D004", format!("more than {MOST_FILES} files are included"), "one too many");
         }
-        let size = std::fs::metadata(path).map_or(0, |m| if m.is_file() { m.len() } else { 0 });
+        let metadata = std::fs::metadata(path).ok()?;
+        if !metadata.is_file() {
+            return what("D002", format!("{shown} is not a file"), "not a file");
+        }
+        let size = metadata.len();
         if self.bytes.saturating_add(size) > MOST_BYTES {
             return what("D006", format!("the deck is larger than {MOST_BYTES} bytes"), "too much with this file");
         }
