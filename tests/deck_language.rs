@@ -124,6 +124,12 @@ fn stray_commas_do_not_eat_data() {
 }
 
 #[test]
+fn an_empty_data_line_is_no_continuation() {
+    let (deck, _) = read("*Solid Section, elset=A, material=B,\n,\n");
+    assert_eq!(fields(&deck.cards[0]), [[""]]);
+}
+
+#[test]
 fn data_lines_as_written() {
     let (deck, _) = read(
         "*Dynamic, Explicit\n, 8e-05\n*Solid Section, elset=A, material=B\n,\n*Amplitude, name=A\n0., 0.,\t1.,1.,\n\n** x\n2., 1.",

@@ -335,10 +335,12 @@ fn continues(text: &str, line: &Line, fields: &Fields, keyword: &Keyword) -> boo
         return false;
     }
     let free_text = matches!(keyword.name, "HEADING" | "PARAMETER");
-    fields.ranges.iter().filter(|r| !r.is_empty()).all(|range| match lexer::equals_sign(text, range.clone()) {
+    let is_parameter = |range: &Line| match lexer::equals_sign(text, range.clone()) {
         Some(at) => !free_text && text[range.start..at].starts_with(|c: char| c.is_alphabetic()),
         None => keywords::is_parameter(keyword, &text[range.clone()]),
-    })
+    };
+    let mut written = fields.ranges.iter().filter(|r| !r.is_empty()).peekable();
+    written.peek().is_some() && written.all(is_parameter)
 }
 
 fn given_twice(keyword: &Keyword, second: &Parameter, first: &Parameter) -> Diagnostic {
