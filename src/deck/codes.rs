@@ -1,65 +1,70 @@
-//! Diagnostic codes of the deck room (`D…`) with their explanations.
-//! Never here: the checks.
+//! The codes of the deck room's diagnostics, explained.
+//! Never here: codes of other rooms.
 
-/// A diagnostic code with its explanation, for `revolve explain`.
-#[derive(Debug)]
-pub struct Code {
-    /// The stable code.
-    pub code: &'static str,
-    /// One line.
-    pub title: &'static str,
-    /// What it means and what to do.
-    pub text: &'static str,
+use super::Code;
+
+macro_rules! codes {
+    ($($code:literal $title:literal $text:literal)*) => { &[$(Code { code: $code, title: $title, text: $text }),*] };
 }
 
-const fn code(code: &'static str, title: &'static str, text: &'static str) -> Code {
-    Code { code, title, text }
+/// Every code this room gives.
+pub static CODES: &[Code] = codes! {
+    "D001" "The deck cannot be read" "The file named on the command line does not exist or may not be read."
+    "D002" "An included file cannot be read" "The file of *INCLUDE, INPUT= (or of a card's INPUT=) does not exist, may not be read or is encrypted. Names are relative to the file that includes; backslashes and quotes are understood."
+    "D003" "A file includes itself" "Following the *INCLUDE lines leads back to a file that is still being read."
+    "D004" "Too many includes" "Includes are nested deeper than 32 or more than 2000 files are read. This is nearly always a slip."
+    "D005" "Not a text file" "The file holds zero bytes. Decks are UTF-8, UTF-16 with byte-order mark, or latin-1 text."
+    "D006" "Deck too large" "All files together hold more than 2 GiB. Large meshes are better read with *MESH."
+    "D007" "*INCLUDE without file" "*INCLUDE needs INPUT=file."
+    "D101" "Unknown keyword" "The word after the star is no ABAQUS keyword known here and no extension. Case and blanks do not count; unambiguous abbreviations are understood. Its data lines are skipped."
+    "D102" "Ambiguous keyword" "The word after the star abbreviates several keywords. Write more of it."
+    "D103" "Unknown parameter" "The keyword has no parameter of that name. `revolve explain KEYWORD` lists those it has."
+    "D104" "Ambiguous parameter" "The word abbreviates several parameters of the keyword. Write more of it."
+    "D105" "Parameter without value" "An equals sign must be followed by a value."
+    "D106" "Parameter given twice" "A keyword line may give a parameter once."
+    "D107" "Data before any keyword" "The deck begins with a line that is neither keyword (`*`) nor comment (`**`)."
+    "D108" "Quote not closed" "A quote must be closed on the line that opens it."
+    "D201" "Unsupported keyword" "The keyword is known but not supported, and without it the answer would be another one. The deck is refused instead of being misread."
+    "D202" "Unsupported keyword without effect" "The keyword is known but not supported; no result depends on it."
+    "D203" "Cards ignored" "These cards change only files that another program would write."
+    "D301" "Not a number" "A field that must be a number is none. Accepted are `1`, `1.`, `.5`, `1e-3`, `1.57d0`."
+    "D302" "Letter in a number" "A field would be a number but for a letter that looks like a digit (o and 0, l and 1)."
+    "D303" "Number too large" "A number must be finite; the largest is about 1.8e308."
+    "D304" "Not a whole number" "A field that must be a whole number is none."
+    "D401" "Undefined parameter" "A `<name>` refers to no parameter defined above it. Names of parameters are case-sensitive."
+    "D402" "Parameter without value" "The expression of a *PARAMETER line cannot be read or evaluated. Known are + - * / // % **, parentheses, sqrt sin cos tan asin acos atan atan2 exp log log10 abs min max int float round pow, pi, and text in quotes. `/` is true division."
+    "D403" "Override of nothing" "`--set NAME=VALUE` replaces a *PARAMETER definition; the deck has none of that name."
+    "D404" "Bad parameter definition" "The lines of a *PARAMETER block are `name = expression`."
+    "D405" "Unsupported form of *PARAMETER" "Tabulated and dependent parameters are not supported."
+    "D407" "Bad override" "The value of `--set NAME=VALUE` is an expression like those of *PARAMETER lines and must have a value."
+};
+
+/// The explanation of a code, whatever its case.
+pub fn find_code(code: &str) -> Option<&'static Code> {
+    CODES.iter().find(|c| c.code.eq_ignore_ascii_case(code.trim()))
 }
 
-/// All codes of this room.
-pub const CODES: &[Code] = &[
-    code("D100", "the deck cannot be read", "The file named on the command line is missing or may not be read."),
-    code("D101", "unknown keyword", "No keyword of ABAQUS or Revolve has this name. Its data lines are passed over."),
-    code("D102", "ambiguous keyword", "An abbreviation must fit one keyword only."),
-    code("D103", "unknown parameter", "The keyword line carries a word that this keyword does not know."),
-    code("D104", "ambiguous parameter", "An abbreviation must fit one parameter only."),
-    code("D105", "parameter without value", "After the equals sign a value was expected."),
-    code("D106", "data before any keyword", "Data lines belong to the keyword line above them; there is none."),
-    code(
-        "D107",
-        "unknown <name>",
-        "The name in angle brackets was not defined by *PARAMETER above. Names are case-sensitive.",
-    ),
-    code(
-        "D108",
-        "--set of an unknown parameter",
-        "--set replaces the value of a *PARAMETER of the deck; the deck has none of that name.",
-    ),
-    code("D109", "not a definition", "Data lines of *PARAMETER read `name = expression`."),
-    code(
-        "D110",
-        "expression not understood",
-        "Expressions have numbers, names, + - * / % **, brackets, and functions such as sqrt, sin, exp, min, max.",
-    ),
-    code(
-        "D111",
-        "expression without value",
-        "The expression uses an unknown name, mixes text with numbers, or has no finite result.",
-    ),
-    code("D112", "*INCLUDE without file", "Write *INCLUDE, INPUT=file."),
-    code("D113", "included file missing", "Files are looked up relative to the file that includes them."),
-    code(
-        "D114",
-        "circular include",
-        "A file includes itself, directly or through others, or includes nest more than 32 deep.",
-    ),
-    code("D115", "not a number", "A number was expected: 1. .5 1e-3 1.57d0 are all right."),
-    code("D116", "not a whole number", "A whole number was expected, such as a label or a count."),
-    code(
-        "D120",
-        "known, not supported",
-        "Revolve knows this keyword of ABAQUS and does not simulate what it asks for. Leaving it out silently would change the physics, so the deck is refused.",
-    ),
-    code("D121", "not supported, without effect", "The card is left out; no result changes."),
-    code("D122", "accepted without effect", "These cards steer output files of other programs."),
-];
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All `"D123"` in a source text.
+    fn codes_in(text: &str) -> Vec<&str> {
+        let is_code = |s: &&str| s.len() == 4 && s.starts_with('D') && s[1..].bytes().all(|b| b.is_ascii_digit());
+        text.split('"').filter(is_code).collect()
+    }
+
+    #[test]
+    fn every_code_is_explained_and_given() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/deck");
+        let mut given = std::collections::BTreeSet::new();
+        for entry in std::fs::read_dir(folder).expect("source folder") {
+            let path = entry.expect("entry").path();
+            if path.file_name().is_some_and(|n| n != "codes.rs") {
+                let text = std::fs::read_to_string(path).expect("source");
+                given.extend(codes_in(&text).into_iter().map(str::to_owned));
+            }
+        }
+        assert_eq!(given, CODES.iter().map(|c| c.code.to_owned()).collect());
+    }
+}

@@ -108,26 +108,19 @@ impl Diagnostics {
         self.list.append(&mut other.list);
     }
 
-    /// The findings as text: file, line, column, caret, reason, help. At most [`MOST`] errors are shown.
+    /// How many errors there are.
+    pub fn error_count(&self) -> usize {
+        self.list.iter().filter(|d| d.severity == Severity::Error).count()
+    }
+
+    /// The findings as plain text: file, line, column, caret, reason, help; about twenty of each severity.
     pub fn render(&self, sources: &Sources) -> String {
-        self.render_with(sources, &Renderer::plain())
+        super::render::render(&self.list, sources, false)
     }
 
     /// The same with colours, for a terminal.
     pub fn render_styled(&self, sources: &Sources) -> String {
-        self.render_with(sources, &Renderer::styled())
-    }
-
-    fn render_with(&self, sources: &Sources, renderer: &Renderer) -> String {
-        let mut text = String::new();
-        for diagnostic in self.list.iter().take(MOST) {
-            text += renderer.render(&[diagnostic.report(sources)]).trim_end();
-            text += "\n\n";
-        }
-        if self.list.len() > MOST {
-            text += &format!("… and {} more\n", self.list.len() - MOST);
-        }
-        text
+        super::render::render(&self.list, sources, true)
     }
 }
 

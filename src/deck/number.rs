@@ -1,63 +1,146 @@
-//! Numbers as decks write them: `1.`, `.5`, `1.57d0`.
-//! Never here: names.
+//! Numbers as Fortran programs write them.
+//! Never here: arithmetic.
 
-/// A finite number in Fortran or C notation.
-///
-/// # Errors
-/// In words, with the likely slip.
-pub fn parse_number(text: &str) -> Result<f64, String> {
-    let plain: String = text.trim().chars().map(|c| if matches!(c, 'd' | 'D') { 'e' } else { c }).collect();
-    let looks_right = plain.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | 'e' | 'E'));
-    match plain.parse::<f64>() {
-        Ok(value) if looks_right && value.is_finite() => Ok(value),
-        Ok(_) if looks_right => Err(format!("`{text}` is too large for a number")),
-        _ => Err(slip(text)),
+/// Why a text is no number.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NumberError {
+    /// Nothing there.
+    Empty,
+    /// A number but for letters that look like digits; the text that was probably meant.
+    LookAlike(char, String),
+    /// Too large to be held.
+    NotFinite,
+    /// Something else; perhaps a guess at what was meant.
+    Malformed(Option<String>),
+}
+
+/// A finite number: `1`, `1.`, `.5`, `-1e-3`, `1.57d0`.
+pub fn parse_number(text: &str) -> Result<f64, NumberError> {
+    let text = text.trim();
+    if text.is_empty() {
+        return Err(NumberError::Empty);
+    }
+    if number_length(strip_sign(text)) != Some(strip_sign(text).len()) {
+        return Err(explain(text));
+    }
+    let value: f64 = text.replace(['d', 'D'], "e").parse().map_err(|_| NumberError::Malformed(None))?;
+    if value.is_finite() { Ok(value) } else { Err(NumberError::NotFinite) }
+}
+
+fn strip_sign(text: &str) -> &str {
+    text.strip_prefix(['+', '-']).unwrap_or(text)
+}
+
+/// How many bytes at the start of the text form an unsigned number.
+pub fn number_length(text: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let whole = digits(bytes, 0);
+    let point = usize::from(bytes.get(whole) == Some(&b'.'));
+    let fraction = digits(bytes, whole + point);
+    if whole + fraction == 0 {
+        return None;
+    }
+    let mantissa = whole + point + fraction;
+    Some(mantissa + exponent_length(bytes, mantissa))
+}
+
+fn digits(bytes: &[u8], from: usize) -> usize {
+    bytes.iter().skip(from).take_while(|b| b.is_ascii_digit()).count()
+}
+
+fn exponent_length(bytes: &[u8], at: usize) -> usize {
+    if !matches!(bytes.get(at), Some(b'e' | b'E' | b'd' | b'D')) {
+        return 0;
+    }
+    let sign = usize::from(matches!(bytes.get(at + 1), Some(b'+' | b'-')));
+    match digits(bytes, at + 1 + sign) {
+        0 => 0,
+        n => 1 + sign + n,
     }
 }
 
-/// What may have been meant: letters that look like digits are the commonest slip.
-fn slip(text: &str) -> String {
+fn explain(text: &str) -> NumberError {
     let repaired: String = text
         .chars()
         .map(|c| match c {
             'o' | 'O' => '0',
             'l' | 'I' => '1',
-            _ => c,
+            c => c,
         })
         .collect();
-    if repaired != text && text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) && parse_plain(&repaired)
-    {
-        let letter = if text.contains(['o', 'O']) { "letter o" } else { "letter l" };
-        return format!("`{text}` is not a number: {letter}; did you mean {repaired}?");
+    let culprit = text.chars().find(|c| "oOlI".contains(*c));
+    if let (Some(letter), Ok(_)) = (culprit, parse_plain(&repaired)) {
+        return NumberError::LookAlike(letter, repaired);
     }
-    if text.contains(',') || text.contains(' ') {
-        return format!("`{text}` is not one number; fields are separated by commas");
-    }
-    format!("`{text}` is not a number")
+    NumberError::Malformed(missing_exponent(text).or_else(|| semicolon(text)))
 }
 
-fn parse_plain(text: &str) -> bool {
-    text.parse::<f64>().is_ok_and(f64::is_finite)
+fn parse_plain(text: &str) -> Result<(), ()> {
+    let body = strip_sign(text);
+    if body.bytes().any(|b| b.is_ascii_digit()) && number_length(body) == Some(body.len()) { Ok(()) } else { Err(()) }
+}
+
+/// `1.0-5`, Fortran's exponent without its letter.
+fn missing_exponent(text: &str) -> Option<String> {
+    let at = text.rfind(['+', '-']).filter(|&i| i > 0)?;
+    let guess = format!("{}e{}", &text[..at], &text[at..]);
+    parse_plain(&guess).ok().map(|()| guess)
+}
+
+/// `1;5` or a number with a stray sign of punctuation at its end.
+fn semicolon(text: &str) -> Option<String> {
+    let guess = text.trim_end_matches([';', ':']);
+    (guess != text && parse_plain(guess).is_ok()).then(|| guess.to_owned())
+}
+
+/// A number as a deck would write it: whole numbers without a point, others in the fewest digits that read back the same.
+pub fn format_number(value: f64) -> String {
+    let size = value.abs();
+    if value.fract() == 0.0 && size < 1e15 {
+        format!("{}", value as i64)
+    } else if (1e-4..1e15).contains(&size) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::parse_number;
+    use super::*;
 
     #[test]
-    fn fortran_and_c_forms() {
-        for (text, value) in
-            [("1.", 1.0), (".5", 0.5), ("1.57d0", 1.57), ("-2E-3", -2e-3), ("1D+2", 100.0), (" 7 ", 7.0)]
-        {
-            assert_eq!(parse_number(text), Ok(value));
+    fn fortran_forms() {
+        for (text, value) in [
+            ("1", 1.0),
+            ("1.", 1.0),
+            (".5", 0.5),
+            ("1.57d0", 1.57),
+            ("-1.D-3", -1e-3),
+            ("+2E+2", 200.0),
+            (" 8e-05 ", 8e-5),
+        ] {
+            assert_eq!(parse_number(text), Ok(value), "{text}");
         }
     }
 
     #[test]
-    fn slips_are_named() {
-        assert_eq!(parse_number("1.o"), Err("`1.o` is not a number: letter o; did you mean 1.0?".into()));
-        for text in ["inf", "nan", "1e999", "", "abc", "1 2", "0x10"] {
+    fn refusals() {
+        assert_eq!(parse_number("1.o"), Err(NumberError::LookAlike('o', "1.0".into())));
+        assert_eq!(parse_number("l.5"), Err(NumberError::LookAlike('l', "1.5".into())));
+        assert_eq!(parse_number("1e999"), Err(NumberError::NotFinite));
+        assert_eq!(parse_number("1.0-5"), Err(NumberError::Malformed(Some("1.0e-5".into()))));
+        for text in ["nan", "inf", "1 2", "e5", ".", "-", "0x10", "1e", "--1", "é"] {
             assert!(parse_number(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn round_trip() {
+        for value in [0.1, 1e-30, 20.0, -3.0, 1e300, 340e6, 1.0 / 3.0] {
+            assert_eq!(parse_number(&format_number(value)), Ok(value));
+        }
+        assert_eq!(format_number(20.0), "20");
+        assert_eq!(format_number(0.5), "0.5");
     }
 }

@@ -42,13 +42,23 @@ pub struct SourceFile {
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<SourceFile>,
+    line_starts: Vec<Vec<u32>>,
 }
 
 impl Sources {
     /// Adds a file and returns its index.
     pub fn add(&mut self, file: SourceFile) -> u32 {
+        self.line_starts.push(line_starts(&file.text));
         self.files.push(file);
         (self.files.len() - 1) as u32
+    }
+
+    /// Gives a file its text; for a reader that numbers the file before it is done with the text.
+    pub(super) fn fill(&mut self, file: u32, text: String) {
+        if let Some(entry) = self.files.get_mut(file as usize) {
+            self.line_starts[file as usize] = line_starts(&text);
+            entry.text = text;
+        }
     }
 
     /// The files in the order they were opened.
@@ -68,10 +78,27 @@ impl Sources {
 
     /// Line and column of a span's start, both counted from 1, the column in characters.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
-        let Some(before) = self.file(span).and_then(|f| f.text.get(..span.start as usize)) else { return (1, 1) };
-        let line = before.matches('\n').count() + 1;
-        let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
-        (line, column)
+        let Some(file) = self.file(span) else { return (1, 1) };
+        let line = self.line_of(span.file, span.start);
+        let start = self.line_range(span.file, line).start;
+        let column = file.text.get(start..span.start as usize).map_or(0, |t| t.chars().count());
+        (line, column + 1)
+    }
+
+    /// The line, counted from 1, that a byte of a file lies in.
+    pub(super) fn line_of(&self, file: u32, byte: u32) -> usize {
+        self.line_starts.get(file as usize).map_or(1, |s| s.partition_point(|&b| b <= byte).max(1))
+    }
+
+    /// The bytes of a line (counted from 1) without its line end.
+    pub(super) fn line_range(&self, file: u32, line: usize) -> std::ops::Range<usize> {
+        let (Some(source), Some(starts)) = (self.files.get(file as usize), self.line_starts.get(file as usize)) else {
+            return 0..0;
+        };
+        let length = source.text.len();
+        let start = starts.get(line.saturating_sub(1)).map_or(length, |&b| b as usize);
+        let end = starts.get(line).map_or(length, |&b| (b as usize).saturating_sub(1));
+        start..end.max(start)
     }
 
     /// `file:line` of a span, as the ledger shows it.
@@ -84,4 +111,41 @@ impl Sources {
     pub fn folder(&self, span: Span) -> &Path {
         self.file(span).and_then(|f| f.path.parent()).unwrap_or(Path::new(""))
     }
+}
+
+/// Where each line begins.
+fn line_starts(text: &str) -> Vec<u32> {
+    std::iter::once(0).chain(text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i as u32 + 1)).collect()
+}
+
+/// Bytes as text: byte-order marks (UTF-8, UTF-16) are obeyed, what is not UTF-8 is taken as latin-1, line ends become `\n`.
+pub fn decode(bytes: &[u8]) -> String {
+    let text = match bytes {
+        [0xEF, 0xBB, 0xBF, rest @ ..] => utf8_or_latin1(rest),
+        [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xFE, 0xFF, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        _ => utf8_or_latin1(bytes),
+    };
+    normalise(text)
+}
+
+fn utf8_or_latin1(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
+    }
+}
+
+fn utf16(bytes: &[u8], order: fn([u8; 2]) -> u16) -> String {
+    let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| order([pair[0], pair[1]])).collect();
+    String::from_utf16_lossy(&units)
+}
+
+/// Text in memory brought to the same shape as text read from a file: no byte-order mark, line ends `\n`.
+pub(super) fn normalise(text: String) -> String {
+    let text = match text.strip_prefix('\u{FEFF}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
+    };
+    if text.contains('\r') { text.replace("\r\n", "\n").replace('\r', "\n") } else { text }
 }

@@ -3,7 +3,8 @@
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::Keyword;
-use super::number::parse_number;
+use super::number::{NumberError, parse_number};
+use super::parameters::is_unresolved;
 use super::source::{Sources, Span};
 
 /// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
@@ -95,8 +96,9 @@ impl Word {
     pub fn number(&self, diagnostics: &mut Diagnostics) -> Option<f64> {
         match parse_number(&self.text) {
             Ok(value) => Some(value),
-            Err(message) => {
-                diagnostics.push(Diagnostic::error("D115", message).at(self.span, "a number was expected"));
+            Err(_) if is_unresolved(&self.text) => None,
+            Err(e) => {
+                diagnostics.push(self.number_finding(e));
                 None
             }
         }
@@ -104,15 +106,38 @@ impl Word {
 
     /// The field as a whole number; otherwise a located diagnostic and `None`.
     pub fn integer(&self, diagnostics: &mut Diagnostics) -> Option<i64> {
-        if let Ok(value) = self.text.parse::<i64>() {
+        let text = self.text.trim();
+        if let Ok(value) = text.parse() {
             return Some(value);
         }
-        let message = match parse_number(&self.text) {
-            Ok(value) if value.fract() == 0.0 && value.abs() < 1e15 => return Some(value as i64),
-            Ok(_) => format!("`{}` is not a whole number", self.text),
-            Err(message) => message,
-        };
-        diagnostics.push(Diagnostic::error("D116", message).at(self.span, "a whole number was expected"));
-        None
+        if let Ok(value) = parse_number(text) {
+            let what = Diagnostic::error("D304", format!("`{text}` is not a whole number"))
+                .at(self.span, "whole number expected");
+            let whole = value.fract() == 0.0 && value.abs() < 1e15;
+            diagnostics.push(if whole { what.help(format!("write {value:.0}")) } else { what });
+            return None;
+        }
+        self.number(diagnostics).and(None)
+    }
+
+    fn number_finding(&self, error: NumberError) -> Diagnostic {
+        let text = &self.text;
+        match error {
+            NumberError::Empty => Diagnostic::error("D301", "a number is missing").at(self.span, "expected here"),
+            NumberError::LookAlike(letter, meant) => Diagnostic::error("D302", format!("`{text}` is not a number"))
+                .at(self.span, format!("letter {letter}"))
+                .help(format!("did you mean {meant}?")),
+            NumberError::NotFinite => {
+                Diagnostic::error("D303", format!("`{text}` is too large")).at(self.span, "not finite")
+            }
+            NumberError::Malformed(guess) => {
+                let what =
+                    Diagnostic::error("D301", format!("`{text}` is not a number")).at(self.span, "number expected");
+                match guess {
+                    Some(guess) => what.help(format!("did you mean {guess}?")),
+                    None => what,
+                }
+            }
+        }
     }
 }

@@ -1,0 +1,224 @@
+//! `*PARAMETER` definitions, `--set` overrides, and `<name>` put in place of its value.
+//! Never here: arithmetic.
+
+use indexmap::IndexMap;
+
+use super::diagnostic::{Diagnostic, Diagnostics};
+use super::expression::{Expression, ExpressionError};
+use super::names;
+use super::number::format_number;
+use super::source::Span;
+use super::syntax::Word;
+
+/// The value of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A text, given in quotes.
+    Text(String),
+}
+
+impl Value {
+    fn written(&self) -> String {
+        match self {
+            Value::Number(value) => format_number(*value),
+            Value::Text(text) => text.clone(),
+        }
+    }
+}
+
+/// The parameters in force.
+#[derive(Clone, Debug, Default)]
+pub struct Parameters {
+    values: IndexMap<String, Value>,
+    overrides: IndexMap<String, String>,
+}
+
+impl Parameters {
+    /// No parameters yet; the overrides will replace definitions.
+    pub fn new(overrides: &[(String, String)]) -> Self {
+        Parameters { values: IndexMap::new(), overrides: overrides.iter().cloned().collect() }
+    }
+
+    /// The numeric parameters in order of definition.
+    pub fn numbers(&self) -> Vec<(String, f64)> {
+        let number = |(name, value): (&String, &Value)| match value {
+            Value::Number(x) => Some((name.clone(), *x)),
+            Value::Text(_) => None,
+        };
+        self.values.iter().filter_map(number).collect()
+    }
+
+    /// Takes in one line of a `*PARAMETER` block.
+    pub fn define(&mut self, line: &str, span: Span, diagnostics: &mut Diagnostics) {
+        let line = without_comment(line);
+        if line.trim().is_empty() {
+            return;
+        }
+        let Some((left, right)) = line.split_once('=') else {
+            let what = Diagnostic::error("D404", "a parameter definition has no equals sign");
+            return diagnostics.push(what.at(span, "expected `name = expression`"));
+        };
+        let name = left.trim();
+        if !is_name(name) {
+            let what = Diagnostic::error("D404", format!("`{name}` cannot be the name of a parameter"));
+            return diagnostics.push(
+                what.at(part(span, line, left.trim()), "not a name")
+                    .help("names have letters, digits and `_`, and begin with no digit"),
+            );
+        }
+        let value = self.value_of(name, right.trim(), part(span, line, right.trim()), diagnostics);
+        self.values.insert(name.to_owned(), value);
+    }
+
+    /// The value a definition gives, or its override; after an error a harmless 1, so that one fault is told once.
+    fn value_of(&self, name: &str, text: &str, span: Span, diagnostics: &mut Diagnostics) -> Value {
+        let own = self.evaluate(text);
+        let Some(replacement) = self.overrides.get(name) else {
+            return own.unwrap_or_else(|e| {
+                diagnostics.push(self.expression_finding(&e, offset(span, &e)));
+                Value::Number(1.0)
+            });
+        };
+        match (self.evaluate(replacement), own) {
+            (Ok(value), _) => value,
+            (Err(_), Ok(Value::Text(_))) => Value::Text(replacement.clone()),
+            (Err(e), _) => {
+                let what = Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", e.message));
+                diagnostics.push(self.helped(what.at(span, "the definition it would replace"), &e));
+                Value::Number(1.0)
+            }
+        }
+    }
+
+    fn evaluate(&self, text: &str) -> Result<Value, ExpressionError> {
+        if let Some(inside) = unquoted(text) {
+            return Ok(Value::Text(inside.to_owned()));
+        }
+        if let Some(Value::Text(other)) = self.values.get(text) {
+            return Ok(Value::Text(other.clone()));
+        }
+        let lookup = |name: &str| match self.values.get(name) {
+            Some(Value::Number(x)) => Some(*x),
+            _ => None,
+        };
+        let value = Expression::parse(text)?.evaluate(&lookup, &|_, _| None)?;
+        if value.is_finite() {
+            return Ok(Value::Number(value));
+        }
+        Err(ExpressionError { start: 0, end: text.len(), message: format!("the value is {value}"), unknown: None })
+    }
+
+    fn expression_finding(&self, e: &ExpressionError, span: Span) -> Diagnostic {
+        let what = Diagnostic::error("D402", "a parameter has no value").at(span, e.message.clone());
+        self.helped(what, e)
+    }
+
+    fn helped(&self, what: Diagnostic, e: &ExpressionError) -> Diagnostic {
+        match &e.unknown {
+            Some(name) => what.help(self.suggestion(name)),
+            None => what,
+        }
+    }
+
+    fn suggestion(&self, name: &str) -> String {
+        if let Some(like) = names::nearest(name, self.values.keys().map(String::as_str)) {
+            return format!("did you mean `{like}`? (names of parameters are case-sensitive)");
+        }
+        if self.values.is_empty() {
+            return "no parameter is defined above this line; define it in a *PARAMETER block".into();
+        }
+        let known: Vec<&str> = self.values.keys().map(String::as_str).take(10).collect();
+        format!("defined above this line: {}", known.join(", "))
+    }
+
+    /// Puts values in place of every `<name>` of a word.
+    pub fn substitute(&self, mut word: Word, diagnostics: &mut Diagnostics) -> Word {
+        if !word.text.contains('<') {
+            return word;
+        }
+        let (mut result, mut rest) = (String::new(), word.text.as_str());
+        while let Some((before, name, after)) = next_reference(rest) {
+            result.push_str(before);
+            match self.values.get(name) {
+                Some(value) => result.push_str(&value.written()),
+                None => {
+                    diagnostics.push(self.undefined(name, &word));
+                    result.push_str(&format!("<{name}>"));
+                }
+            }
+            rest = after;
+        }
+        result.push_str(rest);
+        word.text = result;
+        word
+    }
+
+    fn undefined(&self, name: &str, word: &Word) -> Diagnostic {
+        let what = Diagnostic::error("D401", format!("there is no parameter `{name}`"));
+        what.at(word.span, "not defined").help(self.suggestion(name))
+    }
+
+    /// Overrides of names that no line defined.
+    pub fn check_overrides(&self, diagnostics: &mut Diagnostics) {
+        for name in self.overrides.keys().filter(|n| !self.values.contains_key(*n)) {
+            let what = Diagnostic::error("D403", format!("`--set {name}`: the deck defines no parameter `{name}`"));
+            diagnostics.push(what.help(self.suggestion(name)));
+        }
+    }
+}
+
+/// Whether a text still holds a `<name>` that had no value; what is wrong with it has been said already.
+pub fn is_unresolved(text: &str) -> bool {
+    next_reference(text).is_some()
+}
+
+/// The text before the next `<name>`, the name, the text behind.
+fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
+    let mut from = 0;
+    while let Some(open) = text[from..].find('<').map(|i| i + from) {
+        let close = text[open..].find('>')? + open;
+        let name = text[open + 1..close].trim();
+        if is_name(name) {
+            return Some((&text[..open], name, &text[close + 1..]));
+        }
+        from = open + 1;
+    }
+    None
+}
+
+fn is_name(text: &str) -> bool {
+    let letter = |c: char| c.is_alphabetic() || c == '_';
+    text.starts_with(letter) && text.chars().all(|c| letter(c) || c.is_numeric())
+}
+
+/// The line up to a `#` outside quotes.
+fn without_comment(line: &str) -> &str {
+    let mut quote = None;
+    for (i, c) in line.char_indices() {
+        match (c, quote) {
+            ('#', None) => return &line[..i],
+            ('"' | '\'', None) => quote = Some(c),
+            (c, Some(q)) if c == q => quote = None,
+            _ => {}
+        }
+    }
+    line
+}
+
+fn unquoted(text: &str) -> Option<&str> {
+    let quote = text.chars().next().filter(|c| "'\"".contains(*c))?;
+    let inside = text.strip_prefix(quote)?.strip_suffix(quote)?;
+    (!inside.contains(quote)).then_some(inside)
+}
+
+/// The span of a piece of a line.
+fn part(span: Span, line: &str, piece: &str) -> Span {
+    let start = (piece.as_ptr() as usize).saturating_sub(line.as_ptr() as usize) as u32 + span.start;
+    Span { file: span.file, start, end: start + piece.len() as u32 }
+}
+
+fn offset(span: Span, e: &ExpressionError) -> Span {
+    Span { file: span.file, start: span.start + e.start as u32, end: span.start + e.end as u32 }
+}
