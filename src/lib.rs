@@ -2,10 +2,13 @@
 #![warn(missing_docs)]
 pub mod deck;
 pub mod effect;
+pub mod explain;
+pub mod job;
 pub mod kernel;
 pub mod model;
 pub mod output;
 pub mod plan;
 pub mod solve;
 pub mod state;
+pub mod study;
 pub mod user;

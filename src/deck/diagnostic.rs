@@ -1,8 +1,6 @@
 //! Diagnostics: what is wrong, where, why, and what would be right.
 //! Never here: the checks that find them.
 
-use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
-
 use super::source::{Sources, Span};
 
 /// How bad it is.
@@ -122,56 +120,4 @@ impl Diagnostics {
     pub fn render_styled(&self, sources: &Sources) -> String {
         super::render::render(&self.list, sources, true)
     }
-}
-
-/// How many findings are shown.
-pub const MOST: usize = 20;
-
-impl Diagnostic {
-    fn report<'a>(&'a self, sources: &'a Sources) -> Group<'a> {
-        let level = match self.severity {
-            Severity::Error => Level::ERROR,
-            Severity::Warning => Level::WARNING,
-            Severity::Note => Level::NOTE,
-        };
-        let mut group = Group::with_title(level.primary_title(&self.message).id(self.code));
-        for (i, label) in self.labels.iter().enumerate() {
-            let kind = if i == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
-            if let Some(snippet) = snippet(sources, label, kind) {
-                group = group.element(snippet);
-            }
-        }
-        for at in self.labels.first().map(|l| includes(sources, l.span)).unwrap_or_default() {
-            group = group.element(Level::NOTE.message(format!("included from {at}")));
-        }
-        match &self.help {
-            Some(help) => group.element(Level::HELP.message(help)),
-            None => group,
-        }
-    }
-}
-
-/// The line of a label with its caret. Only that line is handed on, so that a large deck costs no more than a small one.
-fn snippet<'a>(sources: &'a Sources, label: &'a Label, kind: AnnotationKind) -> Option<Snippet<'a, Annotation<'a>>> {
-    let file = sources.file(label.span)?;
-    let (start, end) = (label.span.start as usize, label.span.end as usize);
-    let before = file.text.get(..start)?;
-    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-    let line_end = file.text[start..].find('\n').map_or(file.text.len(), |i| start + i);
-    let line = &file.text[line_start..line_end];
-    let range = start - line_start..end.clamp(start, line_end) - line_start;
-    let number = sources.line_column(label.span).0;
-    let annotation = kind.span(range).label(&label.text);
-    Some(Snippet::source(line).line_start(number).path(&file.name).annotation(annotation))
-}
-
-/// Where the file of a span was included, innermost first.
-fn includes(sources: &Sources, span: Span) -> Vec<String> {
-    let mut trail = Vec::new();
-    let mut at = sources.file(span).and_then(|f| f.included_at);
-    while let Some(place) = at {
-        trail.push(sources.describe(place));
-        at = sources.file(place).and_then(|f| f.included_at);
-    }
-    trail
 }

@@ -21,7 +21,7 @@ pub enum Tier {
 }
 
 /// A parameter that a keyword line may carry.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub struct ParameterRule {
     /// Canonical name, upper case, single blanks.
     pub name: &'static str,
@@ -32,7 +32,7 @@ pub struct ParameterRule {
 }
 
 /// One keyword.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Keyword {
     /// Canonical name, upper case, single blanks, no star.
     pub name: &'static str,

@@ -17,13 +17,24 @@ pub mod source;
 pub mod syntax;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use findings::tier_findings;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, Parameter, Word};
+
+/// A diagnostic code with its explanation, for `revolve explain`.
+#[derive(Debug)]
+pub struct Code {
+    /// The stable code.
+    pub code: &'static str,
+    /// One line.
+    pub title: &'static str,
+    /// A few lines: what it means and what to do.
+    pub text: &'static str,
+}
 
 /// Reads a deck file and everything it includes. Always returns a tree; what was wrong is in the diagnostics.
 /// `overrides` are `--set NAME=VALUE` and take the place of `*PARAMETER` definitions of that name.
@@ -33,7 +44,7 @@ pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) 
     parser.finish()
 }
 
-/// The same from text already in memory; `name` stands for the file, and includes are looked up beside it.
+/// The same from text already in memory; `name` stands for the file (used to look up includes beside it).
 pub fn read_text(name: &str, text: &str, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
     let mut parser = parser::Parser::new(overrides);
     parser.text(Path::new(name), source::normalise(text.to_owned()), None);

@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 
-use crate::deck::keywords::{Tier, nearest};
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Parameter, Span, Word};
+use crate::deck::{keywords::Tier, names::nearest};
 
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;

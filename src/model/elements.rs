@@ -4,7 +4,7 @@
 use super::builder::{Builder, MOST};
 use super::names::qualified;
 use super::types::{Element, ElementKind};
-use crate::deck::keywords::nearest;
+use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Types that are simulated.

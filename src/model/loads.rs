@@ -3,7 +3,6 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::surfaces::side;
 use super::types::{Load, LoadKind, Sides};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 

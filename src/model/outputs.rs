@@ -4,7 +4,7 @@
 use super::builder::Builder;
 use super::names::{qualified, upper};
 use super::types::{Interval, OutputKind, OutputRequest, Region};
-use crate::deck::keywords::nearest;
+use crate::deck::names::nearest;
 use crate::deck::{Card, Diagnostic, Word};
 
 /// Output variables that exist (ABAQUS/Explicit Output Variable Identifiers) or are ours; components follow by number.

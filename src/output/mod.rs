@@ -1,10 +1,18 @@
-//! Files: VTU/PVD frames, history CSV, summary JSON. One file per format.
+//! Files: VTU frames in a PVD series, history CSV, summary JSON. One file per format; each appears whole or not at all.
 //! Never here: decisions about physics.
 
+pub mod history;
+pub mod pvd;
+pub mod vtu;
+pub mod whole;
+
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::Serialize;
+
+pub use history::{ColumnSummary, History, HistorySummary};
+pub use whole::write_whole;
 
 /// An array over points or cells.
 #[derive(Clone, Debug)]
@@ -28,23 +36,12 @@ pub struct Frame {
     pub increment: u64,
     /// Current coordinates `[r, z]`.
     pub points: Vec<[f64; 2]>,
-    /// Cells as point indices: 2 = line, 3 = triangle, 4 = quad, 1 = vertex.
+    /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
     pub cells: Vec<Vec<usize>>,
     /// Arrays over points.
     pub point_fields: Vec<Field>,
     /// Arrays over cells.
     pub cell_fields: Vec<Field>,
-}
-
-/// History samples: one row a time.
-#[derive(Clone, Debug, Default)]
-pub struct History {
-    /// Column names without time (`U2@REF`, `ALLKE`).
-    pub columns: Vec<String>,
-    /// Total time of each row.
-    pub times: Vec<f64>,
-    /// Row-major values.
-    pub rows: Vec<Vec<f64>>,
 }
 
 /// Where the files of a job go.
@@ -56,14 +53,19 @@ pub struct Job {
     pub name: String,
 }
 
-/// Writes bytes so that the file is there whole or not at all (temporary file beside it, then rename).
-pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let _ = (path, bytes);
-    todo!("the output room")
+impl Job {
+    /// Path of one of the job's files: `<name><ending>`.
+    pub fn path(&self, ending: &str) -> PathBuf {
+        self.folder.join(format!("{}{ending}", self.name))
+    }
 }
 
-/// Serialises the summary into `<job>.json`.
+/// Writes the summary as `<job>.json`.
+///
+/// # Errors
+/// Where the file cannot be written.
 pub fn write_summary<T: Serialize>(job: &Job, summary: &T) -> io::Result<()> {
-    let _ = (job, summary);
-    todo!("the output room")
+    let mut text = serde_json::to_string_pretty(summary)?;
+    text.push('\n');
+    write_whole(&job.path(".json"), text.as_bytes())
 }

@@ -58,6 +58,15 @@ impl Ledger {
         self.effects.len() - 1
     }
 
+    /// Sets each effect's share of the time.
+    pub fn share(&mut self, seconds: &[f64], total: f64) {
+        for (row, spent) in self.effects.iter_mut().zip(seconds) {
+            if *spent > 0.0 && total > 0.0 {
+                row.share = Some((spent / total).min(1.0));
+            }
+        }
+    }
+
     /// The ledger as text; the last column only after a run.
     pub fn render(&self) -> String {
         let timed = self.effects.iter().any(|r| r.share.is_some());

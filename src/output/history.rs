@@ -1,0 +1,84 @@
+//! Histories: rows over time as CSV, and what each column came to.
+//! Never here: when a row is due.
+
+use std::fmt::Write as _;
+
+use indexmap::IndexMap;
+use serde::Serialize;
+
+/// History samples: one row a time.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    /// Column names without time (`U2@REF`, `ALLKE`).
+    pub columns: Vec<String>,
+    /// Total time of each row.
+    pub times: Vec<f64>,
+    /// Row-major values.
+    pub values: Vec<f64>,
+}
+
+impl History {
+    /// Adds a row.
+    pub fn push(&mut self, time: f64, values: &[f64]) {
+        self.times.push(time);
+        self.values.extend_from_slice(values);
+    }
+
+    /// The text of `<job>_history.csv`: `time` and the columns, numbers in the shortest form that reads back the same.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("time");
+        for column in &self.columns {
+            let _ = write!(text, ",{column}");
+        }
+        for (i, time) in self.times.iter().enumerate() {
+            let _ = write!(text, "\n{time:?}");
+            for value in &self.values[i * self.columns.len()..(i + 1) * self.columns.len()] {
+                let _ = write!(text, ",{value:?}");
+            }
+        }
+        text + "\n"
+    }
+}
+
+/// What a column came to over the rows shown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ColumnSummary {
+    /// Value of the last row.
+    #[serde(rename = "final")]
+    pub last: f64,
+    /// Smallest value.
+    pub min: f64,
+    /// Largest value.
+    pub max: f64,
+    /// When the smallest was first met.
+    pub time_min: f64,
+    /// When the largest was first met.
+    pub time_max: f64,
+}
+
+/// All columns by name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct HistorySummary(pub IndexMap<String, ColumnSummary>);
+
+impl HistorySummary {
+    /// Takes a row in.
+    pub fn observe(&mut self, columns: &[String], time: f64, values: &[f64]) {
+        if self.0.is_empty() {
+            let first = |(name, &v): (&String, &f64)| {
+                (name.clone(), ColumnSummary { last: v, min: v, max: v, time_min: time, time_max: time })
+            };
+            self.0 = columns.iter().zip(values).map(first).collect();
+            return;
+        }
+        for (summary, &value) in self.0.values_mut().zip(values) {
+            summary.last = value;
+            if value < summary.min {
+                (summary.min, summary.time_min) = (value, time);
+            }
+            if value > summary.max {
+                (summary.max, summary.time_max) = (value, time);
+            }
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Reference columns beside a sweep's results.
+//! Never here: what makes the results.
+
+use std::path::Path;
+
+/// A reference table: the first column is the swept parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// Names of the columns after the first.
+    pub columns: Vec<String>,
+    /// Value of the parameter and of each column.
+    pub rows: Vec<(f64, Vec<f64>)>,
+}
+
+impl Reference {
+    /// Reads a CSV file with a header line.
+    ///
+    /// # Errors
+    /// In words, with the line.
+    pub fn read(path: &Path) -> Result<Reference, String> {
+        let text = std::fs::read_to_string(path).map_err(|e| format!("--compare {}: {e}", path.display()))?;
+        Reference::parse(&text).map_err(|e| format!("--compare {}: {e}", path.display()))
+    }
+
+    fn parse(text: &str) -> Result<Reference, String> {
+        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+        let (_, header) = lines.next().ok_or("the file is empty")?;
+        let columns: Vec<String> = header.split(',').skip(1).map(|c| c.trim().to_owned()).collect();
+        if columns.is_empty() {
+            return Err("line 1: a parameter column and at least one reference column are needed".into());
+        }
+        let rows = lines.map(|(i, line)| row(line, columns.len()).map_err(|e| format!("line {}: {e}", i + 1)));
+        let rows = rows.collect::<Result<_, _>>()?;
+        Ok(Reference { columns, rows })
+    }
+
+    /// The row whose parameter has this value, within 1e-9 relative.
+    pub fn at(&self, parameter: f64) -> Option<&[f64]> {
+        let near = |x: f64| (x - parameter).abs() <= 1e-9 * parameter.abs().max(x.abs());
+        self.rows.iter().find(|r| near(r.0)).map(|r| r.1.as_slice())
+    }
+}
+
+fn row(line: &str, columns: usize) -> Result<(f64, Vec<f64>), String> {
+    let parse = |field: &str| {
+        let field = field.trim();
+        field.parse::<f64>().map_err(|_| format!("`{field}` is not a number"))
+    };
+    let values = line.split(',').map(parse).collect::<Result<Vec<_>, _>>()?;
+    match values.split_first() {
+        Some((parameter, rest)) if rest.len() == columns => Ok((*parameter, rest.to_vec())),
+        _ => Err(format!("{} fields, but the header has {}", values.len(), columns + 1)),
+    }
+}
+
+/// Root mean square of differences; `None` of none.
+pub fn rms(differences: &[f64]) -> Option<f64> {
+    let sum: f64 = differences.iter().map(|d| d * d).sum();
+    (!differences.is_empty()).then(|| (sum / differences.len() as f64).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_and_matches() {
+        let reference = Reference::parse("v,depth\n569,58\n\n570,55\n").expect("a table");
+        assert_eq!(reference.at(569.0), Some(&[58.0][..]));
+        assert_eq!(reference.at(571.0), None);
+        for wrong in ["", "v", "v,d\n1", "v,d\n1,x", "v,d\n1,2,3"] {
+            assert!(Reference::parse(wrong).is_err(), "{wrong:?}");
+        }
+        assert_eq!(rms(&[3.0, 4.0]), Some(12.5_f64.sqrt()));
+    }
+}

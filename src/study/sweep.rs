@@ -1,0 +1,137 @@
+//! `sweep`: a deck over a grid of parameters, spread over the threads, with references beside the results.
+//! Never here: printing.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::chart::{Chart, Series};
+use super::compare::{Reference, rms};
+use super::grid::Grid;
+use super::quantity::Quantity;
+use crate::job;
+use crate::user::SharedLoad;
+
+/// The results of a sweep, in the grid's order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Results {
+    /// Values of the parameters of each run, as given.
+    pub parameters: Vec<Vec<String>>,
+    /// Value of each quantity of each run, or why there is none.
+    pub values: Vec<Result<Vec<f64>, String>>,
+}
+
+/// Runs every combination. The results do not depend on the number of threads: runs share nothing.
+pub fn run(deck: &Path, grid: &Grid, quantities: &[Quantity], done: &(dyn Fn() + Sync)) -> Results {
+    let runs: Vec<_> = (0..grid.count())
+        .into_par_iter()
+        .map(|index| {
+            let combination = grid.combination(index);
+            let value = one(deck, &combination, quantities, None);
+            done();
+            (combination.into_iter().map(|p| p.1).collect(), value)
+        })
+        .collect();
+    let (parameters, values) = runs.into_iter().unzip();
+    Results { parameters, values }
+}
+
+/// One run: the quantities, or the first thing that was wrong.
+fn one(
+    deck: &Path,
+    overrides: &job::Overrides,
+    quantities: &[Quantity],
+    routine: Option<&SharedLoad>,
+) -> Result<Vec<f64>, String> {
+    let mut prepared = job::prepare(deck, overrides, routine);
+    if prepared.diagnostics.has_errors() {
+        return Err(prepared.diagnostics.render(&prepared.deck.sources));
+    }
+    let (outcome, history) = job::run_in_memory(&mut prepared);
+    if let Some(halt) = outcome.halt {
+        return Err(format!("halted: {}: {}", halt.code, halt.reason));
+    }
+    quantities.iter().map(|q| q.evaluate(&history)).collect()
+}
+
+/// A sweep's results with reference columns beside them, ready to print.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sheet {
+    /// Column names.
+    pub header: Vec<String>,
+    /// Cells as text.
+    pub rows: Vec<Vec<String>>,
+    /// Root mean square of the differences from each reference column.
+    pub rms: Vec<(String, f64)>,
+}
+
+/// Puts results (of the first quantity) beside the references: for each a column and the difference from it.
+pub fn sheet(grid: &Grid, quantities: &[Quantity], results: &Results, reference: Option<&Reference>) -> Sheet {
+    let mut header: Vec<String> = grid.names().into_iter().map(str::to_owned).collect();
+    header.extend(quantities.iter().map(|q| q.text.clone()));
+    let columns = reference.map_or(&[][..], |r| &r.columns);
+    for column in columns {
+        header.extend([column.clone(), format!("difference from {column}")]);
+    }
+    let mut differences = vec![Vec::new(); columns.len()];
+    let mut rows = Vec::new();
+    for (parameters, values) in results.parameters.iter().zip(&results.values) {
+        let Ok(values) = values else { continue };
+        let mut row = parameters.clone();
+        row.extend(values.iter().map(|v| number(*v)));
+        let key = parameters.first().and_then(|p| p.parse::<f64>().ok());
+        let beside = reference.and_then(|r| r.at(key?));
+        for (i, list) in differences.iter_mut().enumerate() {
+            match beside {
+                Some(known) => {
+                    list.push(values[0] - known[i]);
+                    row.extend([number(known[i]), number(values[0] - known[i])]);
+                }
+                None => row.extend([String::new(), String::new()]),
+            }
+        }
+        rows.push(row);
+    }
+    let rms = columns.iter().zip(&differences).filter_map(|(c, d)| Some((c.clone(), rms(d)?))).collect();
+    Sheet { header, rows, rms }
+}
+
+/// Seven digits: what a run's accuracy can carry.
+fn number(value: f64) -> String {
+    let text = format!("{value:.6e}");
+    let short: f64 = text.parse().unwrap_or(value);
+    format!("{short}")
+}
+
+/// Results and references over the first swept parameter; of a grid, one line for each combination of the others.
+pub fn chart(
+    title: &str,
+    grid: &Grid,
+    quantities: &[Quantity],
+    results: &Results,
+    reference: Option<&Reference>,
+) -> Chart {
+    let names = grid.names();
+    let mut series: Vec<Series> = Vec::new();
+    for (parameters, values) in results.parameters.iter().zip(&results.values) {
+        let (Ok(values), Some(x)) = (values, parameters.first().and_then(|p| p.parse::<f64>().ok())) else { continue };
+        let others: Vec<_> = names.iter().zip(parameters).skip(1).map(|(n, p)| format!("{n} = {p}")).collect();
+        for (quantity, value) in quantities.iter().zip(values) {
+            let name = if others.is_empty() {
+                quantity.text.clone()
+            } else {
+                format!("{} ({})", quantity.text, others.join(", "))
+            };
+            match series.iter_mut().find(|s| s.name == name) {
+                Some(known) => known.points.push((x, *value)),
+                None => series.push(Series { name, points: vec![(x, *value)], joined: true }),
+            }
+        }
+    }
+    for (i, column) in reference.map_or(&[][..], |r| &r.columns).iter().enumerate() {
+        let points = reference.into_iter().flat_map(|r| &r.rows).map(|r| (r.0, r.1[i])).collect();
+        series.push(Series { name: column.clone(), points, joined: false });
+    }
+    let y_label = quantities.first().map_or(String::new(), |q| q.text.clone());
+    Chart { title: title.into(), x_label: names.first().map_or(String::new(), |n| (*n).to_owned()), y_label, series }
+}
