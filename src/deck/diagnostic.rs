@@ -101,6 +101,11 @@ impl Diagnostics {
         self.list.is_empty()
     }
 
+    /// Drops everything but errors.
+    pub fn keep_errors(&mut self) {
+        self.list.retain(|d| d.severity == Severity::Error);
+    }
+
     /// Takes over the findings of `other`.
     pub fn append(&mut self, mut other: Diagnostics) {
         self.list.append(&mut other.list);

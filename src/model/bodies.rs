@@ -8,7 +8,6 @@ use crate::deck::{Card, Diagnostic};
 
 impl Builder<'_> {
     pub(super) fn rigid_body(&mut self, card: &Card) {
-        self.refuse(card, &["ANALYTICAL SURFACE"]);
         if let Some(position) = card.value("POSITION").filter(|w| !w.is("INPUT")) {
             self.unsupported(
                 position.span,

@@ -38,6 +38,8 @@ pub(super) struct Builder<'a> {
     pub step: Option<StepState>,
     pub carried: StepState,
     pub output: Option<super::types::OutputRequest>,
+    /// Whether elements were refused for their type: what then misses them has been explained already.
+    pub elements_refused: bool,
 }
 
 impl<'a> Builder<'a> {
@@ -56,6 +58,7 @@ impl<'a> Builder<'a> {
             step: None,
             carried: StepState::default(),
             output: None,
+            elements_refused: false,
         }
     }
 
@@ -67,6 +70,7 @@ impl<'a> Builder<'a> {
         if !card.keyword.name.ends_with(" OUTPUT") {
             self.output = None;
         }
+        self.refuse_unsupported(card);
         match card.keyword.name {
             "HEADING" => self.heading(card),
             "NODE" => self.node(card),
@@ -199,6 +203,21 @@ impl<'a> Builder<'a> {
         self.diagnostics.push(if help.is_empty() { finding } else { finding.help(help) });
     }
 
+    /// Parameters that the keyword table marks as not supported are errors: none is read and ignored.
+    fn refuse_unsupported(&mut self, card: &Card) {
+        if card.keyword.tier != Tier::Used {
+            return;
+        }
+        for parameter in &card.parameters {
+            let rule = card.keyword.parameters.iter().find(|r| r.name == parameter.name);
+            if let Some(rule) = rule.filter(|r| r.help.starts_with("Not supported")) {
+                let message = format!("{} on *{} is not supported", parameter.name, card.keyword.name);
+                let why = rule.help.trim_start_matches("Not supported").trim_start_matches(": ");
+                self.unsupported(parameter.span, message, why);
+            }
+        }
+    }
+
     /// A parameter whose presence or value is not supported is an error, so that nothing is parsed and ignored.
     pub fn refuse(&mut self, card: &Card, names: &[&str]) {
         for parameter in card.parameters.iter().filter(|p: &&Parameter| names.contains(&p.name)) {
@@ -259,6 +278,9 @@ impl<'a> Builder<'a> {
         }
         if let Some(element) = self.elements.resolve(&self.scope, word) {
             return Some(vec![element]);
+        }
+        if self.elements_refused {
+            return Some(Vec::new());
         }
         let names: Vec<String> = self.model.element_sets.keys().cloned().collect();
         self.unknown("M110", "element set or element", word, &names);

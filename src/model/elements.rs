@@ -90,8 +90,10 @@ impl ElementKind {
 
 impl Builder<'_> {
     pub(super) fn element(&mut self, card: &Card) {
-        self.refuse(card, &["INPUT"]);
-        let Some(kind) = self.required(card, "TYPE").and_then(|w| self.element_kind(w)) else { return };
+        let Some(kind) = self.required(card, "TYPE").and_then(|w| self.element_kind(w)) else {
+            self.elements_refused = true;
+            return;
+        };
         let mut made = Vec::new();
         let mut at = 0;
         while at < card.lines.len() {

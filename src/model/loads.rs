@@ -11,10 +11,6 @@ const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, CAVITY";
 
 impl Builder<'_> {
     pub(super) fn load_card(&mut self, card: &Card) {
-        self.refuse(card, &["CONSTANT RESULTANT"]);
-        if card.keyword.name == "CLOAD" {
-            self.refuse(card, &["FOLLOWER"]);
-        }
         if self.step.is_none() {
             let message = format!("*{} belongs into a *STEP", card.keyword.name);
             self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));

@@ -7,7 +7,6 @@ use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 impl Builder<'_> {
     pub(super) fn node(&mut self, card: &Card) {
-        self.refuse(card, &["INPUT"]);
         if card.value("SYSTEM").is_some_and(|w| !w.is("R")) {
             self.unsupported(card.span, "only SYSTEM=R is supported", "give r and z");
         }

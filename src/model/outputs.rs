@@ -115,7 +115,6 @@ impl Builder<'_> {
     }
 
     fn request(&mut self, card: &Card) {
-        self.refuse(card, &["TIME POINTS"]);
         let kind = if card.has("HISTORY") { OutputKind::History } else { OutputKind::Field };
         if !card.has("HISTORY") && !card.has("FIELD") {
             let finding = Diagnostic::error("M101", "*OUTPUT needs FIELD or HISTORY").at(card.span, "which of them?");

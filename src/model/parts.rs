@@ -70,7 +70,6 @@ impl<'a> Builder<'a> {
 
     fn begin_instance(&mut self, card: &'a Card) {
         self.open("INSTANCE", card);
-        self.refuse(card, &["LIBRARY", "INSTANCE"]);
         let Some(name) = self.required(card, "NAME") else { return };
         let Some(part) = card.value("PART") else { return };
         let Some(cards) = self.parts.get(&upper(&part.text)).cloned() else {

@@ -69,7 +69,7 @@ impl Builder<'_> {
         let labels = if nodes { &self.nodes } else { &self.elements };
         let before = members.len();
         members.extend((0..count.max(0)).filter_map(|i| labels.find(&self.scope, first + step * i as i64)));
-        if members.len() == before {
+        if members.len() == before && (nodes || !self.elements_refused) {
             let message = format!("no label from {first} to {last} in steps of {step} is defined");
             self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "nothing there"));
         }

@@ -50,7 +50,6 @@ impl Builder<'_> {
     fn begin_step(&mut self, card: &Card) {
         self.close_step();
         self.open("STEP", card);
-        self.refuse(card, &["PERTURBATION"]);
         let number = self.model.steps.len() + 1;
         let name = card.value("NAME").map_or_else(|| format!("Step-{number}"), |w| w.text.clone());
         self.step =
@@ -188,7 +187,6 @@ impl Builder<'_> {
     }
 
     pub(super) fn boundary(&mut self, card: &Card) {
-        self.refuse(card, &["USER", "FIXED"]);
         let kind = match card.value("TYPE").map(|w| upper(&w.text)).as_deref() {
             None | Some("DISPLACEMENT") => Motion::Displacement,
             Some("VELOCITY") => Motion::Velocity,

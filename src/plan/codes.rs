@@ -67,11 +67,6 @@ pub const CODES: &[Code] = &[
         text: "It is given for nodes that do not move on their own; the velocity of a rigid body is that of its reference node.",
     },
     Code {
-        code: "P105",
-        title: "output that this scene has not",
-        text: "The variable needs something that this scene does not simulate, so there is no column or field for it.",
-    },
-    Code {
         code: "R201",
         title: "the user's load routine failed",
         text: "It returned an error, or a pressure that is not a finite number. The message names surface, point, increment and time; the last good state is in the last frame.",

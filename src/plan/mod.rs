@@ -86,7 +86,11 @@ pub fn compile(deck: &Deck, model: &Model, routine: Option<&SharedLoad>) -> (Pla
     let steps = (0..model.steps.len()).map(|i| compiler.step(i)).collect();
     compiler.check_complete();
     compiler.list_inert();
-    let Compiler { ledger, bodies, diagnostics, .. } = compiler;
+    let Compiler { ledger, bodies, mut diagnostics, .. } = compiler;
+    // Notes on a plan that cannot run would only bury what is wrong with it.
+    if diagnostics.has_errors() {
+        diagnostics.keep_errors();
+    }
     (Plan { ledger, mesh: model.mesh.clone(), bodies, steps, columns, fields }, diagnostics)
 }
 
@@ -150,6 +154,9 @@ impl Compiler<'_> {
     }
 
     fn check_complete(&mut self) {
+        if self.diagnostics.has_errors() {
+            return;
+        }
         if self.model.rigid_bodies.is_empty() || self.model.steps.is_empty() {
             let missing = if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "*RIGID BODY" };
             let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the deck has no {missing}"));

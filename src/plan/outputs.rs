@@ -2,7 +2,7 @@
 //! Never here: files.
 
 use super::Compiler;
-use crate::deck::{Diagnostic, Span};
+use crate::deck::Span;
 use crate::model::{Interval, OutputKind, OutputRequest, Region, Step};
 
 /// What a history column holds.
@@ -199,8 +199,8 @@ impl Compiler<'_> {
     }
 
     fn absent(&mut self, variable: &str, span: Span) {
-        let message = format!("output variable {variable} has no value in this scene");
-        self.diagnostics.push(Diagnostic::note("P105", message).at(span, "asked for here"));
+        let why = format!("output variable {variable} has no value in this scene");
+        self.unused(span, variable, why);
     }
 }
 

@@ -1,20 +1,33 @@
-//! What several tests share: scenes as text and a sink that keeps what a run shows.
-#![allow(dead_code)]
+//! What several tests share: the seed deck, runs in memory, exact depths by quadrature.
+#![allow(dead_code)] // Each test file uses a part.
 
-use revolve::output::Frame;
-use revolve::solve::Sink;
+use std::path::{Path, PathBuf};
+
+use revolve::job::{self, Overrides, Prepared};
+use revolve::output::{Frame, Job};
+use revolve::solve::{self, Outcome, Sink};
+use revolve::user::SharedLoad;
+
+/// Path of a file of the project.
+pub fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// `--set` pairs.
+pub fn pairs(settings: &[(&str, &str)]) -> Vec<(String, String)> {
+    settings.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect()
+}
 
 /// Keeps rows and frames in memory.
 #[derive(Default)]
 pub struct Memory {
     pub rows: Vec<(f64, Vec<f64>)>,
     pub frames: Vec<Frame>,
-    pub with_frames: bool,
 }
 
 impl Sink for Memory {
     fn wants_frames(&self) -> bool {
-        self.with_frames
+        true
     }
     fn frame(&mut self, frame: &Frame) -> Result<(), String> {
         self.frames.push(frame.clone());
@@ -24,4 +37,34 @@ impl Sink for Memory {
         self.rows.push((time, values.to_vec()));
         Ok(())
     }
+}
+
+/// A deck that must be without errors.
+pub fn prepared(text: &str, settings: &[(&str, &str)], routine: Option<&SharedLoad>) -> Prepared {
+    let overrides: &Overrides = &pairs(settings);
+    let prepared = job::prepare_text("test.inp", text, overrides, routine);
+    assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
+    prepared
+}
+
+/// Runs a deck text in memory.
+pub fn run(text: &str, settings: &[(&str, &str)], routine: Option<&SharedLoad>) -> (Outcome, Memory) {
+    let mut prepared = prepared(text, settings, routine);
+    let mut memory = Memory::default();
+    let outcome = solve::run(&mut prepared.plan, &mut memory);
+    (outcome, memory)
+}
+
+/// The text of the seed deck.
+pub fn ogive() -> String {
+    std::fs::read_to_string(project("input/ogive.inp")).expect("the seed deck")
+}
+
+/// Runs the seed deck into files.
+pub fn run_ogive(folder: &Path, settings: &[(&str, &str)]) {
+    let mut prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), None);
+    assert!(!prepared.diagnostics.has_errors());
+    let job = Job { folder: folder.to_path_buf(), name: "ogive".into() };
+    let summary = job::run_to_files(&mut prepared, &job, &mut |_, _, _| {}).expect("files");
+    assert_eq!(summary.status, "completed");
 }
