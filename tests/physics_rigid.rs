@@ -233,8 +233,8 @@ fn a_flat_face_meets_the_jumps_exactly() {
 
 #[test]
 fn a_resistance_holds_and_never_pushes_back() {
-    let text = common::ogive().replace("*Output, field", "*Cload\n REF, 2, 2.e4\n*Output, field");
-    // 20 kN against the motion is below the static resistance of the embedded nose (55 kN): the body stays.
+    let text = common::ogive().replace("*Output, field", "*Cload\n REF, 2, -2.e4\n*Output, field");
+    // 20 kN along the motion is below the static resistance of the embedded nose (55 kN): the body stays.
     let (outcome, memory) = common::run(&text, &[("front", "0.1")], None);
     assert_eq!(outcome.rests.len(), 1);
     let last = &memory.rows.last().expect("rows").1;
