@@ -15,13 +15,13 @@ impl Builder<'_> {
             let Some(label) = self.integer(line, 0, "the node label") else { continue };
             let (Some(r), Some(z)) = (self.number_or(line, 1, 0.0), self.number_or(line, 2, 0.0)) else { continue };
             let Some(third) = self.number_or(line, 3, 0.0) else { continue };
-            made.push(self.add_node(label, [r, z, third], line.span));
+            made.push(self.add_node(label, [r, z, third]));
         }
         self.collect_nodes(card, made);
     }
 
     /// Adds a node of the present scope, or moves it if the label is there already (the last definition counts).
-    pub(super) fn add_node(&mut self, label: i64, point: [f64; 3], span: Span) -> usize {
+    pub(super) fn add_node(&mut self, label: i64, point: [f64; 3]) -> usize {
         let point = match &self.instance {
             Some(placement) => placement.apply(point),
             None => point,
@@ -36,7 +36,6 @@ impl Builder<'_> {
         self.model.mesh.points.push(place);
         self.model.mesh.node_names.push(qualified(&self.scope, &label.to_string()));
         self.nodes.insert(&self.scope, label, index);
-        let _ = span;
         index
     }
 
@@ -102,7 +101,7 @@ impl Builder<'_> {
                 Some(c) => on_arc(a, b, c, s),
                 None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
             };
-            made.push(self.place_generated(first + sign * step * i as i64, [r, z], line.span));
+            made.push(self.place_generated(first + sign * step * i as i64, [r, z]));
         }
         made.push(to);
         if let Some(c) = centre.filter(|c| !same_radius(a, b, *c)) {
@@ -113,9 +112,9 @@ impl Builder<'_> {
     }
 
     /// Generated nodes are already placed: their ends were.
-    fn place_generated(&mut self, label: i64, [r, z]: [f64; 2], span: Span) -> usize {
+    fn place_generated(&mut self, label: i64, [r, z]: [f64; 2]) -> usize {
         let placement = self.instance.take();
-        let index = self.add_node(label, [r, z, 0.0], span);
+        let index = self.add_node(label, [r, z, 0.0]);
         self.instance = placement;
         index
     }
@@ -178,7 +177,7 @@ impl Builder<'_> {
             let label = self.label_of_index(*a)?;
             for (i, s) in shares.iter().enumerate() {
                 let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
-                made.push(self.place_generated(label + step * (i as i64 + 1), place, line.span));
+                made.push(self.place_generated(label + step * (i as i64 + 1), place));
             }
             made.extend([*a, *b]);
         }

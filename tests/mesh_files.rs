@@ -1,0 +1,76 @@
+//! Mesh files: a mesh written by Revolve reads back to the same model; damaged and wrong files are told.
+
+mod common;
+
+use revolve::deck;
+use revolve::model::mesh_file::mesh_frame;
+use revolve::model::{self, Model};
+use revolve::output::vtu::vtu;
+
+const DECK: &str = "*Node, nset=ALL\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 5, 0., 2.\n 20, 3., 0.\n 21, 3., 1.\n\
+*Element, type=CAX4R, elset=BODY\n 10, 1, 2, 3, 4\n*Element, type=CAX3, elset=BODY\n 11, 4, 3, 5\n\
+*Element, type=RAX2, elset=WALL\n 40, 20, 21\n*Element, type=MASS, elset=POINT\n 50, 20\n*Nset, nset=AXIS\n 1, 4, 5\n";
+
+fn build(text: &str) -> Model {
+    let (deck, diagnostics) = deck::read_text("t.inp", text, &[]);
+    assert!(!diagnostics.has_errors(), "{}", diagnostics.render(&deck.sources));
+    let (model, diagnostics) = model::build(&deck);
+    assert!(!diagnostics.has_errors(), "{}", diagnostics.render(&deck.sources));
+    model
+}
+
+fn errors(text: &str) -> String {
+    let (deck, _) = deck::read_text("t.inp", text, &[]);
+    let (_, diagnostics) = model::build(&deck);
+    assert!(diagnostics.has_errors());
+    diagnostics.render(&deck.sources)
+}
+
+#[test]
+fn a_written_mesh_reads_back_to_the_same_model() {
+    let model = build(DECK);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mesh.vtu");
+    std::fs::write(&path, vtu(&mesh_frame(&model))).expect("a file");
+    let back = build(&format!("*Mesh, input=\"{}\"\n", path.display()));
+    assert_eq!(back.mesh.points, model.mesh.points);
+    assert_eq!(back.mesh.node_names, model.mesh.node_names);
+    let shape =
+        |m: &Model| m.mesh.elements.iter().map(|e| (e.name.clone(), e.kind, e.nodes.clone())).collect::<Vec<_>>();
+    assert_eq!(shape(&back), shape(&model));
+    let sets = |m: &Model| {
+        let all = m.node_sets.iter().chain(&m.element_sets);
+        all.map(|(n, s)| (n.clone(), s.members.clone())).collect::<Vec<_>>()
+    };
+    assert_eq!(sets(&back), sets(&model));
+}
+
+const LEGACY: &str = "# vtk DataFile Version 3.0\nmesh\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 double\n0 0 0 1 0 0 0 1 0\n\
+CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n";
+
+#[test]
+fn legacy_files_are_read_and_types_overridden() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mesh.vtk");
+    std::fs::write(&path, LEGACY).expect("a file");
+    let model = build(&format!("*Mesh, input=\"{}\"\n", path.display()));
+    assert_eq!(model.mesh.elements[0].kind, model::ElementKind::Cax3);
+    let told = errors(&format!("*Mesh, input=\"{}\", type=RAX2\n", path.display()));
+    assert!(told.contains("does not fit"), "{told}");
+    std::fs::write(&path, LEGACY.replace("0 1 0\n", "0 1 7\n")).expect("a file");
+    let told = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
+    assert!(told.contains("half plane"), "{told}");
+}
+
+#[test]
+fn damaged_and_missing_files_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mesh.vtu");
+    let told = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
+    assert!(told.contains("M150"), "{told}");
+    let whole = vtu(&mesh_frame(&build(DECK)));
+    for cut in [whole.len() / 4, whole.len() / 2, whole.len() - 40] {
+        std::fs::write(&path, &whole[..cut]).expect("a file");
+        assert!(errors(&format!("*Mesh, input=\"{}\"\n", path.display())).contains("M150"), "cut at {cut}");
+    }
+}
