@@ -152,9 +152,14 @@ impl Builder<'_> {
         let (Some(linear), Some(quadratic)) = (self.number_or(line, 0, 0.06), self.number_or(line, 1, 1.2)) else {
             return;
         };
-        match self.step.as_mut().and_then(|s| s.procedure.as_mut()) {
-            Some(procedure) => procedure.bulk_viscosity = [linear, quadratic],
+        match &mut self.step {
             None => self.outside_step(card),
+            Some(step) => {
+                // Without a procedure the step has been refused already.
+                if let Some(procedure) = &mut step.procedure {
+                    procedure.bulk_viscosity = [linear, quadratic];
+                }
+            }
         }
         let deformable = |kind| matches!(kind, super::ElementKind::Cax3 | super::ElementKind::Cax4r);
         if !self.model.mesh.elements.iter().any(|e| deformable(e.kind)) {
