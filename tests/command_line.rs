@@ -127,3 +127,19 @@ fn a_sweep_gives_table_picture_and_the_same_bits_for_any_thread_count() {
         one.lines().nth(1).is_some_and(|l| l.starts_with("569,64.85") && l.contains(",58,") && l.contains(",67.1,"))
     );
 }
+
+/// Bar: the whole process on the default deck, frames and all, within 20 ms; the best of ten, on any machine twice that.
+#[test]
+fn the_default_deck_takes_milliseconds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    let time = || {
+        let begin = std::time::Instant::now();
+        let output = revolve(&["run", "input/ogive.inp", "--out", out, "--quiet"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        begin.elapsed().as_secs_f64()
+    };
+    let best = (0..10).map(|_| time()).fold(f64::INFINITY, f64::min);
+    println!("whole process: {:.1} ms (best of ten)", 1e3 * best);
+    assert!(best < 0.040, "{best} s");
+}

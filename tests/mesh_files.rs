@@ -5,7 +5,7 @@ mod common;
 use revolve::deck;
 use revolve::model::mesh_file::mesh_frame;
 use revolve::model::{self, Model};
-use revolve::output::vtu::vtu;
+use revolve::output::vtu::VtuWriter;
 
 const DECK: &str = "*Node, nset=ALL\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 5, 0., 2.\n 20, 3., 0.\n 21, 3., 1.\n\
 *Element, type=CAX4R, elset=BODY\n 10, 1, 2, 3, 4\n*Element, type=CAX3, elset=BODY\n 11, 4, 3, 5\n\
@@ -31,7 +31,7 @@ fn a_written_mesh_reads_back_to_the_same_model() {
     let model = build(DECK);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mesh.vtu");
-    std::fs::write(&path, vtu(&mesh_frame(&model))).expect("a file");
+    std::fs::write(&path, VtuWriter::default().text(&mesh_frame(&model))).expect("a file");
     let back = build(&format!("*Mesh, input=\"{}\"\n", path.display()));
     assert_eq!(back.mesh.points, model.mesh.points);
     assert_eq!(back.mesh.node_names, model.mesh.node_names);
@@ -68,7 +68,7 @@ fn damaged_and_missing_files_are_told() {
     let path = folder.path().join("mesh.vtu");
     let told = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
     assert!(told.contains("M150"), "{told}");
-    let whole = vtu(&mesh_frame(&build(DECK)));
+    let whole = VtuWriter::default().text(&mesh_frame(&build(DECK))).to_owned();
     for cut in [whole.len() / 4, whole.len() / 2, whole.len() - 40] {
         std::fs::write(&path, &whole[..cut]).expect("a file");
         assert!(errors(&format!("*Mesh, input=\"{}\"\n", path.display())).contains("M150"), "cut at {cut}");

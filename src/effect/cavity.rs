@@ -5,7 +5,7 @@
 use super::{Account, Cause, FacetFields, Force, Halt, Limit, Slot};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
-use crate::state::{Bodies, Instant};
+use crate::state::{BodyState, Instant};
 
 /// A stack of layers between planes of constant z.
 #[derive(Clone, Debug)]
@@ -141,6 +141,8 @@ pub struct CavityExpansion {
     travel: f64,
     /// Distances below this are rounding.
     rounding: f64,
+    /// The layer that last held all loaded facets.
+    last_layer: usize,
 }
 
 impl CavityExpansion {
@@ -154,7 +156,7 @@ impl CavityExpansion {
         let rounding = 1e-12 * extent.max(largest(&mut stack.planes.iter().copied()));
         let idle = facets.iter().filter(|(_, f)| f.normal[1] == 0.0).map(|f| f.0).collect();
         let fronts = [Front::new(facets, -1.0), Front::new(facets, 1.0)];
-        CavityExpansion { cause, body, friction, stack, fronts, idle, travel, rounding }
+        CavityExpansion { cause, body, friction, stack, fronts, idle, travel, rounding, last_layer: 0 }
     }
 
     fn front(&self, direction: f64) -> &Front {
@@ -184,17 +186,34 @@ impl CavityExpansion {
         }
     }
 
-    /// Axial normal and tangential force magnitudes at speed V in a direction.
-    fn forces(&self, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
-        let front = self.front(direction);
-        let ahead = direction * self.rounding;
-        let [low, high] = [front.range[0] + shift, front.range[1] + shift];
-        if let Some(layer) = self.stack.layer_around(low + ahead, high + ahead) {
-            return front.sums.forces(&self.stack.laws[layer], speed);
+    /// The layer that holds all loaded facets, if one does; looks first where they were last.
+    #[inline]
+    fn layer_of_all(&mut self, low: f64, high: f64) -> Option<usize> {
+        let planes = &self.stack.planes[self.last_layer..self.last_layer + 2];
+        if planes[0] <= low && high <= planes[1] {
+            return Some(self.last_layer);
         }
-        if self.outside(low + ahead, high + ahead) {
+        let layer = self.stack.layer_around(low, high)?;
+        self.last_layer = layer;
+        Some(layer)
+    }
+
+    /// Axial normal and tangential force magnitudes at speed V in a direction.
+    #[inline]
+    fn forces(&mut self, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
+        let offset = shift + direction * self.rounding;
+        let [low, high] = self.front(direction).range.map(|z| z + offset);
+        if let Some(layer) = self.layer_of_all(low, high) {
+            return self.front(direction).sums.forces(&self.stack.laws[layer], speed);
+        }
+        if self.outside(low, high) {
             return [0.0; 2];
         }
+        self.forces_of_parts(shift, direction, speed)
+    }
+
+    fn forces_of_parts(&self, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
+        let front = self.front(direction);
         let mut total = [0.0; 2];
         self.parts(front, shift, direction, |index, layer, area| {
             let facet = &front.facets[index];
@@ -252,14 +271,14 @@ impl Force for CavityExpansion {
         slots
     }
 
-    fn evaluate(&mut self, now: &Instant, bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
-        let direction = bodies.direction[self.body];
+    fn evaluate(&mut self, now: &Instant, bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
+        let direction = bodies[self.body].direction;
         if direction == 0.0 || self.front(direction).facets.is_empty() {
             out.fill(0.0);
             return Ok(());
         }
-        let speed = (bodies.velocity_load[self.body] * direction).max(0.0);
-        let [normal, tangential] = self.forces(bodies.displacement[self.body], direction, speed);
+        let speed = bodies[self.body].velocity_load.abs();
+        let [normal, tangential] = self.forces(bodies[self.body].displacement, direction, speed);
         if !normal.is_finite() {
             let reason = format!("the resistance is not finite at time {:e}, speed {speed:e}", now.total_time);
             return Err(Halt { code: "R202", reason });
@@ -271,14 +290,14 @@ impl Force for CavityExpansion {
         Ok(())
     }
 
-    fn limit(&self, _now: &Instant, bodies: &Bodies) -> Limit {
-        let (velocity, acceleration) = (bodies.velocity[self.body], bodies.acceleration[self.body]);
+    fn limit(&self, _now: &Instant, bodies: &[BodyState]) -> Limit {
+        let (velocity, acceleration) = (bodies[self.body].velocity, bodies[self.body].acceleration);
         let direction = if velocity == 0.0 { acceleration } else { velocity };
         if direction == 0.0 || self.front(direction).facets.is_empty() {
             return Limit::NONE;
         }
         let sign = direction.signum();
-        let (distance, jump) = self.reach(bodies.displacement[self.body], sign);
+        let (distance, jump) = self.reach(bodies[self.body].displacement, sign);
         Limit { time: time_to_travel(distance, velocity.abs(), acceleration * sign), jump }
     }
 
@@ -290,8 +309,8 @@ impl Force for CavityExpansion {
         true
     }
 
-    fn facet_fields(&self, bodies: &Bodies) -> Option<FacetFields> {
-        let (velocity, shift) = (bodies.velocity[self.body], bodies.displacement[self.body]);
+    fn facet_fields(&self, bodies: &[BodyState]) -> Option<FacetFields> {
+        let (velocity, shift) = (bodies[self.body].velocity, bodies[self.body].displacement);
         let mut fields = FacetFields::default();
         for (front, direction) in self.fronts.iter().zip([-1.0, 1.0]) {
             let loaded = velocity * direction > 0.0;

@@ -2,7 +2,7 @@
 //! Never here: distributed loads.
 
 use super::{Account, Cause, Force, Halt, Limit, Magnitude, Slot};
-use crate::state::{Bodies, Instant};
+use crate::state::{BodyState, Instant};
 
 /// The same force along z on each of some bodies.
 #[derive(Debug)]
@@ -24,12 +24,12 @@ impl Force for Concentrated {
         self.bodies.iter().map(|&body| Slot { body, account: Account::Work }).collect()
     }
 
-    fn evaluate(&mut self, now: &Instant, _bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
+    fn evaluate(&mut self, now: &Instant, _bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
         out.fill(self.magnitude.at(now));
         Ok(())
     }
 
-    fn limit(&self, now: &Instant, _bodies: &Bodies) -> Limit {
+    fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
         self.magnitude.limit(now)
     }
 }

@@ -2,7 +2,7 @@
 //! Never here: forces that do not scale with mass.
 
 use super::{Account, Cause, Force, Halt, Limit, Magnitude, Slot};
-use crate::state::{Bodies, Instant};
+use crate::state::{BodyState, Instant};
 
 /// Gravity along z on some bodies.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ impl Force for Gravity {
         self.masses.iter().map(|&(body, _)| Slot { body, account: Account::Work }).collect()
     }
 
-    fn evaluate(&mut self, now: &Instant, _bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
+    fn evaluate(&mut self, now: &Instant, _bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
         let acceleration = self.acceleration.at(now);
         for (force, (_, mass)) in out.iter_mut().zip(&self.masses) {
             *force = mass * acceleration;
@@ -32,7 +32,7 @@ impl Force for Gravity {
         Ok(())
     }
 
-    fn limit(&self, now: &Instant, _bodies: &Bodies) -> Limit {
+    fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
         self.acceleration.limit(now)
     }
 }

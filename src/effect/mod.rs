@@ -9,7 +9,7 @@ pub mod pressure;
 pub mod user_load;
 
 use crate::kernel::amplitude::Curve;
-use crate::state::{Bodies, Instant};
+use crate::state::{BodyState, Instant};
 
 /// Index into the ledger: the only thing an effect knows of the deck.
 pub type Cause = usize;
@@ -77,7 +77,7 @@ pub struct FacetFields {
 }
 
 /// A force of the scene.
-pub trait Force: Send {
+pub trait Force {
     /// What asked for it.
     fn cause(&self) -> Cause;
 
@@ -88,10 +88,10 @@ pub trait Force: Send {
     ///
     /// # Errors
     /// Where no finite force can be given; the run halts.
-    fn evaluate(&mut self, now: &Instant, bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt>;
+    fn evaluate(&mut self, now: &Instant, bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt>;
 
     /// How far the next increment may go.
-    fn limit(&self, _now: &Instant, _bodies: &Bodies) -> Limit {
+    fn limit(&self, _now: &Instant, _bodies: &[BodyState]) -> Limit {
         Limit::NONE
     }
 
@@ -106,7 +106,7 @@ pub trait Force: Send {
     }
 
     /// What it shows on facets in a frame.
-    fn facet_fields(&self, _bodies: &Bodies) -> Option<FacetFields> {
+    fn facet_fields(&self, _bodies: &[BodyState]) -> Option<FacetFields> {
         None
     }
 

@@ -2,7 +2,7 @@
 //! Never here: pressures that depend on motion.
 
 use super::{Account, Cause, FacetFields, Force, Halt, Limit, Magnitude, Slot};
-use crate::state::{Bodies, Instant};
+use crate::state::{BodyState, Instant};
 
 /// A pressure on facets of bodies; positive pushes against the outward normal. On a body that only shifts along z the
 /// facets enter by the sum of their axial areas alone.
@@ -29,7 +29,7 @@ impl Force for Pressure {
         self.axial_areas.iter().map(|&(body, _)| Slot { body, account: Account::Work }).collect()
     }
 
-    fn evaluate(&mut self, now: &Instant, _bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
+    fn evaluate(&mut self, now: &Instant, _bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
         self.current = self.magnitude.at(now);
         for (force, (_, area)) in out.iter_mut().zip(&self.axial_areas) {
             *force = -self.current * area;
@@ -37,15 +37,15 @@ impl Force for Pressure {
         Ok(())
     }
 
-    fn limit(&self, now: &Instant, _bodies: &Bodies) -> Limit {
+    fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
         self.magnitude.limit(now)
     }
 
-    fn facet_fields(&self, bodies: &Bodies) -> Option<FacetFields> {
+    fn facet_fields(&self, bodies: &[BodyState]) -> Option<FacetFields> {
         Some(FacetFields {
             elements: self.facets.iter().map(|f| f.0).collect(),
             pressure: vec![self.current; self.facets.len()],
-            normal_velocity: self.facets.iter().map(|f| bodies.velocity[f.1] * f.2).collect(),
+            normal_velocity: self.facets.iter().map(|f| bodies[f.1].velocity * f.2).collect(),
             layer: vec![0.0; self.facets.len()],
         })
     }

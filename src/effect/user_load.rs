@@ -3,7 +3,7 @@
 
 use super::{Account, Cause, FacetFields, Force, Halt, Limit, Magnitude, Slot};
 use crate::kernel::facet::Facet;
-use crate::state::{Bodies, Instant};
+use crate::state::{BodyState, Instant};
 use crate::user::{LoadFailure, LoadPoints, SharedLoad};
 
 /// Facets of one body with the arrays a routine is shown.
@@ -95,14 +95,17 @@ impl Force for UserPressure {
         vec![Slot { body: self.body, account: Account::Work }]
     }
 
-    fn evaluate(&mut self, now: &Instant, bodies: &Bodies, out: &mut [f64]) -> Result<(), Halt> {
-        let shift = bodies.displacement[self.body];
-        for (z, start) in self.z.iter_mut().zip(&self.z_start) {
-            *z = start + shift;
-        }
-        self.velocity_z.fill(bodies.velocity_load[self.body]);
+    fn evaluate(&mut self, now: &Instant, bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
+        let shift = bodies[self.body].displacement;
+        let velocity = bodies[self.body].velocity_load;
         std::mem::swap(&mut self.pressure, &mut self.pressure_before);
-        self.pressure.fill(f64::NAN);
+        // One pass over three arrays: for a few facets the passes would cost more than what they write.
+        let arrays = self.z.iter_mut().zip(&mut self.velocity_z).zip(&mut self.pressure);
+        for (((z, v), pressure), start) in arrays.zip(&self.z_start) {
+            *z = start + shift;
+            *v = velocity;
+            *pressure = f64::NAN;
+        }
         let points = LoadPoints {
             surface: &self.name,
             step_time: now.step_time,
@@ -127,7 +130,7 @@ impl Force for UserPressure {
         Err(halt)
     }
 
-    fn limit(&self, now: &Instant, _bodies: &Bodies) -> Limit {
+    fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
         self.magnitude.limit(now)
     }
 
@@ -135,8 +138,8 @@ impl Force for UserPressure {
         true
     }
 
-    fn facet_fields(&self, bodies: &Bodies) -> Option<FacetFields> {
-        let velocity = bodies.velocity[self.body];
+    fn facet_fields(&self, bodies: &[BodyState]) -> Option<FacetFields> {
+        let velocity = bodies[self.body].velocity;
         Some(FacetFields {
             elements: self.elements.clone(),
             pressure: self.pressure.clone(),

@@ -4,13 +4,15 @@
 use std::fmt::Write as _;
 use std::{fs, io};
 
-use super::{Frame, Job, vtu, write_whole};
+use super::vtu::{VtuWriter, escape};
+use super::{Frame, Job, write_whole};
 
 /// Writes frames one after the other; the list is whole after each.
 #[derive(Debug)]
 pub struct FrameWriter {
     job: Job,
     times: Vec<f64>,
+    vtu: VtuWriter,
 }
 
 impl FrameWriter {
@@ -27,7 +29,7 @@ impl FrameWriter {
                 fs::remove_file(job.folder.join(name))?;
             }
         }
-        Ok(FrameWriter { job, times: Vec::new() })
+        Ok(FrameWriter { job, times: Vec::new(), vtu: VtuWriter::default() })
     }
 
     /// Writes the next frame and the list.
@@ -35,7 +37,7 @@ impl FrameWriter {
     /// # Errors
     /// Where a file cannot be written.
     pub fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        write_whole(&self.job.path(&format!("_{:04}.vtu", self.times.len())), vtu::vtu(frame).as_bytes())?;
+        write_whole(&self.job.path(&format!("_{:04}.vtu", self.times.len())), self.vtu.text(frame).as_bytes())?;
         self.times.push(frame.time);
         write_whole(&self.job.path(".pvd"), self.list().as_bytes())
     }
@@ -43,7 +45,7 @@ impl FrameWriter {
     fn list(&self) -> String {
         let mut text =
             String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n");
-        let name = vtu::escape(&self.job.name);
+        let name = escape(&self.job.name);
         for (i, time) in self.times.iter().enumerate() {
             let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}_{i:04}.vtu\"/>");
         }

@@ -2,111 +2,132 @@
 //! Never here: which fields a frame has.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use flate2::{Compress, Compression, FlushCompress};
 
 use super::{Field, Frame};
 
 /// Bytes of a block before compression.
 const BLOCK: usize = 1 << 15;
 
-/// The text of a `.vtu` file. r becomes x, z becomes y.
-pub fn vtu(frame: &Frame) -> String {
-    let mut text = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>\n",
-    );
-    let time = encode(&[frame.time]);
-    let _ = writeln!(
-        text,
-        "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"binary\">{time}</DataArray>\n</FieldData>"
-    );
-    let (points, cells) = (frame.points.len(), frame.cells.len());
-    let _ = writeln!(text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
-    section(&mut text, "PointData", &frame.point_fields);
-    section(&mut text, "CellData", &frame.cell_fields);
-    let places: Vec<f64> = frame.points.iter().flat_map(|p| [p[0], p[1], 0.0]).collect();
-    let array = encode(&places);
-    let _ = writeln!(
-        text,
-        "<Points>\n<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"binary\">{array}</DataArray>\n</Points>"
-    );
-    topology(&mut text, &frame.cells);
-    text + "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
+/// Makes the text of `.vtu` files. It keeps the compressor and its buffers, which cost more than the small arrays of a
+/// frame.
+#[derive(Debug)]
+pub struct VtuWriter {
+    compressor: Compress,
+    text: String,
+    bytes: Vec<u8>,
+    packed: Vec<u8>,
 }
 
-fn section(text: &mut String, name: &str, fields: &[Field]) {
-    let _ = writeln!(text, "<{name}>");
-    for field in fields {
-        data_array(text, field);
+impl Default for VtuWriter {
+    fn default() -> Self {
+        let compressor = Compress::new(Compression::fast(), true);
+        VtuWriter { compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }
     }
-    let _ = writeln!(text, "</{name}>");
 }
 
-/// One array; vectors in the plane get a third component, as VTK's filters expect.
-fn data_array(text: &mut String, field: &Field) {
-    let _ = write!(text, "<DataArray type=\"Float64\" Name=\"{}\"", escape(&field.name));
-    let padded = field.components == 2;
-    let components = if padded { 3 } else { field.components };
-    if components > 1 {
-        let _ = write!(text, " NumberOfComponents=\"{components}\"");
+impl VtuWriter {
+    /// The text of a frame. r becomes x, z becomes y.
+    pub fn text(&mut self, frame: &Frame) -> &str {
+        self.text.clear();
+        self.line(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>",
+        );
+        self.array("Float64", "TimeValue", " NumberOfTuples=\"1\"", frame.time.to_le_bytes());
+        let (points, cells) = (frame.points.len(), frame.cells.len());
+        self.line("</FieldData>");
+        let _ = writeln!(self.text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
+        self.section("PointData", &frame.point_fields);
+        self.section("CellData", &frame.cell_fields);
+        self.line("<Points>");
+        let places = frame.points.iter().flat_map(|p| [p[0], p[1], 0.0]);
+        self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
+        self.line("</Points>");
+        self.topology(&frame.cells);
+        self.line("</Piece>\n</UnstructuredGrid>\n</VTKFile>");
+        &self.text
     }
-    for (i, name) in field.component_names.iter().enumerate() {
-        let _ = write!(text, " ComponentName{i}=\"{}\"", escape(name));
+
+    fn line(&mut self, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
     }
-    if padded && field.component_names.len() == 2 {
-        let _ = write!(text, " ComponentName2=\"{}3\"", escape(&field.name));
+
+    fn section(&mut self, name: &str, fields: &[Field]) {
+        let _ = writeln!(self.text, "<{name}>");
+        for field in fields {
+            self.field(field);
+        }
+        let _ = writeln!(self.text, "</{name}>");
     }
-    let array = if padded {
-        encode(&field.values.chunks_exact(2).flat_map(|v| [v[0], v[1], 0.0]).collect::<Vec<f64>>())
-    } else {
-        encode(&field.values)
-    };
-    let _ = writeln!(text, " format=\"binary\">{array}</DataArray>");
-}
 
-fn topology(text: &mut String, cells: &[Vec<usize>]) {
-    let connectivity: Vec<i64> = cells.iter().flatten().map(|&p| p as i64).collect();
-    let ends = cells.iter().scan(0, |sum, cell| {
-        *sum += cell.len() as i64;
-        Some(*sum)
-    });
-    let offsets: Vec<i64> = ends.collect();
-    let types: Vec<u8> = cells.iter().map(|c| [1, 3, 5, 9][c.len().clamp(1, 4) - 1]).collect();
-    let bytes = |values: &[i64]| compressed(&values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>());
-    let _ = writeln!(
-        text,
-        "<Cells>\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"binary\">{}</DataArray>\n\
-         <DataArray type=\"Int64\" Name=\"offsets\" format=\"binary\">{}</DataArray>\n\
-         <DataArray type=\"UInt8\" Name=\"types\" format=\"binary\">{}</DataArray>\n</Cells>",
-        bytes(&connectivity),
-        bytes(&offsets),
-        compressed(&types)
-    );
-}
+    /// One array; vectors in the plane get a third component, as VTK's filters expect.
+    fn field(&mut self, field: &Field) {
+        let padded = field.components == 2;
+        let components = if padded { 3 } else { field.components };
+        let mut attributes = String::new();
+        if components > 1 {
+            let _ = write!(attributes, " NumberOfComponents=\"{components}\"");
+        }
+        for (i, name) in field.component_names.iter().enumerate() {
+            let _ = write!(attributes, " ComponentName{i}=\"{}\"", escape(name));
+        }
+        if padded && field.component_names.len() == 2 {
+            let _ = write!(attributes, " ComponentName2=\"{}3\"", escape(&field.name));
+        }
+        let name = escape(&field.name);
+        if padded {
+            let values = field.values.chunks_exact(2).flat_map(|v| [v[0], v[1], 0.0]);
+            self.array("Float64", &name, &attributes, values.flat_map(f64::to_le_bytes));
+        } else {
+            self.array("Float64", &name, &attributes, field.values.iter().flat_map(|v| v.to_le_bytes()));
+        }
+    }
 
-fn encode(values: &[f64]) -> String {
-    compressed(&values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
-}
+    fn topology(&mut self, cells: &[Vec<usize>]) {
+        let connectivity = cells.iter().flatten().map(|&p| p as i64);
+        let offsets = cells.iter().scan(0, |sum, cell| {
+            *sum += cell.len() as i64;
+            Some(*sum)
+        });
+        let types = cells.iter().map(|c| [1, 3, 5, 9][c.len().clamp(1, 4) - 1]);
+        self.line("<Cells>");
+        self.array("Int64", "connectivity", "", connectivity.flat_map(i64::to_le_bytes));
+        self.array("Int64", "offsets", "", offsets.flat_map(i64::to_le_bytes));
+        self.array("UInt8", "types", "", types);
+        self.line("</Cells>");
+    }
 
-/// Header (number of blocks, block size, size of a last partial block, compressed sizes) and blocks, each in base64.
-fn compressed(bytes: &[u8]) -> String {
-    let blocks: Vec<Vec<u8>> = bytes.chunks(BLOCK).map(deflate).collect();
-    let mut header = vec![blocks.len() as u64, BLOCK as u64, (bytes.len() % BLOCK) as u64];
-    header.extend(blocks.iter().map(|b| b.len() as u64));
-    let header: Vec<u8> = header.iter().flat_map(|v| v.to_le_bytes()).collect();
-    STANDARD.encode(header) + &STANDARD.encode(blocks.concat())
-}
+    fn array(&mut self, kind: &str, name: &str, attributes: &str, bytes: impl IntoIterator<Item = u8>) {
+        let _ = write!(self.text, "<DataArray type=\"{kind}\" Name=\"{name}\"{attributes} format=\"binary\">");
+        self.bytes.clear();
+        self.bytes.extend(bytes);
+        self.pack();
+        self.line("</DataArray>");
+    }
 
-fn deflate(block: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
-    // Writing into memory cannot fail.
-    let _ = encoder.write_all(block);
-    encoder.finish().unwrap_or_default()
+    /// Header (number of blocks, block size, size of a last partial block, compressed sizes) and blocks, each in base64.
+    fn pack(&mut self) {
+        let blocks = self.bytes.len().div_ceil(BLOCK);
+        let mut header = vec![blocks as u64, BLOCK as u64, (self.bytes.len() % BLOCK) as u64];
+        self.packed.clear();
+        for block in self.bytes.chunks(BLOCK) {
+            let start = self.packed.len();
+            // Room for a block that does not compress: zlib adds a few bytes to every 16 KiB (RFC 1950, RFC 1951).
+            self.packed.reserve(block.len() + block.len() / 1024 + 64);
+            self.compressor.reset();
+            // Compression into enough room cannot fail.
+            let _ = self.compressor.compress_vec(block, &mut self.packed, FlushCompress::Finish);
+            header.push((self.packed.len() - start) as u64);
+        }
+        let header: Vec<u8> = header.iter().flat_map(|v| v.to_le_bytes()).collect();
+        STANDARD.encode_string(header, &mut self.text);
+        STANDARD.encode_string(&self.packed, &mut self.text);
+    }
 }
 
 /// Text as it may stand in an XML attribute.

@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use crate::effect::motion::Motion;
 use crate::effect::{Account, Slot};
-use crate::state::Bodies;
+use crate::state::BodyState;
 
 /// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLFD + ALLCAV - ALLWK` is constant.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy.
     #[serde(rename = "ALLKE")]
@@ -27,86 +27,116 @@ pub struct Energy {
     pub total: f64,
     /// The sum at the start.
     pub initial: f64,
-    /// Largest departure of the sum from its start, over the largest energy met: kinetic at the start or work done.
+    /// Largest departure of the sum from its start, over the largest energy met: kinetic, or work of loads and motions.
     pub drift: f64,
-    #[serde(skip)]
-    largest: f64,
-    #[serde(skip)]
-    forces_before: Vec<f64>,
-    #[serde(skip)]
-    moved: Vec<f64>,
-    #[serde(skip)]
-    afresh: bool,
-    #[serde(skip)]
+}
+
+/// What is booked increment by increment; [`Balance::energy`] sums it up for those who look.
+#[derive(Clone, Debug)]
+pub struct Balance {
+    entries: Vec<Entry>,
     prescribed: Vec<Prescribed>,
+    /// Sums of the steps before, without the drift.
+    settled: Energy,
+    kinetic: f64,
+    /// Work of all forces on bodies: what their kinetic energy should have gained.
+    done: f64,
+    /// The part of loads and motions.
+    external: f64,
+    largest: f64,
+    departure: f64,
+}
+
+/// The work of one slot in this step.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    body: usize,
+    account: Account,
+    /// 1 for the work of loads and motions, else 0.
+    external: f64,
+    force: f64,
+    last: f64,
+    work: f64,
 }
 
 /// A body whose motion is prescribed: the reaction does the work that the other forces leave of the change in kinetic
 /// energy.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 struct Prescribed {
     body: usize,
     kinetic: f64,
 }
 
-impl Energy {
+impl Balance {
     /// The balance at the start of an analysis.
-    pub fn start(bodies: &Bodies) -> Self {
-        let kinetic = (0..bodies.count()).map(|b| kinetic(bodies, b)).sum();
-        Energy { kinetic, total: kinetic, initial: kinetic, largest: kinetic, ..Energy::default() }
+    pub fn start(bodies: &[BodyState]) -> Self {
+        let kinetic = bodies.iter().map(BodyState::kinetic).sum();
+        Balance {
+            entries: Vec::new(),
+            prescribed: Vec::new(),
+            settled: Energy { initial: kinetic, ..Energy::default() },
+            kinetic,
+            done: 0.0,
+            external: 0.0,
+            largest: kinetic,
+            departure: 0.0,
+        }
     }
 
     /// A new step with its forces and prescribed motions.
-    pub fn begin(&mut self, bodies: usize, slots: &[Slot], motions: &[Motion]) {
-        self.forces_before = vec![0.0; slots.len()];
-        self.moved = vec![0.0; bodies];
+    pub fn begin(&mut self, slots: &[Slot], motions: &[Motion]) {
+        self.settled = self.energy();
+        let entry = |s: &Slot| {
+            let external = if s.account == Account::Work { 1.0 } else { 0.0 };
+            Entry { body: s.body, account: s.account, external, force: 0.0, last: 0.0, work: 0.0 }
+        };
+        self.entries = slots.iter().map(entry).collect();
         self.prescribed = motions.iter().map(|m| Prescribed { body: m.body, kinetic: f64::NAN }).collect();
     }
 
-    /// Tells how far the bodies went, and whether the increment ended in a jump: then the forces behind it count.
-    pub fn moved(&mut self, bodies: &Bodies, before: &[f64], afresh: bool) {
-        self.afresh = afresh;
-        for ((moved, now), before) in self.moved.iter_mut().zip(&bodies.displacement).zip(before) {
-            *moved = now - before;
+    /// Books the increment that led to this instant. After one that ended in a jump (`afresh`) the forces behind it count.
+    #[inline]
+    pub fn book(&mut self, bodies: &[BodyState], forces: &[f64], afresh: bool) {
+        let (mut done, mut external) = (self.done, self.external);
+        for (entry, &force) in self.entries.iter_mut().zip(forces) {
+            let body = &bodies[entry.body];
+            let mean = if afresh { entry.force } else { 0.5 * (entry.force + force) };
+            let work = mean * (body.displacement - body.before.displacement);
+            entry.force = force;
+            entry.last = work;
+            entry.work += work;
+            done += work;
+            external += entry.external * work;
         }
-    }
-
-    /// Books the increment that led to this instant.
-    pub fn book(&mut self, bodies: &Bodies, slots: &[Slot], forces: &[f64]) {
-        for (i, slot) in slots.iter().enumerate() {
-            let before = self.forces_before[i];
-            let mean = if self.afresh { before } else { 0.5 * (before + forces[i]) };
-            let work = mean * self.moved[slot.body];
-            match slot.account {
-                Account::Work => self.work += work,
-                Account::Friction => self.friction -= work,
-                Account::Cavity => self.cavity -= work,
-            }
-            if self.prescribed.iter().any(|p| p.body == slot.body) {
-                self.work -= work;
-            }
-        }
-        self.forces_before.copy_from_slice(forces);
-        self.book_reactions(bodies);
-        self.kinetic = (0..bodies.count()).map(|b| kinetic(bodies, b)).sum();
-        self.total = self.kinetic + self.friction + self.cavity - self.work;
-        self.largest = self.largest.max(self.kinetic).max(self.work.abs());
-        if self.largest > 0.0 {
-            self.drift = self.drift.max((self.total - self.initial).abs() / self.largest);
-        }
-    }
-
-    fn book_reactions(&mut self, bodies: &Bodies) {
         for prescribed in &mut self.prescribed {
-            let now = kinetic(bodies, prescribed.body);
-            if !prescribed.kinetic.is_nan() {
-                self.work += now - prescribed.kinetic;
-            }
+            let now = bodies[prescribed.body].kinetic();
+            let on_body = self.entries.iter().filter(|e| e.body == prescribed.body);
+            let gained = if prescribed.kinetic.is_nan() { 0.0 } else { now - prescribed.kinetic };
+            let reaction = gained - on_body.map(|e| e.last).sum::<f64>();
             prescribed.kinetic = now;
+            self.settled.work += reaction;
+            done += reaction;
+            external += reaction;
         }
+        let kinetic: f64 = bodies.iter().map(BodyState::kinetic).sum();
+        let departure = (kinetic - self.settled.initial - done).abs();
+        self.largest = self.largest.max(kinetic).max(external.abs());
+        self.departure = self.departure.max(departure);
+        (self.kinetic, self.done, self.external) = (kinetic, done, external);
     }
-}
 
-fn kinetic(bodies: &Bodies, b: usize) -> f64 {
-    0.5 * bodies.mass[b] * bodies.velocity[b] * bodies.velocity[b]
+    /// The energies now.
+    pub fn energy(&self) -> Energy {
+        let mut energy = Energy { kinetic: self.kinetic, ..self.settled };
+        for entry in &self.entries {
+            match entry.account {
+                Account::Work => energy.work += entry.work,
+                Account::Friction => energy.friction -= entry.work,
+                Account::Cavity => energy.cavity -= entry.work,
+            }
+        }
+        energy.total = energy.kinetic + energy.friction + energy.cavity - energy.work;
+        energy.drift = if self.largest > 0.0 { self.departure / self.largest } else { 0.0 };
+        energy
+    }
 }

@@ -5,7 +5,7 @@ use super::Run;
 use crate::effect::{Halt, Limit};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
-use crate::state::{Bodies, Instant};
+use crate::state::{BodyState, Instant};
 
 /// What an increment ends in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +36,21 @@ impl Increment {
         Instant { step_time, total_time: now.total_time + self.length }
     }
 
+    /// Whether it still advances the clock.
+    ///
+    /// # Errors
+    /// If it is lost in rounding.
+    pub fn check(&self, now: &Instant, increment: u64) -> Result<(), Halt> {
+        if now.total_time + self.length > now.total_time {
+            return Ok(());
+        }
+        let reason = format!(
+            "the next increment, {:e}, no longer advances the clock at time {:e} (increment {increment})",
+            self.length, now.total_time
+        );
+        Err(Halt { code: "R204", reason })
+    }
+
     fn shorten(&mut self, limit: Limit) {
         if limit.time < self.length {
             *self = Increment { length: limit.time, end: if limit.jump { End::Jump } else { End::Plain } };
@@ -50,6 +65,8 @@ const GROWTH: f64 = 2.0;
 /// Change of velocity over an increment, in units of sqrt(accuracy) of the scene's velocity. Central differences are of
 /// second order, so the error follows the accuracy itself; the factor keeps it and the energy drift below it.
 const RESOLUTION: f64 = 0.25;
+/// The last increment of a step may be longer by this fraction.
+const SLIVER: f64 = 1e-3;
 
 /// Chooses increments over a step.
 #[derive(Debug)]
@@ -65,7 +82,7 @@ pub struct Pace {
 
 impl Pace {
     /// The pace of a step.
-    pub fn new(step: &StepPlan, bodies: &Bodies) -> Self {
+    pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
         let (fixed, accuracy) = match step.control {
             IncrementControl::Fixed(length) => (Some(length), 1.0),
             IncrementControl::Automatic { accuracy, .. } => (None, accuracy),
@@ -77,15 +94,13 @@ impl Pace {
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
-            speed: bodies.velocity.iter().map(|v| v.abs()).collect(),
+            speed: bodies.iter().map(|b| b.velocity.abs()).collect(),
         }
     }
 
     /// The next increment.
-    ///
-    /// # Errors
-    /// If it would no longer advance the clock.
-    pub fn choose(&mut self, run: &Run<'_>, step: &StepPlan) -> Result<Increment, Halt> {
+    #[inline]
+    pub fn choose(&mut self, run: &Run<'_>, step: &StepPlan) -> Increment {
         let mut next = Increment { length: f64::INFINITY, end: End::Plain };
         match self.fixed {
             Some(length) => next.length = length,
@@ -100,41 +115,33 @@ impl Pace {
             }
         }
         self.fit_step(&mut next, step.duration - run.now.step_time);
-        meet_rest(&mut next, run, step);
-        if run.now.total_time + next.length > run.now.total_time {
-            return Ok(next);
-        }
-        let reason = format!(
-            "the next increment, {:e}, no longer advances the clock at time {:e} (increment {})",
-            next.length, run.now.total_time, run.increment
-        );
-        Err(Halt { code: "R204", reason })
+        meet_rest(&mut next, &run.bodies);
+        next
     }
 
     /// From the error estimate: neither velocity nor acceleration may change much over an increment.
     fn automatic(&mut self, run: &Run<'_>) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
-        let bodies = &run.bodies;
-        for b in 0..bodies.count() {
-            self.speed[b] = self.speed[b].max(bodies.velocity[b].abs());
-            let acceleration = bodies.acceleration[b].abs();
-            let scale = self.speed[b].max(acceleration * self.largest);
-            if run.reads_velocity[b] && acceleration * self.free > self.resolution * scale {
+        for (body, speed) in run.bodies.iter().zip(&mut self.speed) {
+            *speed = speed.max(body.velocity.abs());
+            let acceleration = body.acceleration.abs();
+            let scale = speed.max(acceleration * self.largest);
+            if body.reads_velocity && acceleration * self.free > self.resolution * scale {
                 self.free = self.resolution * scale / acceleration;
             }
-            if run.behind > 0.0 {
-                let jerk = (bodies.acceleration[b] - run.acceleration_before[b]).abs() / run.behind;
-                if jerk * self.free * self.free > self.resolution * self.resolution * scale {
-                    self.free = self.resolution * (scale / jerk).sqrt();
-                }
+            let change = (body.acceleration - body.before.acceleration).abs();
+            let bound = self.resolution * self.resolution * scale * run.behind;
+            if run.behind > 0.0 && change * self.free * self.free > bound {
+                self.free = (bound / change).sqrt();
             }
         }
         self.free
     }
 
-    /// Ends the step on time, without a sliver before it.
+    /// Ends the step on time, without a sliver before it: the sum of many fixed increments misses the end by rounding.
+    #[inline]
     fn fit_step(&self, next: &mut Increment, remaining: f64) {
-        if next.length >= remaining * (1.0 - 1e-9) {
+        if next.length >= remaining * (1.0 - SLIVER) {
             *next = Increment { length: remaining, end: End::Step };
         } else if self.fixed.is_none() && next.end == End::Plain && next.length > 0.5 * remaining {
             next.length = 0.5 * remaining;
@@ -144,17 +151,18 @@ impl Pace {
 
 /// A body under loads that read its velocity meets rest exactly: x + v^2 / 2|a| after the time v / |a|. An increment
 /// that would end just short of rest stops half way, so that a growing force cannot turn the velocity unnoticed.
-fn meet_rest(next: &mut Increment, run: &Run<'_>, step: &StepPlan) {
-    let bodies = &run.bodies;
-    for b in 0..bodies.count() {
-        let (v, a) = (bodies.velocity[b], bodies.acceleration[b]);
-        if !run.reads_velocity[b] || v * a >= 0.0 || step.motions.iter().any(|m| m.body == b) {
+#[inline]
+fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
+    for (b, body) in bodies.iter().enumerate() {
+        let (v, a) = (body.velocity, body.acceleration);
+        // Far from rest, the common case, needs no division.
+        if !body.reads_velocity || body.prescribed || v * a >= 0.0 || v.abs() >= 1.25 * next.length * a.abs() {
             continue;
         }
         let rest = -v / a;
         if rest <= next.length {
             *next = Increment { length: rest, end: End::Rest(b) };
-        } else if rest < 1.25 * next.length {
+        } else {
             *next = Increment { length: 0.5 * rest, end: End::Plain };
         }
     }

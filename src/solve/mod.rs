@@ -12,7 +12,8 @@ use serde::Serialize;
 use crate::effect::{Account, Halt, Slot};
 use crate::model::LoadVelocity;
 use crate::plan::{Plan, StepPlan};
-use crate::state::{Bodies, Instant};
+use crate::state::{Before, BodyState, Instant, direction};
+use energy::Balance;
 pub use energy::Energy;
 use increment::{End, Increment, Pace};
 use observe::Observing;
@@ -83,7 +84,7 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
         }
     }
     let mut outcome = run.outcome;
-    outcome.energy = run.energy;
+    outcome.energy = run.balance.energy();
     outcome.seconds = begin.elapsed().as_secs_f64();
     plan.steps = steps;
     outcome
@@ -92,58 +93,48 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
 /// Everything an increment touches.
 struct Run<'a> {
     plan: &'a Plan,
-    bodies: Bodies,
+    bodies: Vec<BodyState>,
     now: Instant,
     /// Generalised forces of all effects of the step, one slot after the other, and where each effect's slots end.
     forces: Vec<f64>,
     slots: Vec<Slot>,
+    /// Indices of the slots in order of their bodies.
+    slots_by_body: Vec<usize>,
     ends: Vec<usize>,
-    /// Sum of forces on each body, and what a prescribed motion adds.
-    total: Vec<f64>,
-    reaction: Vec<f64>,
-    displacement_before: Vec<f64>,
-    velocity_before: Vec<f64>,
+    /// Index of the first force that resists; such forces come last.
+    resistances: usize,
     now_before: Instant,
-    acceleration_before: Vec<f64>,
-    /// Whether a body is under loads that read velocity, and whether under a resistance.
-    reads_velocity: Vec<bool>,
+    /// Part of the increment behind over which loads see the velocity carried on: half of it, or none.
+    reach: f64,
     /// Length of the increment behind; 0 where central differences start afresh with the half step.
     behind: f64,
     /// The increment that led here, for the energy balance and for output.
     last_increment: f64,
     increment: u64,
-    energy: Energy,
+    balance: Balance,
     outcome: Outcome,
 }
 
 impl<'a> Run<'a> {
     fn new(plan: &'a Plan) -> Self {
-        let mut bodies = Bodies::default();
-        for body in &plan.bodies {
-            let index = bodies.add(body.mass());
-            bodies.velocity[index] = body.initial_velocity;
-        }
-        let zeros = vec![0.0; bodies.count()];
-        let energy = Energy::start(&bodies);
+        let bodies: Vec<_> = plan.bodies.iter().map(|b| BodyState::new(b.mass(), b.initial_velocity)).collect();
+        let balance = Balance::start(&bodies);
         let outcome = Outcome { effect_seconds: vec![0.0; plan.ledger.effects.len()], ..Outcome::default() };
         Run {
             plan,
             now: Instant::default(),
             forces: Vec::new(),
             slots: Vec::new(),
+            slots_by_body: Vec::new(),
             ends: Vec::new(),
-            total: zeros.clone(),
-            reaction: zeros.clone(),
-            displacement_before: zeros.clone(),
-            velocity_before: zeros.clone(),
+            resistances: 0,
             now_before: Instant::default(),
-            acceleration_before: zeros,
-            reads_velocity: vec![false; bodies.count()],
             bodies,
+            reach: 0.0,
             behind: 0.0,
             last_increment: 0.0,
             increment: 0,
-            energy,
+            balance,
             outcome,
         }
     }
@@ -154,17 +145,17 @@ impl<'a> Run<'a> {
         observing.begin(step, self.increment == 0, self.increment);
         let mut pace = Pace::new(step, &self.bodies);
         loop {
-            self.estimate_velocity(step); //          1. velocity at the increment's own time, for the loads
-            self.evaluate_forces(step)?; //           2. forces, resistances last
-            self.accelerate(step)?; //                3. a = F / m; a resistance holds what is at rest
-            self.correct_velocity(step); //           4. velocity at the increment's own time
-            self.energy.book(&self.bodies, &self.slots, &self.forces); //5. energy balance
-            observing.show(self, step, sink)?; //     6. output that is due
+            self.evaluate_forces(step)?; //           1. forces, resistances last
+            self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
+            self.correct_velocity(step); //           3. velocity at the increment's own time
+            self.book(); //                           4. energy balance
+            observing.show(self, step, sink)?; //     5. output that is due
             if self.now.step_time >= step.duration {
                 break;
             }
-            let next = pace.choose(self, step)?; //   7. length of the next increment
-            self.advance(step, next); //              8. v(i+1/2), u(i+1)
+            let next = pace.choose(self, step); //    6. length of the next increment
+            next.check(&self.now, self.increment)?;
+            self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
             self.record(next.length);
         }
         Ok(())
@@ -177,48 +168,39 @@ impl<'a> Run<'a> {
             self.slots.extend(force.slots());
             self.ends.push(self.slots.len());
         }
+        self.resistances = step.forces.iter().filter(|f| !f.resists()).count();
         self.forces = vec![0.0; self.slots.len()];
-        self.energy.begin(self.bodies.count(), &self.slots, &step.motions);
-        self.reads_velocity.fill(false);
-        for force in step.forces.iter().filter(|f| f.reads_velocity()) {
-            for slot in force.slots() {
-                self.reads_velocity[slot.body] = true;
-            }
+        self.balance.begin(&self.slots, &step.motions);
+        self.slots_by_body = (0..self.slots.len()).collect();
+        self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
+        for (b, body) in self.bodies.iter_mut().enumerate() {
+            (body.reads_velocity, body.prescribed) = (false, false);
+            body.slots = self.slots.iter().filter(|s| s.body == b).count();
+        }
+        for slot in step.forces.iter().filter(|f| f.reads_velocity()).flat_map(|f| f.slots()) {
+            self.bodies[slot.body].reads_velocity = true;
         }
         for motion in &mut step.motions {
-            motion.start = self.bodies.displacement[motion.body];
+            let body = &mut self.bodies[motion.body];
+            body.prescribed = true;
+            motion.start = body.displacement;
         }
+        self.reach = match step.load_velocity {
+            LoadVelocity::Predicted => 0.5,
+            LoadVelocity::Lagged => 0.0,
+        };
         self.now.step_time = 0.0;
         self.behind = 0.0;
+        self.show_own_velocity();
         let summary = StepSummary { name: step.name.clone(), smallest_increment: f64::INFINITY, ..Default::default() };
         self.outcome.steps.push(summary);
     }
 
-    fn estimate_velocity(&mut self, step: &StepPlan) {
-        let reach = match step.load_velocity {
-            LoadVelocity::Predicted => 0.5 * self.behind,
-            LoadVelocity::Lagged => 0.0,
-        };
-        let bodies = &mut self.bodies;
-        for b in 0..bodies.count() {
-            bodies.velocity_load[b] = if self.behind == 0.0 {
-                bodies.velocity[b]
-            } else {
-                bodies.velocity_half[b] + reach * bodies.acceleration[b]
-            };
-        }
-    }
-
     fn evaluate_forces(&mut self, step: &mut StepPlan) -> Result<(), Halt> {
-        for (direction, velocity) in self.bodies.direction.iter_mut().zip(&self.bodies.velocity_load) {
-            *direction = sign(*velocity);
-        }
         let timed = self.increment.is_multiple_of(TIMED_EVERY);
         let mut start = 0;
-        let mut resisted = false;
-        for (force, &end) in step.forces.iter_mut().zip(&self.ends) {
-            if force.resists() && !resisted {
-                resisted = true;
+        for (i, (force, &end)) in step.forces.iter_mut().zip(&self.ends).enumerate() {
+            if i == self.resistances {
                 turn_resting_bodies(&mut self.bodies, &self.slots[..start], &self.forces);
             }
             let clock = timed.then(Stopwatch::now);
@@ -232,32 +214,36 @@ impl<'a> Run<'a> {
     }
 
     fn accelerate(&mut self, step: &StepPlan) -> Result<(), Halt> {
-        self.total.fill(0.0);
-        for (slot, force) in self.slots.iter().zip(&self.forces) {
-            self.total[slot.body] += force;
-        }
-        self.acceleration_before.copy_from_slice(&self.bodies.acceleration);
-        for b in 0..self.bodies.count() {
-            let at_rest = self.bodies.velocity_load[b] == 0.0 && self.bodies.direction[b] != 0.0;
-            if at_rest && self.total[b] * self.bodies.direction[b] <= 0.0 {
+        let mut finite = true;
+        let mut start = 0;
+        for b in 0..self.bodies.len() {
+            let body = &mut self.bodies[b];
+            let own = &self.slots_by_body[start..start + body.slots];
+            start += body.slots;
+            body.force = own.iter().fold(0.0, |sum, &slot| sum + self.forces[slot]);
+            if body.velocity_load == 0.0 && body.direction != 0.0 && body.force * body.direction <= 0.0 {
                 self.hold(b);
             }
-            self.bodies.acceleration[b] = self.total[b] / self.bodies.mass[b];
+            let body = &mut self.bodies[b];
+            body.before.acceleration = body.acceleration;
+            body.acceleration = body.force / body.mass;
+            finite &= body.acceleration.abs() < f64::INFINITY || body.prescribed;
         }
         for motion in &step.motions {
-            let b = motion.body;
-            self.bodies.acceleration[b] = motion.rates(&self.now, self.bodies.velocity[b])[1];
-            self.reaction[b] = self.bodies.mass[b] * self.bodies.acceleration[b] - self.total[b];
+            let body = &mut self.bodies[motion.body];
+            body.acceleration = motion.rates(&self.now, body.velocity)[1];
+            body.reaction = body.mass * body.acceleration - body.force;
         }
-        match self.bodies.acceleration.iter().position(|a| !a.is_finite()) {
-            Some(b) => Err(self.not_finite(b)),
-            None => Ok(()),
-        }
+        if finite { Ok(()) } else { Err(self.not_finite()) }
+    }
+
+    fn book(&mut self) {
+        self.balance.book(&self.bodies, &self.forces, self.behind == 0.0);
     }
 
     /// The resistances on a body at rest give just what the other forces ask of them, and do no work.
     fn hold(&mut self, body: usize) {
-        self.total[body] = 0.0;
+        self.bodies[body].force = 0.0;
         for (slot, force) in self.slots.iter().zip(&mut self.forces) {
             if slot.body == body && slot.account != Account::Work {
                 *force = 0.0;
@@ -265,11 +251,12 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn not_finite(&self, b: usize) -> Halt {
-        let (body, time) = (&self.plan.bodies[b].name, self.now.total_time);
+    fn not_finite(&self) -> Halt {
+        let b = self.bodies.iter().position(|b| !b.prescribed && !b.acceleration.is_finite()).unwrap_or_default();
+        let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.bodies[b]);
         let reason = format!(
-            "the acceleration of rigid body `{body}` is {} at increment {}, time {time:e} (force {}, mass {})",
-            self.bodies.acceleration[b], self.increment, self.total[b], self.bodies.mass[b]
+            "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",
+            body.acceleration, self.increment, body.force, body.mass
         );
         Halt { code: "R203", reason }
     }
@@ -278,29 +265,39 @@ impl<'a> Run<'a> {
         if self.behind == 0.0 {
             return;
         }
-        let bodies = &mut self.bodies;
-        for b in 0..bodies.count() {
-            bodies.velocity[b] = bodies.velocity_half[b] + 0.5 * self.behind * bodies.acceleration[b];
+        self.velocity_from_half();
+        self.prescribe_velocity(step);
+    }
+
+    fn velocity_from_half(&mut self) {
+        let half = 0.5 * self.behind;
+        for body in &mut self.bodies {
+            body.velocity = body.velocity_half + half * body.acceleration;
         }
+    }
+
+    fn prescribe_velocity(&mut self, step: &StepPlan) {
         for motion in &step.motions {
-            bodies.velocity[motion.body] = motion.rates(&self.now, bodies.velocity[motion.body])[0];
+            let body = &mut self.bodies[motion.body];
+            body.velocity = motion.rates(&self.now, body.velocity)[0];
         }
     }
 
     fn advance(&mut self, step: &StepPlan, next: Increment) {
         let dt = next.length;
-        self.displacement_before.copy_from_slice(&self.bodies.displacement);
-        self.velocity_before.copy_from_slice(&self.bodies.velocity);
-        let bodies = &mut self.bodies;
-        for b in 0..bodies.count() {
-            bodies.velocity_half[b] = bodies.velocity[b] + 0.5 * dt * bodies.acceleration[b];
+        for body in &mut self.bodies {
+            body.before.displacement = body.displacement;
+            body.before.velocity = body.velocity;
+            body.velocity_half = body.velocity + 0.5 * dt * body.acceleration;
+            body.displacement += dt * body.velocity_half;
+            body.show(body.velocity_half + self.reach * dt * body.acceleration);
         }
         for motion in &step.motions {
-            let b = motion.body;
-            bodies.velocity_half[b] = motion.velocity_over(&self.now, dt, bodies.displacement[b], bodies.velocity[b]);
-        }
-        for b in 0..bodies.count() {
-            bodies.displacement[b] += dt * bodies.velocity_half[b];
+            let body = &mut self.bodies[motion.body];
+            let start = body.before.displacement;
+            body.velocity_half = motion.velocity_over(&self.now, dt, start, body.velocity);
+            body.displacement = start + dt * body.velocity_half;
+            body.show(body.velocity_half + self.reach * dt * body.acceleration);
         }
         self.now_before = self.now;
         self.now = next.arrival(&self.now, step.duration);
@@ -310,35 +307,39 @@ impl<'a> Run<'a> {
         if next.end != End::Plain {
             self.start_afresh(step, next.end);
         }
-        self.energy.moved(&self.bodies, &self.displacement_before, self.behind == 0.0);
     }
 
     /// After an instant of rest or a jump of a force the next increment starts as the first did, from the velocity at
     /// its own time.
     fn start_afresh(&mut self, step: &StepPlan, end: End) {
-        let bodies = &mut self.bodies;
-        for b in 0..bodies.count() {
-            bodies.velocity[b] = bodies.velocity_half[b] + 0.5 * self.behind * bodies.acceleration[b];
-        }
-        for motion in &step.motions {
-            bodies.velocity[motion.body] = motion.rates(&self.now, bodies.velocity[motion.body])[0];
-        }
+        self.velocity_from_half();
+        self.prescribe_velocity(step);
         if let End::Rest(b) = end {
-            bodies.velocity[b] = 0.0;
-            let (body, displacement) = (self.plan.bodies[b].name.clone(), bodies.displacement[b]);
+            self.bodies[b].velocity = 0.0;
+            let (body, displacement) = (self.plan.bodies[b].name.clone(), self.bodies[b].displacement);
             self.outcome.rests.push(Rest { body, time: self.now.total_time, displacement });
         }
         self.behind = 0.0;
+        self.show_own_velocity();
+    }
+
+    /// Where central differences start, loads see the velocity itself.
+    fn show_own_velocity(&mut self) {
+        for body in &mut self.bodies {
+            body.show(body.velocity);
+        }
     }
 
     /// After a failure: the state of the last instant that was complete.
     fn step_back(&mut self) {
-        if self.increment > 0 {
-            self.bodies.displacement.copy_from_slice(&self.displacement_before);
-            self.bodies.velocity.copy_from_slice(&self.velocity_before);
-            self.bodies.acceleration.copy_from_slice(&self.acceleration_before);
-            self.now = self.now_before;
+        if self.increment == 0 {
+            return;
         }
+        for body in &mut self.bodies {
+            let Before { displacement, velocity, acceleration } = body.before;
+            (body.displacement, body.velocity, body.acceleration) = (displacement, velocity, acceleration);
+        }
+        self.now = self.now_before;
     }
 
     fn record(&mut self, length: f64) {
@@ -353,21 +354,9 @@ impl<'a> Run<'a> {
 }
 
 /// A body at rest would start the way the other forces push it: that is what a resistance then opposes.
-fn turn_resting_bodies(bodies: &mut Bodies, applied: &[Slot], forces: &[f64]) {
-    for b in 0..bodies.count() {
-        if bodies.direction[b] == 0.0 {
-            let on = applied.iter().zip(forces).filter(|(s, _)| s.body == b);
-            bodies.direction[b] = sign(on.map(|(_, f)| f).sum());
-        }
-    }
-}
-
-fn sign(value: f64) -> f64 {
-    if value > 0.0 {
-        1.0
-    } else if value < 0.0 {
-        -1.0
-    } else {
-        0.0
+fn turn_resting_bodies(bodies: &mut [BodyState], applied: &[Slot], forces: &[f64]) {
+    for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {
+        let on = applied.iter().zip(forces).filter(|(s, _)| s.body == b);
+        body.direction = direction(on.map(|(_, f)| f).sum());
     }
 }

@@ -1,11 +1,12 @@
 //! What is shown when: history rows and frames at the instants that are due. Looking never changes the motion.
 //! Never here: files.
 
-use super::Run;
+use super::{Energy, Run};
 use crate::effect::Halt;
 use crate::model::ElementKind;
 use crate::output::{Field, Frame};
 use crate::plan::{FieldVariable, Plan, Quantity, Schedule, StepPlan};
+use crate::state::BodyState;
 
 /// Takes what a run shows.
 pub trait Sink {
@@ -67,6 +68,9 @@ pub(super) struct Observing {
     history: Rhythm,
     row: Vec<f64>,
     next_progress: u64,
+    /// Nothing is due before these.
+    next_time: f64,
+    next_increment: u64,
     first: bool,
 }
 
@@ -77,6 +81,8 @@ impl Observing {
             history: Rhythm::default(),
             row: vec![0.0; plan.columns.len()],
             next_progress: 0,
+            next_time: 0.0,
+            next_increment: 0,
             first: true,
         }
     }
@@ -85,10 +91,19 @@ impl Observing {
         self.field.begin(&step.outputs.field, increment);
         self.history.begin(&step.outputs.history, increment);
         self.first = first;
+        self.next_time = 0.0;
     }
 
     /// Shows what is due: rows and frames at their marks, at the very start, and at the end of each step.
+    #[inline]
     pub(super) fn show(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
+        if run.now.step_time < self.next_time && run.increment < self.next_increment {
+            return Ok(());
+        }
+        self.show_due(run, step, sink)
+    }
+
+    fn show_due(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
         let (time, increment) = (run.now.step_time, run.increment);
         let edge = std::mem::take(&mut self.first) || time >= step.duration;
         if increment >= self.next_progress {
@@ -103,6 +118,8 @@ impl Observing {
             self.field.advance(time, increment);
             show_frame(run, step, sink)?;
         }
+        self.next_time = self.field.next_time.min(self.history.next_time).min(step.duration);
+        self.next_increment = self.field.next_increment.min(self.history.next_increment).min(self.next_progress);
         Ok(())
     }
 
@@ -113,8 +130,9 @@ impl Observing {
     }
 
     fn show_row(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+        let energy = run.balance.energy();
         for (value, column) in self.row.iter_mut().zip(&run.plan.columns) {
-            *value = run.value(column.quantity);
+            *value = run.value(column.quantity, &energy);
         }
         sink.row(run.now.total_time, &self.row).map_err(unwritten)
     }
@@ -132,14 +150,14 @@ fn show_frame(run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(),
 }
 
 impl Run<'_> {
-    fn value(&self, quantity: Quantity) -> f64 {
-        let (bodies, energy) = (&self.bodies, &self.energy);
+    fn value(&self, quantity: Quantity, energy: &Energy) -> f64 {
+        let bodies = &self.bodies;
         match quantity {
-            Quantity::Displacement(b) => bodies.displacement[b],
-            Quantity::Velocity(b) => bodies.velocity[b],
-            Quantity::Acceleration(b) => bodies.acceleration[b],
-            Quantity::Reaction(b) => self.reaction[b],
-            Quantity::Coordinate(node, b) => self.plan.mesh.points[node][1] + bodies.displacement[b],
+            Quantity::Displacement(b) => bodies[b].displacement,
+            Quantity::Velocity(b) => bodies[b].velocity,
+            Quantity::Acceleration(b) => bodies[b].acceleration,
+            Quantity::Reaction(b) => bodies[b].reaction,
+            Quantity::Coordinate(node, b) => self.plan.mesh.points[node][1] + bodies[b].displacement,
             Quantity::Zero => 0.0,
             Quantity::Kinetic => energy.kinetic,
             Quantity::Work => energy.work,
@@ -162,7 +180,7 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
         for &node in &body.nodes {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
-            frame.points.push([r, z + run.bodies.displacement[b]]);
+            frame.points.push([r, z + run.bodies[b].displacement]);
             body_of_point.push(b);
         }
         elements.extend(body.elements.iter().filter(|&&e| mesh.elements[e].kind != ElementKind::Mass));
@@ -175,16 +193,16 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
 }
 
 fn point_field(run: &Run<'_>, variable: FieldVariable, body_of_point: &[usize]) -> Field {
-    let (name, source) = match variable {
-        FieldVariable::Displacement => ("U", &run.bodies.displacement),
-        FieldVariable::Velocity => ("V", &run.bodies.velocity),
-        FieldVariable::Acceleration => ("A", &run.bodies.acceleration),
+    let (name, value): (_, fn(&BodyState) -> f64) = match variable {
+        FieldVariable::Displacement => ("U", |b| b.displacement),
+        FieldVariable::Velocity => ("V", |b| b.velocity),
+        FieldVariable::Acceleration => ("A", |b| b.acceleration),
     };
     Field {
         name: name.into(),
         components: 2,
         component_names: vec![format!("{name}1"), format!("{name}2")],
-        values: body_of_point.iter().flat_map(|&b| [0.0, source[b]]).collect(),
+        values: body_of_point.iter().flat_map(|&b| [0.0, value(&run.bodies[b])]).collect(),
     }
 }
 

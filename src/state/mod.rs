@@ -1,4 +1,4 @@
-//! The state: arrays of what moves, only what the plan declared.
+//! The state: what moves, only what the plan declared.
 //! Never here: anything no effect asked for.
 
 /// Where the clock stands.
@@ -10,44 +10,72 @@ pub struct Instant {
     pub total_time: f64,
 }
 
-/// Rigid bodies as structure of arrays: an axisymmetric body moves along z only.
-#[derive(Clone, Debug, Default)]
-pub struct Bodies {
+/// A rigid body: an axisymmetric body moves along z only. Bodies are few and all of one is touched together, so each is
+/// one piece in memory: two cache lines.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub struct BodyState {
     /// Mass.
-    pub mass: Vec<f64>,
+    pub mass: f64,
     /// Displacement at the increment's own time.
-    pub displacement: Vec<f64>,
-    /// Velocity at the increment's own time.
-    pub velocity: Vec<f64>,
+    pub displacement: f64,
     /// Velocity at the middle of the increment behind.
-    pub velocity_half: Vec<f64>,
+    pub velocity_half: f64,
     /// Acceleration at the increment's own time.
-    pub acceleration: Vec<f64>,
+    pub acceleration: f64,
+    /// Velocity at the increment's own time. (Not beside the displacement: the two copied as one piece would wait for the
+    /// velocity's way to memory.)
+    pub velocity: f64,
+    /// Sum of the forces of all effects.
+    pub force: f64,
     /// The velocity that loads are shown.
-    pub velocity_load: Vec<f64>,
+    pub velocity_load: f64,
     /// Sign of the motion a resistance opposes: of the velocity, or at rest of the force that would start it; 0 if none.
-    pub direction: Vec<f64>,
+    pub direction: f64,
+    /// The increment before.
+    pub before: Before,
+    /// Force that a prescribed motion adds.
+    pub reaction: f64,
+    /// How many force slots act on it.
+    pub slots: usize,
+    /// Whether it is under loads that read velocity.
+    pub reads_velocity: bool,
+    /// Whether its motion is prescribed.
+    pub prescribed: bool,
 }
 
-impl Bodies {
-    /// Adds a body and returns its index.
-    pub fn add(&mut self, mass: f64) -> usize {
-        self.mass.push(mass);
-        for array in [
-            &mut self.displacement,
-            &mut self.velocity,
-            &mut self.velocity_half,
-            &mut self.acceleration,
-            &mut self.velocity_load,
-            &mut self.direction,
-        ] {
-            array.push(0.0);
-        }
-        self.mass.len() - 1
+/// Where a body stood an increment ago.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Before {
+    /// Velocity.
+    pub velocity: f64,
+    /// Acceleration.
+    pub acceleration: f64,
+    /// Displacement.
+    pub displacement: f64,
+}
+
+impl BodyState {
+    /// A body that flies at a velocity.
+    pub fn new(mass: f64, velocity: f64) -> Self {
+        BodyState { mass, velocity, ..BodyState::default() }
     }
 
-    /// How many.
-    pub fn count(&self) -> usize {
-        self.mass.len()
+    /// Sets the velocity that loads will see.
+    #[inline]
+    pub fn show(&mut self, velocity: f64) {
+        self.velocity_load = velocity;
+        self.direction = direction(velocity);
     }
+
+    /// Kinetic energy.
+    pub fn kinetic(&self) -> f64 {
+        0.5 * self.mass * self.velocity * self.velocity
+    }
+}
+
+/// 1, -1, or 0 for zero (and for what is not a number).
+#[inline]
+pub fn direction(value: f64) -> f64 {
+    f64::from(i8::from(value > 0.0) - i8::from(value < 0.0))
 }

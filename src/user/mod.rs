@@ -1,7 +1,8 @@
 //! User loads: the trait a Rust plug-in implements, with the arguments of VDLOAD.
 //! Never here: solver internals.
 
-use std::sync::{Arc, Mutex};
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// What a user load is told, for one surface and a block of points: VDLOAD's arguments, structure of arrays
 /// (ABAQUS User Subroutines Reference, VDLOAD). Slices have one entry a point unless said otherwise.
@@ -41,7 +42,7 @@ pub struct LoadFailure {
 }
 
 /// A load routine of the user: gives the pressure at each point. May keep state; is called once an increment and surface.
-pub trait UserLoad: Send {
+pub trait UserLoad {
     /// Fills `pressure` (one entry a point, positive pushes against the outward normal; NaN on entry).
     ///
     /// # Errors
@@ -49,24 +50,22 @@ pub trait UserLoad: Send {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure>;
 }
 
-/// One routine shared by all the surfaces of a job, as one VDLOAD serves a whole ABAQUS job: its state is common to them.
+/// One routine shared by all the surfaces of a job, as one VDLOAD serves a whole ABAQUS job: its state is common to
+/// them. A job runs its loads one after the other, so sharing needs no lock.
 #[derive(Clone)]
-pub struct SharedLoad(Arc<Mutex<dyn UserLoad>>);
+pub struct SharedLoad(Rc<RefCell<dyn UserLoad>>);
 
 impl SharedLoad {
     /// Shares a routine.
     pub fn new(routine: impl UserLoad + 'static) -> Self {
-        SharedLoad(Arc::new(Mutex::new(routine)))
+        SharedLoad(Rc::new(RefCell::new(routine)))
     }
 
     /// Calls the routine.
     ///
     /// # Errors
-    /// Those of the routine; also if it panicked in an earlier call.
+    /// Those of the routine.
     pub fn call(&self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        match self.0.lock() {
-            Ok(mut routine) => routine.pressure(points, pressure),
-            Err(_) => Err(LoadFailure { point: None, reason: "the routine panicked in an earlier call".into() }),
-        }
+        self.0.borrow_mut().pressure(points, pressure)
     }
 }
