@@ -74,3 +74,36 @@ fn damaged_and_missing_files_are_told() {
         assert!(errors(&format!("*Mesh, input=\"{}\"\n", path.display())).contains("M150"), "cut at {cut}");
     }
 }
+
+const SMALL: &str = r#"<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+<UnstructuredGrid><Piece NumberOfPoints="3" NumberOfCells="2">
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 1 0 2 4 0</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1 1 2</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">2 4</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">3 3</DataArray></Cells>
+<CellData><DataArray type="Int8" Name="ELSET_NOSE" format="ascii">1 0</DataArray></CellData>
+</Piece></UnstructuredGrid></VTKFile>
+"#;
+
+#[test]
+fn other_programs_files_are_read_or_refused_with_the_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mesh.vtu");
+    let text = format!("*Mesh, input=\"{}\"\n", path.display());
+    std::fs::write(&path, SMALL).expect("a file");
+    assert_eq!(build(&text).element_sets["NOSE"].members, [0]);
+    for (from, to, told) in [
+        ("3 3<", "9 3<", "Quad with 2 points"),
+        ("2 4 0", "2 nan 0", "half plane"),
+        ("Int8\" Name=\"E", "Int9\" Name=\"E", "`Int9`"),
+        ("ELSET_NOSE", "NOSE", "not read: NOSE"),
+        ("0 1 1 2", "0 1 1 7", "points that it does not have"),
+    ] {
+        assert!(SMALL.contains(from));
+        std::fs::write(&path, SMALL.replace(from, to)).expect("a file");
+        let (deck, _) = deck::read_text("t.inp", &text, &[]);
+        let found = model::build(&deck).1.render(&deck.sources);
+        assert!(found.contains(told), "{found}");
+    }
+}

@@ -68,6 +68,11 @@ pub const CODES: &[Code] = &[
         "Frames are written at the first increment at or past the mark; looking does not change the increments.",
     ),
     code(
+        "M143",
+        "arrays of a mesh file not read",
+        "Sets are arrays named NSET_name (points) or ELSET_name (cells), not zero on members; labels are NODE_LABEL and ELEMENT_LABEL.",
+    ),
+    code(
         "M150",
         "mesh file cannot be read",
         "The file is missing, damaged, or in a form that is not read; the message says how to save it again.",

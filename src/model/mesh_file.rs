@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use vtkio::Vtk;
-use vtkio::model::{Attribute, Attributes, DataSet, IOBuffer, VertexNumbers};
+use vtkio::model::{Attribute, Attributes, CellType, DataSet, IOBuffer, VertexNumbers};
 
 use super::builder::Builder;
 use super::types::{ElementKind, Model};
@@ -49,7 +49,8 @@ impl Builder<'_> {
     fn take_mesh(&mut self, mesh: &MeshFile, kind: Option<ElementKind>, span: Span) {
         let node_labels = labels(&mesh.point_arrays, "NODE_LABEL", mesh.points.len());
         let element_labels = labels(&mesh.cell_arrays, "ELEMENT_LABEL", mesh.cells.len());
-        if let Some(i) = mesh.points.iter().position(|p| p[2] != 0.0 || p[0] < 0.0) {
+        let in_plane = |p: &[f64; 3]| p[2] == 0.0 && p[0] >= 0.0 && p[0].is_finite() && p[1].is_finite();
+        if let Some(i) = mesh.points.iter().position(|p| !in_plane(p)) {
             let [x, y, z] = mesh.points[i];
             let message =
                 format!("point {i} of the mesh file, ({x}, {y}, {z}), is not in the half plane z = 0, x >= 0");
@@ -62,6 +63,7 @@ impl Builder<'_> {
         for (cell, &label) in mesh.cells.iter().zip(&element_labels) {
             elements.push(self.mesh_cell(cell, label, kind, &nodes, span));
         }
+        self.name_unread(mesh, span);
         for (name, values) in &mesh.point_arrays {
             if let Some(name) = name.strip_prefix("NSET_") {
                 let members = nodes.iter().zip(values).filter(|(_, v)| **v != 0.0).map(|(n, _)| *n).collect();
@@ -73,6 +75,18 @@ impl Builder<'_> {
                 let members = elements.iter().zip(values).filter(|(_, v)| **v != 0.0).filter_map(|(e, _)| *e).collect();
                 self.add_element_set(name, members, span);
             }
+        }
+    }
+
+    /// Arrays that are neither sets nor labels are told once: a set may only lack its prefix.
+    fn name_unread(&mut self, mesh: &MeshFile, span: Span) {
+        let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
+        let unread: Vec<&str> = arrays.filter(|name| !is_ours(name)).collect();
+        if !unread.is_empty() {
+            let message = format!("arrays of the mesh file are not read: {}", unread.join(", "));
+            let finding = Diagnostic::note("M143", message).at(span, "this mesh");
+            self.diagnostics
+                .push(finding.help("a set is an array named NSET_name or ELSET_name, not zero on its members"));
         }
     }
 
@@ -112,6 +126,9 @@ fn read(path: &Path) -> Result<MeshFile, String> {
     if text.contains("<VTKFile") && !text.contains("</VTKFile>") {
         return Err("the file ends early".into());
     }
+    if let Some(kind) = unknown_type(&text) {
+        return Err(format!("an array has the type `{kind}`, which VTK does not know"));
+    }
     let vtk = catch_unwind(AssertUnwindSafe(|| Vtk::import(path)))
         .map_err(|_| "the file is damaged".to_owned())?
         .map_err(|e| e.to_string())?;
@@ -120,6 +137,7 @@ fn read(path: &Path) -> Result<MeshFile, String> {
             let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one")?;
             let piece = piece.into_loaded_piece_data(Some(path)).map_err(|e| e.to_string())?;
             let cells = cells(Some(piece.cells.cell_verts));
+            check_types(&piece.cells.types, &cells)?;
             assemble(&piece.points, cells, piece.data)?
         }
         DataSet::PolyData { pieces, .. } => {
@@ -147,6 +165,35 @@ fn declared_arrays(text: &str) -> Option<usize> {
         Some(text[start..start + end].matches("<DataArray").count())
     };
     text.contains("<VTKFile").then(|| section("PointData").unwrap_or(0) + section("CellData").unwrap_or(0))
+}
+
+/// The simplest cells only: a line of second order has the points of a triangle.
+fn check_types(types: &[CellType], cells: &[Vec<usize>]) -> Result<(), String> {
+    let points = |t: CellType| match t {
+        CellType::Vertex => 1,
+        CellType::Line => 2,
+        CellType::Triangle => 3,
+        CellType::Quad => 4,
+        _ => 0,
+    };
+    match types.iter().zip(cells).position(|(t, c)| points(*t) != c.len()) {
+        Some(i) => Err(format!(
+            "cell {} is a {:?} with {} points; vertices, lines, triangles and quads of first order are read",
+            i + 1,
+            types[i],
+            cells[i].len()
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The first type of an array that VTK does not have.
+fn unknown_type(text: &str) -> Option<&str> {
+    const TYPES: [&str; 11] =
+        ["Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Float32", "Float64", "String"];
+    let tags = text.split("<DataArray").skip(1).filter_map(|t| t.split('>').next());
+    let types = tags.filter_map(|tag| tag.split_once(" type=\"")?.1.split('"').next());
+    types.into_iter().find(|t| !TYPES.contains(t))
 }
 
 fn cells(numbers: Option<VertexNumbers>) -> Vec<Vec<usize>> {
@@ -179,8 +226,11 @@ fn assemble(points: &IOBuffer, cells: Vec<Vec<usize>>, data: Attributes) -> Resu
 
 /// A set or label array whose length is not that of what it marks.
 fn misfit(arrays: &[(String, Vec<f64>)], count: usize) -> Option<&str> {
-    let ours = |name: &str| name.starts_with("NSET_") || name.starts_with("ELSET_") || name.ends_with("_LABEL");
-    arrays.iter().find(|(name, values)| ours(name) && values.len() != count).map(|a| a.0.as_str())
+    arrays.iter().find(|(name, values)| is_ours(name) && values.len() != count).map(|a| a.0.as_str())
+}
+
+fn is_ours(name: &str) -> bool {
+    name.starts_with("NSET_") || name.starts_with("ELSET_") || name.ends_with("_LABEL")
 }
 
 fn arrays(attributes: Vec<Attribute>) -> Vec<(String, Vec<f64>)> {
