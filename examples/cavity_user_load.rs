@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use revolve::job;
-use revolve::user::{LoadFailure, LoadPoints, SharedLoad, UserLoad};
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 /// sigma_n = Y (A + C x^2), x = v_n sqrt(rho / Y), on every point that moves into the target.
 struct Cavity {
@@ -29,8 +29,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The routine knows no target's face, so both shots start with the nose embedded.
     let text = std::fs::read_to_string(&path)?.replace("front = 0.", "front = 0.1");
     let own = text.replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU");
-    let routine = SharedLoad::new(Cavity { yield_stress: 276e6, density: 2710.0, a: 5.0394, c: 0.9830 });
-    for (name, deck, routine) in [("built-in CAVITY", text, None), ("user load", own, Some(&routine))] {
+    let routine = Routines::none().with_load(Cavity { yield_stress: 276e6, density: 2710.0, a: 5.0394, c: 0.9830 });
+    for (name, deck, routine) in [("built-in CAVITY", text, &Routines::none()), ("user load", own, &routine)] {
         let mut prepared = job::prepare_text("ogive.inp", &deck, &[], routine);
         if prepared.diagnostics.has_errors() {
             return Err(prepared.diagnostics.render(&prepared.deck.sources).into());

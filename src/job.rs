@@ -13,7 +13,7 @@ use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_wh
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan};
 use crate::solve::{self, Energy, Outcome, Rest, Sink, StepSummary};
-use crate::user::SharedLoad;
+use crate::user::{Routines, host};
 
 /// `--set NAME=VALUE` pairs.
 pub type Overrides = [(String, String)];
@@ -26,27 +26,29 @@ pub struct Prepared {
     pub plan: Plan,
     /// Findings of all rooms.
     pub diagnostics: Diagnostics,
+    /// Whether routines of the user take part.
+    has_routines: bool,
 }
 
 /// Takes a deck file up to the plan.
-pub fn prepare(path: &Path, overrides: &Overrides, routine: Option<&SharedLoad>) -> Prepared {
-    resolve(deck::read(path, overrides), routine)
+pub fn prepare(path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
+    resolve(deck::read(path, overrides), routines)
 }
 
 /// The same from text in memory; `name` stands for the file.
-pub fn prepare_text(name: &str, text: &str, overrides: &Overrides, routine: Option<&SharedLoad>) -> Prepared {
-    resolve(deck::read_text(name, text, overrides), routine)
+pub fn prepare_text(name: &str, text: &str, overrides: &Overrides, routines: &Routines) -> Prepared {
+    resolve(deck::read_text(name, text, overrides), routines)
 }
 
-fn resolve((deck, mut diagnostics): (Deck, Diagnostics), routine: Option<&SharedLoad>) -> Prepared {
+fn resolve((deck, mut diagnostics): (Deck, Diagnostics), routines: &Routines) -> Prepared {
     let (model, found) = model::build(&deck);
     diagnostics.append(found);
-    let (plan, found) = plan::compile(&deck, &model, routine);
+    let (plan, found) = plan::compile(&deck, &model, routines);
     // What follows from a fault already told would only hide it.
     if !diagnostics.has_errors() {
         diagnostics.append(found);
     }
-    Prepared { deck, plan, diagnostics }
+    Prepared { deck, plan, diagnostics, has_routines: routines.any() }
 }
 
 /// What `<job>.json` holds. The keys are stable.
@@ -57,6 +59,12 @@ pub struct Summary {
     /// Why it halted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// Whether a user's routine ended the analysis.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub ended_by_user: bool,
+    /// Messages of the user's routines.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub messages: Vec<host::Message>,
     /// Steps begun.
     pub steps: Vec<StepSummary>,
     /// History columns.
@@ -150,6 +158,7 @@ impl Sink for Files<'_> {
 
 /// Runs a prepared deck and keeps only what its histories came to.
 pub fn run_in_memory(prepared: &mut Prepared) -> (Outcome, HistorySummary) {
+    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
     let mut sink = HistoryOnly { columns: column_names(&prepared.plan), ..HistoryOnly::default() };
     let outcome = solve::run(&mut prepared.plan, &mut sink);
     (outcome, sink.summary)
@@ -165,6 +174,7 @@ pub fn run_to_files<'a>(
     progress: &'a mut Progress<'a>,
 ) -> std::io::Result<Summary> {
     let frames = FrameWriter::new(job.clone())?;
+    announce(prepared, job);
     let history = History { columns: column_names(&prepared.plan), ..History::default() };
     let mut files = Files { frames, history, summary: HistorySummary::default(), progress };
     let outcome = solve::run(&mut prepared.plan, &mut files);
@@ -176,6 +186,20 @@ pub fn run_to_files<'a>(
     Ok(summary)
 }
 
+/// What the user's routines may ask of the job; nothing is made for a job without them.
+fn announce(prepared: &Prepared, job: &Job) {
+    if !prepared.has_routines {
+        return;
+    }
+    let folder = std::path::absolute(&job.folder).unwrap_or_else(|_| job.folder.clone());
+    host::announce(host::JobInfo {
+        name: job.name.clone(),
+        folder: folder.to_string_lossy().into_owned(),
+        nodes: prepared.plan.mesh.node_names.clone(),
+        elements: prepared.plan.mesh.elements.iter().map(|e| e.name.clone()).collect(),
+    });
+}
+
 fn column_names(plan: &Plan) -> Vec<String> {
     plan.columns.iter().map(|c| c.name.clone()).collect()
 }
@@ -185,6 +209,8 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
     Summary {
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),
+        ended_by_user: outcome.ended_by_user,
+        messages: host::take_messages(),
         steps: outcome.steps,
         history,
         energy: outcome.energy,

@@ -4,13 +4,15 @@ use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use revolve::job::{self, Prepared, Summary};
 use revolve::study::compare::Reference;
 use revolve::study::grid::Grid;
 use revolve::study::quantity::Quantity;
 use revolve::study::{sweep, table};
+use revolve::user::compile::{Compiled, compile};
+use revolve::user::{Routines, host};
 use revolve::{deck, explain, output};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
@@ -19,6 +21,58 @@ use revolve::{deck, explain, output};
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+}
+
+/// Files with the user's routines.
+#[derive(Args)]
+struct UserFiles {
+    /// File with user subroutines (vdload, vuamp, vdisp, vexternaldb): Fortran, C or a shared library; may be given
+    /// several times.
+    #[arg(long = "user", value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Build them with bounds checks: slower, and an index out of bounds is told.
+    #[arg(long, requires = "files")]
+    check_user: bool,
+}
+
+impl UserFiles {
+    /// Compiles them, if there are any; `None` if they were refused (told).
+    fn compiled(&self, quiet: bool) -> Option<Option<Compiled>> {
+        if self.files.is_empty() {
+            return Some(None);
+        }
+        let print = |found: &deck::Diagnostics| {
+            if !found.is_empty() {
+                eprintln!("{}", found.render(&deck::Sources::default()).trim_end());
+            }
+        };
+        match compile(&self.files, self.check_user) {
+            Ok(compiled) => {
+                if !quiet {
+                    print(&compiled.notes);
+                }
+                Some(Some(compiled))
+            }
+            Err(faults) => {
+                print(&faults);
+                None
+            }
+        }
+    }
+
+    /// Compiles and opens them.
+    fn routines(&self, quiet: bool) -> Option<Routines> {
+        let Some(compiled) = self.compiled(quiet)? else { return Some(Routines::none()) };
+        match compiled.open() {
+            Ok(routines) => Some(routines),
+            Err(fault) => {
+                let mut faults = deck::Diagnostics::default();
+                faults.push(fault);
+                eprintln!("{}", faults.render(&deck::Sources::default()).trim_end());
+                None
+            }
+        }
+    }
 }
 
 #[derive(Subcommand)]
@@ -30,6 +84,8 @@ enum Command {
         /// Replace the value of a *PARAMETER: NAME=VALUE.
         #[arg(long = "set", value_name = "NAME=VALUE")]
         set: Vec<String>,
+        #[command(flatten)]
+        user: UserFiles,
         /// Folder for the results (default out/<deck name>).
         #[arg(long)]
         out: Option<PathBuf>,
@@ -44,6 +100,8 @@ enum Command {
         /// Replace the value of a *PARAMETER: NAME=VALUE.
         #[arg(long = "set", value_name = "NAME=VALUE")]
         set: Vec<String>,
+        #[command(flatten)]
+        user: UserFiles,
     },
     /// Explain a keyword or a diagnostic code; `keywords` prints the whole manual.
     Explain {
@@ -63,6 +121,8 @@ enum Command {
         /// CSV file with reference columns over the first parameter.
         #[arg(long)]
         compare: Option<PathBuf>,
+        #[command(flatten)]
+        user: UserFiles,
         /// Folder for table and picture (default out/<deck name>).
         #[arg(long)]
         out: Option<PathBuf>,
@@ -82,11 +142,11 @@ const HALTED: u8 = 1;
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
-        Command::Run { deck, set, out, quiet } => run(&deck, &set, out, quiet),
-        Command::Check { deck, set } => check(&deck, &set),
+        Command::Run { deck, set, user, out, quiet } => run(&deck, &set, &user, out, quiet),
+        Command::Check { deck, set, user } => check(&deck, &set, &user),
         Command::Explain { word } => explain(&word.join(" ")),
-        Command::Sweep { deck, set, quantity, compare, out, threads, quiet } => {
-            run_sweep(&deck, &set, &quantity, compare.as_deref(), out, threads, quiet)
+        Command::Sweep { deck, set, quantity, compare, user, out, threads, quiet } => {
+            run_sweep(&deck, &set, &quantity, compare.as_deref(), &user, out, threads, quiet)
         }
     };
     match result {
@@ -119,8 +179,9 @@ fn accepted(prepared: &Prepared, quiet: bool) -> bool {
     !errors
 }
 
-fn check(deck: &Path, set: &[String]) -> Result<ExitCode, String> {
-    let prepared = job::prepare(deck, &pairs(set)?, None);
+fn check(deck: &Path, set: &[String], user: &UserFiles) -> Result<ExitCode, String> {
+    let Some(routines) = user.routines(false) else { return Ok(ExitCode::from(REFUSED)) };
+    let prepared = job::prepare(deck, &pairs(set)?, &routines);
     if !accepted(&prepared, false) {
         return Ok(ExitCode::from(REFUSED));
     }
@@ -128,8 +189,9 @@ fn check(deck: &Path, set: &[String]) -> Result<ExitCode, String> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn run(deck: &Path, set: &[String], out: Option<PathBuf>, quiet: bool) -> Result<ExitCode, String> {
-    let mut prepared = job::prepare(deck, &pairs(set)?, None);
+fn run(deck: &Path, set: &[String], user: &UserFiles, out: Option<PathBuf>, quiet: bool) -> Result<ExitCode, String> {
+    let Some(routines) = user.routines(quiet) else { return Ok(ExitCode::from(REFUSED)) };
+    let mut prepared = job::prepare(deck, &pairs(set)?, &routines);
     if !accepted(&prepared, quiet) {
         return Ok(ExitCode::from(REFUSED));
     }
@@ -144,6 +206,7 @@ fn run(deck: &Path, set: &[String], out: Option<PathBuf>, quiet: bool) -> Result
     };
     let summary = job::run_to_files(&mut prepared, &job, &mut progress).map_err(|e| e.to_string())?;
     bar.finish_and_clear();
+    print_messages(&summary.messages, quiet);
     if !quiet {
         print_outcome(&summary, &job);
     }
@@ -156,7 +219,19 @@ fn run(deck: &Path, set: &[String], out: Option<PathBuf>, quiet: bool) -> Result
     }
 }
 
+/// What the user's routines had to say.
+fn print_messages(messages: &[host::Message], quiet: bool) {
+    for message in messages.iter().filter(|m| !quiet || m.level == host::Level::Error) {
+        let level = format!("{:?}", message.level).to_lowercase();
+        let times = if message.times > 1 { format!(" ({} times)", message.times) } else { String::new() };
+        eprintln!("{level} from the user's routine: {}{times}", message.text);
+    }
+}
+
 fn print_outcome(summary: &Summary, job: &output::Job) {
+    if summary.ended_by_user {
+        println!("the user's routine ended the analysis");
+    }
     for rest in &summary.rests {
         println!("{} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
     }
@@ -202,6 +277,7 @@ fn run_sweep(
     set: &[String],
     quantity: &[String],
     compare: Option<&Path>,
+    user: &UserFiles,
     out: Option<PathBuf>,
     threads: Option<usize>,
     quiet: bool,
@@ -209,13 +285,15 @@ fn run_sweep(
     let grid = Grid::parse(set)?;
     let quantities = quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
     let reference = compare.map(Reference::read).transpose()?;
-    let first = job::prepare(deck, &grid.combination(0), None);
+    let Some(compiled) = user.compiled(quiet) else { return Ok(ExitCode::from(REFUSED)) };
+    let routines = compiled.as_ref().map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)?;
+    let first = job::prepare(deck, &grid.combination(0), &routines);
     if !accepted(&first, quiet) {
         return Ok(ExitCode::from(REFUSED));
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|e| e.to_string())?;
     let bar = progress_bar(grid.count() as u64, quiet);
-    let results = pool.install(|| sweep::run(deck, &grid, &quantities, &|| bar.inc(1)));
+    let results = pool.install(|| sweep::run(deck, &grid, &quantities, compiled.as_ref(), &|| bar.inc(1)));
     bar.finish_and_clear();
     let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());
     let job = job::default_job(deck, out);

@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use revolve::job;
-use revolve::user::{LoadFailure, LoadPoints, SharedLoad, UserLoad};
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 const INCREMENTS: usize = 200_000;
 const ROUNDS: usize = 15;
@@ -98,8 +98,8 @@ impl UserLoad for Cavity {
 }
 
 /// Nanoseconds an increment of the solver, and where the body got to.
-fn solver(deck: &str, routine: Option<&SharedLoad>) -> (f64, f64) {
-    let mut prepared = job::prepare_text("ogive.inp", deck, &[], routine);
+fn solver(deck: &str, routines: &Routines) -> (f64, f64) {
+    let mut prepared = job::prepare_text("ogive.inp", deck, &[], routines);
     let text = prepared.diagnostics.render(&prepared.deck.sources);
     assert!(!prepared.diagnostics.has_errors(), "{text}");
     let (outcome, _) = job::run_in_memory(&mut prepared);
@@ -114,10 +114,10 @@ fn an_increment_costs_little_more_than_the_loads_own_arithmetic() {
     for n in [20, 200, 2000] {
         let Scene { facets, deck } = scene(n);
         let own = deck.replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU");
-        let routine = SharedLoad::new(Cavity);
+        let routine = Routines::none().with_load(Cavity);
         let mut best = [f64::INFINITY; 3];
         for _ in 0..if n == 2000 { 3 } else { ROUNDS } {
-            let runs = [plain(black_box(&facets)), solver(&deck, None), solver(&own, Some(&routine))];
+            let runs = [plain(black_box(&facets)), solver(&deck, &Routines::none()), solver(&own, &routine)];
             for (best, run) in best.iter_mut().zip(runs) {
                 *best = best.min(run.0);
                 // The same arithmetic in another order of summing facets and over 200 000 increments.
@@ -158,8 +158,8 @@ fn nothing_allocates_inside_an_increment() {
 
 /// Increments of a run, and how often it allocated.
 fn allocations(deck: &str) -> (u64, u64) {
-    let routine = SharedLoad::new(Cavity);
-    let mut prepared = job::prepare_text("ogive.inp", deck, &[], Some(&routine));
+    let routine = Routines::none().with_load(Cavity);
+    let mut prepared = job::prepare_text("ogive.inp", deck, &[], &routine);
     let mut increments = 0;
     let counted = allocation_counter::measure(|| increments = job::run_in_memory(&mut prepared).0.increments);
     (increments, counted.count_total)

@@ -7,6 +7,8 @@
 
 mod common;
 
+use revolve::user::Routines;
+
 use std::f64::consts::PI;
 
 const A: f64 = 3.555e-3;
@@ -16,7 +18,7 @@ const MASS: f64 = 0.021;
 
 /// Depth and time of rest of the seed deck with these settings, and the drift of the energy sum.
 fn shot(settings: &[(&str, &str)], text: &str) -> (f64, f64, f64) {
-    let (outcome, _) = common::run(text, settings, None);
+    let (outcome, _) = common::run(text, settings, &Routines::none());
     assert_eq!(outcome.halt, None);
     let rest = outcome.rests.first().expect("the projectile stops");
     (-rest.displacement, rest.time, outcome.energy.drift)
@@ -189,8 +191,11 @@ fn layers_partial_and_full_perforation_against_quadrature() {
         let layers = Layers(vec![(thin, soft), (thin + thick, hard)]);
         let (_, residual, _) = quadrature(&layers, v, 0.0, thin + thick + 11f64.sqrt() * A + 1e-6);
         let set = format!("{v}");
-        let (outcome, memory) =
-            common::run(&layered(&thin.to_string(), &thick.to_string()), &[("V", &set), ("n", "400")], None);
+        let (outcome, memory) = common::run(
+            &layered(&thin.to_string(), &thick.to_string()),
+            &[("V", &set), ("n", "400")],
+            &Routines::none(),
+        );
         assert!(outcome.rests.is_empty());
         let last = memory.rows.last().expect("rows").1[1];
         close(-last, residual, 1e-5, "residual velocity");
@@ -225,7 +230,7 @@ fn a_flat_face_meets_the_jumps_exactly() {
     let (alpha, beta) = (area * 5.0 * 276e6, area * 2710.0);
     let decay = (-2.0 * beta * 0.004 / 0.05).exp();
     let residual = (decay * (500.0 * 500.0 + alpha / beta) - alpha / beta).sqrt();
-    let (outcome, memory) = common::run(FLAT, &[], None);
+    let (outcome, memory) = common::run(FLAT, &[], &Routines::none());
     assert_eq!(outcome.halt, None);
     close(-memory.rows.last().expect("rows").1[0], residual, 1e-6, "residual velocity");
     assert!(outcome.energy.drift < 1e-6, "energy drift {:.2e}", outcome.energy.drift);
@@ -235,7 +240,7 @@ fn a_flat_face_meets_the_jumps_exactly() {
 fn a_resistance_holds_and_never_pushes_back() {
     let text = common::ogive().replace("*Output, field", "*Cload\n REF, 2, -2.e4\n*Output, field");
     // 20 kN along the motion is below the static resistance of the embedded nose (55 kN): the body stays.
-    let (outcome, memory) = common::run(&text, &[("front", "0.1")], None);
+    let (outcome, memory) = common::run(&text, &[("front", "0.1")], &Routines::none());
     assert_eq!(outcome.rests.len(), 1);
     let last = &memory.rows.last().expect("rows").1;
     assert_eq!(last[0], outcome.rests[0].displacement, "held to the last bit");
@@ -249,7 +254,7 @@ fn gravity_and_forces_follow_the_parabola() {
         "*Dload\n , GRAV, 10., 0., -1.\n*Cload\n REF, 2, 0.42\n",
     );
     // a = -10 + 0.42 / 0.021 = +10; z = -V t + 5 t^2.
-    let (outcome, memory) = common::run(&text, &[("V", "2")], None);
+    let (outcome, memory) = common::run(&text, &[("V", "2")], &Routines::none());
     close(memory.rows.last().expect("rows").1[0], -2e-3 + 5e-6, 1e-12, "displacement");
     assert!(outcome.energy.drift < 1e-12, "{:e}", outcome.energy.drift);
 }

@@ -3,6 +3,7 @@
 mod common;
 
 use revolve::solve::Outcome;
+use revolve::user::Routines;
 
 fn digest(outcome: &Outcome) -> (u64, u64, u64) {
     let rest = &outcome.rests[0];
@@ -11,7 +12,7 @@ fn digest(outcome: &Outcome) -> (u64, u64, u64) {
 
 #[test]
 fn cards_that_cannot_matter_change_no_bit() {
-    let plain = digest(&common::run(&common::ogive(), &[], None).0);
+    let plain = digest(&common::run(&common::ogive(), &[], &Routines::none()).0);
     let without_output = common::ogive().split("*Output, field").next().expect("a deck").to_owned() + "*End Step\n";
     let more_output =
         common::ogive().replace("*End Step", "*Output, history, frequency=3\n*Energy Output\n ALLKE\n*End Step");
@@ -19,14 +20,14 @@ fn cards_that_cannot_matter_change_no_bit() {
         common::ogive().replace("*Output, field", "*Cload\n REF, 2, 0.\n*Dsload\n NOSE, P, 0.\n*Output, field");
     let held = common::ogive().replace("*Step,", "*Boundary\n REF, 1, 1\n REF, 6, 6\n*Step,");
     for text in [without_output, more_output, zero_load, held] {
-        assert_eq!(digest(&common::run(&text, &[], None).0), plain);
+        assert_eq!(digest(&common::run(&text, &[], &Routines::none()).0), plain);
     }
 }
 
 #[test]
 fn deleting_a_card_deletes_its_row() {
     let rows = |text: &str, settings: &[(&str, &str)]| {
-        let ledger = common::prepared(text, settings, None).plan.ledger;
+        let ledger = common::prepared(text, settings, &Routines::none()).plan.ledger;
         ledger.effects.iter().map(|r| r.effect.clone()).collect::<Vec<_>>()
     };
     let full = rows(&common::ogive(), &[("friction", "0.1")]);
@@ -44,8 +45,8 @@ fn the_same_scene_in_other_units_is_the_same_scene() {
     // mm, t, s: lengths x 1e3, masses x 1e-3, stresses x 1e-6, densities x 1e-12.
     let settings = [("V", "569e3"), ("a", "3.555"), ("mass", "0.021e-3"), ("Y", "276."), ("rho", "2710e-12")];
     let text = common::ogive().replace("AL6061, 0.5", "AL6061, 500.");
-    let (si, _) = common::run(&common::ogive(), &[], None);
-    let (mm, _) = common::run(&text, &settings, None);
+    let (si, _) = common::run(&common::ogive(), &[], &Routines::none());
+    let (mm, _) = common::run(&text, &settings, &Routines::none());
     let ratio = mm.rests[0].displacement / si.rests[0].displacement / 1e3;
     assert!((ratio - 1.0).abs() < 1e-12, "{ratio}");
 }
@@ -56,8 +57,12 @@ fn steps_carry_loads_on_and_replace_them() {
     let text = common::ogive()
         .replace("*End Step\n", second)
         .replace(" NOSE, CAVITY\n", " NOSE, CAVITY\n*Cload\n REF, 2, 50.\n");
-    let prepared = common::prepared(&text, &[], None);
+    let prepared = common::prepared(&text, &[], &Routines::none());
     assert_eq!(prepared.plan.steps[1].forces.len(), 2, "the resistance stays, the force is replaced");
     let cleared = text.replace("*Cload\n REF, 2, 100.", "*Dsload, op=NEW\n NOSE, P, 1.\n*Cload, op=NEW\n REF, 2, 100.");
-    assert_eq!(common::prepared(&cleared, &[], None).plan.steps[1].forces.len(), 2, "pressure and force only");
+    assert_eq!(
+        common::prepared(&cleared, &[], &Routines::none()).plan.steps[1].forces.len(),
+        2,
+        "pressure and force only"
+    );
 }

@@ -6,10 +6,15 @@ pub mod concentrated;
 pub mod gravity;
 pub mod motion;
 pub mod pressure;
+pub mod user_amplitude;
 pub mod user_load;
+pub mod user_motion;
 
-use crate::kernel::amplitude::Curve;
+use std::rc::Rc;
+
+use crate::kernel::amplitude::{Curve, Track};
 use crate::state::{BodyState, Instant};
+use crate::user::{LoadFailure, Wish};
 
 /// Index into the ledger: the only thing an effect knows of the deck.
 pub type Cause = usize;
@@ -41,6 +46,17 @@ pub struct Halt {
     pub code: &'static str,
     /// What happened, with the place in the scene.
     pub reason: String,
+}
+
+impl Halt {
+    /// A user's routine failed; `what` names routine and place.
+    pub fn of_routine(what: &str, now: &Instant, failure: &LoadFailure) -> Halt {
+        let reason = format!(
+            "{what} failed in step {}, increment {}, total time {:e}: {}",
+            now.step, now.increment, now.total_time, failure.reason
+        );
+        Halt { code: "R201", reason }
+    }
 }
 
 /// How far in time an effect lets an increment go.
@@ -116,19 +132,34 @@ pub trait Force {
     }
 }
 
+/// A function of time that scales a magnitude.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// 1 at all times.
+    Constant,
+    /// Known beforehand.
+    Curve(Curve),
+    /// Told by a user's routine as the run goes.
+    Track(Rc<Track>),
+}
+
 /// A magnitude that may follow an amplitude.
 #[derive(Clone, Debug)]
 pub struct Magnitude {
     /// Value at amplitude 1.
     pub value: f64,
-    /// Function of time, if any.
-    pub curve: Option<Curve>,
+    /// Its amplitude.
+    pub shape: Shape,
 }
 
 impl Magnitude {
     /// Amplitude now, 1 without one.
     pub fn amplitude(&self, now: &Instant) -> f64 {
-        self.curve.as_ref().map_or(1.0, |c| c.value(if c.total_time { now.total_time } else { now.step_time }))
+        match &self.shape {
+            Shape::Constant => 1.0,
+            Shape::Curve(curve) => curve.value(curves_time(curve, now)),
+            Shape::Track(track) => track.value(now.total_time),
+        }
     }
 
     /// Value now.
@@ -138,16 +169,31 @@ impl Magnitude {
 
     /// Rate of change now.
     pub fn rate(&self, now: &Instant) -> f64 {
-        let slope = |c: &Curve| c.slope(if c.total_time { now.total_time } else { now.step_time });
-        self.value * self.curve.as_ref().map_or(0.0, slope)
+        self.value
+            * match &self.shape {
+                Shape::Constant => 0.0,
+                Shape::Curve(curve) => curve.slope(curves_time(curve, now)),
+                Shape::Track(track) => track.slope(),
+            }
     }
 
     /// Time until the next kink of the amplitude.
     pub fn limit(&self, now: &Instant) -> Limit {
-        let time = self.curve.as_ref().map_or(f64::INFINITY, |c| {
-            let t = if c.total_time { now.total_time } else { now.step_time };
-            c.next_point(t) - t
-        });
-        Limit { time, jump: false }
+        let Shape::Curve(curve) = &self.shape else { return Limit::NONE };
+        let time = curves_time(curve, now);
+        Limit { time: curve.next_point(time) - time, jump: false }
     }
+}
+
+fn curves_time(curve: &Curve, now: &Instant) -> f64 {
+    if curve.total_time { now.total_time } else { now.step_time }
+}
+
+/// Something that a user's routine is asked once an increment, before the motion arrives at its end.
+pub trait Asking {
+    /// Asks for the value at `arrival`, an increment away (0 at the start of a step).
+    ///
+    /// # Errors
+    /// Where the routine fails or gives no finite value; the run halts.
+    fn ask(&mut self, arrival: &Instant, increment: f64, bodies: &[BodyState]) -> Result<Wish, Halt>;
 }

@@ -42,7 +42,7 @@ impl Motion {
 
     /// The mid-increment velocity that carries the body over an increment from displacement `u` and velocity `v`.
     pub fn velocity_over(&self, now: &Instant, increment: f64, u: f64, v: f64) -> f64 {
-        let later = |time: f64| Instant { step_time: now.step_time + time, total_time: now.total_time + time };
+        let later = |time: f64| Instant { step_time: now.step_time + time, total_time: now.total_time + time, ..*now };
         match self.kind {
             Prescribed::Displacement => (self.start + self.magnitude.at(&later(increment)) - u) / increment,
             Prescribed::Velocity => self.magnitude.at(&later(0.5 * increment)),

@@ -1,94 +1,172 @@
-//! A pressure given by the user's routine (`PNU`).
+//! A pressure given by the user's routine (`PNU` and its kin).
 //! Never here: how the routine was made or loaded.
 
 use super::{Account, Cause, FacetFields, Force, Halt, Limit, Magnitude, Slot};
-use crate::kernel::facet::Facet;
 use crate::state::{BodyState, Instant};
-use crate::user::{LoadFailure, LoadPoints, SharedLoad};
+use crate::user::{LoadFailure, LoadPoints, MAX_BLOCK, SharedLoad};
 
-/// Facets of one body with the arrays a routine is shown.
+/// What is the same for all facets of a load.
+pub struct UserLoad {
+    /// What asked for it.
+    pub cause: Cause,
+    /// Surface or element set, upper case.
+    pub name: String,
+    /// `jltyp`.
+    pub load_type: i32,
+    /// Whether the routine is shown normals that point into the body, as solids have it.
+    pub inward: bool,
+    /// Magnitude and amplitude; the routine applies them.
+    pub magnitude: Magnitude,
+    /// The routine.
+    pub routine: SharedLoad,
+}
+
+/// A load integration point.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Element index.
+    pub element: usize,
+    /// `[r, z]` at the start.
+    pub place: [f64; 2],
+    /// Outward unit normal, zero for a body force.
+    pub normal: [f64; 2],
+    /// Force along z for a value of one: minus area times n_z, or the volume.
+    pub weight: f64,
+}
+
+/// Load integration points of one body, in blocks as the routine is shown them.
 pub struct UserPressure {
-    cause: Cause,
-    name: String,
+    load: UserLoad,
     body: usize,
-    magnitude: Magnitude,
-    routine: SharedLoad,
+    blocks: Vec<Block>,
+    /// Whether displacements and accelerations are kept up too.
+    shows_motion: bool,
+}
+
+/// At most [`MAX_BLOCK`] points with the arrays of one call; what they hold is said at [`LoadPoints`].
+struct Block {
     elements: Vec<usize>,
-    area_z: Vec<f64>,
-    r: Vec<f64>,
+    weight: Vec<f64>,
     z_start: Vec<f64>,
-    z: Vec<f64>,
-    velocity_r: Vec<f64>,
-    velocity_z: Vec<f64>,
+    coordinates: Vec<f64>,
+    motion: Vec<f64>,
+    directions: Vec<f64>,
     normal_r: Vec<f64>,
     normal_z: Vec<f64>,
+    /// Room for a whole block, and one behind it: a routine that writes past its points is found out.
     pressure: Vec<f64>,
-    /// Pressure of the evaluation before: what frames show if the routine fails now.
+    /// Of the evaluation before: what frames show if the routine fails now.
     pressure_before: Vec<f64>,
 }
 
 impl UserPressure {
-    /// The load of a named surface on the facets (with element index) of one body.
-    pub fn new(
-        cause: Cause,
-        name: String,
-        body: usize,
-        magnitude: Magnitude,
-        routine: SharedLoad,
-        facets: &[(usize, Facet)],
-    ) -> Self {
-        let column = |f: &dyn Fn(&Facet) -> f64| facets.iter().map(|(_, facet)| f(facet)).collect::<Vec<f64>>();
-        let zeros = || vec![0.0; facets.len()];
-        UserPressure {
-            cause,
-            name,
-            body,
-            magnitude,
-            routine,
-            elements: facets.iter().map(|f| f.0).collect(),
-            area_z: column(&|f| f.area * f.normal[1]),
-            r: column(&|f| f.middle()[0]),
-            z_start: column(&|f| f.middle()[1]),
-            z: zeros(),
-            velocity_r: zeros(),
-            velocity_z: zeros(),
-            normal_r: column(&|f| f.normal[0]),
-            normal_z: column(&|f| f.normal[1]),
-            pressure: zeros(),
-            pressure_before: zeros(),
+    /// The load on points of one body.
+    pub fn new(load: UserLoad, body: usize, points: &[Point]) -> Self {
+        let blocks = points.chunks(MAX_BLOCK).map(|part| Block::new(part, load.inward)).collect();
+        let shows_motion = load.routine.with(|r| r.reads_motion());
+        UserPressure { load, body, blocks, shows_motion }
+    }
+
+    fn failure(&self, block: usize, now: &Instant, failure: &LoadFailure) -> Halt {
+        let Block { elements, coordinates, .. } = &self.blocks[block];
+        let n = elements.len();
+        let point = failure.point.filter(|&i| i < n).map_or(String::new(), |i| {
+            format!(" at point {} (r = {}, z = {})", block * MAX_BLOCK + i + 1, coordinates[i], coordinates[n + i])
+        });
+        Halt::of_routine(&format!("the user load on `{}`{point}", self.load.name), now, failure)
+    }
+}
+
+impl Block {
+    fn new(points: &[Point], inward: bool) -> Block {
+        let n = points.len();
+        let column = |f: fn(&Point) -> f64| points.iter().map(f).collect::<Vec<f64>>();
+        let (normal_r, normal_z) = (column(|p| p.normal[0]), column(|p| p.normal[1]));
+        let sign = if inward { -1.0 } else { 1.0 };
+        let shown = |list: &[f64], sign: f64| list.iter().map(|n| sign * n).collect::<Vec<_>>();
+        let (r, z_start) = (column(|p| p.place[0]), column(|p| p.place[1]));
+        // The second direction is the first turned counter-clockwise: (n_r, n_z) becomes (-n_z, n_r).
+        let directions =
+            [shown(&normal_r, sign), shown(&normal_z, -sign), shown(&normal_z, sign), shown(&normal_r, sign)].concat();
+        Block {
+            elements: points.iter().map(|p| p.element).collect(),
+            weight: column(|p| p.weight),
+            coordinates: [r, z_start.clone(), vec![f64::NAN; n]].concat(),
+            z_start,
+            motion: vec![0.0; 6 * n],
+            directions,
+            normal_r,
+            normal_z,
+            pressure: vec![f64::NAN; MAX_BLOCK + 1],
+            pressure_before: (0..=MAX_BLOCK).map(|i| if i < n { 0.0 } else { f64::NAN }).collect(),
         }
     }
 
-    fn failure(&self, now: &Instant, failure: &LoadFailure) -> Halt {
-        let point = failure
-            .point
-            .filter(|&i| i < self.r.len())
-            .map_or(String::new(), |i| format!(" at point {} (r = {}, z = {})", i + 1, self.r[i], self.z[i]));
-        Halt {
-            code: "R201",
-            reason: format!(
-                "the user load on `{}` failed{point}, time {:e}: {}",
-                self.name, now.total_time, failure.reason
-            ),
+    /// Brings the arrays to this instant and empties the answer, in one pass: for a few facets the passes would cost
+    /// more than what they write.
+    #[inline]
+    fn show(&mut self, body: &BodyState, all: bool) {
+        let n = self.z_start.len();
+        let arrays = self.coordinates[n..2 * n].iter_mut().zip(&mut self.motion[n..2 * n]).zip(&mut self.pressure);
+        for (((z, v), pressure), start) in arrays.zip(&self.z_start) {
+            *z = start + body.displacement;
+            *v = body.velocity_load;
+            *pressure = f64::NAN;
+        }
+        if all {
+            self.motion[3 * n..4 * n].fill(body.displacement);
+            self.motion[5 * n..].fill(body.acceleration);
         }
     }
 
-    fn non_finite(&self, now: &Instant) -> Halt {
-        let point = self.pressure.iter().position(|p| !p.is_finite());
-        let value = point.map_or(f64::NAN, |i| self.pressure[i]);
-        self.failure(
-            now,
-            &LoadFailure {
-                point,
-                reason: format!("it gave the pressure {value}; a point it leaves out keeps NaN, so set every one"),
-            },
-        )
+    fn evaluate(&mut self, load: &UserLoad, now: &Instant, amplitude: f64) -> Result<f64, LoadFailure> {
+        let n = self.z_start.len();
+        let points = LoadPoints {
+            surface: &load.name,
+            load_type: load.load_type,
+            now: *now,
+            amplitude,
+            magnitude: load.magnitude.value,
+            r: &self.coordinates[..n],
+            z: &self.coordinates[n..2 * n],
+            velocity_r: &self.motion[..n],
+            velocity_z: &self.motion[n..2 * n],
+            normal_r: &self.normal_r,
+            normal_z: &self.normal_z,
+            coordinates: &self.coordinates,
+            motion: &self.motion,
+            directions: &self.directions,
+        };
+        let pressure = &mut self.pressure[..n];
+        load.routine.with(|r| r.pressure(&points, pressure))?;
+        let force = dot(pressure, &self.weight);
+        if force.is_finite() && self.pressure[n].is_nan() && self.pressure[MAX_BLOCK].is_nan() {
+            return Ok(force);
+        }
+        Err(self.refusal())
+    }
+
+    fn refusal(&mut self) -> LoadFailure {
+        let n = self.z_start.len();
+        let point = self.pressure[..n].iter().position(|p| !p.is_finite());
+        let Some(i) = point else {
+            self.pressure[n..].fill(f64::NAN);
+            return LoadFailure::new(format!("it wrote past the nblock = {n} points of its argument value"));
+        };
+        let value = self.pressure[i];
+        let hint = if value.is_nan() {
+            "; a point that is left out keeps NaN, and so does what is computed from a third coordinate: \
+             curCoords has two, r and z"
+        } else {
+            ""
+        };
+        LoadFailure { point, reason: format!("it gave the pressure {value}{hint}") }
     }
 }
 
 impl Force for UserPressure {
     fn cause(&self) -> Cause {
-        self.cause
+        self.load.cause
     }
 
     fn slots(&self) -> Vec<Slot> {
@@ -96,42 +174,30 @@ impl Force for UserPressure {
     }
 
     fn evaluate(&mut self, now: &Instant, bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
-        let shift = bodies[self.body].displacement;
-        let velocity = bodies[self.body].velocity_load;
-        std::mem::swap(&mut self.pressure, &mut self.pressure_before);
-        // One pass over three arrays: for a few facets the passes would cost more than what they write.
-        let arrays = self.z.iter_mut().zip(&mut self.velocity_z).zip(&mut self.pressure);
-        for (((z, v), pressure), start) in arrays.zip(&self.z_start) {
-            *z = start + shift;
-            *v = velocity;
-            *pressure = f64::NAN;
+        let amplitude = self.load.magnitude.amplitude(now);
+        let mut force = 0.0;
+        let mut failed = None;
+        for (i, block) in self.blocks.iter_mut().enumerate() {
+            std::mem::swap(&mut block.pressure, &mut block.pressure_before);
+            block.show(&bodies[self.body], self.shows_motion);
+            match block.evaluate(&self.load, now, amplitude) {
+                Ok(part) => force += part,
+                Err(failure) => {
+                    failed = Some((i, failure));
+                    break;
+                }
+            }
         }
-        let points = LoadPoints {
-            surface: &self.name,
-            step_time: now.step_time,
-            total_time: now.total_time,
-            amplitude: self.magnitude.amplitude(now),
-            magnitude: self.magnitude.value,
-            r: &self.r,
-            z: &self.z,
-            velocity_r: &self.velocity_r,
-            velocity_z: &self.velocity_z,
-            normal_r: &self.normal_r,
-            normal_z: &self.normal_z,
-        };
-        let called = self.routine.call(&points, &mut self.pressure);
-        out[0] = -dot(&self.pressure, &self.area_z);
-        let halt = match called {
-            Err(failure) => self.failure(now, &failure),
-            Ok(()) if out[0].is_finite() => return Ok(()),
-            Ok(()) => self.non_finite(now),
-        };
-        std::mem::swap(&mut self.pressure, &mut self.pressure_before);
-        Err(halt)
+        out[0] = force;
+        let Some((at, failure)) = failed else { return Ok(()) };
+        for block in &mut self.blocks[..=at] {
+            std::mem::swap(&mut block.pressure, &mut block.pressure_before);
+        }
+        Err(self.failure(at, now, &failure))
     }
 
     fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
-        self.magnitude.limit(now)
+        self.load.magnitude.limit(now)
     }
 
     fn reads_velocity(&self) -> bool {
@@ -139,18 +205,29 @@ impl Force for UserPressure {
     }
 
     fn facet_fields(&self, bodies: &[BodyState]) -> Option<FacetFields> {
+        if self.load.load_type == 1 || self.load.load_type == 2 {
+            return None;
+        }
         let velocity = bodies[self.body].velocity;
-        Some(FacetFields {
-            elements: self.elements.clone(),
-            pressure: self.pressure.clone(),
-            normal_velocity: self.normal_z.iter().map(|n| n * velocity).collect(),
-            layer: vec![0.0; self.elements.len()],
-        })
+        let mut fields = FacetFields::default();
+        for block in &self.blocks {
+            let n = block.elements.len();
+            fields.elements.extend(&block.elements);
+            fields.pressure.extend(&block.pressure[..n]);
+            fields.normal_velocity.extend(block.normal_z.iter().map(|n| n * velocity));
+            fields.layer.extend(vec![0.0; n]);
+        }
+        Some(fields)
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let bytes = size_of_val(&self.r[..]);
-        vec![("points", 7 * bytes), ("velocities", 2 * bytes), ("pressure", 2 * bytes)]
+        let sum = |f: fn(&Block) -> &[f64]| self.blocks.iter().map(|b| size_of_val(f(b))).sum::<usize>();
+        vec![
+            ("curCoords", sum(|b| &b.coordinates)),
+            ("velocity", sum(|b| &b.motion)),
+            ("dirCos", sum(|b| &b.directions)),
+            ("value", 2 * sum(|b| &b.pressure)),
+        ]
     }
 }
 

@@ -1,6 +1,8 @@
 //! Functions of time that scale loads and motions.
 //! Never here: which load refers to which amplitude.
 
+use std::cell::Cell;
+
 /// A piecewise amplitude: linear or smooth-step between points, constant outside
 /// (ABAQUS Analysis User's Guide, "Amplitude curves").
 #[derive(Clone, Debug)]
@@ -49,9 +51,64 @@ impl Curve {
     }
 }
 
+/// A function of time that is told value by value, as the run goes: linear between the last two, constant outside.
+#[derive(Debug)]
+pub struct Track {
+    before: Cell<[f64; 2]>,
+    last: Cell<[f64; 2]>,
+}
+
+impl Default for Track {
+    fn default() -> Self {
+        Track { before: Cell::new([f64::NEG_INFINITY, 0.0]), last: Cell::new([f64::NEG_INFINITY, 0.0]) }
+    }
+}
+
+impl Track {
+    /// Tells the value at a total time; the same time again replaces the last value.
+    pub fn tell(&self, time: f64, value: f64) {
+        if time > self.last.get()[0] {
+            self.before.set(self.last.get());
+        }
+        self.last.set([time, value]);
+    }
+
+    /// The value told last.
+    pub fn last(&self) -> f64 {
+        self.last.get()[1]
+    }
+
+    /// Value at a total time.
+    pub fn value(&self, time: f64) -> f64 {
+        let (before, last) = (self.before.get(), self.last.get());
+        if time >= last[0] || before[0] == f64::NEG_INFINITY {
+            return last[1];
+        }
+        if time <= before[0] { before[1] } else { last[1] - (last[0] - time) * self.slope() }
+    }
+
+    /// Slope between the last two values.
+    pub fn slope(&self) -> f64 {
+        let (before, last) = (self.before.get(), self.last.get());
+        if before[0] == f64::NEG_INFINITY { 0.0 } else { (last[1] - before[1]) / (last[0] - before[0]) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Curve;
+    use super::{Curve, Track};
+
+    #[test]
+    fn a_track_is_linear_between_what_it_was_told() {
+        let track = Track::default();
+        assert_eq!((track.value(1.0), track.slope()), (0.0, 0.0));
+        track.tell(0.0, 2.0);
+        assert_eq!(track.value(-1.0), 2.0);
+        track.tell(2.0, 6.0);
+        assert_eq!([-1.0, 0.0, 0.5, 2.0, 3.0].map(|t| track.value(t)), [2.0, 2.0, 3.0, 6.0, 6.0]);
+        track.tell(2.0, 8.0);
+        assert_eq!((track.slope(), track.last()), (3.0, 8.0));
+    }
 
     #[test]
     fn linear_between_points_and_constant_outside() {

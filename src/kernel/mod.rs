@@ -4,3 +4,4 @@
 pub mod amplitude;
 pub mod cavity;
 pub mod facet;
+pub mod solid;

@@ -7,7 +7,7 @@ use super::types::{Load, LoadKind, Sides};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 /// Labels this code knows.
-const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, CAVITY";
+const LABELS: &str = "GRAV, P, P1 to P4, PNU, P1NU to P4NU, BRNU, BZNU, CAVITY";
 
 impl Builder<'_> {
     pub(super) fn load_card(&mut self, card: &Card) {
@@ -87,6 +87,11 @@ impl Builder<'_> {
         }
         let set = self.region(line)?;
         let elements = self.element_members(set)?;
+        if let "BRNU" | "BZNU" = name.as_str() {
+            let load_type = if name == "BRNU" { 1 } else { 2 };
+            let kind = LoadKind::UserBody { elements, set: set.text.clone(), load_type };
+            return Some((kind, self.number_or(line, 2, 1.0)?));
+        }
         let user = name.strip_suffix("NU");
         let number = user.unwrap_or(&name).strip_prefix('P');
         let faces = match (number, name.as_str()) {
@@ -105,7 +110,9 @@ impl Builder<'_> {
             }
         };
         let sides = Sides { name: set.text.clone(), surface: false, faces };
-        self.distributed(card, line, sides, user.is_some(), name == "CAVITY")
+        // VDLOAD's codes: 20 PNU, 21 P1NU to 24 P4NU.
+        let load_type = user.map(|_| 20 + number.and_then(|n| n.parse::<i32>().ok()).unwrap_or(0));
+        self.distributed(card, line, sides, load_type, name == "CAVITY")
     }
 
     fn surface_load(&mut self, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
@@ -119,7 +126,7 @@ impl Builder<'_> {
         }
         let faces = self.model.surfaces[&key].faces.clone();
         let sides = Sides { name: word.text.clone(), surface: true, faces };
-        self.distributed(card, line, sides, name == "PNU", name == "CAVITY")
+        self.distributed(card, line, sides, (name == "PNU").then_some(0), name == "CAVITY")
     }
 
     fn distributed(
@@ -127,14 +134,14 @@ impl Builder<'_> {
         card: &Card,
         line: &DataLine,
         sides: Sides,
-        user: bool,
+        user: Option<i32>,
         cavity: bool,
     ) -> Option<(LoadKind, f64)> {
         if cavity {
             return self.cavity(card, sides).map(|kind| (kind, 1.0));
         }
-        if user {
-            return Some((LoadKind::User(sides), self.number_or(line, 2, 1.0)?));
+        if let Some(load_type) = user {
+            return Some((LoadKind::User { sides, load_type }, self.number_or(line, 2, 1.0)?));
         }
         Some((LoadKind::Pressure(sides), self.number(line, 2, "the pressure")?))
     }
@@ -173,8 +180,8 @@ impl Builder<'_> {
 fn load_family(kind: &LoadKind) -> &'static str {
     match kind {
         LoadKind::Concentrated { .. } => "CLOAD",
-        LoadKind::Gravity { .. } => "DLOAD",
-        LoadKind::Pressure(s) | LoadKind::User(s) | LoadKind::Cavity { sides: s, .. } => {
+        LoadKind::Gravity { .. } | LoadKind::UserBody { .. } => "DLOAD",
+        LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. } => {
             if s.surface {
                 "DSLOAD"
             } else {
@@ -190,7 +197,8 @@ fn load_key(kind: &LoadKind) -> String {
         LoadKind::Concentrated { dof, set, .. } => format!("C {dof} {}", upper(set)),
         LoadKind::Gravity { elements, .. } => format!("G {elements:?}"),
         LoadKind::Pressure(s) => format!("P {} {:?}", upper(&s.name), s.faces.first()),
-        LoadKind::User(s) => format!("U {} {:?}", upper(&s.name), s.faces.first()),
+        LoadKind::User { sides: s, .. } => format!("U {} {:?}", upper(&s.name), s.faces.first()),
+        LoadKind::UserBody { set, load_type, .. } => format!("B {load_type} {}", upper(set)),
         LoadKind::Cavity { sides, target, .. } => format!("X {} {target}", upper(&sides.name)),
     }
 }

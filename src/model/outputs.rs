@@ -133,11 +133,25 @@ impl Builder<'_> {
                 .push(Diagnostic::note("M142", message).at(card.span, "looking does not change increments"));
         }
         let variables: Vec<String> = card.value("VARIABLE").map(preselected).into_iter().collect();
-        let request = OutputRequest { kind, interval, variables, region: Region::Whole, span: card.span };
+        let Some(sensor) = self.sensor(card) else { return };
+        let request = OutputRequest { kind, interval, variables, region: Region::Whole, sensor, span: card.span };
         if !request.variables.is_empty() {
             self.state().outputs.push(request.clone());
         }
         self.output = Some(request);
+    }
+
+    /// Name of the sensor that a request is; `None` if it lacks one (reported).
+    fn sensor(&mut self, card: &Card) -> Option<Option<String>> {
+        if !card.has("SENSOR") {
+            return Some(None);
+        }
+        let name = self.required(card, "NAME")?;
+        if !card.has("HISTORY") {
+            self.out_of_range(card.span, "a sensor is a history: *OUTPUT, HISTORY, SENSOR, NAME=");
+            return None;
+        }
+        Some(Some(upper(&name.text)))
     }
 
     fn interval(&mut self, card: &Card) -> Option<Interval> {

@@ -202,6 +202,7 @@ impl Builder<'_> {
                 return;
             }
         };
+        let user = card.has("USER");
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         if self.operation(card, "BOUNDARY") {
             self.state().boundaries.clear();
@@ -210,7 +211,7 @@ impl Builder<'_> {
             let Some(set) = line.field(0) else { continue };
             let Some(nodes) = self.node_members(set) else { continue };
             let Some(([first, last], value)) = self.boundary_dofs(line) else { continue };
-            if kind == Motion::Displacement && value != 0.0 && amplitude.is_none() {
+            if kind == Motion::Displacement && value != 0.0 && amplitude.is_none() && !user {
                 let message = format!(
                     "the displacement {value} has no AMPLITUDE and would be a jump: it is ignored, the motion is held"
                 );
@@ -223,6 +224,7 @@ impl Builder<'_> {
                     set: set.text.clone(),
                     dof,
                     kind,
+                    user,
                     value,
                     amplitude,
                     span: line.span,

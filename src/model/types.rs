@@ -180,14 +180,31 @@ pub struct SolidSection {
 pub struct Amplitude {
     /// Upper-case name.
     pub name: String,
-    /// `(time, value)` with ascending times; constant before the first and after the last.
-    pub points: Vec<[f64; 2]>,
-    /// `DEFINITION=SMOOTH STEP`.
-    pub smooth: bool,
-    /// `TIME=TOTAL TIME`.
-    pub total_time: bool,
+    /// What gives its values.
+    pub definition: AmplitudeDefinition,
     /// The card.
     pub span: Span,
+}
+
+/// What gives an amplitude its values.
+#[derive(Clone, Debug)]
+pub enum AmplitudeDefinition {
+    /// Points.
+    Curve {
+        /// `(time, value)` with ascending times; constant before the first and after the last.
+        points: Vec<[f64; 2]>,
+        /// `DEFINITION=SMOOTH STEP`.
+        smooth: bool,
+        /// `TIME=TOTAL TIME`.
+        total_time: bool,
+    },
+    /// `DEFINITION=USER`.
+    User {
+        /// Constants on the data lines.
+        properties: Vec<f64>,
+        /// How many variables the routine keeps.
+        variables: usize,
+    },
 }
 
 /// A rigid body.
@@ -327,6 +344,8 @@ pub struct Boundary {
     pub dof: u8,
     /// What is prescribed.
     pub kind: Motion,
+    /// Whether the user's routine gives the value (`USER`).
+    pub user: bool,
     /// Magnitude (0 = held).
     pub value: f64,
     /// Index into [`Model::amplitudes`].
@@ -380,8 +399,22 @@ pub enum LoadKind {
     },
     /// `P`: a pressure on sides.
     Pressure(Sides),
-    /// `PNU`: the user's routine gives the pressure.
-    User(Sides),
+    /// `PNU`, `P1NU` to `P4NU`: the user's routine gives the pressure.
+    User {
+        /// Where.
+        sides: Sides,
+        /// VDLOAD's code of the load, `jltyp`.
+        load_type: i32,
+    },
+    /// `BRNU`, `BZNU`: the user's routine gives the force a volume along r or z.
+    UserBody {
+        /// Element indices.
+        elements: Vec<usize>,
+        /// What the deck called them.
+        set: String,
+        /// VDLOAD's code of the load, `jltyp`: 1 along r, 2 along z.
+        load_type: i32,
+    },
     /// `CAVITY` (extension): a target's resistance.
     Cavity {
         /// Where.
@@ -415,6 +448,8 @@ pub struct OutputRequest {
     pub variables: Vec<String>,
     /// What the variables are taken from.
     pub region: Region,
+    /// Name of the sensor that it is (`SENSOR, NAME=`), upper case.
+    pub sensor: Option<String>,
     /// The card.
     pub span: Span,
 }

@@ -22,8 +22,8 @@ pub const CODES: &[Code] = &[
     },
     Code {
         code: "P004",
-        title: "user load without a routine",
-        text: "PNU, as in ABAQUS/Explicit, calls the user's load routine. Link one through the library (`revolve::job`, trait `UserLoad`), or use CAVITY for the built-in resistance.",
+        title: "user's routine is missing",
+        text: "PNU, as in ABAQUS/Explicit, calls the user's load routine (vdload), DEFINITION=USER on *AMPLITUDE calls vuamp, and *BOUNDARY, USER calls vdisp. Give a Fortran or C file with `--user FILE`, or link a routine through the library (`revolve::user::Routines`).",
     },
     Code {
         code: "P005",
@@ -51,6 +51,11 @@ pub const CODES: &[Code] = &[
         text: "A node or element can follow one reference node only.",
     },
     Code {
+        code: "P010",
+        title: "sensor without one value",
+        text: "A sensor is one number for a user amplitude: *OUTPUT, HISTORY, SENSOR, NAME=… followed by *NODE OUTPUT with a node set of one node and U2, V2 or A2.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",
@@ -68,8 +73,8 @@ pub const CODES: &[Code] = &[
     },
     Code {
         code: "R201",
-        title: "the user's load routine failed",
-        text: "It returned an error, or a pressure that is not a finite number. The message names surface, point, increment and time; the last good state is in the last frame.",
+        title: "the user's routine failed",
+        text: "It returned an error, ended the analysis (STOP, xplb_exit), or gave a value that is not a finite number. The message names what it was called for, step, increment and time; the last good state is in the last frame.",
     },
     Code {
         code: "R202",

@@ -10,20 +10,20 @@ use crate::effect::concentrated::Concentrated;
 use crate::effect::gravity::Gravity;
 use crate::effect::motion::{Motion, Prescribed};
 use crate::effect::pressure::Pressure;
-use crate::effect::user_load::UserPressure;
-use crate::effect::{Force, Magnitude};
+use crate::effect::{Asking, Force, Magnitude, Shape};
 use crate::kernel::amplitude::Curve;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
-use crate::model::{self, Boundary, IncrementControl, Load, LoadKind, Side, Sides, Step};
+use crate::model::{self, AmplitudeDefinition, Boundary, IncrementControl, Load, LoadKind, Side, Sides, Step};
 
 /// Facets with their element index, by body.
-type FacetsByBody = BTreeMap<usize, Vec<(usize, Facet)>>;
+pub(super) type FacetsByBody = BTreeMap<usize, Vec<(usize, Facet)>>;
 
 impl Compiler<'_> {
     /// The effects of one load: none if it is zero, one for each body it acts on.
     pub(super) fn load(&mut self, load: &Load, step: &Step) -> Vec<Box<dyn Force>> {
-        let constant = !matches!(load.kind, LoadKind::User(_) | LoadKind::Cavity { .. });
+        let constant =
+            !matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. });
         if constant && load.magnitude == 0.0 {
             self.unused(load.span, kind_name(&load.kind), "its magnitude is zero");
             return Vec::new();
@@ -32,17 +32,21 @@ impl Compiler<'_> {
             LoadKind::Concentrated { nodes, dof, set } => self.concentrated(load, nodes, *dof, set),
             LoadKind::Gravity { elements, direction } => self.gravity(load, elements.as_deref(), *direction),
             LoadKind::Pressure(sides) => self.pressure(load, sides),
-            LoadKind::User(sides) => self.user_load(load, sides),
+            LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type),
+            LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type),
             LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step),
         }
     }
 
-    fn magnitude(&self, value: f64, amplitude: Option<usize>) -> Magnitude {
-        let curve = amplitude.map(|a| {
-            let amplitude = &self.model.amplitudes[a];
-            Curve::new(amplitude.points.clone(), amplitude.smooth, amplitude.total_time)
-        });
-        Magnitude { value, curve }
+    pub(super) fn magnitude(&mut self, value: f64, amplitude: Option<usize>) -> Magnitude {
+        let Some(index) = amplitude else { return Magnitude { value, shape: Shape::Constant } };
+        let shape = match &self.model.amplitudes[index].definition {
+            AmplitudeDefinition::Curve { points, smooth, total_time } => {
+                Shape::Curve(Curve::new(points.clone(), *smooth, *total_time))
+            }
+            AmplitudeDefinition::User { .. } => Shape::Track(self.user_amplitude(index)),
+        };
+        Magnitude { value, shape }
     }
 
     fn concentrated(&mut self, load: &Load, nodes: &[usize], dof: u8, set: &str) -> Vec<Box<dyn Force>> {
@@ -93,26 +97,6 @@ impl Compiler<'_> {
         vec![Box::new(Pressure { cause, axial_areas, facets, magnitude, current: 0.0 })]
     }
 
-    fn user_load(&mut self, load: &Load, sides: &Sides) -> Vec<Box<dyn Force>> {
-        let by_body = self.facets(sides, load.span);
-        let Some(routine) = self.routine.cloned() else {
-            let message = format!("`{}` asks for a user load (PNU), but no routine was given", sides.name);
-            let finding = Diagnostic::error("P004", message).at(load.span, "this load calls the user's routine");
-            let help = "give a routine through the library (trait UserLoad), or use CAVITY for the built-in resistance";
-            self.diagnostics.push(finding.help(help));
-            return Vec::new();
-        };
-        let count = by_body.values().map(Vec::len).sum();
-        let detail = format!("on {}{}", sides.name, self.amplitude_name(load));
-        let cause = self.cause(load.span, "user load", count, "facets", detail);
-        let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        let make = |(body, facets): (usize, Vec<(usize, Facet)>)| -> Box<dyn Force> {
-            let (name, magnitude) = (sides.name.clone(), magnitude.clone());
-            Box::new(UserPressure::new(cause, name, body, magnitude, routine.clone(), &facets))
-        };
-        by_body.into_iter().map(make).collect()
-    }
-
     fn cavity(&mut self, load: &Load, sides: &Sides, target: usize, friction: f64, step: &Step) -> Vec<Box<dyn Force>> {
         let by_body = self.facets(sides, load.span);
         let target = &self.model.targets[target];
@@ -154,7 +138,7 @@ impl Compiler<'_> {
     }
 
     /// The facets of sides, by body. Elements of no body are an error.
-    fn facets(&mut self, sides: &Sides, span: Span) -> FacetsByBody {
+    pub(super) fn facets(&mut self, sides: &Sides, span: Span) -> FacetsByBody {
         let mut by_body = FacetsByBody::new();
         let mut stray = None;
         for &(element, side) in &sides.faces {
@@ -184,12 +168,12 @@ impl Compiler<'_> {
         Facet::new(mesh.points[*nodes.get(from)?], mesh.points[*nodes.get(to)?], positive)
     }
 
-    fn amplitude_name(&self, load: &Load) -> String {
+    pub(super) fn amplitude_name(&self, load: &Load) -> String {
         load.amplitude.map_or(String::new(), |a| format!(" x {}", self.model.amplitudes[a].name))
     }
 
     /// Prescribed motions of bodies along z; what axial symmetry holds already is noted as unused.
-    pub(super) fn motions(&mut self, step: &Step) -> Vec<Motion> {
+    pub(super) fn motions(&mut self, step: &Step, asking: &mut Vec<Box<dyn Asking>>) -> Vec<Motion> {
         let mut motions: Vec<Motion> = Vec::new();
         for boundary in &step.boundaries {
             if boundary.dof != 2 {
@@ -200,7 +184,7 @@ impl Compiler<'_> {
                 let Some(&body) = self.body_of_node.get(&node) else { continue };
                 if self.bodies[body].reference != node {
                     self.dependent_node(boundary, node);
-                } else if let Some(motion) = self.motion(boundary, body, &motions) {
+                } else if let Some(motion) = self.motion(boundary, body, &motions, asking) {
                     motions.push(motion);
                 }
             }
@@ -208,7 +192,13 @@ impl Compiler<'_> {
         motions
     }
 
-    fn motion(&mut self, boundary: &Boundary, body: usize, others: &[Motion]) -> Option<Motion> {
+    fn motion(
+        &mut self,
+        boundary: &Boundary,
+        body: usize,
+        others: &[Motion],
+        asking: &mut Vec<Box<dyn Asking>>,
+    ) -> Option<Motion> {
         let kind = match boundary.kind {
             model::Motion::Displacement => Prescribed::Displacement,
             model::Motion::Velocity => Prescribed::Velocity,
@@ -224,9 +214,13 @@ impl Compiler<'_> {
             }
             return None;
         }
+        if boundary.user {
+            return self.user_motion(boundary, body, kind, asking);
+        }
         let detail = format!("{}: {:?} {value} along z", boundary.set, kind).to_lowercase();
         let cause = self.cause(boundary.span, "prescribed motion", 1, "bodies", detail);
-        Some(Motion { cause, body, kind, magnitude: self.magnitude(value, boundary.amplitude), start: 0.0 })
+        let magnitude = self.magnitude(value, boundary.amplitude);
+        Some(Motion { cause, body, kind, magnitude, start: 0.0 })
     }
 
     fn radial_boundary(&mut self, boundary: &Boundary) {
@@ -252,7 +246,8 @@ fn kind_name(kind: &LoadKind) -> &'static str {
         LoadKind::Concentrated { .. } => "*CLOAD",
         LoadKind::Gravity { .. } => "GRAV",
         LoadKind::Pressure(_) => "P",
-        LoadKind::User(_) => "PNU",
+        LoadKind::User { .. } => "PNU",
+        LoadKind::UserBody { .. } => "BRNU or BZNU",
         LoadKind::Cavity { .. } => "CAVITY",
     }
 }

@@ -6,13 +6,17 @@ pub mod codes;
 pub mod ledger;
 mod loads;
 mod outputs;
+mod user;
+
+use std::rc::Rc;
 
 use indexmap::IndexMap;
 
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
-use crate::effect::{Cause, Force, motion::Motion};
+use crate::effect::{Asking, Cause, Force, motion::Motion};
+use crate::kernel::amplitude::Track;
 use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
-use crate::user::SharedLoad;
+use crate::user::{Routines, SharedEvents};
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
 pub use outputs::{Column, FieldVariable, Outputs, Quantity, Schedule};
@@ -31,6 +35,10 @@ pub struct Plan {
     pub columns: Vec<Column>,
     /// Variables shown on nodes in frames.
     pub fields: Vec<FieldVariable>,
+    /// User amplitudes: asked once an increment, whatever the step.
+    pub asking: Vec<Box<dyn Asking>>,
+    /// The user's routine that is told how the analysis goes.
+    pub events: Option<SharedEvents>,
 }
 
 /// One step.
@@ -49,6 +57,8 @@ pub struct StepPlan {
     pub forces: Vec<Box<dyn Force>>,
     /// Prescribed motions.
     pub motions: Vec<Motion>,
+    /// User motions: asked once an increment.
+    pub asking: Vec<Box<dyn Asking>>,
     /// When to write.
     pub outputs: Outputs,
 }
@@ -57,7 +67,7 @@ pub struct StepPlan {
 struct Compiler<'a> {
     deck: &'a Deck,
     model: &'a Model,
-    routine: Option<&'a SharedLoad>,
+    routines: &'a Routines,
     diagnostics: Diagnostics,
     ledger: Ledger,
     causes: IndexMap<(Span, &'static str), Cause>,
@@ -66,14 +76,20 @@ struct Compiler<'a> {
     body_of_node: IndexMap<usize, usize>,
     /// Body of each element that belongs to one.
     body_of_element: IndexMap<usize, usize>,
+    /// Values of user amplitudes, by the amplitude's index.
+    tracks: IndexMap<usize, Rc<Track>>,
+    /// What is asked once an increment in every step.
+    asking: Vec<Box<dyn Asking>>,
 }
 
-/// Decides which effects a model brings to life. `routine` serves the user loads.
-pub fn compile(deck: &Deck, model: &Model, routine: Option<&SharedLoad>) -> (Plan, Diagnostics) {
+/// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user.
+pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagnostics) {
     let mut compiler = Compiler {
         deck,
         model,
-        routine,
+        routines,
+        tracks: IndexMap::new(),
+        asking: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
         causes: IndexMap::new(),
@@ -86,12 +102,14 @@ pub fn compile(deck: &Deck, model: &Model, routine: Option<&SharedLoad>) -> (Pla
     let steps = (0..model.steps.len()).map(|i| compiler.step(i)).collect();
     compiler.check_complete();
     compiler.list_inert();
-    let Compiler { ledger, bodies, mut diagnostics, .. } = compiler;
+    compiler.events_row();
+    let Compiler { ledger, bodies, mut diagnostics, asking, .. } = compiler;
     // Notes on a plan that cannot run would only bury what is wrong with it.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
-    (Plan { ledger, mesh: model.mesh.clone(), bodies, steps, columns, fields }, diagnostics)
+    let events = routines.events.clone();
+    (Plan { ledger, mesh: model.mesh.clone(), bodies, steps, columns, fields, asking, events }, diagnostics)
 }
 
 impl Compiler<'_> {
@@ -119,7 +137,8 @@ impl Compiler<'_> {
         let step = &self.model.steps[index];
         let mut forces: Vec<_> = step.loads.iter().flat_map(|load| self.load(load, step)).collect();
         forces.sort_by_key(|f| f.resists());
-        let motions = self.motions(step);
+        let mut asking = Vec::new();
+        let motions = self.motions(step, &mut asking);
         self.increment_rows(step, &forces);
         for force in &forces {
             self.ledger.effects[force.cause()].arrays = owned(force.arrays());
@@ -132,6 +151,7 @@ impl Compiler<'_> {
             load_velocity: step.load_velocity,
             forces,
             motions,
+            asking,
             outputs: self.outputs(step),
         }
     }

@@ -33,7 +33,7 @@ impl Increment {
     /// The instant it arrives at; the end of the step is met to the last bit.
     pub fn arrival(&self, now: &Instant, duration: f64) -> Instant {
         let step_time = if self.end == End::Step { duration } else { now.step_time + self.length };
-        Instant { step_time, total_time: now.total_time + self.length }
+        Instant { step_time, total_time: now.total_time + self.length, increment: now.increment + 1, ..*now }
     }
 
     /// Whether it still advances the clock.

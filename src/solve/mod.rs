@@ -4,15 +4,17 @@
 mod energy;
 mod increment;
 mod observe;
+mod routines;
 
 use std::time::Instant as Stopwatch;
 
 use serde::Serialize;
 
-use crate::effect::{Account, Halt, Slot};
+use crate::effect::{Account, Asking, Halt, Slot};
 use crate::model::LoadVelocity;
 use crate::plan::{Plan, StepPlan};
 use crate::state::{Before, BodyState, Instant, direction};
+use crate::user::Wish;
 use energy::Balance;
 pub use energy::Energy;
 use increment::{End, Increment, Pace};
@@ -25,6 +27,8 @@ pub struct Outcome {
     /// Why it stopped early, if it did.
     #[serde(skip)]
     pub halt: Option<Halt>,
+    /// Whether a user's routine ended it before its last step was over.
+    pub ended_by_user: bool,
     /// Steps begun.
     pub steps: Vec<StepSummary>,
     /// Energies at the end, and the largest drift of their sum.
@@ -73,7 +77,8 @@ const TIMED_EVERY: u64 = 64;
 pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
     let begin = Stopwatch::now();
     let mut steps = std::mem::take(&mut plan.steps);
-    let mut run = Run::new(plan);
+    let asking = std::mem::take(&mut plan.asking);
+    let mut run = Run::new(plan, steps.len(), asking);
     let mut observing = Observing::new(plan);
     for step in &mut steps {
         if let Err(halt) = run.step(step, &mut observing, sink) {
@@ -82,17 +87,24 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
             run.outcome.halt = Some(written.err().unwrap_or(halt));
             break;
         }
+        if run.wish == Wish::EndAnalysis {
+            run.outcome.ended_by_user = true;
+            break;
+        }
     }
-    let mut outcome = run.outcome;
-    outcome.energy = run.balance.energy();
+    let Run { mut outcome, balance, asking, .. } = run;
+    outcome.energy = balance.energy();
     outcome.seconds = begin.elapsed().as_secs_f64();
     plan.steps = steps;
+    plan.asking = asking;
     outcome
 }
 
 /// Everything an increment touches.
 struct Run<'a> {
     plan: &'a Plan,
+    /// How many steps there are.
+    steps: usize,
     bodies: Vec<BodyState>,
     now: Instant,
     /// Generalised forces of all effects of the step, one slot after the other, and where each effect's slots end.
@@ -111,17 +123,24 @@ struct Run<'a> {
     /// The increment that led here, for the energy balance and for output.
     last_increment: f64,
     increment: u64,
+    /// Whether the instant is complete: forces, motion and energies belong to it.
+    complete: bool,
+    /// What the user's routines are asked once an increment, in every step.
+    asking: Vec<Box<dyn Asking>>,
+    /// What they want.
+    wish: Wish,
     balance: Balance,
     outcome: Outcome,
 }
 
 impl<'a> Run<'a> {
-    fn new(plan: &'a Plan) -> Self {
+    fn new(plan: &'a Plan, steps: usize, asking: Vec<Box<dyn Asking>>) -> Self {
         let bodies: Vec<_> = plan.bodies.iter().map(|b| BodyState::new(b.mass(), b.initial_velocity)).collect();
         let balance = Balance::start(&bodies);
         let outcome = Outcome { effect_seconds: vec![0.0; plan.ledger.effects.len()], ..Outcome::default() };
         Run {
             plan,
+            steps,
             now: Instant::default(),
             forces: Vec::new(),
             slots: Vec::new(),
@@ -134,6 +153,9 @@ impl<'a> Run<'a> {
             behind: 0.0,
             last_increment: 0.0,
             increment: 0,
+            complete: false,
+            asking,
+            wish: Wish::Continue,
             balance,
             outcome,
         }
@@ -142,6 +164,7 @@ impl<'a> Run<'a> {
     /// One step. The recipe of an increment, as in ABAQUS Theory Guide 2.4.5 with the half-step start, is the loop's body.
     fn step(&mut self, step: &mut StepPlan, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
         self.begin(step);
+        self.begin_routines(step)?;
         observing.begin(step, self.increment == 0, self.increment);
         let mut pace = Pace::new(step, &self.bodies);
         loop {
@@ -150,15 +173,21 @@ impl<'a> Run<'a> {
             self.correct_velocity(step); //           3. velocity at the increment's own time
             self.book(); //                           4. energy balance
             observing.show(self, step, sink)?; //     5. output that is due
-            if self.now.step_time >= step.duration {
+            if self.is_over(step) {
                 break;
             }
             let next = pace.choose(self, step); //    6. length of the next increment
             next.check(&self.now, self.increment)?;
+            self.ask_routines(step, next)?;
             self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
             self.record(next.length);
         }
-        Ok(())
+        self.end_routines()
+    }
+
+    /// Whether the step is at its end, or a user's routine wants it to be.
+    fn is_over(&self, step: &StepPlan) -> bool {
+        self.now.step_time >= step.duration || self.wish != Wish::Continue
     }
 
     fn begin(&mut self, step: &mut StepPlan) {
@@ -190,6 +219,7 @@ impl<'a> Run<'a> {
             LoadVelocity::Lagged => 0.0,
         };
         self.now.step_time = 0.0;
+        self.now.step += 1;
         self.behind = 0.0;
         self.show_own_velocity();
         let summary = StepSummary { name: step.name.clone(), smallest_increment: f64::INFINITY, ..Default::default() };
@@ -239,6 +269,7 @@ impl<'a> Run<'a> {
 
     fn book(&mut self) {
         self.balance.book(&self.bodies, &self.forces, self.behind == 0.0);
+        self.complete = true;
     }
 
     /// The resistances on a body at rest give just what the other forces ask of them, and do no work.
@@ -299,6 +330,7 @@ impl<'a> Run<'a> {
             body.displacement = start + dt * body.velocity_half;
             body.show(body.velocity_half + self.reach * dt * body.acceleration);
         }
+        self.complete = false;
         self.now_before = self.now;
         self.now = next.arrival(&self.now, step.duration);
         self.last_increment = dt;
@@ -332,7 +364,7 @@ impl<'a> Run<'a> {
 
     /// After a failure: the state of the last instant that was complete.
     fn step_back(&mut self) {
-        if self.increment == 0 {
+        if self.increment == 0 || self.complete {
             return;
         }
         for body in &mut self.bodies {

@@ -7,6 +7,7 @@ use crate::model::ElementKind;
 use crate::output::{Field, Frame};
 use crate::plan::{FieldVariable, Plan, Quantity, Schedule, StepPlan};
 use crate::state::BodyState;
+use crate::user::Wish;
 
 /// Takes what a run shows.
 pub trait Sink {
@@ -97,7 +98,7 @@ impl Observing {
     /// Shows what is due: rows and frames at their marks, at the very start, and at the end of each step.
     #[inline]
     pub(super) fn show(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
-        if run.now.step_time < self.next_time && run.increment < self.next_increment {
+        if run.now.step_time < self.next_time && run.increment < self.next_increment && run.wish == Wish::Continue {
             return Ok(());
         }
         self.show_due(run, step, sink)
@@ -105,7 +106,7 @@ impl Observing {
 
     fn show_due(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
         let (time, increment) = (run.now.step_time, run.increment);
-        let edge = std::mem::take(&mut self.first) || time >= step.duration;
+        let edge = std::mem::take(&mut self.first) || run.is_over(step);
         if increment >= self.next_progress {
             self.next_progress = increment + 4096;
             sink.progress(&step.name, time / step.duration, increment);

@@ -8,6 +8,10 @@ pub struct Instant {
     pub step_time: f64,
     /// Time since the start of the analysis.
     pub total_time: f64,
+    /// Number of the step, from 1.
+    pub step: u32,
+    /// Increments behind, over all steps.
+    pub increment: u64,
 }
 
 /// A rigid body: an axisymmetric body moves along z only. Bodies are few and all of one is touched together, so each is

@@ -10,7 +10,8 @@ use super::compare::{Reference, rms};
 use super::grid::Grid;
 use super::quantity::Quantity;
 use crate::job;
-use crate::user::SharedLoad;
+use crate::user::Routines;
+use crate::user::compile::Compiled;
 
 /// The results of a sweep, in the grid's order.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,13 +22,20 @@ pub struct Results {
     pub values: Vec<Result<Vec<f64>, String>>,
 }
 
-/// Runs every combination. The results do not depend on the number of threads: runs share nothing.
-pub fn run(deck: &Path, grid: &Grid, quantities: &[Quantity], done: &(dyn Fn() + Sync)) -> Results {
+/// Runs every combination. The results do not depend on the number of threads: runs share nothing, and the user's
+/// routines start afresh in each.
+pub fn run(
+    deck: &Path,
+    grid: &Grid,
+    quantities: &[Quantity],
+    user: Option<&Compiled>,
+    done: &(dyn Fn() + Sync),
+) -> Results {
     let runs: Vec<_> = (0..grid.count())
         .into_par_iter()
         .map(|index| {
             let combination = grid.combination(index);
-            let value = one(deck, &combination, quantities, None);
+            let value = one(deck, &combination, quantities, user);
             done();
             (combination.into_iter().map(|p| p.1).collect(), value)
         })
@@ -41,9 +49,10 @@ fn one(
     deck: &Path,
     overrides: &job::Overrides,
     quantities: &[Quantity],
-    routine: Option<&SharedLoad>,
+    user: Option<&Compiled>,
 ) -> Result<Vec<f64>, String> {
-    let mut prepared = job::prepare(deck, overrides, routine);
+    let routines = user.map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)?;
+    let mut prepared = job::prepare(deck, overrides, &routines);
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources));
     }

@@ -1,22 +1,33 @@
-//! User loads: the trait a Rust plug-in implements, with the arguments of VDLOAD.
-//! Never here: solver internals.
+//! User routines: the traits that Rust plug-ins implement, with the arguments of ABAQUS's subroutines, and the door to
+//! compiled Fortran and C. Never here: solver internals.
+
+pub mod codes;
+pub mod compile;
+pub mod host;
+pub mod library;
+mod prototype;
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use crate::state::Instant;
+
+/// Points a routine is shown in one call at most: `maxblk` of `vaba_param.inc`. Larger surfaces come in blocks.
+pub const MAX_BLOCK: usize = 512;
+
 /// What a user load is told, for one surface and a block of points: VDLOAD's arguments, structure of arrays
-/// (ABAQUS User Subroutines Reference, VDLOAD). Slices have one entry a point unless said otherwise.
+/// (ABAQUS 6.6 User Subroutines Reference, 1.2.1 "VDLOAD"). Slices have one entry a point unless said otherwise.
 #[derive(Debug)]
 pub struct LoadPoints<'a> {
-    /// Surface or element-set name (`sname`), as the deck has it.
+    /// Surface or element-set name, upper case (`sname` of a surface load; VDLOAD gets blanks for an element load).
     pub surface: &'a str,
-    /// Time since the start of the step.
-    pub step_time: f64,
-    /// Total time.
-    pub total_time: f64,
+    /// Kind of load (`jltyp`): 0 on a surface; 20 PNU, 21 to 24 P1NU to P4NU, 1 BRNU, 2 BZNU on elements.
+    pub load_type: i32,
+    /// Clock, step and increment.
+    pub now: Instant,
     /// Current value of the amplitude the load refers to (1 without one); the routine applies it.
     pub amplitude: f64,
-    /// Magnitude on the data line.
+    /// Magnitude on the data line (VDLOAD is not told it).
     pub magnitude: f64,
     /// Current r of each point, length.
     pub r: &'a [f64],
@@ -26,13 +37,23 @@ pub struct LoadPoints<'a> {
     pub velocity_r: &'a [f64],
     /// Velocity of each point, z component.
     pub velocity_z: &'a [f64],
-    /// Outward unit normal of each point, r component.
+    /// Outward unit normal of each point, r component (zero for a body force).
     pub normal_r: &'a [f64],
-    /// Outward unit normal of each point, z component.
+    /// Outward unit normal of each point, z component (zero for a body force).
     pub normal_z: &'a [f64],
+    /// `curCoords`: r of all points, z of all points, and behind them as many NaN for a routine that reads a third
+    /// coordinate.
+    pub coordinates: &'a [f64],
+    /// `velocity`: slabs of velocity, displacement and acceleration, each r of all points, then z of all points. The last
+    /// two hold values only if the routine asks for them ([`UserLoad::reads_motion`]).
+    pub motion: &'a [f64],
+    /// `dirCos`: of each point the first vector is the normal, the second the tangent (the normal turned 90 degrees
+    /// counter-clockwise): slabs normal r, tangent r, normal z, tangent z. As the manual has it, the normal points out of
+    /// the loaded side of a surface element, and into a solid element.
+    pub directions: &'a [f64],
 }
 
-/// Why a user load gave up.
+/// Why a user routine gave up.
 #[derive(Clone, Debug)]
 pub struct LoadFailure {
     /// Index of the point in the block, where one is to blame.
@@ -41,31 +62,226 @@ pub struct LoadFailure {
     pub reason: String,
 }
 
-/// A load routine of the user: gives the pressure at each point. May keep state; is called once an increment and surface.
+impl LoadFailure {
+    /// Without a point.
+    pub fn new(reason: impl Into<String>) -> Self {
+        LoadFailure { point: None, reason: reason.into() }
+    }
+}
+
+/// A load routine of the user: gives the pressure at each point. May keep state; is called once an increment, surface
+/// and block of at most [`MAX_BLOCK`] points.
 pub trait UserLoad {
-    /// Fills `pressure` (one entry a point, positive pushes against the outward normal; NaN on entry).
+    /// Fills `pressure` (one entry a point, positive pushes against the outward normal; NaN on entry). For a body force
+    /// it is the force a volume along r (BRNU) or z (BZNU).
     ///
     /// # Errors
     /// Any reason; the run halts with the last good state written.
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure>;
+
+    /// Whether it reads displacements and accelerations; if not, those slabs are not kept up.
+    fn reads_motion(&self) -> bool {
+        false
+    }
 }
 
-/// One routine shared by all the surfaces of a job, as one VDLOAD serves a whole ABAQUS job: its state is common to
-/// them. A job runs its loads one after the other, so sharing needs no lock.
-#[derive(Clone)]
-pub struct SharedLoad(Rc<RefCell<dyn UserLoad>>);
+/// What a user amplitude is told: VUAMP's arguments (ABAQUS 6.11 User Subroutines Reference, 1.2.7 "VUAMP").
+#[derive(Debug)]
+pub struct AmplitudeCall<'a> {
+    /// Name of the amplitude, upper case.
+    pub name: &'a str,
+    /// Clock, step and increment: the instant at which the value is wanted.
+    pub now: Instant,
+    /// Whether this is the call that begins a step.
+    pub begins: bool,
+    /// Length of the increment that led here; 0 at the start.
+    pub increment: f64,
+    /// Value of the call before; 0 at the start.
+    pub old: f64,
+    /// Constants on the data lines (`PROPERTIES=`).
+    pub properties: &'a [f64],
+    /// Variables the routine may keep (`VARIABLES=`).
+    pub variables: &'a mut [f64],
+    /// Names of the sensors, upper case.
+    pub sensor_names: &'a [String],
+    /// Their values at the instant before.
+    pub sensor_values: &'a [f64],
+}
 
-impl SharedLoad {
-    /// Shares a routine.
-    pub fn new(routine: impl UserLoad + 'static) -> Self {
-        SharedLoad(Rc::new(RefCell::new(routine)))
-    }
+/// What a user amplitude answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AmplitudeAnswer {
+    /// The value.
+    pub value: f64,
+    /// Its derivative in time, where the routine gives one.
+    pub derivative: Option<f64>,
+    /// Stop the analysis (`iStopAnalysis`).
+    pub stop: bool,
+    /// End the step (`iConcludeStep`).
+    pub conclude_step: bool,
+}
 
-    /// Calls the routine.
+/// An amplitude computed by the user (`*AMPLITUDE, DEFINITION=USER`).
+pub trait UserAmplitude {
+    /// The value now.
     ///
     /// # Errors
-    /// Those of the routine.
-    pub fn call(&self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        self.0.borrow_mut().pressure(points, pressure)
+    /// Any reason; the run halts.
+    fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure>;
+}
+
+/// What a prescribed motion of the user is told: VDISP's arguments for one node
+/// (ABAQUS 6.11 User Subroutines Reference, 1.2.1 "VDISP").
+#[derive(Clone, Copy, Debug)]
+pub struct MotionCall<'a> {
+    /// Name of the node set (`cbname`), upper case.
+    pub set: &'a str,
+    /// 0 displacement, 1 velocity, 2 acceleration (`jBCType`).
+    pub kind: i32,
+    /// User's number of the node.
+    pub node: i32,
+    /// Degree of freedom, 2 for z.
+    pub dof: usize,
+    /// Clock, step and increment: the instant at which the value is wanted.
+    pub now: Instant,
+    /// Length of the increment that led here, and of the next if it is known (else the same).
+    pub increments: [f64; 2],
+    /// Amplitude, 1 without one.
+    pub amplitude: f64,
+    /// Current coordinates `[r, z]`.
+    pub coordinates: [f64; 2],
+    /// Displacement, velocity, acceleration and reaction along z.
+    pub state: [f64; 4],
+    /// Mass of the body.
+    pub mass: f64,
+}
+
+/// A motion prescribed by the user (`*BOUNDARY, USER`).
+pub trait UserMotion {
+    /// The displacement, velocity or acceleration along z that the node shall have now.
+    ///
+    /// # Errors
+    /// Any reason; the run halts.
+    fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure>;
+}
+
+/// Moments at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference, 1.2.5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Moment {
+    /// Before the first increment of the first step.
+    StartAnalysis = 0,
+    /// Before a step.
+    StartStep = 1,
+    /// The length of the next increment is to be chosen.
+    SetupIncrement = 2,
+    /// An increment begins.
+    StartIncrement = 3,
+    /// An increment is complete.
+    EndIncrement = 4,
+    /// After a step.
+    EndStep = 5,
+    /// After the last step.
+    EndAnalysis = 6,
+}
+
+/// What a routine wants after a moment of the analysis (`i_Array(i_int_iStatus)`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Wish {
+    /// Go on.
+    #[default]
+    Continue,
+    /// End the step.
+    EndStep,
+    /// End the analysis.
+    EndAnalysis,
+}
+
+/// A routine that is told how the analysis goes: opens and closes files of its own.
+pub trait UserEvents {
+    /// Called at each moment, with the length of the increment.
+    ///
+    /// # Errors
+    /// Any reason; the run halts.
+    fn moment(&mut self, moment: Moment, now: &Instant, increment: f64) -> Result<Wish, LoadFailure>;
+}
+
+/// A routine shared by all that calls it, as one VDLOAD serves a whole ABAQUS job: its state is common to them. A job
+/// runs on one thread where it calls routines, so sharing needs no lock.
+pub struct Shared<T: ?Sized>(Rc<RefCell<T>>);
+
+impl<T: ?Sized> Clone for Shared<T> {
+    fn clone(&self) -> Self {
+        Shared(Rc::clone(&self.0))
+    }
+}
+
+impl<T: ?Sized> Shared<T> {
+    /// Runs `call` on the routine.
+    #[inline]
+    pub fn with<R>(&self, call: impl FnOnce(&mut T) -> R) -> R {
+        call(&mut self.0.borrow_mut())
+    }
+}
+
+/// A user load, shared.
+pub type SharedLoad = Shared<dyn UserLoad>;
+/// A user amplitude, shared.
+pub type SharedAmplitude = Shared<dyn UserAmplitude>;
+/// A user motion, shared.
+pub type SharedMotion = Shared<dyn UserMotion>;
+/// A routine told of events, shared.
+pub type SharedEvents = Shared<dyn UserEvents>;
+
+/// The routines of a job; each at most once, as in ABAQUS.
+#[derive(Clone, Default)]
+pub struct Routines {
+    /// `PNU` and its kin (VDLOAD).
+    pub load: Option<SharedLoad>,
+    /// `*AMPLITUDE, DEFINITION=USER` (VUAMP).
+    pub amplitude: Option<SharedAmplitude>,
+    /// `*BOUNDARY, USER` (VDISP).
+    pub motion: Option<SharedMotion>,
+    /// VEXTERNALDB.
+    pub events: Option<SharedEvents>,
+}
+
+impl Routines {
+    /// No routines.
+    pub fn none() -> Self {
+        Routines::default()
+    }
+
+    /// Whether there is any.
+    pub fn any(&self) -> bool {
+        self.load.is_some() || self.amplitude.is_some() || self.motion.is_some() || self.events.is_some()
+    }
+
+    /// With a load.
+    #[must_use]
+    pub fn with_load(mut self, routine: impl UserLoad + 'static) -> Self {
+        self.load = Some(Shared(Rc::new(RefCell::new(routine))));
+        self
+    }
+
+    /// With an amplitude.
+    #[must_use]
+    pub fn with_amplitude(mut self, routine: impl UserAmplitude + 'static) -> Self {
+        self.amplitude = Some(Shared(Rc::new(RefCell::new(routine))));
+        self
+    }
+
+    /// With a prescribed motion.
+    #[must_use]
+    pub fn with_motion(mut self, routine: impl UserMotion + 'static) -> Self {
+        self.motion = Some(Shared(Rc::new(RefCell::new(routine))));
+        self
+    }
+
+    /// With a routine that is told of events.
+    #[must_use]
+    pub fn with_events(mut self, routine: impl UserEvents + 'static) -> Self {
+        self.events = Some(Shared(Rc::new(RefCell::new(routine))));
+        self
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use revolve::job::{self, Overrides, Prepared};
 use revolve::output::{Frame, Job};
 use revolve::solve::{self, Outcome, Sink};
-use revolve::user::SharedLoad;
+use revolve::user::Routines;
 
 /// Path of a file of the project.
 pub fn project(path: &str) -> PathBuf {
@@ -40,16 +40,16 @@ impl Sink for Memory {
 }
 
 /// A deck that must be without errors.
-pub fn prepared(text: &str, settings: &[(&str, &str)], routine: Option<&SharedLoad>) -> Prepared {
+pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> Prepared {
     let overrides: &Overrides = &pairs(settings);
-    let prepared = job::prepare_text("test.inp", text, overrides, routine);
+    let prepared = job::prepare_text("test.inp", text, overrides, routines);
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     prepared
 }
 
 /// Runs a deck text in memory.
-pub fn run(text: &str, settings: &[(&str, &str)], routine: Option<&SharedLoad>) -> (Outcome, Memory) {
-    let mut prepared = prepared(text, settings, routine);
+pub fn run(text: &str, settings: &[(&str, &str)], routines: &Routines) -> (Outcome, Memory) {
+    let mut prepared = prepared(text, settings, routines);
     let mut memory = Memory::default();
     let outcome = solve::run(&mut prepared.plan, &mut memory);
     (outcome, memory)
@@ -62,7 +62,7 @@ pub fn ogive() -> String {
 
 /// Runs the seed deck into files.
 pub fn run_ogive(folder: &Path, settings: &[(&str, &str)]) {
-    let mut prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), None);
+    let mut prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
     let job = Job { folder: folder.to_path_buf(), name: "ogive".into() };
     let summary = job::run_to_files(&mut prepared, &job, &mut |_, _, _| {}).expect("files");

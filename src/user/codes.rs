@@ -1,0 +1,43 @@
+//! Diagnostic codes of user routines (`U…`), for `revolve explain`.
+//! Never here: the checks.
+
+use crate::deck::Code;
+
+/// All codes of this room.
+pub const CODES: &[Code] = &[
+    Code {
+        code: "U001",
+        title: "user file cannot be read",
+        text: "`--user` takes Fortran (.f .for .f90 .F .F90), C (.c) or a ready shared library (.so).",
+    },
+    Code {
+        code: "U002",
+        title: "no compiler",
+        text: "Fortran needs gfortran, C needs cc. On Debian or Ubuntu: apt install gfortran; on Fedora: dnf install gcc-gfortran. The variables FC and CC name others.",
+    },
+    Code {
+        code: "U003",
+        title: "user file does not compile",
+        text: "The compiler's own words follow. Fixed and free form have both been tried.",
+    },
+    Code {
+        code: "U004",
+        title: "wrong arguments",
+        text: "The subroutine's arguments are not those that it will be called with: their number, or integers and reals of another size. `include 'vaba_param.inc'` makes reals double precision, as they must be.",
+    },
+    Code {
+        code: "U005",
+        title: "shared library cannot be loaded",
+        text: "Most often it calls a routine that nothing defines. Revolve itself provides xplb_exit, xplb_abqerr, vgetjobname, vgetoutdir, vgetnumcpus, vgetrank, vgetinternal, vgetpartinfo and the sensor functions.",
+    },
+    Code {
+        code: "U006",
+        title: "no known user routine",
+        text: "The files define none of vdload, vuamp, vdisp, vexternaldb.",
+    },
+    Code {
+        code: "U007",
+        title: "text past column 72",
+        text: "In fixed form, text past column 72 is read as code, as ABAQUS's own compile command does; make sure that it is no sequence number.",
+    },
+];

@@ -1,0 +1,822 @@
+//! The door to compiled routines: opening shared libraries, calling what they define, and the host routines they call.
+//! The one file with `unsafe`. Never here: compiling; what a routine's answer means.
+#![allow(unsafe_code)]
+
+use std::any::Any;
+use std::cell::Cell;
+use std::ffi::{CStr, c_char, c_int};
+use std::fmt::Write as _;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::{Once, OnceLock};
+
+use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+
+use super::host::{self, Level};
+use super::{
+    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, Moment, MotionCall, Routines, UserAmplitude, UserEvents,
+    UserLoad, UserMotion, Wish,
+};
+use crate::deck::Diagnostic;
+use crate::state::Instant;
+
+/// `subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude, curCoords, velocity, dirCos, jltyp, sname, value)`.
+type Vdload = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const i32,
+    *const c_char,
+    *mut f64,
+    usize,
+);
+/// `subroutine vuamp(ampName, time, ampValueOld, dt, nprops, props, nSvars, svars, lFlagsInfo, nSensor, sensorValues,
+/// sensorNames, jSensorLookUpTable, ampValueNew, lFlagsDefine, ampDerivative, ampSecDerivative, ampIncIntegral)`.
+type Vuamp = unsafe extern "C-unwind" fn(
+    *const c_char,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const i32,
+    *const f64,
+    *const i32,
+    *mut f64,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const c_char,
+    *const i32,
+    *mut f64,
+    *mut i32,
+    *mut f64,
+    *mut f64,
+    *mut f64,
+    usize,
+    usize,
+);
+/// `subroutine vdisp(nblock, nDof, nCoord, kstep, kinc, stepTime, totalTime, dtNext, dt, cbname, jBCType, jDof, jNodeUid,
+/// amp, coordNp, u, v, a, rf, rmass, rotaryI, rval)`.
+type Vdisp = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const c_char,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    usize,
+);
+/// `subroutine vexternaldb(lOp, i_Array, niArray, r_Array, nrArray)`.
+type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32, *mut f64, *const i32);
+
+/// Opens libraries and binds what they define. Each call gives routines with a state of their own, so that the runs of a
+/// sweep share nothing.
+///
+/// # Errors
+/// A library that cannot be loaded (with the loader's words), or none that defines a known routine.
+pub fn open(files: &[PathBuf]) -> Result<Routines, Diagnostic> {
+    watch_the_process();
+    let libraries = files.iter().map(|f| open_copy(f)).collect::<Result<Vec<_>, _>>()?;
+    let libraries: Rc<[Library]> = libraries.into();
+    let mut routines = Routines::none();
+    let mut known = false;
+    // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
+    unsafe {
+        if let Some(call) = find::<Vdload>(&libraries, "vdload") {
+            routines = routines.with_load(CompiledLoad { call, name: Padded::default(), _keep: libraries.clone() });
+            known = true;
+        }
+        if let Some(call) = find::<Vuamp>(&libraries, "vuamp") {
+            routines = routines.with_amplitude(CompiledAmplitude { call, _keep: libraries.clone() });
+            known = true;
+        }
+        if let Some(call) = find::<Vdisp>(&libraries, "vdisp") {
+            routines = routines.with_motion(CompiledMotion { call, name: Padded::default(), _keep: libraries.clone() });
+            known = true;
+        }
+        if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb") {
+            routines = routines.with_events(CompiledEvents { call, _keep: libraries.clone() });
+            known = true;
+        }
+    }
+    if known {
+        return Ok(routines);
+    }
+    let names: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();
+    let message = format!("{} define none of vdload, vuamp, vdisp, vexternaldb", names.join(", "));
+    Err(Diagnostic::error("U006", message))
+}
+
+/// The loader opens a file once; a copy is another file, with SAVE and COMMON of its own.
+fn open_copy(file: &Path) -> Result<Library, Diagnostic> {
+    static KEEPER: OnceLock<Option<Library>> = OnceLock::new();
+    let fault = |why: String| Diagnostic::error("U005", format!("`{}` cannot be loaded: {why}", file.display()));
+    // SAFETY: the user's library runs its initialisers here, as he asked for.
+    let load = |path: &Path| unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) };
+    let copy =
+        tempfile::Builder::new().prefix("revolve-").suffix(".so").tempfile().map_err(|e| fault(e.to_string()))?;
+    std::fs::copy(file, copy.path()).map_err(|e| fault(e.to_string()))?;
+    let library = load(copy.path()).map_err(|e| fault(loaders_words(&e, copy.path(), file)))?;
+    // Keeps the Fortran runtime from going and coming with every run of a sweep.
+    KEEPER.get_or_init(|| load(file).ok());
+    Ok(library)
+}
+
+fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String {
+    let mut words = error.to_string();
+    let mut cause: Option<&dyn std::error::Error> = std::error::Error::source(error);
+    while let Some(inner) = cause {
+        words = format!("{words}: {inner}");
+        cause = inner.source();
+    }
+    let words = words.replace(&*copy.display().to_string(), &file.display().to_string());
+    match words.split("undefined symbol: ").nth(1) {
+        Some(symbol) => {
+            let symbol: String = symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            format!("it calls `{}`, which nothing defines ({words})", symbol.trim_end_matches('_'))
+        }
+        None => words,
+    }
+}
+
+/// The routine of this name, as Fortran or as plain C spells it.
+///
+/// # Safety
+/// `T` must be the type of the function that has the name.
+unsafe fn find<T: Copy>(libraries: &[Library], name: &str) -> Option<T> {
+    let spellings = [format!("{name}_"), name.to_owned(), format!("{}_", name.to_uppercase()), name.to_uppercase()];
+    libraries.iter().find_map(|library| {
+        // SAFETY: as this function's own.
+        spellings.iter().find_map(|s| unsafe { library.get::<T>(s.as_bytes()) }.ok().map(|symbol| *symbol))
+    })
+}
+
+// ---------------------------------------------------------------------------------------------- names with a guard
+
+/// Length of a name in the subroutines' arguments.
+const NAME: usize = 80;
+/// Bytes behind it that a routine must leave alone: declared `character*256`, a name reaches that far.
+const BEHIND: usize = 512 - NAME;
+
+/// The part of that which is looked at after each call.
+const WATCHED: usize = 128;
+
+/// A name padded with blanks, and behind it bytes that betray a routine which writes too far.
+struct Padded {
+    bytes: [u8; NAME + BEHIND],
+    given: [u8; WATCHED],
+    text: String,
+}
+
+impl Default for Padded {
+    fn default() -> Self {
+        Padded { bytes: [b' '; NAME + BEHIND], given: [b' '; WATCHED], text: String::new() }
+    }
+}
+
+impl Padded {
+    fn set(&mut self, text: &str) -> *const c_char {
+        if self.text != text {
+            self.text = text.to_owned();
+            self.bytes = pad(text);
+            self.given = pad(text);
+        }
+        self.bytes.as_ptr().cast()
+    }
+
+    /// Whether it is as it was given; put right if not.
+    fn untouched(&mut self) -> bool {
+        let same = self.bytes[..WATCHED] == self.given && self.bytes[NAME + BEHIND - 1] == b' ';
+        if !same {
+            self.bytes = pad(&self.text);
+        }
+        same
+    }
+}
+
+fn pad<const N: usize>(text: &str) -> [u8; N] {
+    let mut bytes = [b' '; N];
+    let length = text.len().min(NAME);
+    bytes[..length].copy_from_slice(&text.as_bytes()[..length]);
+    bytes
+}
+
+// ------------------------------------------------------------------------------------------------------- the door
+
+/// The call that is under way.
+struct Call<'a> {
+    routine: &'static str,
+    /// Surface, set or amplitude.
+    name: &'a str,
+    now: Instant,
+    sensors: (&'a [String], &'a [f64]),
+}
+
+thread_local! {
+    static CURRENT: Cell<*const Call<'static>> = const { Cell::new(std::ptr::null()) };
+}
+
+/// What the routine threw to end the analysis.
+struct Ended(String);
+
+/// Calls into the library; a routine that ends the process comes back as a failure.
+#[inline]
+fn enter(call: &Call<'_>, body: impl FnOnce()) -> Result<(), LoadFailure> {
+    CURRENT.set(std::ptr::from_ref(call).cast());
+    let returned = catch_unwind(AssertUnwindSafe(body));
+    CURRENT.set(std::ptr::null());
+    returned.map_err(|payload| ended(call, payload))
+}
+
+#[cold]
+fn ended(call: &Call<'_>, payload: Box<dyn Any + Send>) -> LoadFailure {
+    match payload.downcast::<Ended>() {
+        Ok(ended) => LoadFailure::new(format!("{} ended the analysis: {}", call.routine, ended.0)),
+        Err(other) => resume_unwind(other),
+    }
+}
+
+/// Runs `ask` on the call under way on this thread, if there is one.
+fn current<R>(ask: impl FnOnce(Option<&Call<'_>>) -> R) -> R {
+    let pointer = CURRENT.get();
+    // SAFETY: `enter` sets the pointer to a call that outlives the routine, and takes it back when the routine is left.
+    ask(unsafe { pointer.as_ref() })
+}
+
+fn end(why: String) -> ! {
+    if CURRENT.get().is_null() {
+        // Not inside a routine that was called from here: nobody could catch it.
+        eprintln!("error: {why}");
+        std::process::exit(1);
+    }
+    resume_unwind(Box::new(Ended(why)))
+}
+
+struct CompiledLoad {
+    call: Vdload,
+    name: Padded,
+    _keep: Rc<[Library]>,
+}
+
+impl UserLoad for CompiledLoad {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        let (count, dimensions) = (points.r.len() as i32, 2_i32);
+        // An element load has no surface name.
+        let name = self.name.set(if points.load_type == 0 { points.surface } else { "" });
+        let call = Call { routine: "vdload", name: points.surface, now: points.now, sensors: (&[], &[]) };
+        enter(&call, || {
+            // SAFETY: each slice holds what the manual says the routine reads; names and values have room behind.
+            unsafe {
+                (self.call)(
+                    &count,
+                    &dimensions,
+                    &points.now.step_time,
+                    &points.now.total_time,
+                    &points.amplitude,
+                    points.coordinates.as_ptr(),
+                    points.motion.as_ptr(),
+                    points.directions.as_ptr(),
+                    &points.load_type,
+                    name,
+                    pressure.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vdload", "sname")
+    }
+
+    fn reads_motion(&self) -> bool {
+        true
+    }
+}
+
+fn guarded(untouched: bool, routine: &str, argument: &str) -> Result<(), LoadFailure> {
+    if untouched {
+        return Ok(());
+    }
+    Err(LoadFailure::new(format!("{routine} wrote into its argument {argument}, which it may only read")))
+}
+
+struct CompiledAmplitude {
+    call: Vuamp,
+    _keep: Rc<[Library]>,
+}
+
+impl UserAmplitude for CompiledAmplitude {
+    fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure> {
+        let name = pad::<{ NAME + BEHIND }>(call.name);
+        let time = [call.now.step_time, call.now.total_time];
+        let counts = [call.properties.len(), call.variables.len(), call.sensor_names.len()].map(|n| n as i32);
+        let first = i32::from(call.now.increment == 0);
+        let info = [first, 1 - i32::from(call.begins), call.now.step as i32];
+        let sensors: Vec<u8> = call.sensor_names.iter().flat_map(|n| pad::<NAME>(n)).chain([b' '; NAME]).collect();
+        let table = [0_i32; 4];
+        let mut define = [0_i32; 8];
+        let (mut value, mut derivative, mut second, mut integral) = (f64::NAN, 0.0, 0.0, 0.0);
+        let context =
+            Call { routine: "vuamp", name: call.name, now: call.now, sensors: (call.sensor_names, call.sensor_values) };
+        enter(&context, || {
+            // SAFETY: each argument has the length that the counts before it say.
+            unsafe {
+                (self.call)(
+                    name.as_ptr().cast(),
+                    time.as_ptr(),
+                    &call.old,
+                    &call.increment,
+                    &counts[0],
+                    call.properties.as_ptr(),
+                    &counts[1],
+                    call.variables.as_mut_ptr(),
+                    info.as_ptr(),
+                    &counts[2],
+                    call.sensor_values.as_ptr(),
+                    sensors.as_ptr().cast(),
+                    table.as_ptr(),
+                    &mut value,
+                    define.as_mut_ptr(),
+                    &mut derivative,
+                    &mut second,
+                    &mut integral,
+                    NAME,
+                    NAME,
+                );
+            }
+        })?;
+        guarded(name == pad(call.name), "vuamp", "ampName")?;
+        Ok(AmplitudeAnswer {
+            value,
+            derivative: (define[0] == 1).then_some(derivative),
+            stop: define[3] == 1,
+            conclude_step: define[4] == 1,
+        })
+    }
+}
+
+struct CompiledMotion {
+    call: Vdisp,
+    name: Padded,
+    _keep: Rc<[Library]>,
+}
+
+/// Degrees of freedom of a node in an axisymmetric model: r, z, rotation.
+const DOFS: usize = 3;
+
+impl UserMotion for CompiledMotion {
+    fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
+        let name = self.name.set(call.set);
+        let (one, dofs, coordinates) = (1_i32, DOFS as i32, 2_i32);
+        let (step, increment) = (call.now.step as i32, i32::try_from(call.now.increment).unwrap_or(i32::MAX));
+        // jDof is above zero for what this call prescribes.
+        let mut asked = [0_i32; DOFS];
+        asked[call.dof - 1] = 1;
+        let vector = |value: f64| [0.0, value, 0.0];
+        let [u, v, a, rf] = call.state.map(vector);
+        let rotary = [0.0; 9];
+        let mut values = [f64::NAN; DOFS];
+        let context = Call { routine: "vdisp", name: call.set, now: call.now, sensors: (&[], &[]) };
+        enter(&context, || {
+            // SAFETY: one node, three degrees of freedom, two coordinates; every array is of that size.
+            unsafe {
+                (self.call)(
+                    &one,
+                    &dofs,
+                    &coordinates,
+                    &step,
+                    &increment,
+                    &call.now.step_time,
+                    &call.now.total_time,
+                    &call.increments[1],
+                    &call.increments[0],
+                    name,
+                    &call.kind,
+                    asked.as_ptr(),
+                    &call.node,
+                    &call.amplitude,
+                    call.coordinates.as_ptr(),
+                    u.as_ptr(),
+                    v.as_ptr(),
+                    a.as_ptr(),
+                    rf.as_ptr(),
+                    &call.mass,
+                    rotary.as_ptr(),
+                    values.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vdisp", "cbname")?;
+        Ok(values[call.dof - 1])
+    }
+}
+
+struct CompiledEvents {
+    call: Vexternaldb,
+    _keep: Rc<[Library]>,
+}
+
+impl UserEvents for CompiledEvents {
+    fn moment(&mut self, moment: Moment, now: &Instant, increment: f64) -> Result<Wish, LoadFailure> {
+        let operation = moment as i32;
+        let (nodes, elements) = host::with_job(|j| (j.nodes.len() as i32, j.elements.len() as i32));
+        let count = i32::try_from(now.increment).unwrap_or(i32::MAX);
+        // i_int_nTotalNodes, nTotalElements, kStep, kInc, iStatus, lWriteRestart; room for a routine that reads further.
+        let mut integers = [nodes, elements, now.step as i32, count, 0, 0, 0, 0];
+        let mut reals = [now.total_time, now.step_time, increment, 0.0];
+        let (integer_count, real_count) = (6_i32, 3_i32);
+        let call = Call { routine: "vexternaldb", name: "", now: *now, sensors: (&[], &[]) };
+        enter(&call, || {
+            // SAFETY: both arrays are longer than the counts say.
+            unsafe { (self.call)(&operation, integers.as_mut_ptr(), &integer_count, reals.as_mut_ptr(), &real_count) }
+        })?;
+        Ok(match integers[4] {
+            1 => Wish::EndStep,
+            2 => Wish::EndAnalysis,
+            _ => Wish::Continue,
+        })
+    }
+}
+
+// ------------------------------------------------------------------------------- when the process itself is at stake
+
+/// Once in the process: a routine that calls the system's `exit`, or hurts memory, shall leave words behind.
+fn watch_the_process() {
+    static WATCH: Once = Once::new();
+    WATCH.call_once(|| {
+        // SAFETY: the handlers only read a thread's own pointer and write to standard error.
+        unsafe {
+            libc::atexit(at_exit);
+            for signal in [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT] {
+                let mut action: libc::sigaction = std::mem::zeroed();
+                action.sa_sigaction = on_signal as *const () as usize;
+                action.sa_flags = libc::SA_ONSTACK | libc::SA_RESETHAND | libc::SA_NODEFER;
+                libc::sigaction(signal, &action, std::ptr::null_mut());
+            }
+        }
+    });
+}
+
+extern "C" fn at_exit() {
+    if last_words("ended the process") {
+        // SAFETY: leaves without running what the routine interrupted.
+        unsafe { libc::_exit(1) }
+    }
+}
+
+extern "C" fn on_signal(signal: c_int) {
+    let what = match signal {
+        libc::SIGSEGV | libc::SIGBUS => "touched memory that is not its own (an array index out of bounds?)",
+        libc::SIGFPE => "divided an integer by zero",
+        libc::SIGABRT => "aborted",
+        _ => "ran into an illegal instruction",
+    };
+    // SAFETY: both calls are safe in a signal handler; the action is the default one again.
+    unsafe {
+        if last_words(what) {
+            libc::_exit(1);
+        }
+        libc::raise(signal);
+    }
+}
+
+/// Says which call was under way; `false` if none was. Allocates nothing: a signal may come from inside the allocator.
+fn last_words(what: &str) -> bool {
+    struct Line([u8; 512], usize);
+    impl std::fmt::Write for Line {
+        fn write_str(&mut self, text: &str) -> std::fmt::Result {
+            let count = text.len().min(self.0.len() - self.1);
+            self.0[self.1..self.1 + count].copy_from_slice(&text.as_bytes()[..count]);
+            self.1 += count;
+            Ok(())
+        }
+    }
+    current(|call| {
+        let Some(call) = call else { return false };
+        let mut line = Line([0; 512], 0);
+        let on = if call.name.is_empty() { "" } else { " for " };
+        let _ = writeln!(
+            line,
+            "error: {}{on}{} {what}: step {}, increment {}, total time {:e}. The frames written before are complete; \
+             --check-user finds indices out of bounds.",
+            call.routine, call.name, call.now.step, call.now.increment, call.now.total_time
+        );
+        // SAFETY: the buffer is as long as said.
+        unsafe { libc::write(2, line.0.as_ptr().cast(), line.1) };
+        true
+    })
+}
+
+// ------------------------------------------------------------------------------------ host routines for the library
+
+/// Names the dynamic linker finds: the routine's calls end here. A jump in assembly, because the symbol of a Rust function
+/// is nobody's business after link-time optimisation.
+#[cfg(target_arch = "x86_64")]
+macro_rules! jump {
+    () => {
+        "jmp {f}"
+    };
+}
+#[cfg(target_arch = "aarch64")]
+macro_rules! jump {
+    () => {
+        "b {f}"
+    };
+}
+macro_rules! exported {
+    ($($name:literal => $function:path),+ $(,)?) => {
+        $(core::arch::global_asm!(
+            concat!(".globl ", $name),
+            concat!(".type ", $name, ",@function"),
+            concat!($name, ":"),
+            ".cfi_startproc",
+            jump!(),
+            ".cfi_endproc",
+            concat!(".size ", $name, ", .-", $name),
+            f = sym $function,
+        );)+
+    };
+}
+
+exported! {
+    "xplb_exit_" => xplb_exit,
+    "xplb_abqerr_" => xplb_abqerr,
+    "vgetjobname_" => vgetjobname,
+    "vgetoutdir_" => vgetoutdir,
+    "vgetnumcpus_" => vgetnumcpus,
+    "vgetrank_" => vgetrank,
+    "vgetinternal_" => vgetinternal,
+    "vgetpartinfo_" => vgetpartinfo,
+    "ivgetsensorid_" => sensor_id,
+    "igetsensorid_" => sensor_id,
+    "vgetsensorvalue_" => sensor_value,
+    "getsensorvalue_" => sensor_value,
+    "_gfortran_stop_string" => stop_string,
+    "_gfortran_error_stop_string" => error_stop_string,
+    "_gfortran_stop_numeric" => stop_numeric,
+    "_gfortran_error_stop_numeric" => error_stop_numeric,
+    "_gfortran_exit_i4" => exit_i4,
+    "_gfortran_exit_i8" => exit_i8,
+    "_gfortran_abort" => fortran_abort,
+    "_gfortran_runtime_error" => runtime_error,
+    "_gfortran_runtime_error_at" => runtime_error_at,
+    "_gfortran_os_error_at" => runtime_error_at,
+}
+
+/// Fortran text of a length, without the blanks behind.
+///
+/// # Safety
+/// `text` is null or holds `length` bytes.
+unsafe fn words(text: *const c_char, length: usize) -> String {
+    if text.is_null() {
+        return String::new();
+    }
+    // SAFETY: as this function's own.
+    let bytes = unsafe { std::slice::from_raw_parts(text.cast::<u8>(), length) };
+    String::from_utf8_lossy(bytes).trim_end_matches([' ', '\0']).to_owned()
+}
+
+/// Writes text into a Fortran variable, with blanks behind, and its length beside.
+///
+/// # Safety
+/// `to` holds `room` bytes; `length` is null or holds an integer.
+unsafe fn give(text: &str, to: *mut c_char, length: *mut i32, room: usize) {
+    let count = text.len().min(room);
+    // SAFETY: as this function's own.
+    unsafe {
+        let bytes = std::slice::from_raw_parts_mut(to.cast::<u8>(), room);
+        bytes.fill(b' ');
+        bytes[..count].copy_from_slice(&text.as_bytes()[..count]);
+        if !length.is_null() {
+            *length = count as i32;
+        }
+    }
+}
+
+/// `call xplb_exit`: ends the analysis (ABAQUS User Subroutines Reference, 2.1.15 "Terminating an analysis").
+extern "C-unwind" fn xplb_exit() -> ! {
+    end("it called xplb_exit".into())
+}
+
+/// `call xplb_abqerr(lop, string, intv, realv, charv)` (ABAQUS User Subroutines Reference, "Printing messages to the
+/// message or status file").
+unsafe extern "C-unwind" fn xplb_abqerr(
+    lop: *const i32,
+    text: *const c_char,
+    integers: *const i32,
+    reals: *const f64,
+    strings: *const c_char,
+    text_length: usize,
+    _string_length: usize,
+) {
+    // SAFETY: the caller gives as many values as its text asks for, each string of 8 characters.
+    let (operation, text) = unsafe {
+        let value = |i: usize| (!integers.is_null()).then(|| *integers.add(i));
+        let real = |i: usize| (!reals.is_null()).then(|| *reals.add(i));
+        let word = |i: usize| (!strings.is_null()).then(|| words(strings.add(8 * i), 8));
+        (*lop, host::fill_in(&words(text, text_length), value, real, word))
+    };
+    let level = match operation {
+        1 => Level::Note,
+        -1 => Level::Warning,
+        _ => Level::Error,
+    };
+    host::tell(level, text.clone());
+    if operation == -3 {
+        end(text);
+    }
+}
+
+/// `call vgetjobname(jobname, lenjobname)`.
+unsafe extern "C-unwind" fn vgetjobname(name: *mut c_char, length: *mut i32, room: usize) {
+    // SAFETY: the compiler of the caller gives the variable's length.
+    host::with_job(|job| unsafe { give(&job.name, name, length, room) });
+}
+
+/// `call vgetoutdir(outdir, lenoutdir)`.
+unsafe extern "C-unwind" fn vgetoutdir(folder: *mut c_char, length: *mut i32, room: usize) {
+    // SAFETY: the compiler of the caller gives the variable's length.
+    host::with_job(|job| unsafe { give(&job.folder, folder, length, room) });
+}
+
+/// `call vgetnumcpus(numprocesses)`: one process.
+unsafe extern "C-unwind" fn vgetnumcpus(count: *mut i32) {
+    // SAFETY: an integer of the caller.
+    unsafe { *count = 1 }
+}
+
+/// `call vgetrank(kprocessnum)`: the first.
+unsafe extern "C-unwind" fn vgetrank(rank: *mut i32) {
+    // SAFETY: an integer of the caller.
+    unsafe { *rank = 0 }
+}
+
+/// `call vgetinternal(cpname, locnum, jtyp, intnum, jrcd)`: jtyp 0 nodes, 1 elements; jrcd 0 if found.
+unsafe extern "C-unwind" fn vgetinternal(
+    part: *const c_char,
+    local: *const i32,
+    kind: *const i32,
+    internal: *mut i32,
+    code: *mut i32,
+    length: usize,
+) {
+    // SAFETY: integers of the caller, and a name of the length that its compiler gives.
+    unsafe {
+        let part = words(part, length);
+        let number = host::with_job(|job| {
+            let names = if *kind == 0 { &job.nodes } else { &job.elements };
+            host::internal_number(names, &part, *local)
+        });
+        *internal = number;
+        *code = i32::from(number == 0);
+    }
+}
+
+/// `call vgetpartinfo(intnum, jtyp, cpname, locnum, jrcd)`.
+unsafe extern "C-unwind" fn vgetpartinfo(
+    internal: *const i32,
+    kind: *const i32,
+    part: *mut c_char,
+    local: *mut i32,
+    code: *mut i32,
+    room: usize,
+) {
+    host::with_job(|job| {
+        // SAFETY: integers of the caller, and a name of the length that its compiler gives.
+        unsafe {
+            let names = if *kind == 0 { &job.nodes } else { &job.elements };
+            let found = host::part_of(names, *internal);
+            *code = i32::from(found.is_none());
+            if let Some((name, number)) = found {
+                give(name, part, std::ptr::null_mut(), room);
+                *local = number;
+            }
+        }
+    });
+}
+
+/// `ivGetSensorID(sensorName, jSensorLookUpTable)`: place of the sensor from 1, 0 if there is none.
+unsafe extern "C-unwind" fn sensor_id(name: *const c_char, _table: *const i32, length: usize) -> i32 {
+    // SAFETY: a name of the length that the caller's compiler gives.
+    let name = unsafe { words(name, length) };
+    current(|call| {
+        let names = call.map_or(&[][..], |c| c.sensors.0);
+        names.iter().position(|n| n.eq_ignore_ascii_case(&name)).map_or(0, |i| i as i32 + 1)
+    })
+}
+
+/// `vGetSensorValue(sensorName, jSensorLookUpTable, sensorValues)`.
+unsafe extern "C-unwind" fn sensor_value(
+    name: *const c_char,
+    table: *const i32,
+    _values: *const f64,
+    length: usize,
+) -> f64 {
+    // SAFETY: passed on as they came.
+    let id = unsafe { sensor_id(name, table, length) };
+    if id == 0 {
+        // SAFETY: a name of the length that the caller's compiler gives.
+        end(format!("it asked for the sensor `{}`, which the deck does not have", unsafe { words(name, length) }));
+    }
+    current(|call| call.map_or(f64::NAN, |c| c.sensors.1[id as usize - 1]))
+}
+
+unsafe extern "C-unwind" fn stop_string(text: *const c_char, length: usize, _quiet: bool) -> ! {
+    // SAFETY: text of the length given.
+    end(format!("it ran into STOP {}", unsafe { words(text, length) }).trim_end().to_owned())
+}
+
+unsafe extern "C-unwind" fn error_stop_string(text: *const c_char, length: usize, _quiet: bool) -> ! {
+    // SAFETY: text of the length given.
+    end(format!("it ran into ERROR STOP {}", unsafe { words(text, length) }).trim_end().to_owned())
+}
+
+extern "C-unwind" fn stop_numeric(code: c_int, _quiet: bool) -> ! {
+    end(format!("it ran into STOP {code}"))
+}
+
+extern "C-unwind" fn error_stop_numeric(code: c_int, _quiet: bool) -> ! {
+    end(format!("it ran into ERROR STOP {code}"))
+}
+
+unsafe extern "C-unwind" fn exit_i4(status: *const i32) -> ! {
+    // SAFETY: null or an integer of the caller.
+    let status = unsafe { status.as_ref() }.copied().unwrap_or(0);
+    end(format!("it called exit({status})"))
+}
+
+unsafe extern "C-unwind" fn exit_i8(status: *const i64) -> ! {
+    // SAFETY: null or an integer of the caller.
+    let status = unsafe { status.as_ref() }.copied().unwrap_or(0);
+    end(format!("it called exit({status})"))
+}
+
+extern "C-unwind" fn fortran_abort() -> ! {
+    end("it called abort".into())
+}
+
+/// Checks of the Fortran runtime. These functions take values as C's `printf` does; the first few come in registers.
+unsafe extern "C-unwind" fn runtime_error(format: *const c_char, a: usize, b: usize, c: usize, d: usize) -> ! {
+    // SAFETY: the runtime's own format, and the values that it asks for.
+    end(unsafe { printed(format, [a, b, c, d]) })
+}
+
+unsafe extern "C-unwind" fn runtime_error_at(
+    place: *const c_char,
+    format: *const c_char,
+    a: usize,
+    b: usize,
+    c: usize,
+    d: usize,
+) -> ! {
+    // SAFETY: text that ends with zero, the runtime's own format, and the values that it asks for.
+    end(unsafe { format!("{}: {}", CStr::from_ptr(place).to_string_lossy(), printed(format, [a, b, c, d])) })
+}
+
+/// The few formats that the Fortran runtime uses: integers and text.
+///
+/// # Safety
+/// `format` ends with zero and asks for `values` alone, of which `%s` are text that ends with zero.
+unsafe fn printed(format: *const c_char, values: [usize; 4]) -> String {
+    // SAFETY: as this function's own.
+    let format = unsafe { CStr::from_ptr(format) }.to_string_lossy().into_owned();
+    let mut values = values.into_iter();
+    let mut text = String::new();
+    let mut rest = format.as_str();
+    while let Some(at) = rest.find('%') {
+        text += &rest[..at];
+        let tail = &rest[at + 1..];
+        let Some(end) = tail.find(|c: char| c.is_alphabetic() && c != 'l' && c != 'z' || c == '%') else { break };
+        match (tail.as_bytes()[end], values.next()) {
+            // SAFETY: as this function's own.
+            (b's', Some(value)) => text += &unsafe { CStr::from_ptr(value as *const c_char) }.to_string_lossy(),
+            (b'd' | b'i' | b'u', Some(value)) => {
+                let wide = tail[..end].contains(['l', 'z']);
+                let _ = write!(text, "{}", if wide { value as i64 } else { i64::from(value as i32) });
+            }
+            _ => text.push('%'),
+        }
+        rest = &tail[end + 1..];
+    }
+    text + rest
+}
