@@ -180,7 +180,17 @@ fn faults_in_the_run_are_located() {
         (
             "a third coordinate",
             "      do k = 1, nblock\n        value(k) = 1.d8*curCoords(k,3)\n      end do".into(),
-            &["point 1", "NaN", "two, r and z"],
+            &["third coordinate", "two, r and z"],
+        ),
+        (
+            "a third coordinate in a comparison",
+            format!("{FILL}      if (curCoords(1,3) .lt. 0.d0) value = 0.d0"),
+            &["third coordinate", "two, r and z"],
+        ),
+        (
+            "a third direction",
+            "      do k = 1, nblock\n        value(k) = 1.d8*dirCos(k,3,3)\n      end do".into(),
+            &["NaN", "direction"],
         ),
         ("STOP", later("stop 'table exhausted'"), &["STOP table exhausted", "increment"]),
         ("STOP with a number", later("stop 7"), &["STOP 7"]),
@@ -314,6 +324,10 @@ fn routines_of_all_styles_compile_and_run() {
     let bare = vdload(FILL).replace("include 'vaba_param.inc'", "INCLUDE 'VABA_PARAM.INC'");
     let cases: &[(&str, Vec<(&str, String)>)] = &[
         ("fixed form", vec![("a.f", vdload(FILL))]),
+        (
+            "a guarded third coordinate",
+            vec![("a.f", vdload(&format!("      z = 0.d0\n      if (ndim .gt. 2) z = curCoords(1,3)\n{FILL}")))],
+        ),
         ("tabs", vec![("a.for", tabs)]),
         ("400 continuation lines", vec![("a.f", long)]),
         ("upper case", vec![("A.F", upper)]),

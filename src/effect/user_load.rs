@@ -59,6 +59,9 @@ struct Block {
     pressure_before: Vec<f64>,
 }
 
+/// A NaN that is noticed wherever it is used, even in a comparison: what lies behind two coordinates.
+const SIGNALLING: u64 = 0x7ff4_0000_0000_0000;
+
 impl UserPressure {
     /// The load on points of one body.
     pub fn new(load: UserLoad, body: usize, points: &[Point]) -> Self {
@@ -86,12 +89,14 @@ impl Block {
         let shown = |list: &[f64], sign: f64| list.iter().map(|n| sign * n).collect::<Vec<_>>();
         let (r, z_start) = (column(|p| p.place[0]), column(|p| p.place[1]));
         // The second direction is the first turned counter-clockwise: (n_r, n_z) becomes (-n_z, n_r).
-        let directions =
-            [shown(&normal_r, sign), shown(&normal_z, -sign), shown(&normal_z, sign), shown(&normal_r, sign)].concat();
+        let no_number = f64::from_bits(SIGNALLING);
+        let behind = |slabs: usize| vec![no_number; slabs * n];
+        let normals = [shown(&normal_r, sign), shown(&normal_z, -sign), shown(&normal_z, sign), shown(&normal_r, sign)];
+        let directions = [normals.concat(), behind(5)].concat();
         Block {
             elements: points.iter().map(|p| p.element).collect(),
             weight: column(|p| p.weight),
-            coordinates: [r, z_start.clone(), vec![f64::NAN; n]].concat(),
+            coordinates: [r, z_start.clone(), behind(1)].concat(),
             z_start,
             motion: vec![0.0; 6 * n],
             directions,
@@ -155,7 +160,7 @@ impl Block {
         };
         let value = self.pressure[i];
         let hint = if value.is_nan() {
-            "; a point that is left out keeps NaN, and so does what is computed from a third coordinate: \
+            "; a point that is left out keeps NaN, and so does what is computed from a third coordinate or direction: \
              curCoords has two, r and z"
         } else {
             ""

@@ -40,4 +40,9 @@ pub const CODES: &[Code] = &[
         title: "text past column 72",
         text: "In fixed form, text past column 72 is read as code, as ABAQUS's own compile command does; make sure that it is no sequence number.",
     },
+    Code {
+        code: "U008",
+        title: "third coordinate",
+        text: "The source reads curCoords(k,3) or the like. An axisymmetric model has two coordinates, r and z. Where a run really computes with a third one, it halts and says so; a reading guarded by `if (ndim .gt. 2)` is fine.",
+    },
 ];

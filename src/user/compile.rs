@@ -41,6 +41,8 @@ pub struct Compiled {
     pub libraries: Vec<PathBuf>,
     /// What the user should know.
     pub notes: Diagnostics,
+    /// Whether a source reads a third coordinate: calls are then watched for invalid operations.
+    third_coordinate: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +59,7 @@ impl Compiled {
     /// # Errors
     /// As [`library::open`].
     pub fn open(&self) -> Result<Routines, Diagnostic> {
-        library::open(&self.libraries)
+        library::open(&self.libraries, self.third_coordinate)
     }
 }
 
@@ -83,7 +85,8 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     if !sources.is_empty() {
         libraries.insert(0, build(&sources, checked, &mut notes)?);
     }
-    Ok(Compiled { libraries, notes })
+    let third_coordinate = notes.iter().any(|n| n.code == "U008");
+    Ok(Compiled { libraries, notes, third_coordinate })
 }
 
 fn language(file: &Path) -> Result<Language, String> {
@@ -110,6 +113,7 @@ fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) 
         if *language == Language::FixedFortran {
             note_long_lines(file, notes);
         }
+        note_third_coordinate(file, notes);
     }
     let tools = Tools::find(sources).map_err(|e| fault("U002", e))?;
     let folder = cache_folder();
@@ -365,6 +369,30 @@ fn note_long_lines(file: &Path, notes: &mut Diagnostics) {
     }
 }
 
+fn note_third_coordinate(file: &Path, notes: &mut Diagnostics) {
+    let Ok(bytes) = std::fs::read(file) else { return };
+    let text = String::from_utf8_lossy(&bytes);
+    if let Some(line) = text.lines().position(reads_third_coordinate) {
+        let message = format!("{}:{}: this reads a third coordinate; there are two, r and z", file.display(), line + 1);
+        notes.push(Diagnostic::note("U008", message));
+    }
+}
+
+/// `curCoords(k,3)` or `velocity(k,3)`, in code.
+fn reads_third_coordinate(line: &str) -> bool {
+    if line.starts_with(['c', 'C', '*', '!']) {
+        return false;
+    }
+    let code: String =
+        line.split('!').next().unwrap_or("").chars().filter(|c| !c.is_whitespace()).collect::<String>().to_lowercase();
+    ["curcoords(", "velocity("].iter().any(|name| {
+        code.match_indices(name).any(|(at, _)| {
+            let inside = code[at + name.len()..].split(')').next().unwrap_or("");
+            inside.rsplit_once(',').is_some_and(|(_, index)| index == "3")
+        })
+    })
+}
+
 fn has_code_past_72(line: &str) -> bool {
     if line.starts_with(['c', 'C', 'd', 'D', '*', '!', '#']) {
         return false;
@@ -375,7 +403,16 @@ fn has_code_past_72(line: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{has_code_past_72, included};
+    use super::{has_code_past_72, included, reads_third_coordinate};
+
+    #[test]
+    fn a_third_coordinate_is_seen_in_code_alone() {
+        assert!(reads_third_coordinate("        z = CurCoords ( k , 3 )"));
+        assert!(reads_third_coordinate("\tif (velocity(k,3)<0.) then"));
+        assert!(!reads_third_coordinate("C       z = curCoords(k,3)"));
+        assert!(!reads_third_coordinate("        z = curCoords(k,2) ! not curCoords(k,3)"));
+        assert!(!reads_third_coordinate("      dimension curCoords(nblock,ndim)"));
+    }
 
     #[test]
     fn includes_are_found_in_both_styles() {

@@ -91,11 +91,11 @@ type Vdisp = unsafe extern "C-unwind" fn(
 type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32, *mut f64, *const i32);
 
 /// Opens libraries and binds what they define. Each call gives routines with a state of their own, so that the runs of a
-/// sweep share nothing.
+/// sweep share nothing. `watch_invalid` halts a load that computes with what is no number.
 ///
 /// # Errors
 /// A library that cannot be loaded (with the loader's words), or none that defines a known routine.
-pub fn open(files: &[PathBuf]) -> Result<Routines, Diagnostic> {
+pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnostic> {
     watch_the_process();
     let libraries = files.iter().map(|f| open_copy(f)).collect::<Result<Vec<_>, _>>()?;
     let libraries: Rc<[Library]> = libraries.into();
@@ -104,7 +104,12 @@ pub fn open(files: &[PathBuf]) -> Result<Routines, Diagnostic> {
     // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
     unsafe {
         if let Some(call) = find::<Vdload>(&libraries, "vdload") {
-            routines = routines.with_load(CompiledLoad { call, name: Padded::default(), _keep: libraries.clone() });
+            routines = routines.with_load(CompiledLoad {
+                call,
+                name: Padded::default(),
+                watch_invalid,
+                _keep: libraries.clone(),
+            });
             known = true;
         }
         if let Some(call) = find::<Vuamp>(&libraries, "vuamp") {
@@ -173,6 +178,14 @@ unsafe fn find<T: Copy>(libraries: &[Library], name: &str) -> Option<T> {
 }
 
 // ---------------------------------------------------------------------------------------------- names with a guard
+
+/// `FE_INVALID` of `fenv.h` on x86-64 and aarch64.
+const FE_INVALID: c_int = 1;
+
+unsafe extern "C" {
+    fn feclearexcept(exceptions: c_int) -> c_int;
+    fn fetestexcept(exceptions: c_int) -> c_int;
+}
 
 /// Length of a name in the subroutines' arguments.
 const NAME: usize = 80;
@@ -276,6 +289,7 @@ fn end(why: String) -> ! {
 struct CompiledLoad {
     call: Vdload,
     name: Padded,
+    watch_invalid: bool,
     _keep: Rc<[Library]>,
 }
 
@@ -285,6 +299,10 @@ impl UserLoad for CompiledLoad {
         // An element load has no surface name.
         let name = self.name.set(if points.load_type == 0 { points.surface } else { "" });
         let call = Call { routine: "vdload", name: points.surface, now: points.now, sensors: (&[], &[]) };
+        if self.watch_invalid {
+            // SAFETY: changes a flag of this thread alone.
+            unsafe { feclearexcept(FE_INVALID) };
+        }
         enter(&call, || {
             // SAFETY: each slice holds what the manual says the routine reads; names and values have room behind.
             unsafe {
@@ -304,6 +322,12 @@ impl UserLoad for CompiledLoad {
                 );
             }
         })?;
+        // SAFETY: reads a flag of this thread.
+        if self.watch_invalid && unsafe { fetestexcept(FE_INVALID) } != 0 {
+            let reason = "vdload computed with a number that is none (NaN), and its source reads a third coordinate: \
+                          curCoords and velocity have two, r and z";
+            return Err(LoadFailure::new(reason));
+        }
         guarded(self.name.untouched(), "vdload", "sname")
     }
 

@@ -48,7 +48,8 @@ pub struct LoadPoints<'a> {
     /// two hold values only if the routine asks for them ([`UserLoad::reads_motion`]).
     pub motion: &'a [f64],
     /// `dirCos`: of each point the first vector is the normal, the second the tangent (the normal turned 90 degrees
-    /// counter-clockwise): slabs normal r, tangent r, normal z, tangent z. As the manual has it, the normal points out of
+    /// counter-clockwise): slabs normal r, tangent r, normal z, tangent z, and behind
+    /// them NaN where a third direction would be. As the manual has it, the normal points out of
     /// the loaded side of a surface element, and into a solid element.
     pub directions: &'a [f64],
 }
