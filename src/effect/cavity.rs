@@ -41,6 +41,17 @@ impl Stack {
         (after > 0 && after < self.planes.len() && high <= self.planes[after]).then(|| after - 1)
     }
 
+    /// Stress at a normal velocity, averaged over the area of a facet; nothing outside the layers.
+    pub fn mean_stress(&self, facet: &Facet, speed: f64) -> f64 {
+        let (low, high) = (facet.low[1], facet.high[1]);
+        if let Some(layer) = self.layer_around(low, high) {
+            return self.laws[layer].stress(speed);
+        }
+        let between = self.planes.windows(2).zip(&self.laws);
+        let part = |(planes, law): (&[f64], &Resistance)| facet.area_between(planes[0], planes[1]) * law.stress(speed);
+        if high > low { between.map(part).sum::<f64>() / facet.area } else { 0.0 }
+    }
+
     /// Distance ahead of `z` in direction `sign` to the next plane, further than `skip`.
     fn distance_ahead(&self, z: f64, sign: f64, skip: f64) -> f64 {
         let next = if sign > 0.0 {

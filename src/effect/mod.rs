@@ -6,6 +6,7 @@ pub mod concentrated;
 pub mod gravity;
 pub mod motion;
 pub mod pressure;
+pub mod solid;
 pub mod user_amplitude;
 pub mod user_load;
 pub mod user_motion;

@@ -4,4 +4,6 @@
 pub mod amplitude;
 pub mod cavity;
 pub mod facet;
+pub mod hardening;
+pub mod quad;
 pub mod solid;

@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
             | "SPECIFIC HEAT"
             | "CAVITY EXPANSION" => self.material_card(card),
             "SOLID SECTION" => self.solid_section(card),
-            "SECTION CONTROLS" => {}
+            "SECTION CONTROLS" => self.section_controls(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
             "TARGET" => self.target(card),

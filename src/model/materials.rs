@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{CavityExpansion, Material, Plastic, RateDependence, SolidSection};
+use super::types::{CavityExpansion, Hourglass, Material, Plastic, RateDependence, SectionControls, SolidSection};
 use crate::deck::{Card, DataLine, Diagnostic};
 
 impl Builder<'_> {
@@ -179,7 +179,33 @@ impl Builder<'_> {
             return;
         }
         let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
-        self.model.sections.push(SolidSection { elements, material: index, span: card.span });
+        let controls = card.value("CONTROLS").map(|w| upper(&w.text));
+        self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
+    }
+
+    /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
+    pub(super) fn section_controls(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "NAME") else { return };
+        self.refuse(card, &["DISTORTION CONTROL", "LENGTH RATIO", "MAX DEGRADATION", "VISCOSITY"]);
+        let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
+        let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
+        let factor = card.lines.first().map_or(Some(1.0), |l| self.number_or(l, 0, 1.0)).unwrap_or(1.0);
+        let hourglass = match kind.as_str() {
+            "STIFFNESS" | "RELAXSTIFFNESS" => Hourglass::Stiffness,
+            "VISCOUS" => Hourglass::Viscous,
+            "COMBINED" => Hourglass::Combined(weight),
+            "ENHANCED" => Hourglass::Enhanced,
+            other => {
+                let help = "STIFFNESS, VISCOUS, COMBINED and ENHANCED are";
+                self.unsupported(card.span, format!("HOURGLASS={other} is not supported"), help);
+                return;
+            }
+        };
+        if !(0.0..=1.0).contains(&weight) || factor.is_nan() || factor < 0.0 {
+            self.out_of_range(card.span, "WEIGHT FACTOR must lie between 0 and 1, the hourglass factor not below 0");
+            return;
+        }
+        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor });
     }
 
     /// Names of all materials of the deck, in order, whether read yet or not.

@@ -22,6 +22,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// `*SOLID SECTION` assignments.
     pub sections: Vec<SolidSection>,
+    /// `*SECTION CONTROLS`.
+    pub controls: Vec<SectionControls>,
     /// Amplitudes in deck order.
     pub amplitudes: Vec<Amplitude>,
     /// Rigid bodies in deck order.
@@ -171,8 +173,34 @@ pub struct SolidSection {
     pub elements: Vec<usize>,
     /// Index into [`Model::materials`].
     pub material: usize,
+    /// Name of its section controls, upper case.
+    pub controls: Option<String>,
     /// The card.
     pub span: Span,
+}
+
+/// `*SECTION CONTROLS`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionControls {
+    /// Upper-case name.
+    pub name: String,
+    /// What resists hourglassing.
+    pub hourglass: Hourglass,
+    /// Factor on it.
+    pub factor: f64,
+}
+
+/// What resists hourglassing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hourglass {
+    /// A spring.
+    Stiffness,
+    /// A dashpot.
+    Viscous,
+    /// Both: this weight for the spring, the rest for the dashpot.
+    Combined(f64),
+    /// The bending stiffness of an assumed strain field.
+    Enhanced,
 }
 
 /// A function of time that scales a load or a motion.

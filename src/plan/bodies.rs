@@ -4,7 +4,7 @@
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
-use crate::model::{ElementKind, InitialKind, RigidBody};
+use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody};
 
 /// A rigid body.
 #[derive(Clone, Debug)]
@@ -38,9 +38,12 @@ impl Compiler<'_> {
         for body in &self.model.rigid_bodies {
             self.body(body);
         }
+    }
+
+    /// What concerns bodies once it is known what deforms.
+    pub(super) fn finish_bodies(&mut self) {
         self.initial_velocities();
-        self.refuse_deformable();
-        self.refuse_free_masses();
+        self.refuse_strays();
         self.check_masses();
     }
 
@@ -115,6 +118,9 @@ impl Compiler<'_> {
 
     fn initial_velocities(&mut self) {
         for condition in &self.model.initial_conditions {
+            if condition.members.iter().any(|m| self.places.has_node(*m)) || self.is_of_solid(condition) {
+                continue;
+            }
             let InitialKind::Velocity(dof, value) = condition.kind else {
                 self.unused(condition.span, "*INITIAL CONDITIONS", "rigid bodies have no temperature or stress");
                 continue;
@@ -140,6 +146,11 @@ impl Compiler<'_> {
         }
     }
 
+    fn is_of_solid(&self, condition: &InitialCondition) -> bool {
+        matches!(condition.kind, InitialKind::Stress(_))
+            && condition.members.iter().any(|e| self.places.elements.contains_key(e))
+    }
+
     fn radial_velocity(&mut self, span: Span, value: f64) {
         if value == 0.0 {
             self.unused(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
@@ -149,8 +160,14 @@ impl Compiler<'_> {
         }
     }
 
-    fn refuse_deformable(&mut self) {
-        let free = |e: &usize| !self.body_of_element.contains_key(e);
+    /// Refuses what neither moves with a rigid body nor deforms.
+    pub(super) fn refuse_strays(&mut self) {
+        self.refuse_stray_elements();
+        self.refuse_free_masses();
+    }
+
+    fn refuse_stray_elements(&mut self) {
+        let free = |e: &usize| !self.body_of_element.contains_key(e) && !self.places.elements.contains_key(e);
         let mesh = &self.model.mesh;
         let first = (0..mesh.elements.len()).find(|e| mesh.elements[*e].kind != ElementKind::Mass && free(e));
         let Some(first) = first else { return };
@@ -158,7 +175,7 @@ impl Compiler<'_> {
         let (message, help) = if element.kind == ElementKind::Rax2 {
             ("RAX2 elements belong to no rigid body", "name their element set on *RIGID BODY, ELSET=")
         } else {
-            ("deformable elements are read, but not simulated yet", "only elements of a *RIGID BODY can move for now")
+            ("solid elements have no section", "name their element set on *SOLID SECTION, or on *RIGID BODY")
         };
         let label = format!("element {} and others", element.name);
         self.diagnostics.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
@@ -166,7 +183,7 @@ impl Compiler<'_> {
 
     fn refuse_free_masses(&mut self) {
         for point in &self.model.point_masses {
-            if !self.body_of_node.contains_key(&point.node) {
+            if !self.body_of_node.contains_key(&point.node) && !self.places.has_node(point.node) {
                 let name = &self.model.mesh.node_names[point.node];
                 let message = format!("the mass on node {name} belongs to no rigid body");
                 let finding = Diagnostic::error("P005", message).at(point.span, "here");

@@ -7,8 +7,8 @@ use crate::deck::Code;
 pub const CODES: &[Code] = &[
     Code {
         code: "P001",
-        title: "deformable elements are not simulated yet",
-        text: "The deck holds CAX3 or CAX4R elements with a section. They are read, checked and written, but this version moves rigid bodies only. Put the elements into a *RIGID BODY, or wait for deformable solids.",
+        title: "elements that nothing moves",
+        text: "Solid elements deform if a *SOLID SECTION gives them a material, and move with a *RIGID BODY that names them. These do neither, or are of a type that is not simulated yet (CAX3).",
     },
     Code {
         code: "P002",
@@ -56,6 +56,27 @@ pub const CODES: &[Code] = &[
         text: "A sensor is one number for a user amplitude: *OUTPUT, HISTORY, SENSOR, NAME=… followed by *NODE OUTPUT with a node set of one node and U2, V2 or A2.",
     },
     Code {
+        code: "P011",
+        title: "node of a rigid and of a deformable body",
+        text: "Deformable and rigid bodies cannot share nodes yet.",
+    },
+    Code {
+        code: "P012",
+        title: "element without volume",
+        text: "The nodes of a solid must run counter-clockwise in the (r, z) plane, with r not below zero. A negative volume means clockwise; zero means that corners coincide or lie on one line.",
+    },
+    Code {
+        code: "P013",
+        title: "material without density or elasticity",
+        text: "What deforms needs *DENSITY and *ELASTIC.",
+    },
+    Code {
+        code: "P014",
+        title: "yield stress that cannot be used",
+        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. Dependence on temperature is not supported yet for tables.",
+    },
+    Code { code: "P015", title: "not on deformable bodies yet", text: "This works on rigid bodies only for now." },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",
@@ -90,6 +111,11 @@ pub const CODES: &[Code] = &[
         code: "R204",
         title: "increment too small",
         text: "The increment no longer advances the clock. The last good state is in the last frame.",
+    },
+    Code {
+        code: "R206",
+        title: "an element failed",
+        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the frames written before are good. A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
     },
     Code {
         code: "R205",

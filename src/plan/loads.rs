@@ -54,6 +54,7 @@ impl Compiler<'_> {
             self.unused(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
             return Vec::new();
         }
+        let nodes: Vec<usize> = nodes.iter().copied().filter(|n| !self.places.has_node(*n)).collect();
         let bodies: Vec<usize> = nodes.iter().filter_map(|n| self.body_of_node.get(n).copied()).collect();
         if bodies.len() < nodes.len() {
             let message = format!("a force acts on nodes of `{set}` that belong to no rigid body");
@@ -119,7 +120,7 @@ impl Compiler<'_> {
         by_body.into_iter().map(make).collect()
     }
 
-    fn layer_row(&mut self, target: &model::Target) {
+    pub(super) fn layer_row(&mut self, target: &model::Target) {
         let names: Vec<_> =
             target.layers.iter().take(4).map(|l| self.model.materials[l.material].name.clone()).collect();
         let more = if target.layers.len() > 4 { ", …" } else { "" };
@@ -127,7 +128,7 @@ impl Compiler<'_> {
         self.cause(target.span, "target", target.layers.len(), "layers", detail);
     }
 
-    fn layers(&self, target: &model::Target) -> Option<Vec<(f64, Resistance)>> {
+    pub(super) fn layers(&self, target: &model::Target) -> Option<Vec<(f64, Resistance)>> {
         let layer = |l: &model::Layer| {
             let material = &self.model.materials[l.material];
             let law = material.cavity?;
@@ -144,6 +145,7 @@ impl Compiler<'_> {
         for &(element, side) in &sides.faces {
             match (self.body_of_element.get(&element), self.facet(element, side)) {
                 (Some(&body), Some(facet)) => by_body.entry(body).or_default().push((element, facet)),
+                (None, _) if self.places.elements.contains_key(&element) => {}
                 (None, _) => stray = stray.or(Some(element)),
                 _ => {}
             }
@@ -176,6 +178,9 @@ impl Compiler<'_> {
     pub(super) fn motions(&mut self, step: &Step, asking: &mut Vec<Box<dyn Asking>>) -> Vec<Motion> {
         let mut motions: Vec<Motion> = Vec::new();
         for boundary in &step.boundaries {
+            if boundary.nodes.iter().all(|n| self.places.has_node(*n)) {
+                continue;
+            }
             if boundary.dof != 2 {
                 self.radial_boundary(boundary);
                 continue;

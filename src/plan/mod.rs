@@ -6,6 +6,7 @@ pub mod codes;
 pub mod ledger;
 mod loads;
 mod outputs;
+mod solid;
 mod user;
 
 use std::rc::Rc;
@@ -13,13 +14,15 @@ use std::rc::Rc;
 use indexmap::IndexMap;
 
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
+use crate::effect::solid::body::{Given, NodeForce, Solid};
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
 use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
 use crate::user::{Routines, SharedEvents};
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
-pub use outputs::{Column, FieldVariable, Outputs, Quantity, Schedule};
+pub use outputs::{Column, ElementVariable, FieldVariable, Outputs, Quantity, Schedule};
+pub use solid::SolidPlaces;
 
 /// What is to be run: every effect the deck asks for, and nothing else.
 pub struct Plan {
@@ -27,8 +30,12 @@ pub struct Plan {
     pub ledger: Ledger,
     /// Nodes and elements, for frames.
     pub mesh: Mesh,
-    /// Bodies that move.
+    /// Rigid bodies.
     pub bodies: Vec<Body>,
+    /// What deforms, if anything does.
+    pub solid: Option<Solid>,
+    /// Where its nodes and elements are in the mesh.
+    pub places: SolidPlaces,
     /// Steps in order.
     pub steps: Vec<StepPlan>,
     /// Names of the history columns, the same in every step.
@@ -57,6 +64,10 @@ pub struct StepPlan {
     pub forces: Vec<Box<dyn Force>>,
     /// Prescribed motions.
     pub motions: Vec<Motion>,
+    /// Forces on nodes of what deforms.
+    pub node_forces: Vec<Box<dyn NodeForce>>,
+    /// Motions that are given on nodes of what deforms.
+    pub given: Vec<Given>,
     /// User motions: asked once an increment.
     pub asking: Vec<Box<dyn Asking>>,
     /// When to write.
@@ -76,6 +87,8 @@ struct Compiler<'a> {
     body_of_node: IndexMap<usize, usize>,
     /// Body of each element that belongs to one.
     body_of_element: IndexMap<usize, usize>,
+    /// Where what deforms is in the mesh.
+    places: SolidPlaces,
     /// Values of user amplitudes, by the amplitude's index.
     tracks: IndexMap<usize, Rc<Track>>,
     /// What is asked once an increment in every step.
@@ -88,6 +101,7 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
         deck,
         model,
         routines,
+        places: SolidPlaces::default(),
         tracks: IndexMap::new(),
         asking: Vec::new(),
         diagnostics: Diagnostics::default(),
@@ -98,18 +112,21 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
         body_of_element: IndexMap::new(),
     };
     compiler.bodies();
+    let solid = compiler.solids();
+    compiler.finish_bodies();
     let (columns, fields) = compiler.variables();
-    let steps = (0..model.steps.len()).map(|i| compiler.step(i)).collect();
-    compiler.check_complete();
+    let steps = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
+    compiler.check_complete(solid.is_some());
     compiler.list_inert();
     compiler.events_row();
-    let Compiler { ledger, bodies, mut diagnostics, asking, .. } = compiler;
+    let Compiler { ledger, bodies, places, mut diagnostics, asking, .. } = compiler;
     // Notes on a plan that cannot run would only bury what is wrong with it.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
     let events = routines.events.clone();
-    (Plan { ledger, mesh: model.mesh.clone(), bodies, steps, columns, fields, asking, events }, diagnostics)
+    let mesh = model.mesh.clone();
+    (Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events }, diagnostics)
 }
 
 impl Compiler<'_> {
@@ -133,9 +150,18 @@ impl Compiler<'_> {
         }
     }
 
-    fn step(&mut self, index: usize) -> StepPlan {
+    fn step(&mut self, index: usize, solid: Option<&Solid>) -> StepPlan {
         let step = &self.model.steps[index];
-        let mut forces: Vec<_> = step.loads.iter().flat_map(|load| self.load(load, step)).collect();
+        let (mut forces, mut node_forces) = (Vec::new(), Vec::new());
+        for load in &step.loads {
+            if let Some(solid) = solid {
+                node_forces.extend(self.node_force(load, solid));
+            }
+            if solid.is_none() || self.acts_on_rigid(load) {
+                forces.extend(self.load(load, step));
+            }
+        }
+        let given = if solid.is_some() { self.given(step) } else { Vec::new() };
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
         let motions = self.motions(step, &mut asking);
@@ -151,6 +177,8 @@ impl Compiler<'_> {
             load_velocity: step.load_velocity,
             forces,
             motions,
+            node_forces,
+            given,
             asking,
             outputs: self.outputs(step),
         }
@@ -158,6 +186,9 @@ impl Compiler<'_> {
 
     fn increment_rows(&mut self, step: &crate::model::Step, forces: &[Box<dyn Force>]) {
         let detail = match step.increment {
+            IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
+                format!("stable increment, element by element, times {}", step.scale_factor)
+            }
             IncrementControl::Fixed(dt) => format!("fixed increment {dt:e} (direct user control)"),
             IncrementControl::Automatic { accuracy, .. } => {
                 format!("nothing limits the increment: error estimate, accuracy {accuracy:e}")
@@ -173,17 +204,19 @@ impl Compiler<'_> {
         }
     }
 
-    fn check_complete(&mut self) {
+    fn check_complete(&mut self, deforms: bool) {
         if self.diagnostics.has_errors() {
             return;
         }
-        if self.model.rigid_bodies.is_empty() || self.model.steps.is_empty() {
-            let missing = if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "*RIGID BODY" };
+        if self.model.rigid_bodies.is_empty() && !deforms || self.model.steps.is_empty() {
+            let missing = if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "body that moves" };
             let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the deck has no {missing}"));
             if let Some(card) = self.deck.cards.last() {
                 finding = finding.at(card.span, "the deck ends after this card");
             }
-            self.diagnostics.push(finding.help("a run needs a *RIGID BODY and a *STEP with *DYNAMIC, EXPLICIT"));
+            self.diagnostics.push(
+                finding.help("a run needs a *RIGID BODY or a *SOLID SECTION, and a *STEP with *DYNAMIC, EXPLICIT"),
+            );
         }
     }
 

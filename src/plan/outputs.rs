@@ -18,6 +18,28 @@ pub enum Quantity {
     Reaction(usize),
     /// Current z of a node: its first coordinate and its body.
     Coordinate(usize, usize),
+    /// Displacement of a deformable node along r (0) or z (1).
+    NodeDisplacement(usize, usize),
+    /// Velocity.
+    NodeVelocity(usize, usize),
+    /// Acceleration.
+    NodeAcceleration(usize, usize),
+    /// Force of what is prescribed there.
+    NodeReaction(usize, usize),
+    /// Current coordinate.
+    NodeCoordinate(usize, usize),
+    /// A number of an element: group, element of the group, what.
+    Element(usize, usize, ElementVariable),
+    /// `ALLIE`.
+    Internal,
+    /// `ALLSE`.
+    Strain,
+    /// `ALLPD`.
+    Plastic,
+    /// `ALLVD`.
+    Viscous,
+    /// `ALLAE`.
+    Artificial,
     /// Something that axial symmetry keeps at zero (`U1` of a rigid body).
     Zero,
     /// `ALLKE`.
@@ -32,6 +54,21 @@ pub enum Quantity {
     Total,
     /// `DT`.
     Increment,
+}
+
+/// A number of a deformable element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementVariable {
+    /// A stress component: 0 rr (`S11`), 1 zz (`S22`), 2 hoop (`S33`), 3 rz (`S12`).
+    Stress(usize),
+    /// Von Mises stress.
+    Mises,
+    /// Pressure, positive in compression.
+    Pressure,
+    /// Equivalent plastic strain.
+    PlasticStrain,
+    /// Temperature.
+    Temperature,
 }
 
 /// One history column.
@@ -52,6 +89,16 @@ pub enum FieldVariable {
     Velocity,
     /// `A`.
     Acceleration,
+    /// `S`, on elements.
+    Stress,
+    /// `MISES`.
+    Mises,
+    /// `PRESS`.
+    Pressure,
+    /// `PEEQ`.
+    PlasticStrain,
+    /// `TEMP`.
+    Temperature,
 }
 
 /// When to write.
@@ -83,6 +130,15 @@ impl Schedule {
     }
 }
 
+/// Energies that exist only where something deforms.
+const SOLID_ENERGIES: [(&str, Quantity); 5] = [
+    ("ALLIE", Quantity::Internal),
+    ("ALLSE", Quantity::Strain),
+    ("ALLPD", Quantity::Plastic),
+    ("ALLVD", Quantity::Viscous),
+    ("ALLAE", Quantity::Artificial),
+];
+
 const ENERGIES: [(&str, Quantity); 5] = [
     ("ALLKE", Quantity::Kinetic),
     ("ALLWK", Quantity::Work),
@@ -93,6 +149,15 @@ const ENERGIES: [(&str, Quantity); 5] = [
 
 const FIELDS: [(&str, FieldVariable); 3] =
     [("U", FieldVariable::Displacement), ("V", FieldVariable::Velocity), ("A", FieldVariable::Acceleration)];
+
+/// Variables on elements of what deforms.
+const ELEMENT_FIELDS: [(&str, FieldVariable); 5] = [
+    ("S", FieldVariable::Stress),
+    ("MISES", FieldVariable::Mises),
+    ("PRESS", FieldVariable::Pressure),
+    ("PEEQ", FieldVariable::PlasticStrain),
+    ("TEMP", FieldVariable::Temperature),
+];
 
 /// Variables of the facets that every frame of a loaded surface shows.
 const FACET_VARIABLES: [&str; 4] = ["P", "PRESSURE", "NORMAL_VELOCITY", "LAYER"];
@@ -110,8 +175,8 @@ impl Compiler<'_> {
                 }
             }
             if step.outputs.is_empty() {
-                columns.extend(ENERGIES.map(energy_column));
-                fields.extend(FIELDS.map(|f| f.1));
+                columns.extend(self.energies().map(energy_column));
+                fields.extend(self.preselected_fields());
             }
         }
         dedup(&mut columns);
@@ -141,6 +206,7 @@ impl Compiler<'_> {
         let first = columns.len();
         for variable in &request.variables {
             match &request.region {
+                Region::Elements(set) => self.element_columns(variable, set, request.span, columns),
                 Region::Nodes(set) => self.node_columns(variable, set, request.span, columns),
                 _ => self.model_columns(variable, request.span, columns),
             }
@@ -158,10 +224,10 @@ impl Compiler<'_> {
 
     fn model_columns(&mut self, variable: &str, span: Span, columns: &mut Vec<Column>) {
         match variable {
-            "PRESELECT" | "ALL" => columns.extend(ENERGIES.map(energy_column)),
+            "PRESELECT" | "ALL" => columns.extend(self.energies().map(energy_column)),
             "DT" => columns.push(Column { name: "DT".into(), quantity: Quantity::Increment }),
-            name => match ENERGIES.iter().find(|e| e.0 == name) {
-                Some(&energy) => columns.push(energy_column(energy)),
+            name => match self.energies().find(|e| e.0 == name) {
+                Some(energy) => columns.push(energy_column(energy)),
                 None => self.absent(variable, span),
             },
         }
@@ -172,11 +238,16 @@ impl Compiler<'_> {
         let Some(members) = model.node_sets.get(set).map(|s| &s.members) else { return };
         let before = columns.len();
         for &node in members {
-            let Some(&body) = self.body_of_node.get(&node) else { continue };
+            let solid = self.places.nodes.get(&node);
+            let body = self.body_of_node.get(&node);
             let place = if members.len() == 1 { set.to_owned() } else { model.mesh.node_names[node].clone() };
-            for (name, quantity) in node_quantities(variable, node, body) {
-                columns.push(Column { name: format!("{name}@{place}"), quantity });
-            }
+            let quantities = match (solid, body) {
+                (Some(&node), _) => solid_quantities(variable, node),
+                (_, Some(&body)) => node_quantities(variable, node, body),
+                _ => Vec::new(),
+            };
+            columns
+                .extend(quantities.into_iter().map(|(n, quantity)| Column { name: format!("{n}@{place}"), quantity }));
         }
         if columns.len() == before {
             self.absent(variable, span);
@@ -186,9 +257,9 @@ impl Compiler<'_> {
     fn field_variables(&mut self, request: &OutputRequest, fields: &mut Vec<FieldVariable>) {
         for variable in &request.variables {
             match variable.as_str() {
-                "PRESELECT" | "ALL" => fields.extend(FIELDS.map(|f| f.1)),
+                "PRESELECT" | "ALL" => fields.extend(self.preselected_fields()),
                 name if FACET_VARIABLES.contains(&name) => {}
-                name => match FIELDS.iter().find(|f| f.0 == name) {
+                name => match self.fields_there_are().find(|f| f.0 == name) {
                     Some(field) => fields.push(field.1),
                     None => self.absent(variable, request.span),
                 },
@@ -196,6 +267,43 @@ impl Compiler<'_> {
         }
         let detail = request.variables.join(" ");
         self.cause(request.span, "field output", request.variables.len(), "variables", detail);
+    }
+
+    fn element_columns(&mut self, variable: &str, set: &str, span: Span, columns: &mut Vec<Column>) {
+        let model = self.model;
+        let Some(members) = model.element_sets.get(set).map(|s| &s.members) else { return };
+        let before = columns.len();
+        for &element in members {
+            let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
+            let place = if members.len() == 1 { set.to_owned() } else { model.mesh.elements[element].name.clone() };
+            for (name, variable) in element_quantities(variable) {
+                let quantity = Quantity::Element(group, index, variable);
+                columns.push(Column { name: format!("{name}@{place}"), quantity });
+            }
+        }
+        if columns.len() == before {
+            self.absent(variable, span);
+        }
+    }
+
+    fn deforms(&self) -> bool {
+        !self.places.elements.is_empty()
+    }
+
+    /// Energies that this scene has.
+    fn energies(&self) -> impl Iterator<Item = (&'static str, Quantity)> + use<> {
+        let solid = if self.deforms() { &SOLID_ENERGIES[..] } else { &[] };
+        ENERGIES[..4].iter().chain(solid).chain(&ENERGIES[4..]).copied()
+    }
+
+    fn fields_there_are(&self) -> impl Iterator<Item = (&'static str, FieldVariable)> + use<> {
+        let solid = if self.deforms() { &ELEMENT_FIELDS[..] } else { &[] };
+        FIELDS.iter().chain(solid).copied()
+    }
+
+    /// ABAQUS/Explicit preselects U, V, A, and S and PEEQ of what deforms.
+    fn preselected_fields(&self) -> impl Iterator<Item = FieldVariable> + use<> {
+        self.fields_there_are().map(|f| f.1).filter(|f| *f != FieldVariable::Temperature)
     }
 
     fn absent(&mut self, variable: &str, span: Span) {
@@ -226,6 +334,39 @@ fn node_quantities(variable: &str, node: usize, body: usize) -> Vec<(&'static st
         "RF2" => vec![("RF2", Reaction(body))],
         "COORD" | "COOR2" => vec![("COOR2", Coordinate(node, body))],
         _ => Vec::new(),
+    }
+}
+
+/// The columns a node variable stands for on a deformable node.
+fn solid_quantities(variable: &str, node: usize) -> Vec<(&'static str, Quantity)> {
+    use Quantity::{NodeAcceleration, NodeCoordinate, NodeDisplacement, NodeReaction, NodeVelocity};
+    let all: [(&'static str, &str, Quantity); 10] = [
+        ("U1", "U", NodeDisplacement(node, 0)),
+        ("U2", "U", NodeDisplacement(node, 1)),
+        ("V1", "V", NodeVelocity(node, 0)),
+        ("V2", "V", NodeVelocity(node, 1)),
+        ("A1", "A", NodeAcceleration(node, 0)),
+        ("A2", "A", NodeAcceleration(node, 1)),
+        ("RF1", "RF", NodeReaction(node, 0)),
+        ("RF2", "RF", NodeReaction(node, 1)),
+        ("COOR1", "COORD", NodeCoordinate(node, 0)),
+        ("COOR2", "COORD", NodeCoordinate(node, 1)),
+    ];
+    let meant = |(name, stem, _): &(&'static str, &str, Quantity)| variable == *name || variable == *stem;
+    all.into_iter().filter(meant).map(|(name, _, quantity)| (name, quantity)).collect()
+}
+
+/// The columns an element variable stands for.
+fn element_quantities(variable: &str) -> Vec<(&'static str, ElementVariable)> {
+    use ElementVariable::{Mises, PlasticStrain, Pressure, Stress, Temperature};
+    let stresses = [("S11", Stress(0)), ("S22", Stress(1)), ("S33", Stress(2)), ("S12", Stress(3))];
+    match variable {
+        "S" => stresses.to_vec(),
+        "MISES" => vec![("MISES", Mises)],
+        "PRESS" => vec![("PRESS", Pressure)],
+        "PEEQ" => vec![("PEEQ", PlasticStrain)],
+        "TEMP" => vec![("TEMP", Temperature)],
+        name => stresses.into_iter().filter(|s| s.0 == name).collect(),
     }
 }
 

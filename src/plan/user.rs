@@ -101,7 +101,7 @@ impl Compiler<'_> {
         points.into_iter().map(make).collect()
     }
 
-    fn no_routine(&mut self, span: Span, label: &str, asks: &str, name: &str) {
+    pub(super) fn no_routine(&mut self, span: Span, label: &str, asks: &str, name: &str) {
         let message = format!("{asks}, but no routine was given");
         let finding = Diagnostic::error("P004", message).at(span, format!("this {label} calls the user's routine"));
         self.diagnostics.push(finding.help(format!("give a file that defines {name} with --user FILE")));

@@ -4,10 +4,11 @@
 use serde::Serialize;
 
 use crate::effect::motion::Motion;
+use crate::effect::solid::body::Energies;
 use crate::effect::{Account, Slot};
 use crate::state::BodyState;
 
-/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLFD + ALLCAV - ALLWK` is constant.
+/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy.
@@ -22,6 +23,21 @@ pub struct Energy {
     /// Dissipated by opening the cavity.
     #[serde(rename = "ALLCAV")]
     pub cavity: f64,
+    /// Internal: strain, plastic and artificial.
+    #[serde(rename = "ALLIE")]
+    pub internal: f64,
+    /// Recoverable strain energy.
+    #[serde(rename = "ALLSE")]
+    pub strain: f64,
+    /// Plastic dissipation.
+    #[serde(rename = "ALLPD")]
+    pub plastic: f64,
+    /// Dissipated by bulk viscosity.
+    #[serde(rename = "ALLVD")]
+    pub viscous: f64,
+    /// Artificial: taken by hourglass control.
+    #[serde(rename = "ALLAE")]
+    pub artificial: f64,
     /// The sum.
     #[serde(rename = "ETOTAL")]
     pub total: f64,
@@ -45,6 +61,9 @@ pub struct Balance {
     external: f64,
     largest: f64,
     departure: f64,
+    /// Of what deforms, and their sum at the start.
+    solid: Energies,
+    solid_initial: Option<f64>,
 }
 
 /// The work of one slot in this step.
@@ -80,12 +99,23 @@ impl Balance {
             external: 0.0,
             largest: kinetic,
             departure: 0.0,
+            solid: Energies::default(),
+            solid_initial: None,
         }
+    }
+
+    /// Books what deforms.
+    pub fn book_solid(&mut self, solid: &Energies) {
+        self.solid = *solid;
+        let sum = solid.kinetic + solid.internal + solid.artificial + solid.viscous - solid.external;
+        let initial = *self.solid_initial.get_or_insert(sum);
+        self.largest = self.largest.max(solid.kinetic).max(solid.internal).max(solid.external.abs());
+        self.departure = self.departure.max((sum - initial).abs());
     }
 
     /// A new step with its forces and prescribed motions.
     pub fn begin(&mut self, slots: &[Slot], motions: &[Motion]) {
-        self.settled = self.energy();
+        self.settle();
         let entry = |s: &Slot| {
             let external = if s.account == Account::Work { 1.0 } else { 0.0 };
             Entry { body: s.body, account: s.account, external, force: 0.0, last: 0.0, work: 0.0 }
@@ -125,6 +155,17 @@ impl Balance {
         (self.kinetic, self.done, self.external) = (kinetic, done, external);
     }
 
+    /// Closes the accounts of the step before.
+    fn settle(&mut self) {
+        for entry in std::mem::take(&mut self.entries) {
+            match entry.account {
+                Account::Work => self.settled.work += entry.work,
+                Account::Friction => self.settled.friction -= entry.work,
+                Account::Cavity => self.settled.cavity -= entry.work,
+            }
+        }
+    }
+
     /// The energies now.
     pub fn energy(&self) -> Energy {
         let mut energy = Energy { kinetic: self.kinetic, ..self.settled };
@@ -135,7 +176,17 @@ impl Balance {
                 Account::Cavity => energy.cavity -= entry.work,
             }
         }
-        energy.total = energy.kinetic + energy.friction + energy.cavity - energy.work;
+        let solid = &self.solid;
+        energy.kinetic += solid.kinetic;
+        energy.work += solid.external;
+        energy.plastic = solid.plastic;
+        energy.strain = solid.internal - solid.plastic;
+        energy.artificial = solid.artificial;
+        energy.internal = solid.internal + solid.artificial;
+        energy.viscous = solid.viscous;
+        let dissipated = energy.friction + energy.cavity + energy.viscous;
+        energy.total = energy.kinetic + energy.internal + dissipated - energy.work;
+        energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = if self.largest > 0.0 { self.departure / self.largest } else { 0.0 };
         energy
     }

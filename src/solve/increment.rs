@@ -105,7 +105,12 @@ impl Pace {
         match self.fixed {
             Some(length) => next.length = length,
             None => {
-                next.length = self.automatic(run) * self.factor;
+                if !run.bodies.is_empty() {
+                    next.length = self.automatic(run) * self.factor;
+                }
+                if let Some(solid) = &run.solid {
+                    next.length = next.length.min(solid.stable_increment() * self.factor);
+                }
                 for force in &step.forces {
                     next.shorten(force.limit(&run.now, &run.bodies));
                 }

@@ -10,6 +10,7 @@ use std::time::Instant as Stopwatch;
 
 use serde::Serialize;
 
+use crate::effect::solid::body::Solid;
 use crate::effect::{Account, Asking, Halt, Slot};
 use crate::model::LoadVelocity;
 use crate::plan::{Plan, StepPlan};
@@ -57,6 +58,9 @@ pub struct StepSummary {
     pub smallest_increment: f64,
     /// Largest increment.
     pub largest_increment: f64,
+    /// Element that limited the smallest increment, if one did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limiting_element: Option<String>,
 }
 
 /// A body came to rest.
@@ -78,7 +82,8 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
     let begin = Stopwatch::now();
     let mut steps = std::mem::take(&mut plan.steps);
     let asking = std::mem::take(&mut plan.asking);
-    let mut run = Run::new(plan, steps.len(), asking);
+    let solid = plan.solid.take();
+    let mut run = Run::new(plan, steps.len(), asking, solid);
     let mut observing = Observing::new(plan);
     for step in &mut steps {
         if let Err(halt) = run.step(step, &mut observing, sink) {
@@ -92,11 +97,12 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
             break;
         }
     }
-    let Run { mut outcome, balance, asking, .. } = run;
+    let Run { mut outcome, balance, asking, solid, .. } = run;
     outcome.energy = balance.energy();
     outcome.seconds = begin.elapsed().as_secs_f64();
     plan.steps = steps;
     plan.asking = asking;
+    plan.solid = solid;
     outcome
 }
 
@@ -127,14 +133,18 @@ struct Run<'a> {
     complete: bool,
     /// What the user's routines are asked once an increment, in every step.
     asking: Vec<Box<dyn Asking>>,
-    /// What they want.
+    /// What deforms.
+    solid: Option<Solid>,
+    /// What the user's routines want.
     wish: Wish,
+    /// Group and element that limited the smallest increment of the step.
+    limiting: Option<(usize, usize)>,
     balance: Balance,
     outcome: Outcome,
 }
 
 impl<'a> Run<'a> {
-    fn new(plan: &'a Plan, steps: usize, asking: Vec<Box<dyn Asking>>) -> Self {
+    fn new(plan: &'a Plan, steps: usize, asking: Vec<Box<dyn Asking>>, solid: Option<Solid>) -> Self {
         let bodies: Vec<_> = plan.bodies.iter().map(|b| BodyState::new(b.mass(), b.initial_velocity)).collect();
         let balance = Balance::start(&bodies);
         let outcome = Outcome { effect_seconds: vec![0.0; plan.ledger.effects.len()], ..Outcome::default() };
@@ -155,7 +165,9 @@ impl<'a> Run<'a> {
             increment: 0,
             complete: false,
             asking,
+            solid,
             wish: Wish::Continue,
+            limiting: None,
             balance,
             outcome,
         }
@@ -182,7 +194,16 @@ impl<'a> Run<'a> {
             self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
             self.record(next.length);
         }
+        self.name_limiting_element();
         self.end_routines()
+    }
+
+    fn name_limiting_element(&mut self) {
+        if let (Some(solid), Some((group, element)), Some(summary)) =
+            (&self.solid, self.limiting.take(), self.outcome.steps.last_mut())
+        {
+            summary.limiting_element = Some(solid.element_names[group][element].clone());
+        }
     }
 
     /// Whether the step is at its end, or a user's routine wants it to be.
@@ -218,6 +239,9 @@ impl<'a> Run<'a> {
             LoadVelocity::Predicted => 0.5,
             LoadVelocity::Lagged => 0.0,
         };
+        if let Some(solid) = &mut self.solid {
+            solid.begin(&step.given, step.node_forces.len());
+        }
         self.now.step_time = 0.0;
         self.now.step += 1;
         self.behind = 0.0;
@@ -239,6 +263,12 @@ impl<'a> Run<'a> {
             if let Some(clock) = clock {
                 self.outcome.effect_seconds[force.cause()] += clock.elapsed().as_secs_f64() * TIMED_EVERY as f64;
             }
+        }
+        let Some(solid) = &mut self.solid else { return Ok(()) };
+        let clock = timed.then(Stopwatch::now);
+        solid.evaluate(&self.now, &mut step.node_forces)?;
+        if let Some(clock) = clock {
+            self.outcome.effect_seconds[solid.cause] += clock.elapsed().as_secs_f64() * TIMED_EVERY as f64;
         }
         Ok(())
     }
@@ -264,11 +294,17 @@ impl<'a> Run<'a> {
             body.acceleration = motion.rates(&self.now, body.velocity)[1];
             body.reaction = body.mass * body.acceleration - body.force;
         }
+        if let Some(solid) = &mut self.solid {
+            solid.accelerate(&step.given);
+        }
         if finite { Ok(()) } else { Err(self.not_finite()) }
     }
 
     fn book(&mut self) {
         self.balance.book(&self.bodies, &self.forces, self.behind == 0.0);
+        if let Some(solid) = &self.solid {
+            self.balance.book_solid(&solid.energies);
+        }
         self.complete = true;
     }
 
@@ -330,6 +366,9 @@ impl<'a> Run<'a> {
             body.displacement = start + dt * body.velocity_half;
             body.show(body.velocity_half + self.reach * dt * body.acceleration);
         }
+        if let Some(solid) = &mut self.solid {
+            solid.advance(&step.given, &self.now, dt);
+        }
         self.complete = false;
         self.now_before = self.now;
         self.now = next.arrival(&self.now, step.duration);
@@ -379,7 +418,10 @@ impl<'a> Run<'a> {
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.increments += 1;
             summary.time = self.now.step_time;
-            summary.smallest_increment = summary.smallest_increment.min(length);
+            if length < summary.smallest_increment {
+                summary.smallest_increment = length;
+                self.limiting = self.solid.as_ref().map(Solid::limiting);
+            }
             summary.largest_increment = summary.largest_increment.max(length);
         }
     }

@@ -3,10 +3,11 @@
 
 use super::{Energy, Run};
 use crate::effect::Halt;
+use crate::effect::solid::body::Solid;
+use crate::effect::solid::group::Group;
 use crate::model::ElementKind;
 use crate::output::{Field, Frame};
-use crate::plan::{FieldVariable, Plan, Quantity, Schedule, StepPlan};
-use crate::state::BodyState;
+use crate::plan::{ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
 use crate::user::Wish;
 
 /// Takes what a run shows.
@@ -125,7 +126,11 @@ impl Observing {
     }
 
     /// The last complete instant before a failure.
+    /// Of what deforms the frames and rows written before are the good ones.
     pub(super) fn last(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
+        if run.solid.is_some() {
+            return Ok(());
+        }
         self.show_row(run, sink)?;
         show_frame(run, step, sink)
     }
@@ -150,7 +155,27 @@ fn show_frame(run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(),
     sink.frame(&frame(run, step)).map_err(unwritten)
 }
 
+/// A number of an element.
+fn element_value(group: &dyn Group, e: usize, variable: ElementVariable) -> f64 {
+    let stress = group.stress(e);
+    let [rr, zz, hoop, rz] = stress;
+    match variable {
+        ElementVariable::Stress(i) => stress[i],
+        ElementVariable::Pressure => -(rr + zz + hoop) / 3.0,
+        ElementVariable::Mises => {
+            let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
+            (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()
+        }
+        ElementVariable::PlasticStrain => group.plastic_strain(e).unwrap_or(0.0),
+        ElementVariable::Temperature => group.temperature(e).unwrap_or(0.0),
+    }
+}
+
 impl Run<'_> {
+    fn solid(&self) -> Option<&Solid> {
+        self.solid.as_ref()
+    }
+
     fn value(&self, quantity: Quantity, energy: &Energy) -> f64 {
         let bodies = &self.bodies;
         match quantity {
@@ -159,6 +184,19 @@ impl Run<'_> {
             Quantity::Acceleration(b) => bodies[b].acceleration,
             Quantity::Reaction(b) => bodies[b].reaction,
             Quantity::Coordinate(node, b) => self.plan.mesh.points[node][1] + bodies[b].displacement,
+            Quantity::NodeDisplacement(n, axis) => self.solid().map_or(0.0, |s| s.displacement(n)[axis]),
+            Quantity::NodeVelocity(n, axis) => self.solid().map_or(0.0, |s| s.velocity_now(n)[axis]),
+            Quantity::NodeAcceleration(n, axis) => self.solid().map_or(0.0, |s| s.acceleration[n][axis]),
+            Quantity::NodeReaction(n, axis) => self.solid().map_or(0.0, |s| s.reaction(n, axis)),
+            Quantity::NodeCoordinate(n, axis) => self.solid().map_or(0.0, |s| s.place(n)[axis]),
+            Quantity::Element(group, e, variable) => {
+                self.solid().map_or(0.0, |s| element_value(&*s.groups[group], e, variable))
+            }
+            Quantity::Internal => energy.internal,
+            Quantity::Strain => energy.strain,
+            Quantity::Plastic => energy.plastic,
+            Quantity::Viscous => energy.viscous,
+            Quantity::Artificial => energy.artificial,
             Quantity::Zero => 0.0,
             Quantity::Kinetic => energy.kinetic,
             Quantity::Work => energy.work,
@@ -170,45 +208,108 @@ impl Run<'_> {
     }
 }
 
-/// The scene now: facets of all bodies at their current place.
+/// The scene now: what deforms, and facets of all rigid bodies at their current place.
 fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
     let mesh = &run.plan.mesh;
     let mut frame = Frame { time: run.now.total_time, increment: run.increment, ..Frame::default() };
     let mut point_of_node = vec![usize::MAX; mesh.points.len()];
-    let mut body_of_point = Vec::new();
-    let mut elements = Vec::new();
+    let mut of_point = Vec::new();
+    if let Some(solid) = &run.solid {
+        for (&node, &place) in &run.plan.places.nodes {
+            point_of_node[node] = frame.points.len();
+            frame.points.push(solid.place(place));
+            of_point.push(Owner::Node(place));
+        }
+    }
+    let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
     for (b, body) in run.plan.bodies.iter().enumerate() {
         for &node in &body.nodes {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.bodies[b].displacement]);
-            body_of_point.push(b);
+            of_point.push(Owner::Body(b));
         }
         elements.extend(body.elements.iter().filter(|&&e| mesh.elements[e].kind != ElementKind::Mass));
     }
     let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
     frame.cells = elements.iter().map(|&e| corners(e)).collect();
-    frame.point_fields = run.plan.fields.iter().map(|&v| point_field(run, v, &body_of_point)).collect();
-    frame.cell_fields = cell_fields(run, step, &elements);
+    for &variable in &run.plan.fields {
+        match point_field(run, variable, &of_point) {
+            Some(field) => frame.point_fields.push(field),
+            None => frame.cell_fields.push(element_field(run, variable, &elements)),
+        }
+    }
+    frame.cell_fields.extend(facet_fields(run, step, &elements));
     frame
 }
 
-fn point_field(run: &Run<'_>, variable: FieldVariable, body_of_point: &[usize]) -> Field {
-    let (name, value): (_, fn(&BodyState) -> f64) = match variable {
-        FieldVariable::Displacement => ("U", |b| b.displacement),
-        FieldVariable::Velocity => ("V", |b| b.velocity),
-        FieldVariable::Acceleration => ("A", |b| b.acceleration),
+/// What a point of a frame moves with.
+#[derive(Clone, Copy)]
+enum Owner {
+    /// A rigid body.
+    Body(usize),
+    /// Itself.
+    Node(usize),
+}
+
+fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Option<Field> {
+    let name = match variable {
+        FieldVariable::Displacement => "U",
+        FieldVariable::Velocity => "V",
+        FieldVariable::Acceleration => "A",
+        _ => return None,
     };
-    Field {
+    let value = |owner: &Owner| match (*owner, &run.solid) {
+        (Owner::Body(b), _) => {
+            let body = &run.bodies[b];
+            [
+                0.0,
+                match variable {
+                    FieldVariable::Displacement => body.displacement,
+                    FieldVariable::Velocity => body.velocity,
+                    _ => body.acceleration,
+                },
+            ]
+        }
+        (Owner::Node(n), Some(solid)) => match variable {
+            FieldVariable::Displacement => solid.displacement(n),
+            FieldVariable::Velocity => solid.velocity_now(n),
+            _ => solid.acceleration[n],
+        },
+        (Owner::Node(_), None) => [0.0; 2],
+    };
+    Some(Field {
         name: name.into(),
         components: 2,
         component_names: vec![format!("{name}1"), format!("{name}2")],
-        values: body_of_point.iter().flat_map(|&b| [0.0, value(&run.bodies[b])]).collect(),
+        values: of_point.iter().flat_map(value).collect(),
+    })
+}
+
+/// A field over elements; zero on those of rigid bodies.
+fn element_field(run: &Run<'_>, variable: FieldVariable, elements: &[usize]) -> Field {
+    let (name, parts): (_, &[ElementVariable]) = match variable {
+        FieldVariable::Stress => ("S", &[0, 1, 2, 3].map(ElementVariable::Stress)),
+        FieldVariable::Mises => ("MISES", &[ElementVariable::Mises]),
+        FieldVariable::Pressure => ("PRESS", &[ElementVariable::Pressure]),
+        FieldVariable::PlasticStrain => ("PEEQ", &[ElementVariable::PlasticStrain]),
+        _ => ("TEMP", &[ElementVariable::Temperature]),
+    };
+    let value = |e: &usize, part: &ElementVariable| match (run.plan.places.elements.get(e), &run.solid) {
+        (Some(&(group, index)), Some(solid)) => element_value(&*solid.groups[group], index, *part),
+        _ => 0.0,
+    };
+    let names = ["S11", "S22", "S33", "S12"].map(str::to_owned);
+    Field {
+        name: name.into(),
+        components: parts.len(),
+        component_names: if parts.len() == 4 { names.to_vec() } else { Vec::new() },
+        values: elements.iter().flat_map(|e| parts.iter().map(move |p| (e, p))).map(|(e, p)| value(e, p)).collect(),
     }
 }
 
 /// Pressure, normal velocity and layer of the loaded facets; several loads on one facet add up.
-fn cell_fields(run: &Run<'_>, step: &StepPlan, elements: &[usize]) -> Vec<Field> {
+fn facet_fields(run: &Run<'_>, step: &StepPlan, elements: &[usize]) -> Vec<Field> {
     let shown: Vec<_> = step.forces.iter().filter_map(|f| f.facet_fields(&run.bodies)).collect();
     if shown.is_empty() {
         return Vec::new();

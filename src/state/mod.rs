@@ -1,6 +1,8 @@
 //! The state: what moves, only what the plan declared.
 //! Never here: anything no effect asked for.
 
+pub mod nodes;
+
 /// Where the clock stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instant {

@@ -1,0 +1,262 @@
+//! A block of elements and what one increment does to it: the inner loop of deformable bodies.
+//! Each phase is a loop of plain arithmetic over lanes, without a branch, so that every instruction set gives the same
+//! bits. Never here: which elements a block holds, threads.
+
+use super::law::{Constants, Flow, Hardening};
+use super::{Corners, LANES, Lanes};
+use crate::kernel::quad::{UNIT, gradient};
+
+/// Elements side by side, each quantity an array over lanes.
+#[derive(Clone, Debug)]
+pub struct Block<S> {
+    /// Nodes at the corners, counter-clockwise.
+    pub nodes: [[u32; LANES]; 4],
+    /// Cauchy stress: rr, zz, hoop, rz.
+    pub stress: [Lanes; 4],
+    /// Generalised hourglass stresses along r and z.
+    pub hourglass: [Lanes; 2],
+    /// Mass of each element, and one over it.
+    pub mass: Lanes,
+    /// One over the mass.
+    pub inverse_total: Lanes,
+    /// One over the masses of the corners.
+    pub inverse_mass: [Lanes; 4],
+    /// What hardening keeps.
+    pub state: S,
+}
+
+/// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    /// Work of the stress.
+    pub internal: Lanes,
+    /// Plastic dissipation.
+    pub plastic: Lanes,
+    /// Work of the bulk viscosity.
+    pub viscous: Lanes,
+    /// Work of the hourglass control.
+    pub artificial: Lanes,
+    /// Square of one over the stable increment of the element that limits each lane.
+    pub rate_square: Lanes,
+    /// Block of that element; a float, so that lanes choose it side by side.
+    pub limiting: Lanes,
+}
+
+/// Scratch memory of one task.
+#[derive(Clone, Debug, Default)]
+pub struct Stage {
+    pub(super) r: [Lanes; 4],
+    pub(super) z: [Lanes; 4],
+    pub(super) v_r: [Lanes; 4],
+    pub(super) v_z: [Lanes; 4],
+    /// Strain increments rr, zz, hoop, rz.
+    strain: [Lanes; 4],
+    /// Stress before the increment, carried along by the rotation.
+    carried: [Lanes; 4],
+    /// Mean stress and deviator of the trial.
+    mean: Lanes,
+    deviator: [Lanes; 4],
+    /// At the middle of the increment, 0 for lanes without element.
+    volume: Lanes,
+    trial: Lanes,
+    flow: Lanes,
+    weight: Lanes,
+    block: f64,
+    /// Of the task so far.
+    pub(super) sums: Sums,
+}
+
+impl<S: Clone> Block<S> {
+    /// One increment: stresses at its end, corner forces, and what is added to the sums.
+    #[inline(always)]
+    pub fn update<H: Hardening<State = S>>(
+        &mut self,
+        hardening: &H,
+        constants: &Constants,
+        dt: f64,
+        stage: &mut Stage,
+        corners: &mut Corners,
+    ) {
+        self.strain::<H>(constants, dt, stage);
+        if H::FLOWS {
+            let flow = &mut Flow { trial: &stage.trial, shear3: 3.0 * constants.shear, dt, increment: &mut stage.flow };
+            hardening.flow(&mut self.state, flow);
+        }
+        self.stress::<H>(constants, stage);
+        self.forces(constants, dt, stage, corners);
+    }
+
+    /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
+    #[inline(always)]
+    fn strain<H: Hardening>(&mut self, constants: &Constants, dt: f64, stage: &mut Stage) {
+        let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
+        let half = 0.5 * dt;
+        for l in 0..LANES {
+            let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
+            let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
+            let g = gradient(middle(column(&stage.r, l), v_r), middle(column(&stage.z, l), v_z));
+            let per = dt / g.volume;
+            let (d_rr, d_zz, d_hoop) = (per * dot(g.r, v_r), per * dot(g.z, v_z), per * dot(g.hoop, v_r));
+            let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
+            let d_rz = 0.5 * (rz + zr);
+            let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
+            let dilation = d_rr + d_zz + d_hoop;
+            let mean = (carried[0] + carried[1] + carried[2]) * (1.0 / 3.0);
+            let base = mean + shear2 * (1.0 / 3.0) * dilation;
+            let deviator = [
+                carried[0] - base + shear2 * d_rr,
+                carried[1] - base + shear2 * d_zz,
+                carried[2] - base + shear2 * d_hoop,
+                carried[3] + shear2 * d_rz,
+            ];
+            for (i, d) in [d_rr, d_zz, d_hoop, d_rz].into_iter().enumerate() {
+                stage.strain[i][l] = d;
+                stage.carried[i][l] = carried[i];
+                stage.deviator[i][l] = deviator[i];
+            }
+            stage.mean[l] = mean + bulk * dilation;
+            stage.volume[l] = UNIT * stage.weight[l] * g.volume;
+            if H::FLOWS {
+                let [a, b, c, d] = deviator.map(|s| s * s);
+                stage.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+            }
+        }
+    }
+
+    /// The stress on the yield surface, and the work done on the way.
+    #[inline(always)]
+    fn stress<H: Hardening>(&mut self, constants: &Constants, stage: &mut Stage) {
+        let shear3 = 3.0 * constants.shear;
+        for l in 0..LANES {
+            let mut factor = 1.0;
+            if H::FLOWS {
+                let (trial, flow) = (stage.trial[l], stage.flow[l]);
+                let returned = trial - shear3 * flow;
+                factor = if flow > 0.0 { returned / trial } else { 1.0 };
+                stage.sums.plastic[l] += stage.volume[l] * returned * flow;
+            }
+            let mean = stage.mean[l];
+            let s = [
+                mean + factor * stage.deviator[0][l],
+                mean + factor * stage.deviator[1][l],
+                mean + factor * stage.deviator[2][l],
+                factor * stage.deviator[3][l],
+            ];
+            let double = |i: usize| stage.strain[i][l] * (stage.carried[i][l] + s[i]);
+            stage.sums.internal[l] += 0.5 * stage.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            for i in 0..4 {
+                self.stress[i][l] = s[i];
+            }
+        }
+    }
+
+    /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
+    #[inline(always)]
+    fn forces(&mut self, constants: &Constants, dt: f64, stage: &mut Stage, corners: &mut Corners) {
+        let modulus = constants.bulk + 4.0 / 3.0 * constants.shear;
+        let softness = 1.0 / modulus;
+        let [linear, quadratic] = constants.bulk_viscosity;
+        let quadratic2 = quadratic * quadratic;
+        let stiffness = dt * UNIT * constants.hourglass_stiffness * constants.shear;
+        let viscosity = UNIT * constants.hourglass_viscosity;
+        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let block = stage.block;
+        for l in 0..LANES {
+            let (r, z) = (column(&stage.r, l), column(&stage.z, l));
+            let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
+            let g = gradient(r, z);
+            let per = 1.0 / g.volume;
+            let square = dot(g.r, g.r) + dot(g.z, g.z);
+            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m.
+            let corner =
+                |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) * self.inverse_mass[i][l];
+            let omega2 = modulus * UNIT * per * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+            // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
+            // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
+            // of a flat element.
+            let density = self.mass[l] * per * (1.0 / UNIT);
+            let wave2 = modulus * UNIT * g.volume * self.inverse_total[l];
+            let wave_length = 2.0 * wave2 / omega2.sqrt();
+            let length_per_wave = wave_length * density * softness;
+            let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
+            let dilation_rate = dilation * per_dt;
+            let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
+            let damping = density * dilation_rate * wave_length * (linear - quadratic2 * length_per_wave * compression);
+            stage.sums.viscous[l] += stage.volume[l] * damping * dilation;
+            // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
+            let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
+            let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
+            let shape = [1.0 - rest[0], -1.0 - rest[1], 1.0 - rest[2], -1.0 - rest[3]];
+            let (q_r, q_z) = (dot(shape, v_r), dot(shape, v_z));
+            let spring = stiffness * square * per;
+            let dashpot = viscosity * density * (wave2 * square).sqrt();
+            let (old_r, old_z) = (self.hourglass[0][l], self.hourglass[1][l]);
+            let (new_r, new_z) = (old_r + spring * q_r, old_z + spring * q_z);
+            self.hourglass[0][l] = new_r;
+            self.hourglass[1][l] = new_z;
+            let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
+            let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
+            stage.sums.artificial[l] += dt * stage.weight[l] * power;
+            let (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
+            let s_rr = UNIT * (self.stress[0][l] + damping);
+            let s_zz = UNIT * (self.stress[1][l] + damping);
+            let s_hoop = UNIT * (self.stress[2][l] + damping);
+            let s_rz = UNIT * self.stress[3][l];
+            for i in 0..4 {
+                corners[2 * i][l] = -((s_rr * g.r[i] + s_rz * g.z[i]) + (s_hoop * g.hoop[i] + f_r * shape[i]));
+                corners[2 * i + 1][l] = -((s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i]);
+            }
+            // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
+            // root, never below it.
+            let xi = linear - quadratic2 * length_per_wave * compression;
+            let damped = 1.0 + xi * (1.0 + 0.5 * xi);
+            let rate_square = 0.25 * stage.weight[l] * omega2 * damped * damped;
+            // Not a number counts as the largest: it must be found.
+            let best = stage.sums.rate_square[l];
+            let larger = !(rate_square <= best) & (best == best);
+            stage.sums.rate_square[l] = if larger { rate_square } else { stage.sums.rate_square[l] };
+            stage.sums.limiting[l] = if larger { block } else { stage.sums.limiting[l] };
+        }
+    }
+}
+
+/// The stress turned with the material: Hughes and Winget 1980 (Int. J. Numer. Meth. Eng. 15, 1862), a rotation of which the
+/// tangent of half the angle is half the spin increment; orthogonal for any increment.
+#[inline(always)]
+fn rotated([rr, zz, hoop, rz]: [f64; 4], spin: f64) -> [f64; 4] {
+    let quarter = 0.25 * spin * spin;
+    let inverse = 1.0 / (1.0 + quarter);
+    let (cosine, sine) = ((1.0 - quarter) * inverse, spin * inverse);
+    // Components turn by twice the angle.
+    let (cosine2, sine2) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
+    let (centre, radius) = (0.5 * (rr + zz), 0.5 * (rr - zz));
+    let turned = radius * cosine2 + rz * sine2;
+    [centre + turned, centre - turned, hoop, rz * cosine2 - radius * sine2]
+}
+
+#[inline(always)]
+fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
+    [list[0][l], list[1][l], list[2][l], list[3][l]]
+}
+
+#[inline(always)]
+fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
+
+impl Stage {
+    /// Prepares for a block of which the first `count` lanes hold elements; the others weigh nothing.
+    #[inline(always)]
+    pub fn prepare(&mut self, block: usize, count: usize) {
+        self.block = block as f64;
+        self.weight = [1.0; LANES];
+        if count < LANES {
+            self.weight[count..].fill(0.0);
+        }
+    }
+}
+
+/// Sum over lanes, always in the same order.
+pub fn across(list: &Lanes) -> f64 {
+    ((list[0] + list[4]) + (list[2] + list[6])) + ((list[1] + list[5]) + (list[3] + list[7]))
+}

@@ -1,0 +1,413 @@
+//! All that deforms in a scene: nodes with their masses, groups of elements, what is prescribed on nodes and what pushes
+//! them. Central differences for nodes. Never here: the length of an increment, deck words.
+
+use rayon::prelude::*;
+
+use super::group::{Group, Totals};
+use super::{Corners, LANES};
+use crate::effect::motion::Prescribed;
+use crate::effect::{Cause, Halt, Magnitude};
+use crate::state::Instant;
+use crate::state::nodes::Node;
+
+/// Nodes, and elements of a group, from which on it pays to wake other threads every increment.
+pub(super) const PARALLEL: usize = 6000;
+/// Nodes that a thread takes at once: fixed, so that sums do not depend on the number of threads.
+const CHUNK: usize = 4096;
+
+/// A motion of one degree of freedom of a node that is given, whatever forces act.
+#[derive(Clone, Debug)]
+pub struct Given {
+    /// What asked for it.
+    pub cause: Cause,
+    /// Node.
+    pub node: usize,
+    /// 0 along r, 1 along z.
+    pub axis: usize,
+    /// What is prescribed.
+    pub kind: Prescribed,
+    /// How much.
+    pub magnitude: Magnitude,
+}
+
+/// A force on nodes.
+pub trait NodeForce {
+    /// What asked for it.
+    fn cause(&self) -> Cause;
+
+    /// Adds its forces, `[r, z]` of each node.
+    ///
+    /// # Errors
+    /// Where no finite force can be given; the run halts.
+    fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt>;
+}
+
+/// Energies of the deformable part, summed over the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// Kinetic, at the instant's own time: half v(i-1/2) m v(i+1/2), which central differences conserve exactly together
+    /// with the strain energy of a linear body.
+    pub kinetic: f64,
+    /// Work of the stress.
+    pub internal: f64,
+    /// Plastic dissipation.
+    pub plastic: f64,
+    /// Work of the bulk viscosity.
+    pub viscous: f64,
+    /// Work of the hourglass control.
+    pub artificial: f64,
+    /// Work of forces and prescribed motions.
+    pub external: f64,
+}
+
+/// Corner slots that most nodes of a mesh of quadrilaterals have at most.
+const SLOTS: usize = 4;
+
+/// Which corner slots act on which node, in fixed order.
+#[derive(Clone, Debug, Default)]
+pub struct Gather {
+    /// The first slots of each node; where it has fewer, one that holds zeros.
+    slots: Vec<[u32; SLOTS]>,
+    /// The slots of nodes that have more: node, slot.
+    more: Vec<(u32, u32)>,
+}
+
+impl Gather {
+    /// From the corner nodes of elements, group by group; each group begins a new block.
+    pub fn new(count: usize, groups: &[&[[u32; 4]]]) -> Self {
+        let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
+        let empty = (blocks * 8 * LANES) as u32;
+        let mut gather = Gather { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
+        let mut block = 0;
+        for elements in groups {
+            for (e, corners) in elements.iter().enumerate() {
+                for (c, &node) in corners.iter().enumerate() {
+                    let slot = ((block + e / LANES) * 8 * LANES + 2 * c * LANES + e % LANES) as u32;
+                    match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {
+                        Some(free) => *free = slot,
+                        None => gather.more.push((node, slot)),
+                    }
+                }
+            }
+            block += elements.len().div_ceil(LANES);
+        }
+        gather.more.sort_unstable();
+        gather
+    }
+
+    /// Sum of a node's corner forces.
+    #[inline(always)]
+    fn sum(&self, node: usize, corners: &[f64]) -> [f64; 2] {
+        let pair = |slot: u32| {
+            let at = &corners[slot as usize..slot as usize + LANES + 1];
+            [at[0], at[LANES]]
+        };
+        let [a, b, c, d] = self.slots[node].map(pair);
+        let mut force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
+        if !self.more.is_empty() {
+            let first = self.more.partition_point(|m| (m.0 as usize) < node);
+            for &(_, slot) in self.more[first..].iter().take_while(|m| m.0 as usize == node) {
+                let more = pair(slot);
+                force = [force[0] + more[0], force[1] + more[1]];
+            }
+        }
+        force
+    }
+}
+
+/// Everything that deforms.
+pub struct Solid {
+    /// Nodes, in the order of the solver.
+    pub nodes: Vec<Node>,
+    /// Places at the start.
+    pub start: Vec<[f64; 2]>,
+    /// Lumped mass of each node.
+    pub mass: Vec<f64>,
+    /// Accelerations at the instant's own time.
+    pub acceleration: Vec<[f64; 2]>,
+    /// Groups of elements.
+    pub groups: Vec<Box<dyn Group>>,
+    /// What asked for the first group: where its time is booked.
+    pub cause: Cause,
+    /// Names of the elements of each group, for messages.
+    pub element_names: Vec<Vec<String>>,
+    /// Energies so far.
+    pub energies: Energies,
+    /// What the last pass over the elements came to, and the group that limits the increment.
+    pub limit: (Totals, usize),
+    inverse_mass: Vec<f64>,
+    corners: Vec<Corners>,
+    gather: Gather,
+    /// Forces on nodes now and an instant before; empty without any.
+    external: [Vec<[f64; 2]>; 2],
+    /// Forces against what is given, and their work so far, one entry a [`Given`].
+    reactions: Vec<Reaction>,
+    kinetic_parts: Vec<f64>,
+    /// Whether nodes are worth spreading over threads.
+    parallel: bool,
+    /// Increment behind, and whether its strains are still to come.
+    behind: f64,
+    pending: bool,
+    moved: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Reaction {
+    /// Node and axis.
+    place: (usize, usize),
+    /// Force of elements and loads on the degree of freedom.
+    force: f64,
+    before: f64,
+    kinetic: f64,
+    travel: f64,
+}
+
+impl Solid {
+    /// Nodes at rest or moving, their masses, and elements.
+    pub fn new(
+        nodes: Vec<Node>,
+        mass: Vec<f64>,
+        groups: Vec<Box<dyn Group>>,
+        element_names: Vec<Vec<String>>,
+        gather: Gather,
+    ) -> Self {
+        let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
+        let count = nodes.len();
+        Solid {
+            start: nodes.iter().map(|n| [n.r, n.z]).collect(),
+            inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
+            mass,
+            acceleration: vec![[0.0; 2]; count],
+            groups,
+            cause: 0,
+            element_names,
+            energies: Energies::default(),
+            limit: (Totals::default(), 0),
+            // One block more, which stays zero.
+            corners: vec![[[0.0; LANES]; 8]; blocks + 1],
+            gather,
+            external: [Vec::new(), Vec::new()],
+            reactions: Vec::new(),
+            kinetic_parts: vec![0.0; count.div_ceil(CHUNK)],
+            parallel: count >= PARALLEL && rayon::current_num_threads() > 1,
+            behind: 0.0,
+            pending: true,
+            moved: false,
+            nodes,
+        }
+    }
+
+    /// Begins a step with its forces and given motions.
+    pub fn begin(&mut self, given: &[Given], forces: usize) {
+        self.reactions = vec![Reaction::default(); given.len()];
+        let count = if forces > 0 { self.nodes.len() } else { 0 };
+        for list in &mut self.external {
+            list.resize(count, [0.0; 2]);
+        }
+        for g in given.iter().filter(|g| g.kind != Prescribed::Acceleration) {
+            // A node that is held does not start with a velocity.
+            if g.magnitude.value == 0.0 && self.behind == 0.0 {
+                self.set_velocity(g, 0.0);
+            }
+        }
+    }
+
+    fn set_velocity(&mut self, given: &Given, value: f64) {
+        let node = &mut self.nodes[given.node];
+        *(if given.axis == 0 { &mut node.v_r } else { &mut node.v_z }) = value;
+    }
+
+    fn velocity(&self, given: &Given) -> f64 {
+        let node = &self.nodes[given.node];
+        if given.axis == 0 { node.v_r } else { node.v_z }
+    }
+
+    /// Stresses, corner forces and forces on nodes at this instant.
+    ///
+    /// # Errors
+    /// From a force that fails, and where an element has no positive volume or a state that is not finite.
+    pub fn evaluate(&mut self, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> Result<(), Halt> {
+        if self.pending {
+            self.update_elements();
+            self.pending = false;
+        }
+        let [external, before] = &mut self.external;
+        std::mem::swap(external, before);
+        external.fill([0.0; 2]);
+        for force in forces {
+            force.add(now, &self.nodes, external)?;
+        }
+        if self.limit.0.rate.is_finite() {
+            return Ok(());
+        }
+        Err(self.not_finite(now))
+    }
+
+    fn update_elements(&mut self) {
+        let mut first = 0;
+        self.limit = (Totals::default(), 0);
+        for (i, group) in self.groups.iter_mut().enumerate() {
+            let blocks = group.len().div_ceil(LANES);
+            let totals = group.update(&self.nodes, self.behind, &mut self.corners[first..first + blocks]);
+            first += blocks;
+            self.energies.internal += totals.internal;
+            self.energies.plastic += totals.plastic;
+            self.energies.viscous += totals.viscous;
+            self.energies.artificial += totals.artificial;
+            if !(totals.rate <= self.limit.0.rate) && !self.limit.0.rate.is_nan() {
+                self.limit = (totals, i);
+            }
+        }
+    }
+
+    fn not_finite(&self, now: &Instant) -> Halt {
+        let (totals, group) = self.limit;
+        let element = &self.element_names[group][totals.limiting];
+        let volume = self.groups[group].volume(totals.limiting, &self.nodes);
+        let why = if volume > 0.0 { "its state is not finite" } else { "it has turned inside out" };
+        let reason = format!(
+            "element {element} failed at increment {}, time {:e}: {why} (volume {volume:e})",
+            now.increment, now.total_time
+        );
+        Halt { code: "R206", reason }
+    }
+
+    /// Accelerations from forces; what is given overrides them.
+    pub fn accelerate(&mut self, given: &[Given]) {
+        let corners = self.corners.as_flattened().as_flattened();
+        let (gather, external, behind) = (&self.gather, &self.external[0], self.behind);
+        let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
+            *kinetic = 0.0;
+            let first = index * CHUNK;
+            let last = first + accelerations.len();
+            let masses = self.mass[first..last].iter().zip(&self.inverse_mass[first..last]);
+            let own = accelerations.iter_mut().zip(&self.nodes[first..last]).zip(masses);
+            for (n, ((acceleration, node), (mass, inverse))) in (first..last).zip(own) {
+                let mut force = gather.sum(n, corners);
+                if let Some(more) = external.get(n) {
+                    force = [force[0] + more[0], force[1] + more[1]];
+                }
+                *acceleration = force.map(|f| f * inverse);
+                let [a_r, a_z] = *acceleration;
+                let twice = node.v_r * (node.v_r + behind * a_r) + node.v_z * (node.v_z + behind * a_z);
+                *kinetic += 0.5 * mass * twice;
+            }
+        };
+        if !self.parallel {
+            let parts = self.acceleration.chunks_mut(CHUNK).zip(&mut self.kinetic_parts).enumerate();
+            parts.for_each(|(i, (a, k))| chunk(i, a, k));
+        } else {
+            let parts = self.acceleration.par_chunks_mut(CHUNK).zip(&mut self.kinetic_parts).enumerate();
+            parts.for_each(|(i, (a, k))| chunk(i, a, k));
+        }
+        self.energies.kinetic = self.kinetic_parts.iter().sum();
+        self.account(given);
+    }
+
+    /// Books the work of forces and given motions over the increment behind, and replaces accelerations that are given.
+    fn account(&mut self, given: &[Given]) {
+        if self.moved {
+            let half = 0.5 * self.behind;
+            let [now, before] = &self.external;
+            for ((f, g), node) in now.iter().zip(before).zip(&self.nodes) {
+                self.energies.external += half * ((f[0] + g[0]) * node.v_r + (f[1] + g[1]) * node.v_z);
+            }
+        }
+        for (i, g) in given.iter().enumerate() {
+            let mass = self.mass[g.node];
+            let (velocity, free) = (self.velocity(g), self.acceleration[g.node][g.axis]);
+            // The pass over nodes took the free acceleration: what is given moves otherwise.
+            let taken = 0.5 * mass * velocity * (velocity + self.behind * free);
+            let kinetic = 0.5 * mass * velocity * velocity;
+            self.energies.kinetic += kinetic - taken;
+            let reaction = &mut self.reactions[i];
+            let force = mass * free;
+            if self.moved {
+                let gained = kinetic - reaction.kinetic;
+                self.energies.external += gained - 0.5 * (reaction.before + force) * reaction.travel;
+            }
+            *reaction = Reaction { place: (g.node, g.axis), force, before: force, kinetic, travel: 0.0 };
+            self.acceleration[g.node][g.axis] = 0.0;
+        }
+        self.moved = false;
+    }
+
+    /// Carries all nodes over an increment.
+    pub fn advance(&mut self, given: &[Given], now: &Instant, dt: f64) {
+        let (half, behind) = (0.5 * (dt + self.behind), self.behind);
+        let chunk = |(nodes, accelerations): (&mut [Node], &[[f64; 2]])| {
+            for (node, a) in nodes.iter_mut().zip(accelerations) {
+                node.v_r += half * a[0];
+                node.v_z += half * a[1];
+                node.r += dt * node.v_r;
+                node.z += dt * node.v_z;
+            }
+        };
+        if !self.parallel {
+            self.nodes.chunks_mut(CHUNK).zip(self.acceleration.chunks(CHUNK)).for_each(chunk);
+        } else {
+            self.nodes.par_chunks_mut(CHUNK).zip(self.acceleration.par_chunks(CHUNK)).for_each(chunk);
+        }
+        for (i, g) in given.iter().enumerate() {
+            let old = self.velocity(g);
+            let place = |node: &Node| if g.axis == 0 { node.r } else { node.z };
+            // The pass above carried it along with its old velocity.
+            let place_before = place(&self.nodes[g.node]) - dt * old;
+            let displacement = place_before - self.start[g.node][g.axis];
+            let velocity = over(g, now, dt, displacement, old, behind);
+            self.set_velocity(g, velocity);
+            let node = &mut self.nodes[g.node];
+            *(if g.axis == 0 { &mut node.r } else { &mut node.z }) = place_before + dt * velocity;
+            self.acceleration[g.node][g.axis] = (velocity - old) / half;
+            self.reactions[i].travel = dt * velocity;
+        }
+        self.behind = dt;
+        self.pending = true;
+        self.moved = true;
+    }
+
+    /// Velocity of a node at the instant's own time.
+    pub fn velocity_now(&self, node: usize) -> [f64; 2] {
+        let (n, a) = (&self.nodes[node], self.acceleration[node]);
+        [n.v_r + 0.5 * self.behind * a[0], n.v_z + 0.5 * self.behind * a[1]]
+    }
+
+    /// Displacement of a node.
+    pub fn displacement(&self, node: usize) -> [f64; 2] {
+        [self.nodes[node].r - self.start[node][0], self.nodes[node].z - self.start[node][1]]
+    }
+
+    /// Place of a node now.
+    pub fn place(&self, node: usize) -> [f64; 2] {
+        [self.nodes[node].r, self.nodes[node].z]
+    }
+
+    /// Force that what is given exerts on a degree of freedom of a node; 0 where nothing is given.
+    pub fn reaction(&self, node: usize, axis: usize) -> f64 {
+        let inertia = self.mass[node] * self.acceleration[node][axis];
+        self.reactions.iter().filter(|r| r.place == (node, axis)).map(|r| inertia - r.force).sum()
+    }
+
+    /// Group and element that limit the increment.
+    pub fn limiting(&self) -> (usize, usize) {
+        (self.limit.1, self.limit.0.limiting)
+    }
+
+    /// The largest increment that is stable.
+    pub fn stable_increment(&self) -> f64 {
+        1.0 / self.limit.0.rate
+    }
+}
+
+/// The mid-increment velocity that a given motion asks for.
+fn over(given: &Given, now: &Instant, dt: f64, displacement: f64, velocity: f64, behind: f64) -> f64 {
+    let at = |time: f64| {
+        let then = Instant { step_time: now.step_time + time, total_time: now.total_time + time, ..*now };
+        given.magnitude.at(&then)
+    };
+    match given.kind {
+        Prescribed::Displacement => (at(dt) - displacement) / dt,
+        Prescribed::Velocity => at(0.5 * dt),
+        Prescribed::Acceleration => velocity + 0.5 * (dt + behind) * at(0.0),
+    }
+}

@@ -1,0 +1,231 @@
+//! A group of elements: its blocks, dispatched to the instruction set of the machine, spread over threads.
+//! Never here: arithmetic.
+
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
+use super::block::{Block, Stage, Sums, across};
+use super::body::PARALLEL;
+use super::collect::{Wide, collect, wide};
+use super::law::{Constants, Hardening};
+use super::{Corners, LANES};
+use crate::kernel::quad::{UNIT, corner_masses, gradient};
+use crate::state::nodes::Node;
+
+/// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
+const TASK: usize = 64;
+
+/// What an increment of a group came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Work of the stress.
+    pub internal: f64,
+    /// Plastic dissipation.
+    pub plastic: f64,
+    /// Work of the bulk viscosity.
+    pub viscous: f64,
+    /// Work of the hourglass control.
+    pub artificial: f64,
+    /// One over the stable increment.
+    pub rate: f64,
+    /// Element (of the group) that limits it.
+    pub limiting: usize,
+}
+
+/// Elements of one kind and one material.
+pub trait Group: Send {
+    /// Number of elements.
+    fn len(&self) -> usize;
+    /// Whether there is none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Stresses at the end of an increment, and forces on the corners.
+    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals;
+    /// Stress of an element: rr, zz, hoop, rz.
+    fn stress(&self, element: usize) -> [f64; 4];
+    /// Equivalent plastic strain of an element; `None` if nothing flows.
+    fn plastic_strain(&self, element: usize) -> Option<f64>;
+    /// Temperature of an element, where it is followed.
+    fn temperature(&self, element: usize) -> Option<f64>;
+    /// Sets stress and temperature of an element at the start.
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
+    /// Corner nodes of an element.
+    fn corners(&self, element: usize) -> [u32; 4];
+    /// Volume of an element now.
+    fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
+        let corners = self.corners(element).map(|n| nodes[n as usize]);
+        UNIT * gradient(corners.map(|n| n.r), corners.map(|n| n.z)).volume
+    }
+}
+
+/// Quadrilaterals with one hardening law.
+pub struct Quads<H: Hardening> {
+    hardening: H,
+    constants: Constants,
+    count: usize,
+    blocks: Vec<Block<H::State>>,
+    tasks: Vec<Stage>,
+    arch: Arch,
+    wide: Wide,
+    parallel: bool,
+}
+
+impl<H: Hardening> Quads<H> {
+    /// Elements by their corner nodes, at their places now.
+    pub fn new(hardening: H, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        let blocks: Vec<_> = elements.chunks(LANES).map(|part| block(&hardening, density, part, nodes)).collect();
+        let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
+        Quads {
+            hardening,
+            constants,
+            count: elements.len(),
+            tasks: vec![Stage::default(); blocks.len().div_ceil(TASK)],
+            blocks,
+            arch: Arch::new(),
+            wide: wide(),
+            parallel,
+        }
+    }
+}
+
+fn block<H: Hardening>(hardening: &H, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Block<H::State> {
+    let mut block = Block {
+        nodes: [[0; LANES]; 4],
+        stress: [[0.0; LANES]; 4],
+        hourglass: [[0.0; LANES]; 2],
+        mass: [0.0; LANES],
+        inverse_total: [0.0; LANES],
+        inverse_mass: [[0.0; LANES]; 4],
+        state: hardening.fresh(),
+    };
+    for l in 0..LANES {
+        // Lanes behind the last element repeat it; nothing reads their answers.
+        let element = elements[l.min(elements.len() - 1)];
+        let [r, z] = [|n: &Node| n.r, |n: &Node| n.z].map(|f| element.map(|n| f(&nodes[n as usize])));
+        for (corner, mass) in corner_masses(r, z, density).into_iter().enumerate() {
+            block.nodes[corner][l] = element[corner];
+            block.inverse_mass[corner][l] = 1.0 / mass;
+        }
+        block.mass[l] = density * UNIT * gradient(r, z).volume;
+        block.inverse_total[l] = 1.0 / block.mass[l];
+    }
+    block
+}
+
+impl<H: Hardening> Group for Quads<H> {
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
+        let pass = Pass {
+            hardening: &self.hardening,
+            constants: &self.constants,
+            count: self.count,
+            nodes,
+            dt,
+            wide: self.wide,
+        };
+        let arch = self.arch;
+        let run = |index, blocks: &mut [_], corners: &mut [_], stage: &mut _| {
+            arch.dispatch(Task { pass: &pass, index, blocks, corners, stage });
+        };
+        if !self.parallel {
+            let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK)).zip(&mut self.tasks).enumerate();
+            parts.for_each(|(i, ((blocks, corners), own))| run(i, blocks, corners, own));
+        } else {
+            let parts = self.blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK));
+            let parts = parts.zip(&mut self.tasks).enumerate();
+            parts.for_each(|(i, ((blocks, corners), own))| run(i, blocks, corners, own));
+        }
+        self.totals()
+    }
+
+    fn stress(&self, element: usize) -> [f64; 4] {
+        let block = &self.blocks[element / LANES];
+        [0, 1, 2, 3].map(|i| block.stress[i][element % LANES])
+    }
+
+    fn plastic_strain(&self, element: usize) -> Option<f64> {
+        let block = &self.blocks[element / LANES];
+        H::FLOWS.then(|| self.hardening.plastic_strain(&block.state, element % LANES))
+    }
+
+    fn temperature(&self, element: usize) -> Option<f64> {
+        self.hardening.temperature(&self.blocks[element / LANES].state, element % LANES)
+    }
+
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
+        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
+        for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
+            list[lane] = value;
+        }
+        if let Some(temperature) = temperature {
+            self.hardening.heat(&mut block.state, lane, temperature);
+        }
+    }
+
+    fn corners(&self, element: usize) -> [u32; 4] {
+        [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
+    }
+}
+
+/// One pass over the elements.
+struct Pass<'a, H> {
+    hardening: &'a H,
+    constants: &'a Constants,
+    count: usize,
+    nodes: &'a [Node],
+    dt: f64,
+    wide: Wide,
+}
+
+/// The blocks that a thread takes at once.
+struct Task<'a, H: Hardening> {
+    pass: &'a Pass<'a, H>,
+    index: usize,
+    blocks: &'a mut [Block<H::State>],
+    corners: &'a mut [Corners],
+    stage: &'a mut Stage,
+}
+
+impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
+    type Output = ();
+
+    /// Inlined into a function of the machine's instruction set.
+    #[inline(always)]
+    fn call(self) {
+        let stage = self.stage;
+        let pass = self.pass;
+        stage.sums = Sums::default();
+        for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
+            let index = self.index * TASK + i;
+            stage.prepare(index, pass.count - index * LANES);
+            collect(pass.wide, pass.nodes, &block.nodes, stage);
+            block.update(pass.hardening, pass.constants, pass.dt, stage, corners);
+        }
+    }
+}
+
+impl<H: Hardening> Quads<H> {
+    /// Folds the tasks in their order.
+    fn totals(&self) -> Totals {
+        let mut totals = Totals::default();
+        let mut square = 0.0;
+        for Stage { sums, .. } in &self.tasks {
+            totals.internal += across(&sums.internal);
+            totals.plastic += across(&sums.plastic);
+            totals.viscous += across(&sums.viscous);
+            totals.artificial += across(&sums.artificial);
+            for (l, (&rate, &block)) in sums.rate_square.iter().zip(&sums.limiting).enumerate() {
+                if !(rate <= square) && !square.is_nan() {
+                    square = rate;
+                    totals.limiting = block as usize * LANES + l;
+                }
+            }
+        }
+        totals.rate = square.sqrt();
+        totals
+    }
+}

@@ -1,0 +1,18 @@
+//! Deformable bodies: groups of elements of one kind and one material.
+//! Never here: nodes' motion, deck words.
+
+pub mod block;
+pub mod body;
+mod collect;
+pub mod group;
+pub mod law;
+pub mod loads;
+
+/// Elements side by side in the inner loop.
+pub const LANES: usize = 8;
+
+/// One number of each element of a block.
+pub type Lanes = [f64; LANES];
+
+/// Forces of a block's elements on their corners: r and z of the first corner, of the second, and so on.
+pub type Corners = [Lanes; 8];

@@ -1,0 +1,191 @@
+//! Yield stress of metals over plastic strain, rate and temperature, and the plastic strain that brings a trial stress back
+//! to it. Never here: stress tensors.
+
+/// A yield stress that depends on one element's history.
+pub trait YieldStress: Send + Sync {
+    /// Yield stress at an equivalent plastic strain, its rate, and a temperature.
+    fn at(&self, strain: f64, rate: f64, temperature: f64) -> f64;
+}
+
+/// Rows of yield stress and plastic strain, linear between them and constant behind the last
+/// (ABAQUS Analysis User's Guide, "Classical metal plasticity").
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// `[yield stress, plastic strain]`, ascending in strain.
+    pub rows: Vec<[f64; 2]>,
+}
+
+impl YieldStress for Table {
+    fn at(&self, strain: f64, _rate: f64, _temperature: f64) -> f64 {
+        let after = self.rows.partition_point(|r| r[1] <= strain);
+        match (after.checked_sub(1).map(|i| self.rows[i]), self.rows.get(after)) {
+            (Some(a), Some(b)) => a[0] + (b[0] - a[0]) * (strain - a[1]) / (b[1] - a[1]),
+            (None, Some(b)) => b[0],
+            (Some(a), None) => a[0],
+            (None, None) => 0.0,
+        }
+    }
+}
+
+/// Johnson and Cook: (A + B p^n)(1 - theta^m), theta = (T - T_transition)/(T_melt - T_transition) clipped to 0..1
+/// (ABAQUS Analysis User's Guide, "Johnson-Cook plasticity").
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JohnsonCook {
+    /// A, stress.
+    pub a: f64,
+    /// B, stress.
+    pub b: f64,
+    /// n.
+    pub n: f64,
+    /// m.
+    pub m: f64,
+    /// Melting temperature.
+    pub melt: f64,
+    /// Transition temperature; no softening below.
+    pub transition: f64,
+}
+
+impl YieldStress for JohnsonCook {
+    fn at(&self, strain: f64, _rate: f64, temperature: f64) -> f64 {
+        let hardened = self.a + self.b * libm::pow(strain.max(0.0), self.n);
+        let theta = (temperature - self.transition) / (self.melt - self.transition);
+        if theta <= 0.0 || theta.is_nan() {
+            return hardened;
+        }
+        if theta >= 1.0 { 0.0 } else { hardened * (1.0 - libm::pow(theta, self.m)) }
+    }
+}
+
+/// Factor of rate dependence on a static yield stress.
+#[derive(Clone, Debug)]
+pub enum RateFactor {
+    /// 1 + C ln(rate/reference), not below 1.
+    JohnsonCook {
+        /// C.
+        c: f64,
+        /// Reference rate.
+        reference: f64,
+    },
+    /// 1 + (rate/D)^(1/n), Cowper and Symonds.
+    PowerLaw {
+        /// D.
+        d: f64,
+        /// n.
+        n: f64,
+    },
+    /// Rows of ratio and rate, linear between them.
+    Ratio(Vec<[f64; 2]>),
+}
+
+impl RateFactor {
+    /// The factor at a rate of equivalent plastic strain.
+    pub fn at(&self, rate: f64) -> f64 {
+        match self {
+            RateFactor::JohnsonCook { c, reference } if rate > *reference => 1.0 + c * libm::log(rate / reference),
+            RateFactor::JohnsonCook { .. } => 1.0,
+            RateFactor::PowerLaw { d, n } => 1.0 + libm::pow((rate / d).max(0.0), 1.0 / n),
+            RateFactor::Ratio(rows) => {
+                let rows = rows.iter().map(|r| [r[0], r[1]]).collect();
+                Table { rows }.at(rate, 0.0, 0.0)
+            }
+        }
+    }
+}
+
+/// A static yield stress times a factor of rate.
+pub struct RateDependent<Y> {
+    /// Static part.
+    pub base: Y,
+    /// Factor.
+    pub factor: RateFactor,
+}
+
+impl<Y: YieldStress> YieldStress for RateDependent<Y> {
+    fn at(&self, strain: f64, rate: f64, temperature: f64) -> f64 {
+        self.base.at(strain, rate, temperature) * self.factor.at(rate)
+    }
+}
+
+/// The increment of plastic strain dp for which `trial - 3 G dp` is the yield stress at `strain + dp` and `dp/dt`. The
+/// residual falls with dp, so it has one root; regula falsi with the Illinois step keeps it bracketed.
+pub fn plastic_increment(
+    law: &dyn YieldStress,
+    trial: f64,
+    strain: f64,
+    temperature: f64,
+    shear3: f64,
+    dt: f64,
+) -> f64 {
+    let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+    let residual = |dp: f64| trial - shear3 * dp - law.at(strain + dp, dp * per_dt, temperature);
+    let (mut low, mut at_low) = (0.0, residual(0.0));
+    if at_low <= 0.0 || at_low.is_nan() {
+        return 0.0;
+    }
+    let (mut high, mut at_high) = (trial / shear3, residual(trial / shear3));
+    if at_high >= 0.0 {
+        return high;
+    }
+    let enough = 1e-12 * trial;
+    let mut side = 0;
+    for _ in 0..100 {
+        let dp = (low * at_high - high * at_low) / (at_high - at_low);
+        let value = residual(dp);
+        if value.abs() <= enough {
+            return dp;
+        }
+        if value > 0.0 {
+            (low, at_low) = (dp, value);
+            at_high *= if side == 1 { 0.5 } else { 1.0 };
+            side = 1;
+        } else {
+            (high, at_high) = (dp, value);
+            at_low *= if side == -1 { 0.5 } else { 1.0 };
+            side = -1;
+        }
+        if high - low <= 1e-15 * high {
+            return high;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_linear_between_rows() {
+        let table = Table { rows: vec![[100.0, 0.0], [150.0, 0.1], [160.0, 0.5]] };
+        assert_eq!([0.0, 0.05, 0.1, 0.3, 9.0].map(|p| table.at(p, 0.0, 0.0)), [100.0, 125.0, 150.0, 155.0, 160.0]);
+    }
+
+    #[test]
+    fn johnson_cook_by_hand() {
+        let law = RateDependent {
+            base: JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 },
+            factor: RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 },
+        };
+        let expected =
+            (806.0 + 614.0 * 0.2f64.powf(0.168)) * (1.0 + 0.0089 * 1e4f64.ln()) * (1.0 - (480.0f64 / 1520.0).powf(1.1));
+        assert!((law.at(0.2, 1e4, 500.0) / expected - 1.0).abs() < 1e-14);
+        assert_eq!(law.at(0.0, 0.5, 20.0), 806.0);
+        assert_eq!(law.at(0.0, 0.5, 1540.0), 0.0);
+    }
+
+    #[test]
+    fn the_return_meets_the_yield_surface() {
+        let law = RateDependent {
+            base: JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 },
+            factor: RateFactor::PowerLaw { d: 40.0, n: 5.0 },
+        };
+        for (trial, strain) in [(900.0, 0.0), (5000.0, 0.3), (806.1, 0.0)] {
+            let dp = plastic_increment(&law, trial, strain, 300.0, 3.0 * 80_000.0, 1e-6);
+            let yields = law.at(strain + dp, dp / 1e-6, 300.0);
+            assert!(
+                dp == 0.0 && trial < law.at(strain, 0.0, 300.0) + 1.0
+                    || ((trial - 240_000.0 * dp) / yields - 1.0).abs() < 1e-10
+            );
+        }
+    }
+}

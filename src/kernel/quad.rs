@@ -1,0 +1,131 @@
+//! The four-node axisymmetric quadrilateral with mean quadrature (CAX4R): volume, gradient operators, corner masses.
+//! Corners run counter-clockwise in (r, z). Never here: stress, meshes.
+//!
+//! Mean quadrature integrates the gradient operators over the volume exactly (Flanagan and Belytschko 1981, Int. J. Numer.
+//! Meth. Eng. 17, eqs. 13 to 21, carried over to the axisymmetric volume): with V = 2 pi int r dA, the operator along z is
+//! dV/dz_I, and along r dV/dr_I less the hoop part 2 pi int N_I dA. Centroid quadrature would be wrong on the axis.
+
+use std::f64::consts::PI;
+
+/// Factor of all integrals in [`Gradient`] but the area: most uses are ratios, in which it drops out.
+pub const UNIT: f64 = PI / 3.0;
+
+/// Integrals over the volume of an element, a full ring, in units of pi/3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gradient {
+    /// int dN_I/dr dV of each corner, length^2.
+    pub r: [f64; 4],
+    /// int dN_I/dz dV, length^2.
+    pub z: [f64; 4],
+    /// int N_I/r dV, length^2.
+    pub hoop: [f64; 4],
+    /// Volume.
+    pub volume: f64,
+    /// Area of the section, in the square of the length unit.
+    pub area: f64,
+}
+
+/// The gradient operators of a quadrilateral.
+#[inline(always)]
+pub fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
+    // Triangles at the corners: twice their areas, with T1 + T3 = T2 + T4 = 2 A.
+    let (r21, z21) = (r[1] - r[0], z[1] - z[0]);
+    let (r31, z31) = (r[2] - r[0], z[2] - z[0]);
+    let (r41, z41) = (r[3] - r[0], z[3] - z[0]);
+    let t1 = r21 * z41 - r41 * z21;
+    let t2 = r21 * z31 - r31 * z21;
+    let t4 = r31 * z41 - r41 * z31;
+    let double = t2 + t4;
+    // int N_I dA = (A + T_I)/6 with plain areas.
+    let hoop = [double + t1, double + t2, double + double - t1, double + t4].map(|t| 0.5 * t);
+    let mut out_r = [0.0; 4];
+    let mut out_z = [0.0; 4];
+    let mut moment = 0.0;
+    for i in 0..4 {
+        let (j, p) = ((i + 1) % 4, (i + 3) % 4);
+        let next = r[i] + r[j];
+        let before = r[p] + r[i];
+        out_z[i] = r[p] * before - r[j] * next;
+        // dV/dr_I is pi/3 times 2 r_I (z_J - z_P) + r_J (z_J - z_I) + r_P (z_I - z_P).
+        let by_r = (r[i] + next) * (z[j] - z[i]) + (r[i] + before) * (z[i] - z[p]);
+        moment += r[i] * by_r;
+        out_r[i] = by_r - hoop[i];
+    }
+    // V is of second degree in r.
+    Gradient { r: out_r, z: out_z, hoop, volume: 0.5 * moment, area: 0.5 * double }
+}
+
+/// Row-sum lumped mass of each corner: density times int N_I dV, exact by two Gauss points each way.
+pub fn corner_masses(r: [f64; 4], z: [f64; 4], density: f64) -> [f64; 4] {
+    let mut masses = [0.0; 4];
+    let point = 1.0 / 3f64.sqrt();
+    for (xi, eta) in [(-point, -point), (point, -point), (point, point), (-point, point)] {
+        let shape = [
+            0.25 * (1.0 - xi) * (1.0 - eta),
+            0.25 * (1.0 + xi) * (1.0 - eta),
+            0.25 * (1.0 + xi) * (1.0 + eta),
+            0.25 * (1.0 - xi) * (1.0 + eta),
+        ];
+        let along_xi = [-0.25 * (1.0 - eta), 0.25 * (1.0 - eta), 0.25 * (1.0 + eta), -0.25 * (1.0 + eta)];
+        let along_eta = [-0.25 * (1.0 - xi), -0.25 * (1.0 + xi), 0.25 * (1.0 + xi), 0.25 * (1.0 - xi)];
+        let dot = |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let jacobian = dot(&along_xi, &r) * dot(&along_eta, &z) - dot(&along_eta, &r) * dot(&along_xi, &z);
+        let weight = density * 2.0 * PI * dot(&shape, &r) * jacobian;
+        for (mass, n) in masses.iter_mut().zip(shape) {
+            *mass += weight * n;
+        }
+    }
+    masses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::solid;
+
+    const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
+    const Z: [f64; 4] = [0.1, -0.2, 1.7, 2.0];
+
+    #[test]
+    fn operators_are_the_derivatives_of_the_volume() {
+        let g = gradient(R, Z);
+        let corners: Vec<[f64; 2]> = (0..4).map(|i| [R[i], Z[i]]).collect();
+        assert!((UNIT * g.volume / solid::volume(&corners) - 1.0).abs() < 1e-14);
+        let step = 1e-6;
+        for i in 0..4 {
+            let shifted = |d: usize, h: f64| {
+                let mut c = corners.clone();
+                c[i][d] += h;
+                solid::volume(&c)
+            };
+            let slope = |d| (shifted(d, step) - shifted(d, -step)) / (2.0 * step);
+            assert!((UNIT * (g.r[i] + g.hoop[i]) - slope(0)).abs() < 1e-8);
+            assert!((UNIT * g.z[i] - slope(1)).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn linear_fields_have_their_gradients_and_constant_fields_none() {
+        let g = gradient(R, Z);
+        let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        for (value, expected) in [
+            (dot(g.r, R), g.volume),
+            (dot(g.z, Z), g.volume),
+            (dot(g.hoop, R), g.volume),
+            (dot(g.r, Z), 0.0),
+            (dot(g.z, R), 0.0),
+            (dot(g.r, [1.0; 4]), 0.0),
+            (dot(g.z, [1.0; 4]), 0.0),
+        ] {
+            assert!((value - expected).abs() < 1e-13 * g.volume, "{value} {expected}");
+        }
+    }
+
+    #[test]
+    fn corner_masses_add_up_and_the_axis_carries_little() {
+        let masses = corner_masses([0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0], 6.0);
+        assert!((masses.iter().sum::<f64>() - 6.0 * PI).abs() < 1e-13);
+        // int (1 - r) 2 pi r dr = pi/3 of pi on the axis side.
+        assert!((masses[0] - PI).abs() < 1e-13 && (masses[1] - 2.0 * PI).abs() < 1e-13);
+    }
+}
