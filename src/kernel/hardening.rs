@@ -122,11 +122,21 @@ pub fn plastic_increment(
     if at_low <= 0.0 || at_low.is_nan() {
         return 0.0;
     }
-    let (mut high, mut at_high) = (trial / shear3, residual(trial / shear3));
-    if at_high >= 0.0 {
+    // With a yield stress that does not fall, the root is below what perfect plasticity gives; if not, below no stress.
+    let mut high = at_low / shear3;
+    let mut at_high = residual(high);
+    if at_high > 0.0 {
+        (low, at_low) = (high, at_high);
+        high = trial / shear3;
+        at_high = residual(high);
+        if at_high >= 0.0 {
+            return high;
+        }
+    }
+    let enough = 1e-11 * trial;
+    if at_high >= -enough {
         return high;
     }
-    let enough = 1e-12 * trial;
     let mut side = 0;
     for _ in 0..100 {
         let dp = (low * at_high - high * at_low) / (at_high - at_low);

@@ -8,7 +8,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P001",
         title: "elements that nothing moves",
-        text: "Solid elements deform if a *SOLID SECTION gives them a material, and move with a *RIGID BODY that names them. These do neither, or are of a type that is not simulated yet (CAX3).",
+        text: "Solid elements deform if a *SOLID SECTION gives them a material, and move with a *RIGID BODY that names them. These do neither.",
     },
     Code {
         code: "P002",

@@ -16,7 +16,7 @@ use crate::effect::{Magnitude, Shape};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, YieldStress};
 use crate::kernel::quad::{UNIT, corner_masses, gradient};
 use crate::model::{
-    self, Boundary, ElementKind, Hourglass, InitialKind, Load, LoadKind, Material, Plastic, RateDependence, Side,
+    self, Boundary, Hourglass, InitialKind, Load, LoadKind, Material, Plastic, RateDependence, Side,
     Sides, SolidSection, Step,
 };
 use crate::state::nodes::Node;
@@ -100,13 +100,9 @@ impl Compiler<'_> {
         let mut list = Vec::with_capacity(elements.len());
         for &e in elements {
             let element = &mesh.elements[e];
-            let place = |i: usize| self.places.nodes[&element.nodes[i]] as u32;
-            if element.kind != ElementKind::Cax4r {
-                let message = "CAX3 elements are read, but not simulated yet";
-                let finding = Diagnostic::error("P001", message).at(element.span, format!("element {}", element.name));
-                self.diagnostics.push(finding.help("use CAX4R"));
-                return None;
-            }
+            // A triangle is a quadrilateral whose last two corners coincide: the polygon formulas hold, and every motion
+            // of three nodes is linear, so hourglass control has nothing to act on.
+            let place = |i: usize| self.places.nodes[&element.nodes[i.min(element.nodes.len() - 1)]] as u32;
             let corners = [0, 1, 2, 3].map(place);
             let at = corners.map(|n| nodes[n as usize]);
             let volume = UNIT * gradient(at.map(|n| n.r), at.map(|n| n.z)).volume;

@@ -277,7 +277,8 @@ impl Solid {
         let corners = self.corners.as_flattened().as_flattened();
         let (gather, external, behind) = (&self.gather, &self.external[0], self.behind);
         let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
-            *kinetic = 0.0;
+            // Four sums side by side: one would wait for each addition.
+            let mut parts = [0.0; 4];
             let first = index * CHUNK;
             let last = first + accelerations.len();
             let masses = self.mass[first..last].iter().zip(&self.inverse_mass[first..last]);
@@ -290,8 +291,9 @@ impl Solid {
                 *acceleration = force.map(|f| f * inverse);
                 let [a_r, a_z] = *acceleration;
                 let twice = node.v_r * (node.v_r + behind * a_r) + node.v_z * (node.v_z + behind * a_z);
-                *kinetic += 0.5 * mass * twice;
+                parts[n % 4] += mass * twice;
             }
+            *kinetic = 0.5 * ((parts[0] + parts[1]) + (parts[2] + parts[3]));
         };
         if !self.parallel {
             let parts = self.acceleration.chunks_mut(CHUNK).zip(&mut self.kinetic_parts).enumerate();
