@@ -228,6 +228,9 @@ fn print_messages(messages: &[host::Message], quiet: bool) {
     }
 }
 
+/// History columns that are printed after a run.
+const SHOWN: usize = 24;
+
 fn print_outcome(summary: &Summary, job: &output::Job) {
     if summary.ended_by_user {
         println!("the user's routine ended the analysis");
@@ -235,8 +238,15 @@ fn print_outcome(summary: &Summary, job: &output::Job) {
     for rest in &summary.rests {
         println!("{} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
     }
-    for (name, column) in &summary.history.0 {
+    for (name, column) in summary.history.0.iter().take(SHOWN) {
         println!("{name}: final {:.6e}, min {:.6e}, max {:.6e}", column.last, column.min, column.max);
+    }
+    if summary.history.0.len() > SHOWN {
+        println!("… and {} more columns in {}", summary.history.0.len() - SHOWN, job.path("_history.csv").display());
+    }
+    for step in summary.steps.iter().filter(|s| s.limiting_element.is_some()) {
+        let element = step.limiting_element.as_deref().unwrap_or_default();
+        println!("{}: smallest increment {:.3e}, limited by element {element}", step.name, step.smallest_increment);
     }
     println!("energy drift {:.1e} of the largest energy", summary.energy.drift);
     for row in summary.ledger.effects.iter().filter(|r| r.share.is_some()) {

@@ -16,8 +16,8 @@ use crate::effect::{Magnitude, Shape};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, YieldStress};
 use crate::kernel::quad::{UNIT, corner_masses, gradient};
 use crate::model::{
-    self, Boundary, Hourglass, InitialKind, Load, LoadKind, Material, Plastic, RateDependence, Side,
-    Sides, SolidSection, Step,
+    self, Boundary, Hourglass, InitialKind, Load, LoadKind, Material, Plastic, RateDependence, Side, Sides,
+    SolidSection, Step,
 };
 use crate::state::nodes::Node;
 
@@ -39,8 +39,8 @@ impl SolidPlaces {
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
 const HOURGLASS_STIFFNESS: f64 = 0.005;
-/// Default hourglass viscosity, a fraction of the critical.
-const HOURGLASS_VISCOSITY: f64 = 0.03;
+/// Default hourglass viscosity, the fraction of what is critical at the element's highest frequency.
+const HOURGLASS_VISCOSITY: f64 = 0.05;
 
 impl Compiler<'_> {
     /// Makes the deformable part of the scene, if the deck has one.

@@ -32,8 +32,12 @@ pub struct Increment {
 impl Increment {
     /// The instant it arrives at; the end of the step is met to the last bit.
     pub fn arrival(&self, now: &Instant, duration: f64) -> Instant {
-        let step_time = if self.end == End::Step { duration } else { now.step_time + self.length };
-        Instant { step_time, total_time: now.total_time + self.length, increment: now.increment + 1, ..*now }
+        let added = self.length - now.lost;
+        let sum = now.step_time + added;
+        let lost = (sum - now.step_time) - added;
+        let step_time = if self.end == End::Step { duration } else { sum };
+        let total_time = now.total_time + (step_time - now.step_time);
+        Instant { step_time, total_time, increment: now.increment + 1, lost, ..*now }
     }
 
     /// Whether it still advances the clock.

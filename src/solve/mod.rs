@@ -243,6 +243,7 @@ impl<'a> Run<'a> {
             solid.begin(&step.given, step.node_forces.len());
         }
         self.now.step_time = 0.0;
+        self.now.lost = 0.0;
         self.now.step += 1;
         self.behind = 0.0;
         self.show_own_velocity();

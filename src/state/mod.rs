@@ -14,6 +14,8 @@ pub struct Instant {
     pub step: u32,
     /// Increments behind, over all steps.
     pub increment: u64,
+    /// What rounding has taken from the step time (Kahan's summation): a million equal increments end on time.
+    pub lost: f64,
 }
 
 /// A rigid body: an axisymmetric body moves along z only. Bodies are few and all of one is touched together, so each is

@@ -1,6 +1,7 @@
 //! A block of elements and what one increment does to it: the inner loop of deformable bodies.
 //! Each phase is a loop of plain arithmetic over lanes, without a branch, so that every instruction set gives the same
 //! bits. Never here: which elements a block holds, threads.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::law::{Constants, Flow, Hardening};
 use super::{Corners, LANES, Lanes};
@@ -8,6 +9,7 @@ use crate::kernel::quad::{UNIT, gradient};
 
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub struct Block<S> {
     /// Nodes at the corners, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
@@ -36,19 +38,26 @@ pub struct Sums {
     pub viscous: Lanes,
     /// Work of the hourglass control.
     pub artificial: Lanes,
-    /// Square of one over the stable increment of the element that limits each lane.
-    pub rate_square: Lanes,
+    /// Two over the stable increment of the element that limits each lane.
+    pub rate: Lanes,
     /// Block of that element; a float, so that lanes choose it side by side.
     pub limiting: Lanes,
 }
 
-/// Scratch memory of one task.
+/// The corner nodes of a block beside each other.
 #[derive(Clone, Debug, Default)]
-pub struct Stage {
+#[repr(C, align(64))]
+pub struct Nodes {
     pub(super) r: [Lanes; 4],
     pub(super) z: [Lanes; 4],
     pub(super) v_r: [Lanes; 4],
     pub(super) v_z: [Lanes; 4],
+}
+
+/// Scratch memory of one task.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+pub struct Stage {
     /// Strain increments rr, zz, hoop, rz.
     strain: [Lanes; 4],
     /// Stress before the increment, carried along by the rotation.
@@ -61,9 +70,10 @@ pub struct Stage {
     trial: Lanes,
     flow: Lanes,
     weight: Lanes,
-    block: f64,
     /// Of the task so far.
     pub(super) sums: Sums,
+    block: f64,
+    count: usize,
 }
 
 impl<S: Clone> Block<S> {
@@ -74,27 +84,29 @@ impl<S: Clone> Block<S> {
         hardening: &H,
         constants: &Constants,
         dt: f64,
+        nodes: &Nodes,
         stage: &mut Stage,
         corners: &mut Corners,
     ) {
-        self.strain::<H>(constants, dt, stage);
+        self.strain::<H>(constants, dt, nodes, stage);
         if H::FLOWS {
-            let flow = &mut Flow { trial: &stage.trial, shear3: 3.0 * constants.shear, dt, increment: &mut stage.flow };
+            let (shear3, count) = (3.0 * constants.shear, stage.count);
+            let flow = &mut Flow { trial: &stage.trial, shear3, dt, count, increment: &mut stage.flow };
             hardening.flow(&mut self.state, flow);
         }
         self.stress::<H>(constants, stage);
-        self.forces(constants, dt, stage, corners);
+        self.forces(constants, dt, nodes, stage, corners);
     }
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
-    fn strain<H: Hardening>(&mut self, constants: &Constants, dt: f64, stage: &mut Stage) {
+    fn strain<H: Hardening>(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage) {
         let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
         let half = 0.5 * dt;
         for l in 0..LANES {
-            let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
+            let (v_r, v_z) = (column(&nodes.v_r, l), column(&nodes.v_z, l));
             let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
-            let g = gradient(middle(column(&stage.r, l), v_r), middle(column(&stage.z, l), v_z));
+            let g = gradient(middle(column(&nodes.r, l), v_r), middle(column(&nodes.z, l), v_z));
             let per = dt / g.volume;
             let (d_rr, d_zz, d_hoop) = (per * dot(g.r, v_r), per * dot(g.z, v_z), per * dot(g.hoop, v_r));
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
@@ -152,31 +164,34 @@ impl<S: Clone> Block<S> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    fn forces(&mut self, constants: &Constants, dt: f64, stage: &mut Stage, corners: &mut Corners) {
+    fn forces(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage, corners: &mut Corners) {
         let modulus = constants.bulk + 4.0 / 3.0 * constants.shear;
         let softness = 1.0 / modulus;
         let [linear, quadratic] = constants.bulk_viscosity;
         let quadratic2 = quadratic * quadratic;
         let stiffness = dt * UNIT * constants.hourglass_stiffness * constants.shear;
-        let viscosity = UNIT * constants.hourglass_viscosity;
+        let viscosity = constants.hourglass_viscosity / 8.0;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let block = stage.block;
         for l in 0..LANES {
-            let (r, z) = (column(&stage.r, l), column(&stage.z, l));
-            let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
+            let (r, z) = (column(&nodes.r, l), column(&nodes.z, l));
+            let (v_r, v_z) = (column(&nodes.v_r, l), column(&nodes.v_z, l));
             let g = gradient(r, z);
-            let per = 1.0 / g.volume;
-            let square = dot(g.r, g.r) + dot(g.z, g.z);
-            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m.
+            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
             let corner =
                 |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) * self.inverse_mass[i][l];
-            let omega2 = modulus * UNIT * per * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+            let sum = modulus * UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+            // omega = root / V; one division serves 1/V and 1/omega.
+            let root = (sum * g.volume).sqrt();
+            let inverse = 1.0 / (g.volume * root);
+            let per = root * inverse;
+            let omega = root * per;
             // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
             // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
             // of a flat element.
             let density = self.mass[l] * per * (1.0 / UNIT);
             let wave2 = modulus * UNIT * g.volume * self.inverse_total[l];
-            let wave_length = 2.0 * wave2 / omega2.sqrt();
+            let wave_length = 2.0 * wave2 * g.volume * g.volume * inverse;
             let length_per_wave = wave_length * density * softness;
             let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
             let dilation_rate = dilation * per_dt;
@@ -188,8 +203,10 @@ impl<S: Clone> Block<S> {
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
             let shape = [1.0 - rest[0], -1.0 - rest[1], 1.0 - rest[2], -1.0 - rest[3]];
             let (q_r, q_z) = (dot(shape, v_r), dot(shape, v_z));
+            let square = dot(g.r, g.r) + dot(g.z, g.z);
             let spring = stiffness * square * per;
-            let dashpot = viscosity * density * (wave2 * square).sqrt();
+            // The pattern moves a sixteenth of the mass: a fraction of what is critical at the highest frequency.
+            let dashpot = viscosity * self.mass[l] * omega;
             let (old_r, old_z) = (self.hourglass[0][l], self.hourglass[1][l]);
             let (new_r, new_z) = (old_r + spring * q_r, old_z + spring * q_z);
             self.hourglass[0][l] = new_r;
@@ -203,18 +220,18 @@ impl<S: Clone> Block<S> {
             let s_hoop = UNIT * (self.stress[2][l] + damping);
             let s_rz = UNIT * self.stress[3][l];
             for i in 0..4 {
-                corners[2 * i][l] = -((s_rr * g.r[i] + s_rz * g.z[i]) + (s_hoop * g.hoop[i] + f_r * shape[i]));
-                corners[2 * i + 1][l] = -((s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i]);
+                corners.0[2 * i][l] = -((s_rr * g.r[i] + s_rz * g.z[i]) + (s_hoop * g.hoop[i] + f_r * shape[i]));
+                corners.0[2 * i + 1][l] = -((s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i]);
             }
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
             let xi = linear - quadratic2 * length_per_wave * compression;
             let damped = 1.0 + xi * (1.0 + 0.5 * xi);
-            let rate_square = 0.25 * stage.weight[l] * omega2 * damped * damped;
+            let rate = stage.weight[l] * omega * damped;
             // Not a number counts as the largest: it must be found.
-            let best = stage.sums.rate_square[l];
-            let larger = !(rate_square <= best) & (best == best);
-            stage.sums.rate_square[l] = if larger { rate_square } else { stage.sums.rate_square[l] };
+            let best = stage.sums.rate[l];
+            let larger = is_larger(rate, best);
+            stage.sums.rate[l] = if larger { rate } else { best };
             stage.sums.limiting[l] = if larger { block } else { stage.sums.limiting[l] };
         }
     }
@@ -249,11 +266,19 @@ impl Stage {
     #[inline(always)]
     pub fn prepare(&mut self, block: usize, count: usize) {
         self.block = block as f64;
+        self.count = count.min(LANES);
         self.weight = [1.0; LANES];
         if count < LANES {
             self.weight[count..].fill(0.0);
         }
     }
+}
+
+/// Whether a rate takes the place of the largest so far. Not a number counts as the largest, and the first stays: it must
+/// be found.
+#[inline(always)]
+pub fn is_larger(rate: f64, largest: f64) -> bool {
+    (rate > largest) | (rate.is_nan() & !largest.is_nan())
 }
 
 /// Sum over lanes, always in the same order.

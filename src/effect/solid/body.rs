@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::block::is_larger;
 use super::group::{Group, Totals};
 use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
@@ -28,6 +29,13 @@ pub struct Given {
     pub kind: Prescribed,
     /// How much.
     pub magnitude: Magnitude,
+}
+
+impl Given {
+    /// Whether it holds its degree of freedom where it is.
+    fn holds(&self) -> bool {
+        self.magnitude.value == 0.0 && self.kind != Prescribed::Acceleration
+    }
 }
 
 /// A force on nodes.
@@ -76,13 +84,13 @@ impl Gather {
     /// From the corner nodes of elements, group by group; each group begins a new block.
     pub fn new(count: usize, groups: &[&[[u32; 4]]]) -> Self {
         let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
-        let empty = (blocks * 8 * LANES) as u32;
+        let empty = (blocks * 4 * LANES) as u32;
         let mut gather = Gather { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
         let mut block = 0;
         for elements in groups {
             for (e, corners) in elements.iter().enumerate() {
                 for (c, &node) in corners.iter().enumerate() {
-                    let slot = ((block + e / LANES) * 8 * LANES + 2 * c * LANES + e % LANES) as u32;
+                    let slot = (((block + e / LANES) * 4 + c) * LANES + e % LANES) as u32;
                     match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {
                         Some(free) => *free = slot,
                         None => gather.more.push((node, slot)),
@@ -97,10 +105,12 @@ impl Gather {
 
     /// Sum of a node's corner forces.
     #[inline(always)]
-    fn sum(&self, node: usize, corners: &[f64]) -> [f64; 2] {
+    fn sum(&self, node: usize, corners: &[Corners]) -> [f64; 2] {
         let pair = |slot: u32| {
-            let at = &corners[slot as usize..slot as usize + LANES + 1];
-            [at[0], at[LANES]]
+            let slot = slot as usize;
+            let (lane, corner, block) = (slot % LANES, slot / LANES % 4, slot / (4 * LANES));
+            let forces = &corners[block].0;
+            [forces[2 * corner][lane], forces[2 * corner + 1][lane]]
         };
         let [a, b, c, d] = self.slots[node].map(pair);
         let mut force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
@@ -184,7 +194,7 @@ impl Solid {
             energies: Energies::default(),
             limit: (Totals::default(), 0),
             // One block more, which stays zero.
-            corners: vec![[[0.0; LANES]; 8]; blocks + 1],
+            corners: vec![Corners::default(); blocks + 1],
             gather,
             external: [Vec::new(), Vec::new()],
             reactions: Vec::new(),
@@ -204,11 +214,10 @@ impl Solid {
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
         }
-        for g in given.iter().filter(|g| g.kind != Prescribed::Acceleration) {
-            // A node that is held does not start with a velocity.
-            if g.magnitude.value == 0.0 && self.behind == 0.0 {
-                self.set_velocity(g, 0.0);
-            }
+        // A node that is held does not start with a velocity.
+        let first = self.behind == 0.0;
+        for g in given.iter().filter(|g| first && g.holds()) {
+            self.set_velocity(g, 0.0);
         }
     }
 
@@ -254,7 +263,7 @@ impl Solid {
             self.energies.plastic += totals.plastic;
             self.energies.viscous += totals.viscous;
             self.energies.artificial += totals.artificial;
-            if !(totals.rate <= self.limit.0.rate) && !self.limit.0.rate.is_nan() {
+            if is_larger(totals.rate, self.limit.0.rate) {
                 self.limit = (totals, i);
             }
         }
@@ -274,7 +283,7 @@ impl Solid {
 
     /// Accelerations from forces; what is given overrides them.
     pub fn accelerate(&mut self, given: &[Given]) {
-        let corners = self.corners.as_flattened().as_flattened();
+        let corners = &self.corners;
         let (gather, external, behind) = (&self.gather, &self.external[0], self.behind);
         let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
             // Four sums side by side: one would wait for each addition.
@@ -318,6 +327,12 @@ impl Solid {
         for (i, g) in given.iter().enumerate() {
             let mass = self.mass[g.node];
             let (velocity, free) = (self.velocity(g), self.acceleration[g.node][g.axis]);
+            if velocity == 0.0 && g.holds() && self.reactions[i].kinetic == 0.0 {
+                let force = mass * free;
+                self.reactions[i] = Reaction { place: (g.node, g.axis), force, before: force, ..Reaction::default() };
+                self.acceleration[g.node][g.axis] = 0.0;
+                continue;
+            }
             // The pass over nodes took the free acceleration: what is given moves otherwise.
             let taken = 0.5 * mass * velocity * (velocity + self.behind * free);
             let kinetic = 0.5 * mass * velocity * velocity;
@@ -352,6 +367,9 @@ impl Solid {
         }
         for (i, g) in given.iter().enumerate() {
             let old = self.velocity(g);
+            if old == 0.0 && g.holds() {
+                continue;
+            }
             let place = |node: &Node| if g.axis == 0 { node.r } else { node.z };
             // The pass above carried it along with its old velocity.
             let place_before = place(&self.nodes[g.node]) - dt * old;

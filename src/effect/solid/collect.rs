@@ -2,7 +2,7 @@
 //! Never here: arithmetic.
 
 use super::LANES;
-use super::block::Stage;
+use super::block::Nodes;
 use crate::state::nodes::Node;
 
 /// The token of four-lane shuffles, where the machine has them.
@@ -25,9 +25,9 @@ pub fn wide() -> Wide {}
 /// Copies the nodes of a block beside each other. By hand, because compilers would use gather instructions where the
 /// vectors are wide, and single loads where they are not: both are slower than a transposition in registers.
 #[inline(always)]
-pub fn collect(wide: Wide, nodes: &[Node], of: &[[u32; LANES]; 4], stage: &mut Stage) {
+pub fn collect(wide: Wide, nodes: &[Node], of: &[[u32; LANES]; 4], to: &mut Nodes) {
     for (corner, of) in of.iter().enumerate() {
-        let columns = [&mut stage.r[corner], &mut stage.z[corner], &mut stage.v_r[corner], &mut stage.v_z[corner]];
+        let columns = [&mut to.r[corner], &mut to.z[corner], &mut to.v_r[corner], &mut to.v_z[corner]];
         let [r, z, v_r, v_z] = columns.map(|c| c.as_chunks_mut::<4>().0);
         for (i, four) in of.as_chunks::<4>().0.iter().enumerate() {
             let records = four.map(|n| nodes[n as usize].as_array());
@@ -40,7 +40,7 @@ pub fn collect(wide: Wide, nodes: &[Node], of: &[[u32; LANES]; 4], stage: &mut S
 #[inline(always)]
 fn transpose(wide: Wide, rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
     let Some(v3) = wide else { return plain(rows) };
-    let [a, b, c, d] = rows.map(|row| pulp::cast(row));
+    let [a, b, c, d] = rows.map(pulp::cast);
     let avx = v3.avx;
     let (low_ab, high_ab) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
     let (low_cd, high_cd) = (avx._mm256_unpacklo_pd(c, d), avx._mm256_unpackhi_pd(c, d));
@@ -50,7 +50,7 @@ fn transpose(wide: Wide, rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
         avx._mm256_permute2f128_pd::<0x31>(low_ab, low_cd),
         avx._mm256_permute2f128_pd::<0x31>(high_ab, high_cd),
     ]
-    .map(|column| pulp::cast(column))
+    .map(pulp::cast)
 }
 
 #[cfg(not(target_arch = "x86_64"))]

@@ -4,7 +4,7 @@
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::block::{Block, Stage, Sums, across};
+use super::block::{Block, Nodes, Stage, Sums, across, is_larger};
 use super::body::PARALLEL;
 use super::collect::{Wide, collect, wide};
 use super::law::{Constants, Hardening};
@@ -72,6 +72,13 @@ pub struct Quads<H: Hardening> {
 }
 
 impl<H: Hardening> Quads<H> {
+    /// The same on another instruction set, which gives the same bits.
+    #[must_use]
+    pub fn on(mut self, arch: Arch) -> Self {
+        self.arch = arch;
+        self
+    }
+
     /// Elements by their corner nodes, at their places now.
     pub fn new(hardening: H, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
         let blocks: Vec<_> = elements.chunks(LANES).map(|part| block(&hardening, density, part, nodes)).collect();
@@ -199,11 +206,12 @@ impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
         let stage = self.stage;
         let pass = self.pass;
         stage.sums = Sums::default();
+        let mut corner_nodes = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
-            collect(pass.wide, pass.nodes, &block.nodes, stage);
-            block.update(pass.hardening, pass.constants, pass.dt, stage, corners);
+            collect(pass.wide, pass.nodes, &block.nodes, &mut corner_nodes);
+            block.update(pass.hardening, pass.constants, pass.dt, &corner_nodes, stage, corners);
         }
     }
 }
@@ -212,20 +220,69 @@ impl<H: Hardening> Quads<H> {
     /// Folds the tasks in their order.
     fn totals(&self) -> Totals {
         let mut totals = Totals::default();
-        let mut square = 0.0;
+        let mut largest = 0.0;
         for Stage { sums, .. } in &self.tasks {
             totals.internal += across(&sums.internal);
             totals.plastic += across(&sums.plastic);
             totals.viscous += across(&sums.viscous);
             totals.artificial += across(&sums.artificial);
-            for (l, (&rate, &block)) in sums.rate_square.iter().zip(&sums.limiting).enumerate() {
-                if !(rate <= square) && !square.is_nan() {
-                    square = rate;
+            for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
+                if is_larger(rate, largest) {
+                    largest = rate;
                     totals.limiting = block as usize * LANES + l;
                 }
             }
         }
-        totals.rate = square.sqrt();
+        totals.rate = 0.5 * largest;
         totals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::Arch;
+
+    use super::{Group, Quads};
+    use crate::effect::solid::law::{Constants, Lines};
+    use crate::effect::solid::{Corners, LANES};
+    use crate::state::nodes::Node;
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let (columns, rows) = (5, 4);
+        let wobble = |i: usize| ((i * 7919) % 101) as f64 * 1e-3;
+        let node = |n: usize| {
+            let (i, j) = (n % (columns + 1), n / (columns + 1));
+            Node { r: i as f64 + wobble(n), z: j as f64 - wobble(n + 3), v_r: wobble(n + 5), v_z: wobble(n + 9) }
+        };
+        let nodes: Vec<Node> = (0..(columns + 1) * (rows + 1)).map(node).collect();
+        let corner = |e: usize| {
+            let first = (e / columns * (columns + 1) + e % columns) as u32;
+            let row = columns as u32 + 1;
+            [first, first + 1, first + row + 1, first + row]
+        };
+        let elements: Vec<[u32; 4]> = (0..columns * rows).map(corner).collect();
+        let constants = Constants {
+            bulk: 3.0,
+            shear: 1.0,
+            hourglass_stiffness: 0.005,
+            hourglass_viscosity: 0.01,
+            bulk_viscosity: [0.06, 1.2],
+        };
+        let run = |arch: Arch| {
+            let lines = Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
+            let mut quads = Quads::new(lines, constants, 2.0, &elements, &nodes).on(arch);
+            let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
+            let totals = (0..3).map(|_| quads.update(&nodes, 0.3, &mut corners)).last().expect("totals");
+            let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();
+            assert!(totals.plastic > 0.0 && totals.rate > 0.0);
+            (corners, totals)
+        };
+        let plain = run(Arch::Scalar);
+        assert_eq!(plain, run(Arch::new()));
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert_eq!(plain, run(Arch::V3(v3)));
+        }
     }
 }

@@ -38,6 +38,8 @@ pub struct Flow<'a> {
     pub shear3: f64,
     /// Length of the increment.
     pub dt: f64,
+    /// Lanes that hold elements.
+    pub count: usize,
     /// Answer: increments of the equivalent plastic strain.
     pub increment: &'a mut Lanes,
 }
@@ -150,7 +152,7 @@ impl Hardening for General {
     }
 
     fn flow(&self, state: &mut History, flow: &mut Flow<'_>) {
-        for l in 0..LANES {
+        for l in 0..flow.count {
             let (strain, temperature) = (state.strain[l], state.temperature[l]);
             let dp = plastic_increment(&*self.law, flow.trial[l], strain, temperature, flow.shear3, flow.dt);
             flow.increment[l] = dp;
@@ -201,7 +203,13 @@ mod tests {
         for (trial, strain) in [(399.0, 0.0), (401.0, 0.0), (460.0, 0.0), (700.0, 0.15), (900.0, 0.39), (600.0, 0.9)] {
             let mut state = [strain; LANES];
             let mut increment = [0.0; LANES];
-            let flow = &mut Flow { trial: &[trial; LANES], shear3: 3.0 * shear, dt: 1.0, increment: &mut increment };
+            let flow = &mut Flow {
+                trial: &[trial; LANES],
+                shear3: 3.0 * shear,
+                dt: 1.0,
+                count: LANES,
+                increment: &mut increment,
+            };
             lines.flow(&mut state, flow);
             let expected = plastic_increment(&table, trial, strain, 0.0, 3.0 * shear, 1.0);
             assert!((increment[0] - expected).abs() < 1e-10, "{trial} {strain}: {} {expected}", increment[0]);

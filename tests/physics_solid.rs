@@ -1,0 +1,443 @@
+//! Deformable bodies against answers from outside the code.
+//!
+//! Goal: stress, motion and energies of axisymmetric solids: equilibrium of patches, waves, pressure vessels, Taylor bars.
+//! Source: closed forms of elasticity and plasticity (Lame; Hill 1950), wave speeds, and the results of other codes where
+//! there is no closed form. Each test says its tolerance and why.
+
+mod common;
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+use common::Memory;
+use revolve::job;
+use revolve::solve::{self, Outcome};
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+
+/// Nodes and quadrilaterals of a grid of `n` by `m` cells: `place(i, j)` gives `[r, z]`. Node (i, j) is 1 + i + j (n + 1).
+/// Sets I0, I1, J0, J1 hold the nodes of the four edges; surfaces of the same names the faces.
+fn grid(n: usize, m: usize, triangles: bool, place: impl Fn(usize, usize) -> [f64; 2]) -> String {
+    let node = |i: usize, j: usize| 1 + i + j * (n + 1);
+    let mut text = String::from("*Node, nset=ALL\n");
+    for j in 0..=m {
+        for i in 0..=n {
+            let [r, z] = place(i, j);
+            writeln!(text, " {}, {r:.17e}, {z:.17e}", node(i, j)).expect("text");
+        }
+    }
+    if triangles {
+        text += "*Element, type=CAX3, elset=SOLID\n";
+        for (e, (i, j)) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))).enumerate() {
+            let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+            writeln!(text, " {}, {a}, {b}, {c}\n {}, {a}, {c}, {d}", 2 * e + 1, 2 * e + 2).expect("text");
+        }
+        return text;
+    }
+    text += "*Element, type=CAX4R, elset=SOLID\n";
+    for (e, (i, j)) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))).enumerate() {
+        let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+        writeln!(text, " {}, {a}, {b}, {c}, {d}", e + 1).expect("text");
+    }
+    for (name, first, last, step) in [
+        ("I0", node(0, 0), node(0, m), n + 1),
+        ("I1", node(n, 0), node(n, m), n + 1),
+        ("J0", node(0, 0), node(n, 0), 1),
+        ("J1", node(0, m), node(n, m), 1),
+    ] {
+        writeln!(text, "*Nset, nset={name}, generate\n {first}, {last}, {step}").expect("text");
+    }
+    for (name, side, first, last, step) in [
+        ("I0", 4, 1, 1 + (m - 1) * n, n),
+        ("I1", 2, n, m * n, n),
+        ("J0", 1, 1, n, 1),
+        ("J1", 3, 1 + (m - 1) * n, m * n, 1),
+    ] {
+        writeln!(text, "*Elset, elset=E{name}, generate\n {first}, {last}, {step}").expect("text");
+        writeln!(text, "*Surface, name={name}\n E{name}, S{side}").expect("text");
+    }
+    text
+}
+
+fn material(e: f64, nu: f64, density: f64, more: &str) -> String {
+    format!(
+        "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n {density:e},\n*Elastic\n {e:e}, {nu}\n{more}"
+    )
+}
+
+fn run(text: &str) -> (Outcome, Memory) {
+    common::run(text, &[], &Routines::none())
+}
+
+/// Values of a column over the rows.
+fn column(text: &str, memory: &Memory, name: &str) -> Vec<(f64, f64)> {
+    let prepared = common::prepared(text, &[], &Routines::none());
+    let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
+    memory.rows.iter().map(|row| (row.0, row.1[at])).collect()
+}
+
+fn last(text: &str, memory: &Memory, name: &str) -> f64 {
+    column(text, memory, name).last().expect("a row").1
+}
+
+/// A distorted patch that touches the axis.
+fn distorted(i: usize, j: usize) -> [f64; 2] {
+    let shift = |a: usize, b: usize| if (1..3).contains(&a) && (1..3).contains(&b) { 0.2 } else { 0.0 };
+    let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+    [i as f64 + shift(i, j) * sign(i + j), 0.7 * j as f64 + shift(i, j) * sign(i)]
+}
+
+#[test]
+fn a_distorted_patch_under_uniform_pressure_is_in_equilibrium() {
+    let pressure = |surfaces: &[&str]| surfaces.iter().map(|s| format!(" {s}, P, 3.\n")).collect::<String>();
+    let deck = grid(3, 3, false, distorted)
+        + &material(1000.0, 0.3, 1.0, "")
+        + "*Initial Conditions, type=STRESS\n SOLID, -3., -3., -3., 0.\n*Step\n*Dynamic, Explicit\n , 1.\n*Dsload\n"
+        + &pressure(&["I1", "J0", "J1"])
+        + "*Output, field, number interval=1\n*Node Output\n A\n*Element Output\n S\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert!(outcome.halt.is_none() && outcome.increments > 30, "{:?}", outcome.halt);
+    for frame in &memory.frames {
+        let acceleration = &frame.point_fields[0].values;
+        // Rounding of a force of 3 on a mass of order 1.
+        assert!(acceleration.iter().all(|a| a.abs() < 1e-12), "{acceleration:?}");
+    }
+    let stress = &memory.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "S").expect("S").values;
+    for s in stress.chunks(4) {
+        assert!(s[..3].iter().all(|x| (x + 3.0).abs() < 1e-12) && s[3].abs() < 1e-12, "{s:?}");
+    }
+}
+
+/// Linear velocity fields give uniform strain rates, in quadrilaterals and in triangles: v_r = a r, v_z = b z.
+#[test]
+fn a_distorted_patch_stretches_uniformly() {
+    for triangles in [false, true] {
+        let mut deck = grid(3, 3, triangles, distorted) + &material(1000.0, 0.25, 1.0, "");
+        deck += "*Initial Conditions, type=VELOCITY\n";
+        for n in 0..16 {
+            let [r, z] = distorted(n % 4, n / 4);
+            write!(deck, " {}, 1, {:e}\n {}, 2, {:e}\n", n + 1, 1e-3 * r, n + 1, 2e-3 * z).expect("text");
+        }
+        deck += "*Step\n*Dynamic, Explicit, direct user control\n 1.e-4, 1.e-4\n*Bulk Viscosity\n 0., 0.\n\
+                 *Output, field, number interval=1\n*Element Output\n S\n*End Step\n";
+        let (outcome, memory) = run(&deck);
+        assert!(outcome.halt.is_none());
+        let stress = &memory.frames.last().expect("a frame").cell_fields[0].values;
+        // lambda = 400, mu = 400: strains 1e-7 in r and hoop, 2e-7 in z, from rates at the middle of the increment.
+        let (lambda, mu) = (400.0, 400.0);
+        let trace = 4e-7;
+        for s in stress.chunks(4) {
+            for (got, strain) in s[..3].iter().zip([1e-7, 2e-7, 1e-7]) {
+                let expected = lambda * trace + 2.0 * mu * strain;
+                assert!((got / expected - 1.0).abs() < 1e-6, "{got} {expected}");
+            }
+            assert!(s[3].abs() < 1e-13, "{s:?}");
+        }
+    }
+}
+
+/// Uniaxial strain: every node moves along z only; stress behind the front and speed of the front.
+#[test]
+fn a_strain_wave_has_its_stress_and_its_speed() {
+    let (e, nu, rho, v) = (68.9e9, 1.0 / 3.0, 2710.0, 10.0);
+    let m = 200;
+    let deck = grid(2, m, false, |i, j| [i as f64 * 5e-3, j as f64 * 5e-3])
+        + &material(e, nu, rho, "")
+        + &format!(
+            "*Elset, elset=MIDDLE\n 101,\n*Step\n*Dynamic, Explicit\n , 1.2e-4\n*Boundary\n ALL, 1, 1\n*Boundary, type=VELOCITY\n \
+             J0, 2, 2, {v}\n*Output, history, time interval=2.5e-7\n*Element Output, elset=MIDDLE\n S22, S11\n*Energy Output\n ALLKE\n*End Step\n"
+        );
+    let (outcome, memory) = run(&deck);
+    assert!(outcome.halt.is_none());
+    // c_L = 6175.478 m/s, stress 167.3555 MPa, lateral stress nu/(1 - nu) of it.
+    let stress = column(&deck, &memory, "S22@MIDDLE");
+    let plateau: Vec<f64> =
+        stress.iter().filter(|s| (1.0e-4..1.15e-4).contains(&s.0)).map(|s| -s.1 / 167.3555e6).collect();
+    let mean = plateau.iter().sum::<f64>() / plateau.len() as f64;
+    assert!((mean - 1.0).abs() < 5e-3, "plateau {mean}");
+    let arrival = stress.iter().find(|s| -s.1 > 0.5 * 167.3555e6).expect("a front").0;
+    let expected = 50.5 * 5e-3 / 6175.478;
+    assert!((arrival - expected).abs() < 1e-6, "front at {arrival:e}, expected {expected:e}");
+    let lateral = last(&deck, &memory, "S11@MIDDLE") / last(&deck, &memory, "S22@MIDDLE");
+    assert!((lateral / 0.5 - 1.0).abs() < 1e-6, "{lateral}");
+    assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
+}
+
+/// Energies of an elastic bar without damping, over a million increments. The motion is so small that it is linear: what
+/// the change of geometry does to the balance goes with the strain, here 1e-11.
+#[test]
+fn an_undamped_elastic_bar_keeps_its_energy() {
+    let mut deck = grid(2, 4, false, |i, j| [i as f64, j as f64]) + &material(1.0, 0.3, 1.0, "");
+    deck += "*Initial Conditions, type=VELOCITY\n J1, 2, 1.e-11\n";
+    deck += "*Step\n*Dynamic, Explicit, direct user control\n 0.2, 200000.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n J0, 2, 2\n\
+             *Output, history, number interval=1000\n*Energy Output\n ALLKE, ALLIE, ETOTAL\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!((outcome.halt, outcome.increments), (None, 1_000_000));
+    let internal = column(&deck, &memory, "ALLIE");
+    assert!(internal.iter().any(|e| e.1 > 0.1 * outcome.energy.initial), "energy goes to and fro");
+    println!("elastic bar, 1e6 increments: drift {:.1e}", outcome.energy.drift);
+    assert!(outcome.energy.drift < 1e-10, "{:e}", outcome.energy.drift);
+}
+
+/// A thick sphere between a = 10 and b = 20 mm, a quarter of its section, pressed from inside by a slow ramp.
+fn sphere(radial: usize, around: usize, pressure: f64, plastic: &str) -> String {
+    let place = |i: usize, j: usize| {
+        let radius = 10.0 * (1.0 + i as f64 / radial as f64);
+        let angle = 0.5 * PI * j as f64 / around as f64;
+        let [r, z] = [radius * angle.cos(), radius * angle.sin()];
+        // The last ray lies on the axis, to the last bit.
+        if j == around { [0.0, radius] } else { [r, z] }
+    };
+    grid(radial, around, false, place)
+        + &material(200e3, 0.3, 7.85e-9, plastic)
+        + "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 3.e-4, 1.\n*Nset, nset=INNER\n 1,\n"
+        + &format!("*Nset, nset=OUTER\n {},\n", radial + 1)
+        + "*Step\n*Dynamic, Explicit\n , 4.e-4\n*Boundary\n J0, 2, 2\n"
+        + &format!("*Dsload, amplitude=RAMP\n I0, P, {pressure}\n")
+        + "*Output, history, number interval=100\n*Node Output, nset=INNER\n U1\n*Node Output, nset=OUTER\n U1\n*Energy Output\n ALLKE\n*End Step\n"
+}
+
+/// Mean of a column over its last fifth: what is left of the vibration goes to and fro.
+fn settled(text: &str, memory: &Memory, name: &str) -> f64 {
+    let values = column(text, memory, name);
+    let tail = &values[values.len() - values.len() / 5..];
+    tail.iter().map(|v| v.1).sum::<f64>() / tail.len() as f64
+}
+
+#[test]
+fn a_thick_sphere_converges_to_lame_with_order_two() {
+    let mut errors = Vec::new();
+    for n in [5, 10, 20] {
+        let deck = sphere(n, 2 * n, 1.0, "");
+        let (outcome, memory) = run(&deck);
+        assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+        assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
+        // u(a) = 4.000 um, u(b) = 1.5 um for 100 MPa; pressed with 1 MPa, for the closed form is that of small strains.
+        errors.push([
+            settled(&deck, &memory, "U1@INNER") / 4e-5 - 1.0,
+            settled(&deck, &memory, "U1@OUTER") / 1.5e-5 - 1.0,
+        ]);
+    }
+    let order = (errors[1][0] / errors[2][0]).abs().log2();
+    println!("Lame sphere: errors {errors:?}, order {order:.2}");
+    assert!((order - 2.0).abs() < 0.3, "order {order}: {errors:?}");
+    assert!(errors[2].iter().all(|e| e.abs() < 3e-3), "{errors:?}");
+}
+
+/// Hill's sphere: perfectly plastic, the plastic front at c = 15 mm for p = 358.90406 MPa, outer displacement 8.859375 um.
+#[test]
+fn hills_sphere_yields_to_its_radius() {
+    // A hundred times as stiff and as dense: the same wave speeds and stresses, and strains as small as the theory's.
+    let deck = sphere(20, 30, 358.90406, "*Plastic\n 300., 0.\n")
+        .replace("2e5, 0.3", "2e7, 0.3")
+        .replace("7.85e-9", "7.85e-7");
+    assert!(deck.contains("2e7, 0.3") && deck.contains("7.85e-7"));
+    let (outcome, memory) = run(&deck);
+    assert!(outcome.halt.is_none());
+    let outer = settled(&deck, &memory, "U1@OUTER");
+    println!("Hill sphere: u(b) = {:.4} um (8.8594)", outer * 1e5);
+    // Mesh of h = 0.5 mm: the front is known to half an element, and u(b) goes with c^3.
+    assert!((outer / 8.859375e-5 - 1.0).abs() < 1e-2, "{outer}");
+}
+
+/// A thick cylinder in plane strain, a = 10 and b = 20 mm: u(a) = 9.53333 um for 100 MPa. Pressed with 1 MPa, for the closed
+/// form is that of small strains.
+#[test]
+fn a_thick_cylinder_is_lames_on_every_mesh() {
+    let mut errors = Vec::new();
+    for n in [10, 20] {
+        let deck = grid(n, 1, false, |i, j| [10.0 + 10.0 * i as f64 / n as f64, j as f64])
+            + &material(200e3, 0.3, 7.85e-9, "")
+            + "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 3.e-4, 1.\n*Nset, nset=INNER\n 1,\n*Step\n*Dynamic, Explicit\n , 4.e-4\n\
+               *Boundary\n ALL, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n*Output, history, number interval=100\n*Node Output, nset=INNER\n U1\n*End Step\n";
+        let (outcome, memory) = run(&deck);
+        assert!(outcome.halt.is_none());
+        errors.push(settled(&deck, &memory, "U1@INNER") / 9.53333e-5 - 1.0);
+    }
+    println!("Lame cylinder: errors {errors:?}");
+    // Mean quadrature meets this solution, A r + B/r, at the nodes on every mesh; what is left is the strain of 1e-5.
+    assert!(errors.iter().all(|e| e.abs() < 3e-5), "{errors:?}");
+}
+
+fn taylor(settings: &[(&str, &str)]) -> (Outcome, revolve::output::HistorySummary) {
+    let mut prepared =
+        job::prepare(&common::project("input/taylor_copper.inp"), &common::pairs(settings), &Routines::none());
+    assert!(!prepared.diagnostics.has_errors());
+    job::run_in_memory(&mut prepared)
+}
+
+/// Other codes: length 21.26 to 21.51 mm, foot radius 6.80 to 7.24 mm; OpenRadioss on 20x100: 21.428 and 7.169 mm.
+#[test]
+fn the_copper_taylor_bar_is_that_of_other_codes() {
+    for (nr, nz, length, foot) in [("10", "50", 21.46, 7.11), ("20", "100", 21.428, 7.169)] {
+        let (outcome, history) = taylor(&[("nr", nr), ("nz", nz)]);
+        assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+        let got = [history.0["COOR2@TIP"].last * 1e3, history.0["COOR1@CORNER"].last * 1e3];
+        println!("Taylor {nr}x{nz}: L {:.3} mm, R {:.3} mm, drift {:.1e}", got[0], got[1], outcome.energy.drift);
+        assert!((got[0] - length).abs() < 0.05 && (got[1] - foot).abs() < 0.05, "{got:?}");
+        assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
+        let element = outcome.steps[0].limiting_element.as_deref().expect("an element limits the increment");
+        assert!(element.parse::<u32>().is_ok());
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    // More elements than it takes to spread them.
+    let digest = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
+            let text = text.replace(" , 80.e-6", " , 0.3e-6");
+            let (outcome, memory) = common::run(&text, &[("nr", "50"), ("nz", "200")], &Routines::none());
+            assert!(outcome.halt.is_none() && outcome.increments > 20);
+            let rows: Vec<u64> = memory.rows.iter().flat_map(|r| r.1.iter().map(|v| v.to_bits())).collect();
+            let frame = memory.frames.last().expect("a frame");
+            let fields = frame.point_fields.iter().chain(&frame.cell_fields);
+            (outcome.increments, rows, fields.flat_map(|f| f.values.iter().map(|v| v.to_bits())).collect::<Vec<u64>>())
+        })
+    };
+    let one = digest(1);
+    for threads in [2, 5] {
+        assert!(one == digest(threads), "{threads} threads");
+    }
+}
+
+/// Johnson-Cook with rate and heat on one element that is compressed at a constant rate: the yield stress by hand.
+#[test]
+fn johnson_cook_with_heat_by_hand() {
+    let cards = "*Plastic, hardening=JOHNSON COOK\n 806., 614., 0.168, 1.1, 1540., 20.\n*Rate Dependent, type=JOHNSON COOK\n 0.0089, 1.\n\
+                 *Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 4.6e8,\n";
+    // Uniform motion v_z = -1000 z, v_r free: the element is tiny, so inertia does not matter.
+    let deck = grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+        + &material(206e3, 0.3, 7.83e-9, cards)
+        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Step\n*Dynamic, Explicit\n , 3.e-4\n*Boundary\n J0, 2, 2\n\
+           *Boundary, type=VELOCITY\n J1, 2, 2, -1.\n*Output, history, number interval=300\n*Element Output, elset=SOLID\n MISES, PEEQ, TEMP, S11\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+    let [mises, strain, heat] = ["MISES", "PEEQ", "TEMP"].map(|n| column(&deck, &memory, &format!("{n}@SOLID")));
+    // Temperature by quadrature of the plastic work along the hand-written law, rate by differences of the strain.
+    let law = |p: f64, rate: f64, t: f64| {
+        (806.0 + 614.0 * p.powf(0.168))
+            * (1.0 + 0.0089 * rate.ln().max(0.0))
+            * (1.0 - ((t - 20.0) / 1520.0).max(0.0).powf(1.1))
+    };
+    let mut temperature = 20.0;
+    for k in 1..strain.len() {
+        let (dp, dt) = (strain[k].1 - strain[k - 1].1, strain[k].0 - strain[k - 1].0);
+        temperature += 0.9 / (7.83e-9 * 4.6e8) * 0.5 * (mises[k].1 + mises[k - 1].1) * dp;
+        if k > 10 && dp > 0.0 {
+            let expected = law(strain[k].1, dp / dt, heat[k].1);
+            assert!((mises[k].1 / expected - 1.0).abs() < 2e-3, "row {k}: {} {expected}", mises[k].1);
+        }
+    }
+    let got = heat.last().expect("a row").1;
+    assert!(got > 60.0 && ((got - 20.0) / (temperature - 20.0) - 1.0).abs() < 5e-3, "{got} {temperature}");
+}
+
+struct Constant;
+
+impl UserLoad for Constant {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        // The normal is shown outward in `normal_r`, and into the solid in `directions`.
+        let n = pressure.len();
+        assert!(points.normal_r.iter().zip(&points.directions[..n]).all(|(a, b)| *a == -b));
+        pressure.fill(100.0 * points.amplitude);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_user_load_on_faces_is_a_pressure() {
+    let deck = sphere(5, 10, 100.0, "");
+    let user = deck.replace("I0, P, 100", "I0, PNU");
+    let (a, _) = run(&deck);
+    let (b, _) = common::run(&user, &[], &Routines::none().with_load(Constant));
+    assert_eq!((a.halt, b.halt), (None, None));
+    assert_eq!(a.energy.work.to_bits(), b.energy.work.to_bits());
+}
+
+/// A stiff disc that deforms, driven into a target that is not meshed, goes as deep as a rigid one: the closed form of
+/// m dV/dt = -pi a^2 (A Y + C rho V^2).
+#[test]
+fn a_deformable_projectile_enters_the_same_target() {
+    let (a, thickness, density, v): (f64, f64, f64, f64) = (5.0, 5.0, 7.85e-9, 300e3);
+    let deck = grid(6, 6, false, |i, j| [a * i as f64 / 6.0, thickness * j as f64 / 6.0])
+        + &material(200e3, 0.3, density, "")
+        + &format!(
+            "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n*Target, name=WALL, front=1., direction=-1\n ROCK, 900.\n\
+             *Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit\n , 1.e-5\n*Dsload, target=WALL\n J0, CAVITY\n\
+             *Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n",
+            -v
+        );
+    let (outcome, memory) = run(&deck);
+    assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+    // m V' = -k0 - k2 V^2 with m/area = rho t.
+    let (k0, k2, m): (f64, f64, f64) = (400.0, 2.7e-9, density * thickness);
+    let root = (k0 * k2).sqrt();
+    let start = (v * (k2 / k0).sqrt()).atan();
+    let expected = (k0 / k2).sqrt() * (start - root / m * 1e-5).tan();
+    // The speed of the whole, from its kinetic energy; the disc rings a little.
+    let got = (2.0 * last(&deck, &memory, "ALLKE") / (PI * a * a * m)).sqrt();
+    assert!((got - expected).abs() < 0.01 * (v - expected), "{got} {expected}");
+}
+
+#[test]
+fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
+    let deck = grid(3, 3, false, |i, j| [1.0 + i as f64, j as f64])
+        + &material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n")
+        + "*Initial Conditions, type=VELOCITY\n 6, 1, 4000.\n*Step\n*Dynamic, Explicit\n , 1.\n*Output, field, number interval=100\n*Node Output\n U\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    let halt = outcome.halt.expect("a halt");
+    assert_eq!(halt.code, "R206");
+    for part in ["element ", "increment", "time"] {
+        assert!(halt.reason.contains(part), "{}", halt.reason);
+    }
+    let frame = memory.frames.last().expect("a frame");
+    assert!(frame.point_fields.iter().all(|f| f.values.iter().all(|v| v.is_finite())));
+}
+
+#[test]
+fn bad_solids_are_refused_with_a_reason() {
+    let good = grid(1, 1, false, |i, j| [i as f64, j as f64])
+        + &material(1000.0, 0.3, 1.0, "")
+        + "*Step\n*Dynamic, Explicit\n , 1.\n*End Step\n";
+    let cases = [
+        ("M123", good.replace(" 1, 1, 2, 4, 3\n", " 1, 1, 3, 4, 2\n")),
+        ("P013", good.replace("*Density\n 1e0,\n", "")),
+        ("P001", good.replace("*Solid Section, elset=SOLID, material=M\n", "")),
+        ("P014", good.replace("*Step", "*Plastic\n 1., 0.\n 2., 0.\n*Step")),
+    ];
+    for (code, text) in cases {
+        assert_ne!(text, good, "{code}");
+        let prepared = job::prepare_text("bad.inp", &text, &[], &Routines::none());
+        assert!(
+            prepared.diagnostics.iter().any(|d| d.code == code),
+            "{code}: {}",
+            prepared.diagnostics.render(&prepared.deck.sources)
+        );
+    }
+}
+
+/// Hourglass controls keep a bar that is excited in its hourglass pattern together.
+#[test]
+fn every_hourglass_control_keeps_the_pattern_small() {
+    for control in ["STIFFNESS", "VISCOUS", "COMBINED", "ENHANCED"] {
+        let mut deck = grid(4, 8, false, |i, j| [10.0 + i as f64, j as f64]) + &material(1000.0, 0.3, 1.0, "");
+        deck = deck.replace("material=M\n", "material=M, controls=C\n");
+        deck += &format!("*Section Controls, name=C, hourglass={control}\n");
+        deck += "*Initial Conditions, type=VELOCITY\n";
+        for n in 0..45 {
+            let sign = if (n % 5 + n / 5) % 2 == 0 { 1.0 } else { -1.0 };
+            writeln!(deck, " {}, 2, {}", n + 1, 0.01 * sign).expect("text");
+        }
+        deck += "*Step\n*Dynamic, Explicit\n , 20.\n*Output, history, number interval=100\n*Node Output, nset=ALL\n U2\n*Energy Output\n ALLAE\n*End Step\n";
+        let mut prepared = common::prepared(&deck, &[], &Routines::none());
+        let mut memory = Memory::default();
+        let outcome = solve::run(&mut prepared.plan, &mut memory);
+        assert!(outcome.halt.is_none(), "{control}: {:?}", outcome.halt);
+        let largest = memory.rows.iter().flat_map(|r| r.1.iter().take(45)).fold(0.0f64, |m, u| m.max(u.abs()));
+        // Without control the pattern would reach v t = 0.2.
+        assert!(largest < 0.05, "{control}: {largest}");
+        assert!(outcome.energy.artificial > 0.0, "{control}");
+    }
+}
