@@ -9,8 +9,8 @@ use flate2::{Compress, Compression, FlushCompress};
 
 use super::{Field, Frame};
 
-/// Bytes of a block before compression.
-const BLOCK: usize = 1 << 15;
+/// Bytes of a block before compression: setting the compressor up again costs as much as compressing some tens of KiB.
+const BLOCK: usize = 1 << 20;
 
 /// Makes the text of `.vtu` files. It keeps the compressor and its buffers, which cost more than the small arrays of a
 /// frame.

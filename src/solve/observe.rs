@@ -233,10 +233,11 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
     }
     let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
     frame.cells = elements.iter().map(|&e| corners(e)).collect();
+    let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
     for &variable in &run.plan.fields {
         match point_field(run, variable, &of_point) {
             Some(field) => frame.point_fields.push(field),
-            None => frame.cell_fields.push(element_field(run, variable, &elements)),
+            None => frame.cell_fields.push(element_field(run, variable, &solid, elements.len())),
         }
     }
     frame.cell_fields.extend(facet_fields(run, step, &elements));
@@ -286,8 +287,8 @@ fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Op
     })
 }
 
-/// A field over elements; zero on those of rigid bodies.
-fn element_field(run: &Run<'_>, variable: FieldVariable, elements: &[usize]) -> Field {
+/// A field over cells: those of deformable elements (group and element) come first, those of rigid bodies have zero.
+fn element_field(run: &Run<'_>, variable: FieldVariable, solid: &[(usize, usize)], cells: usize) -> Field {
     let (name, parts): (_, &[ElementVariable]) = match variable {
         FieldVariable::Stress => ("S", &[0, 1, 2, 3].map(ElementVariable::Stress)),
         FieldVariable::Mises => ("MISES", &[ElementVariable::Mises]),
@@ -295,16 +296,17 @@ fn element_field(run: &Run<'_>, variable: FieldVariable, elements: &[usize]) -> 
         FieldVariable::PlasticStrain => ("PEEQ", &[ElementVariable::PlasticStrain]),
         _ => ("TEMP", &[ElementVariable::Temperature]),
     };
-    let value = |e: &usize, part: &ElementVariable| match (run.plan.places.elements.get(e), &run.solid) {
-        (Some(&(group, index)), Some(solid)) => element_value(&*solid.groups[group], index, *part),
-        _ => 0.0,
+    let value = |&(group, e): &(usize, usize), part: &ElementVariable| {
+        run.solid.as_ref().map_or(0.0, |s| element_value(&*s.groups[group], e, *part))
     };
+    let mut values: Vec<f64> = solid.iter().flat_map(|e| parts.iter().map(move |p| value(e, p))).collect();
+    values.resize(cells * parts.len(), 0.0);
     let names = ["S11", "S22", "S33", "S12"].map(str::to_owned);
     Field {
         name: name.into(),
         components: parts.len(),
         component_names: if parts.len() == 4 { names.to_vec() } else { Vec::new() },
-        values: elements.iter().flat_map(|e| parts.iter().map(move |p| (e, p))).map(|(e, p)| value(e, p)).collect(),
+        values,
     }
 }
 
