@@ -310,7 +310,7 @@ fn johnson_cook_with_heat_by_hand() {
     // Uniform motion v_z = -1000 z, v_r free: the element is tiny, so inertia does not matter.
     let deck = grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
         + &material(206e3, 0.3, 7.83e-9, cards)
-        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Step\n*Dynamic, Explicit\n , 3.e-4\n*Boundary\n J0, 2, 2\n\
+        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Step\n*Dynamic, Explicit, adiabatic\n , 3.e-4\n*Boundary\n J0, 2, 2\n\
            *Boundary, type=VELOCITY\n J1, 2, 2, -1.\n*Output, history, number interval=300\n*Element Output, elset=SOLID\n MISES, PEEQ, TEMP, S11\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
@@ -407,7 +407,8 @@ fn bad_solids_are_refused_with_a_reason() {
         ("P001", good.replace("*Solid Section, elset=SOLID, material=M\n", "")),
         ("P014", good.replace("*Step", "*Plastic\n 1., 0.\n 2., 0.\n*Step")),
     ];
-    for (code, text) in cases {
+    let two = good.replace("*End Step\n", "*End Step\n*Step\n*Dynamic, Explicit, adiabatic\n , 1.\n*End Step\n");
+    for (code, text) in cases.into_iter().chain([("P015", two)]) {
         assert_ne!(text, good, "{code}");
         let prepared = job::prepare_text("bad.inp", &text, &[], &Routines::none());
         assert!(

@@ -186,7 +186,15 @@ impl Builder<'_> {
     /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
     pub(super) fn section_controls(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        self.refuse(card, &["DISTORTION CONTROL", "LENGTH RATIO", "MAX DEGRADATION", "VISCOSITY"]);
+        let refused = ["DISTORTION CONTROL", "LENGTH RATIO", "MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
+        self.refuse(card, &refused);
+        // The second and third factor are of shells.
+        for word in card.lines.first().into_iter().flat_map(|l| [l.field(3), l.field(4)]).flatten() {
+            if word.number(&mut self.diagnostics).is_some_and(|factor| factor != 1.0) {
+                let help = "give *BULK VISCOSITY in the step";
+                self.unsupported(word.span, "a factor on bulk viscosity by section is not supported", help);
+            }
+        }
         let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
         let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
         let factor = card.lines.first().map_or(Some(1.0), |l| self.number_or(l, 0, 1.0)).unwrap_or(1.0);

@@ -31,6 +31,7 @@ pub(super) struct Procedure {
     scale_factor: f64,
     load_velocity: LoadVelocity,
     bulk_viscosity: [f64; 2],
+    adiabatic: bool,
 }
 
 impl Builder<'_> {
@@ -75,6 +76,7 @@ impl Builder<'_> {
             scale_factor: procedure.scale_factor,
             load_velocity: procedure.load_velocity,
             bulk_viscosity: procedure.bulk_viscosity,
+            adiabatic: procedure.adiabatic,
             boundaries: state.boundaries,
             loads: state.loads,
             outputs: state.outputs,
@@ -101,9 +103,16 @@ impl Builder<'_> {
             return;
         }
         let Some(load_velocity) = self.load_velocity(card) else { return };
-        let span = card.span;
-        let procedure =
-            Procedure { span, duration, increment, scale_factor, load_velocity, bulk_viscosity: [0.06, 1.2] };
+        let (span, adiabatic) = (card.span, card.has("ADIABATIC"));
+        let procedure = Procedure {
+            span,
+            duration,
+            increment,
+            scale_factor,
+            load_velocity,
+            bulk_viscosity: [0.06, 1.2],
+            adiabatic,
+        };
         match &mut self.step {
             Some(step) => step.procedure = Some(procedure),
             None => self.outside_step(card),

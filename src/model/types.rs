@@ -330,6 +330,8 @@ pub struct Step {
     pub load_velocity: LoadVelocity,
     /// Linear and quadratic bulk viscosity.
     pub bulk_viscosity: [f64; 2],
+    /// Whether heat stays where plastic work makes it (`ADIABATIC`).
+    pub adiabatic: bool,
     /// Prescribed motions in force.
     pub boundaries: Vec<Boundary>,
     /// Loads in force.

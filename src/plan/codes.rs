@@ -75,7 +75,11 @@ pub const CODES: &[Code] = &[
         title: "yield stress that cannot be used",
         text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. Dependence on temperature is not supported yet for tables.",
     },
-    Code { code: "P015", title: "not on deformable bodies yet", text: "This works on rigid bodies only for now." },
+    Code {
+        code: "P015",
+        title: "not on deformable bodies yet",
+        text: "Read, but not simulated on deformable bodies yet: the message says what, and what would be right.",
+    },
     Code {
         code: "P101",
         title: "held by axial symmetry already",

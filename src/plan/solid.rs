@@ -81,6 +81,7 @@ impl Compiler<'_> {
             groups.push(group);
             corners.push(list);
         }
+        self.check_steps_alike();
         self.point_masses(&mut mass);
         let lists: Vec<&[[u32; 4]]> = corners.iter().map(Vec::as_slice).collect();
         let gather = Gather::new(nodes.len(), &lists);
@@ -88,6 +89,23 @@ impl Compiler<'_> {
         solid.cause = self.causes.get(&(sections[0].0.span, "deformable elements")).copied().unwrap_or_default();
         self.start_solid(&mut solid);
         Some(solid)
+    }
+
+    /// Whether plastic work heats: the first step says so, and all others alike.
+    fn adiabatic(&self) -> bool {
+        self.model.steps.first().is_some_and(|s| s.adiabatic)
+    }
+
+    /// What elements take from the first step must not change later.
+    fn check_steps_alike(&mut self) {
+        let Some(first) = self.model.steps.first() else { return };
+        for step in &self.model.steps {
+            if step.bulk_viscosity != first.bulk_viscosity || step.adiabatic != first.adiabatic {
+                let message = "bulk viscosity and ADIABATIC must be the same in all steps";
+                let finding = Diagnostic::error("P015", message).at(step.span, "this step differs from the first");
+                self.diagnostics.push(finding.help("change in mid-analysis is not supported yet"));
+            }
+        }
     }
 
     fn free_elements(&self, section: &SolidSection) -> Vec<usize> {
@@ -150,7 +168,7 @@ impl Compiler<'_> {
             bulk_viscosity,
         };
         self.solid_rows(section, elements.len(), &constants, material);
-        let heating = heating(material, density);
+        let heating = if self.adiabatic() { heating(material, density) } else { 0.0 };
         let Some(plastic) = &material.plastic else {
             return Some(quads(Elastic, constants, density, corners, nodes));
         };
@@ -189,7 +207,7 @@ impl Compiler<'_> {
                 Plastic::JohnsonCook(_) => "Johnson-Cook",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-            let heat = if heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
+            let heat = if self.adiabatic() && heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
         let [stiffness, viscosity] = [constants.hourglass_stiffness, constants.hourglass_viscosity];
