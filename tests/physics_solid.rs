@@ -136,6 +136,36 @@ fn a_distorted_patch_stretches_uniformly() {
 }
 
 /// Uniaxial strain: every node moves along z only; stress behind the front and speed of the front.
+/// A displacement counts from the start of its step: what one step moved, the next may hold where it is, or move on.
+#[test]
+fn a_displacement_counts_from_the_start_of_its_step() {
+    let step = |cards: &str| {
+        format!(
+            "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary, {cards}\n*Output, history, frequency=1\n\
+             *Node Output, nset=ONE\n U2\n*End Step\n"
+        )
+    };
+    let deck = grid(2, 2, false, |i, j| [i as f64, j as f64])
+        + &material(
+            100.0,
+            0.3,
+            1.0,
+            "*Nset, nset=ONE\n 2\n*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 1., 1.\n",
+        )
+        + &step("amplitude=RAMP\n J0, 2, 2, 0.5")
+        + &step("op=NEW\n J0, 2, 2")
+        + &step("op=NEW, amplitude=RAMP\n J0, 2, 2, 0.25");
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let u = column(&deck, &memory, "U2@ONE");
+    for (time, expected) in [(1.0, 0.5), (1.5, 0.5), (2.0, 0.5), (3.0, 0.75)] {
+        let at = u.iter().rfind(|row| row.0 <= time + 1e-12).expect("a row").1;
+        assert!((at - expected).abs() < 1e-12, "U2 = {at} at {time}, not {expected}");
+    }
+    let energy = outcome.energy;
+    assert!(energy.drift < 2e-2, "drift {:e}", energy.drift);
+}
+
 #[test]
 fn a_strain_wave_has_its_stress_and_its_speed() {
     let (e, nu, rho, v) = (68.9e9, 1.0 / 3.0, 2710.0, 10.0);
@@ -441,4 +471,20 @@ fn every_hourglass_control_keeps_the_pattern_small() {
         assert!(largest < 0.05, "{control}: {largest}");
         assert!(outcome.energy.artificial > 0.0, "{control}");
     }
+}
+
+/// Gravity on a set of elements acts on triangles, too.
+#[test]
+fn gravity_on_a_set_of_triangles_is_gravity() {
+    let fall = |elements: &str| {
+        let deck = grid(2, 2, true, |i, j| [i as f64, j as f64])
+            + &material(100.0, 0.3, 1.0, "*Nset, nset=ONE\n 5\n")
+            + &format!("*Step\n*Dynamic, Explicit\n , 1.\n*Dload\n {elements}, GRAV, 9.81, 0., -1.\n")
+            + "*Output, history, frequency=1\n*Node Output, nset=ONE\n V2\n*End Step\n";
+        let (outcome, memory) = run(&deck);
+        assert_eq!(outcome.halt, None);
+        last(&deck, &memory, "V2@ONE")
+    };
+    assert!((fall("SOLID") / -9.81 - 1.0).abs() < 1e-12);
+    assert_eq!(fall("SOLID").to_bits(), fall("").to_bits());
 }

@@ -42,11 +42,26 @@ impl Motion {
 
     /// The mid-increment velocity that carries the body over an increment from displacement `u` and velocity `v`.
     pub fn velocity_over(&self, now: &Instant, increment: f64, u: f64, v: f64) -> f64 {
+        self.kind.velocity_over(&self.magnitude, now, increment, u - self.start, [v, 0.5 * increment])
+    }
+}
+
+impl Prescribed {
+    /// The mid-increment velocity that carries what moves over an increment. It has come as far as `moved` since the start
+    /// of the step; an acceleration acts on a velocity over a time, given with it.
+    pub fn velocity_over(
+        self,
+        magnitude: &Magnitude,
+        now: &Instant,
+        increment: f64,
+        moved: f64,
+        [velocity, time]: [f64; 2],
+    ) -> f64 {
         let later = |time: f64| Instant { step_time: now.step_time + time, total_time: now.total_time + time, ..*now };
-        match self.kind {
-            Prescribed::Displacement => (self.start + self.magnitude.at(&later(increment)) - u) / increment,
-            Prescribed::Velocity => self.magnitude.at(&later(0.5 * increment)),
-            Prescribed::Acceleration => v + 0.5 * increment * self.magnitude.at(now),
+        match self {
+            Prescribed::Displacement => (magnitude.at(&later(increment)) - moved) / increment,
+            Prescribed::Velocity => magnitude.at(&later(0.5 * increment)),
+            Prescribed::Acceleration => velocity + time * magnitude.at(now),
         }
     }
 }

@@ -43,89 +43,75 @@ pub struct UserPressure {
     shows_motion: bool,
 }
 
-/// At most [`MAX_BLOCK`] points with the arrays of one call; what they hold is said at [`LoadPoints`].
+/// At most [`MAX_BLOCK`] points.
 struct Block {
     elements: Vec<usize>,
     weight: Vec<f64>,
     z_start: Vec<f64>,
-    coordinates: Vec<f64>,
-    motion: Vec<f64>,
+    shown: Shown,
+    /// Pressures of the evaluation before: what frames show if the routine fails now.
+    pressure_before: Vec<f64>,
+}
+
+/// The arrays of one call, for at most [`MAX_BLOCK`] points; what they hold is said at [`LoadPoints`].
+pub struct Shown {
+    count: usize,
+    /// r of all points, z of all points, and NaN.
+    pub coordinates: Vec<f64>,
+    /// Slabs of velocity, displacement and acceleration.
+    pub motion: Vec<f64>,
     directions: Vec<f64>,
     normal_r: Vec<f64>,
     normal_z: Vec<f64>,
     /// Room for a whole block, and one behind it: a routine that writes past its points is found out.
     pressure: Vec<f64>,
-    /// Of the evaluation before: what frames show if the routine fails now.
-    pressure_before: Vec<f64>,
 }
 
 /// A NaN that is noticed wherever it is used, even in a comparison: what lies behind two coordinates.
 const SIGNALLING: u64 = 0x7ff4_0000_0000_0000;
 
-impl UserPressure {
-    /// The load on points of one body.
-    pub fn new(load: UserLoad, body: usize, points: &[Point]) -> Self {
-        let blocks = points.chunks(MAX_BLOCK).map(|part| Block::new(part, load.inward)).collect();
-        let shows_motion = load.routine.with(|r| r.reads_motion());
-        UserPressure { load, body, blocks, shows_motion }
-    }
-
-    fn failure(&self, block: usize, now: &Instant, failure: &LoadFailure) -> Halt {
-        let Block { elements, coordinates, .. } = &self.blocks[block];
-        let n = elements.len();
-        let point = failure.point.filter(|&i| i < n).map_or(String::new(), |i| {
-            format!(" at point {} (r = {}, z = {})", block * MAX_BLOCK + i + 1, coordinates[i], coordinates[n + i])
-        });
-        Halt::of_routine(&format!("the user load on `{}`{point}", self.load.name), now, failure)
-    }
-}
-
-impl Block {
-    fn new(points: &[Point], inward: bool) -> Block {
-        let n = points.len();
-        let column = |f: fn(&Point) -> f64| points.iter().map(f).collect::<Vec<f64>>();
-        let (normal_r, normal_z) = (column(|p| p.normal[0]), column(|p| p.normal[1]));
-        let sign = if inward { -1.0 } else { 1.0 };
-        let shown = |list: &[f64], sign: f64| list.iter().map(|n| sign * n).collect::<Vec<_>>();
-        let (r, z_start) = (column(|p| p.place[0]), column(|p| p.place[1]));
-        // The second direction is the first turned counter-clockwise: (n_r, n_z) becomes (-n_z, n_r).
+impl Shown {
+    /// Arrays for so many points, without values.
+    pub fn new(count: usize) -> Self {
+        let slabs = |slabs: usize, value: f64| vec![value; slabs * count];
         let no_number = f64::from_bits(SIGNALLING);
-        let behind = |slabs: usize| vec![no_number; slabs * n];
-        let normals = [shown(&normal_r, sign), shown(&normal_z, -sign), shown(&normal_z, sign), shown(&normal_r, sign)];
-        let directions = [normals.concat(), behind(5)].concat();
-        Block {
-            elements: points.iter().map(|p| p.element).collect(),
-            weight: column(|p| p.weight),
-            coordinates: [r, z_start.clone(), behind(1)].concat(),
-            z_start,
-            motion: vec![0.0; 6 * n],
-            directions,
-            normal_r,
-            normal_z,
+        Shown {
+            count,
+            coordinates: slabs(3, no_number),
+            motion: slabs(6, 0.0),
+            directions: slabs(9, no_number),
+            normal_r: slabs(1, 0.0),
+            normal_z: slabs(1, 0.0),
             pressure: vec![f64::NAN; MAX_BLOCK + 1],
-            pressure_before: (0..=MAX_BLOCK).map(|i| if i < n { 0.0 } else { f64::NAN }).collect(),
         }
     }
 
-    /// Brings the arrays to this instant and empties the answer, in one pass: for a few facets the passes would cost
-    /// more than what they write.
-    #[inline]
-    fn show(&mut self, body: &BodyState, all: bool) {
-        let n = self.z_start.len();
-        let arrays = self.coordinates[n..2 * n].iter_mut().zip(&mut self.motion[n..2 * n]).zip(&mut self.pressure);
-        for (((z, v), pressure), start) in arrays.zip(&self.z_start) {
-            *z = start + body.displacement;
-            *v = body.velocity_load;
-            *pressure = f64::NAN;
-        }
-        if all {
-            self.motion[3 * n..4 * n].fill(body.displacement);
-            self.motion[5 * n..].fill(body.acceleration);
+    /// Sets the outward normal of a point, and with it the directions: the normal as the routine is shown it, and that
+    /// turned counter-clockwise, by which (n_r, n_z) becomes (-n_z, n_r).
+    pub fn set_normal(&mut self, point: usize, [r, z]: [f64; 2], inward: bool) {
+        (self.normal_r[point], self.normal_z[point]) = (r, z);
+        let sign = if inward { -1.0 } else { 1.0 };
+        for (slab, value) in [sign * r, -sign * z, sign * z, sign * r].into_iter().enumerate() {
+            self.directions[slab * self.count + point] = value;
         }
     }
 
-    fn evaluate(&mut self, load: &UserLoad, now: &Instant, amplitude: f64) -> Result<f64, LoadFailure> {
-        let n = self.z_start.len();
+    /// Empties the answer.
+    pub fn forget(&mut self) {
+        self.pressure[..self.count].fill(f64::NAN);
+    }
+
+    /// Pressures that the routine gave.
+    pub fn pressure(&self) -> &[f64] {
+        &self.pressure[..self.count]
+    }
+
+    /// Calls the routine; what it answers is still to be accepted.
+    ///
+    /// # Errors
+    /// Its own.
+    pub fn call(&mut self, load: &UserLoad, now: &Instant, amplitude: f64) -> Result<(), LoadFailure> {
+        let n = self.count;
         let points = LoadPoints {
             surface: &load.name,
             load_type: load.load_type,
@@ -143,17 +129,23 @@ impl Block {
             directions: &self.directions,
         };
         let pressure = &mut self.pressure[..n];
-        load.routine.with(|r| r.pressure(&points, pressure))?;
-        let force = dot(pressure, &self.weight);
-        if force.is_finite() && self.pressure[n].is_nan() && self.pressure[MAX_BLOCK].is_nan() {
-            return Ok(force);
+        load.routine.with(|r| r.pressure(&points, pressure))
+    }
+
+    /// Accepts the answer; `finite` says whether all pressures are, which the caller knows from what it makes of them.
+    ///
+    /// # Errors
+    /// Where one is not, or where the routine wrote past its points.
+    pub fn accept(&mut self, finite: bool) -> Result<(), LoadFailure> {
+        if finite && self.pressure[self.count].is_nan() && self.pressure[MAX_BLOCK].is_nan() {
+            return Ok(());
         }
         Err(self.refusal())
     }
 
     fn refusal(&mut self) -> LoadFailure {
-        let n = self.z_start.len();
-        let point = self.pressure[..n].iter().position(|p| !p.is_finite());
+        let n = self.count;
+        let point = self.pressure().iter().position(|p| !p.is_finite());
         let Some(i) = point else {
             self.pressure[n..].fill(f64::NAN);
             return LoadFailure::new(format!("it wrote past the nblock = {n} points of its argument value"));
@@ -166,6 +158,73 @@ impl Block {
             ""
         };
         LoadFailure { point, reason: format!("it gave the pressure {value}{hint}") }
+    }
+
+    /// A failure in words; `first` points of the load came in blocks before this one.
+    pub fn failure(&self, load: &UserLoad, first: usize, now: &Instant, failure: &LoadFailure) -> Halt {
+        let place = |i| (self.coordinates[i], self.coordinates[self.count + i]);
+        let point = failure.point.filter(|&i| i < self.count).map_or(String::new(), |i| {
+            let (r, z) = place(i);
+            format!(" at point {} (r = {r}, z = {z})", first + i + 1)
+        });
+        Halt::of_routine(&format!("the user load on `{}`{point}", load.name), now, failure)
+    }
+}
+
+impl UserPressure {
+    /// The load on points of one body.
+    pub fn new(load: UserLoad, body: usize, points: &[Point]) -> Self {
+        let blocks = points.chunks(MAX_BLOCK).map(|part| Block::new(part, load.inward)).collect();
+        let shows_motion = load.routine.with(|r| r.reads_motion());
+        UserPressure { load, body, blocks, shows_motion }
+    }
+}
+
+impl Block {
+    fn new(points: &[Point], inward: bool) -> Block {
+        let n = points.len();
+        let mut shown = Shown::new(n);
+        for (i, point) in points.iter().enumerate() {
+            shown.coordinates[i] = point.place[0];
+            shown.coordinates[n + i] = point.place[1];
+            shown.set_normal(i, point.normal, inward);
+        }
+        Block {
+            elements: points.iter().map(|p| p.element).collect(),
+            weight: points.iter().map(|p| p.weight).collect(),
+            z_start: points.iter().map(|p| p.place[1]).collect(),
+            shown,
+            pressure_before: (0..=MAX_BLOCK).map(|i| if i < n { 0.0 } else { f64::NAN }).collect(),
+        }
+    }
+
+    /// Brings the arrays to this instant and empties the answer, in one pass: for a few facets the passes would cost
+    /// more than what they write.
+    #[inline]
+    fn show(&mut self, body: &BodyState, all: bool) {
+        let n = self.z_start.len();
+        let Shown { coordinates, motion, pressure, .. } = &mut self.shown;
+        let arrays = coordinates[n..2 * n].iter_mut().zip(&mut motion[n..2 * n]).zip(pressure);
+        for (((z, v), pressure), start) in arrays.zip(&self.z_start) {
+            *z = start + body.displacement;
+            *v = body.velocity_load;
+            *pressure = f64::NAN;
+        }
+        if all {
+            motion[3 * n..4 * n].fill(body.displacement);
+            motion[5 * n..].fill(body.acceleration);
+        }
+    }
+
+    fn evaluate(&mut self, load: &UserLoad, now: &Instant, amplitude: f64) -> Result<f64, LoadFailure> {
+        self.shown.call(load, now, amplitude)?;
+        let force = dot(self.shown.pressure(), &self.weight);
+        self.shown.accept(force.is_finite())?;
+        Ok(force)
+    }
+
+    fn swap_pressures(&mut self) {
+        std::mem::swap(&mut self.shown.pressure, &mut self.pressure_before);
     }
 }
 
@@ -183,7 +242,7 @@ impl Force for UserPressure {
         let mut force = 0.0;
         let mut failed = None;
         for (i, block) in self.blocks.iter_mut().enumerate() {
-            std::mem::swap(&mut block.pressure, &mut block.pressure_before);
+            block.swap_pressures();
             block.show(&bodies[self.body], self.shows_motion);
             match block.evaluate(&self.load, now, amplitude) {
                 Ok(part) => force += part,
@@ -195,10 +254,8 @@ impl Force for UserPressure {
         }
         out[0] = force;
         let Some((at, failure)) = failed else { return Ok(()) };
-        for block in &mut self.blocks[..=at] {
-            std::mem::swap(&mut block.pressure, &mut block.pressure_before);
-        }
-        Err(self.failure(at, now, &failure))
+        self.blocks[..=at].iter_mut().for_each(Block::swap_pressures);
+        Err(self.blocks[at].shown.failure(&self.load, at * MAX_BLOCK, now, &failure))
     }
 
     fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
@@ -216,22 +273,21 @@ impl Force for UserPressure {
         let velocity = bodies[self.body].velocity;
         let mut fields = FacetFields::default();
         for block in &self.blocks {
-            let n = block.elements.len();
             fields.elements.extend(&block.elements);
-            fields.pressure.extend(&block.pressure[..n]);
-            fields.normal_velocity.extend(block.normal_z.iter().map(|n| n * velocity));
-            fields.layer.extend(vec![0.0; n]);
+            fields.pressure.extend(block.shown.pressure());
+            fields.normal_velocity.extend(block.shown.normal_z.iter().map(|n| n * velocity));
+            fields.layer.resize(fields.elements.len(), 0.0);
         }
         Some(fields)
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let sum = |f: fn(&Block) -> &[f64]| self.blocks.iter().map(|b| size_of_val(f(b))).sum::<usize>();
+        let sum = |f: fn(&Shown) -> &[f64]| self.blocks.iter().map(|b| size_of_val(f(&b.shown))).sum::<usize>();
         vec![
-            ("curCoords", sum(|b| &b.coordinates)),
-            ("velocity", sum(|b| &b.motion)),
-            ("dirCos", sum(|b| &b.directions)),
-            ("value", 2 * sum(|b| &b.pressure)),
+            ("curCoords", sum(|s| &s.coordinates)),
+            ("velocity", sum(|s| &s.motion)),
+            ("dirCos", sum(|s| &s.directions)),
+            ("value", 2 * sum(|s| &s.pressure)),
         ]
     }
 }

@@ -7,23 +7,30 @@ pub trait YieldStress: Send + Sync {
     fn at(&self, strain: f64, rate: f64, temperature: f64) -> f64;
 }
 
-/// Rows of yield stress and plastic strain, linear between them and constant behind the last
-/// (ABAQUS Analysis User's Guide, "Classical metal plasticity").
+/// Rows of a value, such as the yield stress, and its abscissa, such as the plastic strain: linear between them and constant
+/// beyond the ends (ABAQUS Analysis User's Guide, "Classical metal plasticity").
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// `[yield stress, plastic strain]`, ascending in strain.
+    /// `[value, abscissa]`, ascending in the abscissa.
     pub rows: Vec<[f64; 2]>,
 }
 
-impl YieldStress for Table {
-    fn at(&self, strain: f64, _rate: f64, _temperature: f64) -> f64 {
-        let after = self.rows.partition_point(|r| r[1] <= strain);
+impl Table {
+    /// Value at an abscissa.
+    pub fn value(&self, at: f64) -> f64 {
+        let after = self.rows.partition_point(|r| r[1] <= at);
         match (after.checked_sub(1).map(|i| self.rows[i]), self.rows.get(after)) {
-            (Some(a), Some(b)) => a[0] + (b[0] - a[0]) * (strain - a[1]) / (b[1] - a[1]),
+            (Some(a), Some(b)) => a[0] + (b[0] - a[0]) * (at - a[1]) / (b[1] - a[1]),
             (None, Some(b)) => b[0],
             (Some(a), None) => a[0],
             (None, None) => 0.0,
         }
+    }
+}
+
+impl YieldStress for Table {
+    fn at(&self, strain: f64, _rate: f64, _temperature: f64) -> f64 {
+        self.value(strain)
     }
 }
 
@@ -73,8 +80,8 @@ pub enum RateFactor {
         /// n.
         n: f64,
     },
-    /// Rows of ratio and rate, linear between them.
-    Ratio(Vec<[f64; 2]>),
+    /// Ratio over rate.
+    Ratio(Table),
 }
 
 impl RateFactor {
@@ -84,10 +91,7 @@ impl RateFactor {
             RateFactor::JohnsonCook { c, reference } if rate > *reference => 1.0 + c * libm::log(rate / reference),
             RateFactor::JohnsonCook { .. } => 1.0,
             RateFactor::PowerLaw { d, n } => 1.0 + power(rate / d, 1.0 / n),
-            RateFactor::Ratio(rows) => {
-                let rows = rows.iter().map(|r| [r[0], r[1]]).collect();
-                Table { rows }.at(rate, 0.0, 0.0)
-            }
+            RateFactor::Ratio(table) => table.value(rate),
         }
     }
 }

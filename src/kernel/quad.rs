@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-/// Factor of all integrals in [`Gradient`] but the area: most uses are ratios, in which it drops out.
+/// Factor of all integrals in [`Gradient`]: most uses are ratios, in which it drops out.
 pub const UNIT: f64 = PI / 3.0;
 
 /// Integrals over the volume of an element, a full ring, in units of pi/3.
@@ -21,8 +21,6 @@ pub struct Gradient {
     pub hoop: [f64; 4],
     /// Volume.
     pub volume: f64,
-    /// Area of the section, in the square of the length unit.
-    pub area: f64,
 }
 
 /// The gradient operators of a quadrilateral.
@@ -52,11 +50,17 @@ pub fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
         out_r[i] = by_r - hoop[i];
     }
     // V is of second degree in r.
-    Gradient { r: out_r, z: out_z, hoop, volume: 0.5 * moment, area: 0.5 * double }
+    Gradient { r: out_r, z: out_z, hoop, volume: 0.5 * moment }
+}
+
+/// Volume of a full ring with these corners `[r, z]`.
+pub fn volume(corners: [[f64; 2]; 4]) -> f64 {
+    UNIT * gradient(corners.map(|c| c[0]), corners.map(|c| c[1])).volume
 }
 
 /// Row-sum lumped mass of each corner: density times int N_I dV, exact by two Gauss points each way.
-pub fn corner_masses(r: [f64; 4], z: [f64; 4], density: f64) -> [f64; 4] {
+pub fn corner_masses(corners: [[f64; 2]; 4], density: f64) -> [f64; 4] {
+    let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
     let mut masses = [0.0; 4];
     let point = 1.0 / 3f64.sqrt();
     for (xi, eta) in [(-point, -point), (point, -point), (point, point), (-point, point)] {
@@ -123,7 +127,7 @@ mod tests {
 
     #[test]
     fn corner_masses_add_up_and_the_axis_carries_little() {
-        let masses = corner_masses([0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0], 6.0);
+        let masses = corner_masses([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 6.0);
         assert!((masses.iter().sum::<f64>() - 6.0 * PI).abs() < 1e-13);
         // int (1 - r) 2 pi r dr = pi/3 of pi on the axis side.
         assert!((masses[0] - PI).abs() < 1e-13 && (masses[1] - 2.0 * PI).abs() < 1e-13);

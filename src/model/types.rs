@@ -51,6 +51,25 @@ pub struct Mesh {
     pub elements: Vec<Element>,
 }
 
+impl Mesh {
+    /// The corners of a solid element, counter-clockwise. A triangle is a quadrilateral whose last two corners coincide:
+    /// the formulas of polygons hold, and every motion of three nodes is linear, so hourglass control finds nothing.
+    pub fn corners(&self, element: usize) -> [usize; 4] {
+        let nodes = &self.elements[element].nodes;
+        [0, 1, 2, 3].map(|i: usize| nodes[i.min(nodes.len() - 1)])
+    }
+
+    /// The ends of one side of an element, the way it runs counter-clockwise; `None` if it has no such side.
+    pub fn ends(&self, element: usize, side: Side) -> Option<[usize; 2]> {
+        let nodes = &self.elements[element].nodes;
+        let (from, to) = match side {
+            Side::Positive | Side::Negative => (0, 1),
+            Side::Face(n) => (usize::from(n).checked_sub(1)?, usize::from(n) % nodes.len()),
+        };
+        Some([*nodes.get(from)?, *nodes.get(to)?])
+    }
+}
+
 /// What an element is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ElementKind {

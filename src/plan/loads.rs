@@ -20,14 +20,19 @@ use crate::model::{self, AmplitudeDefinition, Boundary, IncrementControl, Load, 
 pub(super) type FacetsByBody = BTreeMap<usize, Vec<(usize, Facet)>>;
 
 impl Compiler<'_> {
-    /// The effects of one load: none if it is zero, one for each body it acts on.
-    pub(super) fn load(&mut self, load: &Load, step: &Step) -> Vec<Box<dyn Force>> {
+    /// Whether a load can do anything; one that cannot is noted as unused.
+    pub(super) fn matters(&mut self, load: &Load) -> bool {
         let constant =
             !matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. });
-        if constant && load.magnitude == 0.0 {
+        let zero = constant && load.magnitude == 0.0;
+        if zero {
             self.unused(load.span, kind_name(&load.kind), "its magnitude is zero");
-            return Vec::new();
         }
+        !zero
+    }
+
+    /// The effects of one load on rigid bodies, one for each body it acts on.
+    pub(super) fn load(&mut self, load: &Load, step: &Step) -> Vec<Box<dyn Force>> {
         match &load.kind {
             LoadKind::Concentrated { nodes, dof, set } => self.concentrated(load, nodes, *dof, set),
             LoadKind::Gravity { elements, direction } => self.gravity(load, elements.as_deref(), *direction),
@@ -161,13 +166,8 @@ impl Compiler<'_> {
     /// The facet of one side. A solid's face runs counter-clockwise, so its outward normal is the negative side.
     fn facet(&self, element: usize, side: Side) -> Option<Facet> {
         let mesh = &self.model.mesh;
-        let nodes = &mesh.elements[element].nodes;
-        let (from, to, positive) = match side {
-            Side::Positive => (0, 1, true),
-            Side::Negative => (0, 1, false),
-            Side::Face(n) => (usize::from(n).checked_sub(1)?, usize::from(n) % nodes.len(), false),
-        };
-        Facet::new(mesh.points[*nodes.get(from)?], mesh.points[*nodes.get(to)?], positive)
+        let [from, to] = mesh.ends(element, side)?.map(|n| mesh.points[n]);
+        Facet::new(from, to, side == Side::Positive)
     }
 
     pub(super) fn amplitude_name(&self, load: &Load) -> String {
@@ -204,14 +204,7 @@ impl Compiler<'_> {
         others: &[Motion],
         asking: &mut Vec<Box<dyn Asking>>,
     ) -> Option<Motion> {
-        let kind = match boundary.kind {
-            model::Motion::Displacement => Prescribed::Displacement,
-            model::Motion::Velocity => Prescribed::Velocity,
-            model::Motion::Acceleration => Prescribed::Acceleration,
-        };
-        // ABAQUS/Explicit ignores a displacement without amplitude: it would be a jump.
-        let jump = kind == Prescribed::Displacement && boundary.amplitude.is_none();
-        let value = if jump { 0.0 } else { boundary.value };
+        let (kind, value) = prescribed(boundary);
         if let Some(other) = others.iter().find(|m| m.body == body) {
             if other.kind != kind || other.magnitude.value != value {
                 let message = format!("body `{}` is given two motions along z", self.bodies[body].name);
@@ -243,6 +236,17 @@ impl Compiler<'_> {
         let message = format!("node {name} follows its rigid body; its motion cannot be prescribed");
         let finding = Diagnostic::error("P007", message).at(boundary.span, "here");
         self.diagnostics.push(finding.help("prescribe the motion of the body's REF NODE"));
+    }
+}
+
+/// What a boundary prescribes, and its value at amplitude 1.
+pub(super) fn prescribed(boundary: &Boundary) -> (Prescribed, f64) {
+    match boundary.kind {
+        // ABAQUS/Explicit ignores a displacement without amplitude: it would be a jump.
+        model::Motion::Displacement if boundary.amplitude.is_none() => (Prescribed::Displacement, 0.0),
+        model::Motion::Displacement => (Prescribed::Displacement, boundary.value),
+        model::Motion::Velocity => (Prescribed::Velocity, boundary.value),
+        model::Motion::Acceleration => (Prescribed::Acceleration, boundary.value),
     }
 }
 

@@ -5,6 +5,7 @@ mod bodies;
 pub mod codes;
 pub mod ledger;
 mod loads;
+mod node_loads;
 mod outputs;
 mod solid;
 mod user;
@@ -154,6 +155,9 @@ impl Compiler<'_> {
         let step = &self.model.steps[index];
         let (mut forces, mut node_forces) = (Vec::new(), Vec::new());
         for load in &step.loads {
+            if !self.matters(load) {
+                continue;
+            }
             if let Some(solid) = solid {
                 node_forces.extend(self.node_force(load, solid));
             }

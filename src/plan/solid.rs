@@ -5,20 +5,12 @@ use indexmap::IndexMap;
 
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
-use crate::effect::cavity::Stack;
-use crate::effect::motion::Prescribed;
-use crate::effect::solid::body::{Gather, Given, NodeForce, Solid};
+use crate::effect::solid::body::{Gather, Solid};
 use crate::effect::solid::group::{Group, Quads};
 use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
-use crate::effect::solid::loads::{Face, FaceCavity, FacePressure, FaceUser, NodeConcentrated, NodeGravity};
-use crate::effect::user_load::UserLoad;
-use crate::effect::{Magnitude, Shape};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, YieldStress};
-use crate::kernel::quad::{UNIT, corner_masses, gradient};
-use crate::model::{
-    self, Boundary, Hourglass, InitialKind, Load, LoadKind, Material, Plastic, RateDependence, Side, Sides,
-    SolidSection, Step,
-};
+use crate::kernel::quad::{self, corner_masses};
+use crate::model::{Hourglass, InitialKind, Material, Plastic, RateDependence, SolidSection};
 use crate::state::nodes::Node;
 
 /// Where deformable nodes and elements of the mesh went.
@@ -45,13 +37,9 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 impl Compiler<'_> {
     /// Makes the deformable part of the scene, if the deck has one.
     pub(super) fn solids(&mut self) -> Option<Solid> {
-        let sections: Vec<(SolidSection, Vec<usize>)> = self
-            .model
-            .sections
-            .iter()
-            .map(|s| (s.clone(), self.free_elements(s)))
-            .filter(|s| !s.1.is_empty())
-            .collect();
+        let model = self.model;
+        let sections: Vec<(&SolidSection, Vec<usize>)> =
+            model.sections.iter().map(|s| (s, self.free_elements(s))).filter(|s| !s.1.is_empty()).collect();
         if sections.is_empty() {
             return None;
         }
@@ -77,6 +65,8 @@ impl Compiler<'_> {
             for (i, &e) in elements.iter().enumerate() {
                 self.places.elements.insert(e, (groups.len(), i));
             }
+            let cause = self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default();
+            self.ledger.effects[cause].arrays = vec![("element state".into(), group.bytes())];
             names.push(elements.iter().map(|&e| mesh.elements[e].name.clone()).collect());
             groups.push(group);
             corners.push(list);
@@ -118,12 +108,8 @@ impl Compiler<'_> {
         let mut list = Vec::with_capacity(elements.len());
         for &e in elements {
             let element = &mesh.elements[e];
-            // A triangle is a quadrilateral whose last two corners coincide: the polygon formulas hold, and every motion
-            // of three nodes is linear, so hourglass control has nothing to act on.
-            let place = |i: usize| self.places.nodes[&element.nodes[i.min(element.nodes.len() - 1)]] as u32;
-            let corners = [0, 1, 2, 3].map(place);
-            let at = corners.map(|n| nodes[n as usize]);
-            let volume = UNIT * gradient(at.map(|n| n.r), at.map(|n| n.z)).volume;
+            let corners = mesh.corners(e).map(|n| self.places.nodes[&n] as u32);
+            let volume = quad::volume(corners.map(|n| nodes[n as usize].place()));
             if volume.is_nan() || volume <= 0.0 {
                 let message = format!("element {} has the volume {volume:e}", element.name);
                 let finding = Diagnostic::error("P012", message).at(element.span, "this element");
@@ -152,8 +138,7 @@ impl Compiler<'_> {
             return None;
         };
         for corner in corners {
-            let at = corner.map(|n| nodes[n as usize]);
-            for (n, m) in corner.iter().zip(corner_masses(at.map(|n| n.r), at.map(|n| n.z), density)) {
+            for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
                 mass[*n as usize] += m;
             }
         }
@@ -179,7 +164,7 @@ impl Compiler<'_> {
                 return Some(quads(lines, constants, density, corners, nodes));
             }
         }
-        Some(quads(General { law, heating, temperature: 0.0 }, constants, density, corners, nodes))
+        Some(quads(General { law, heating }, constants, density, corners, nodes))
     }
 
     /// Hourglass stiffness and viscosity of a section.
@@ -199,8 +184,7 @@ impl Compiler<'_> {
 
     fn solid_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants, material: &Material) {
         let detail = format!("material {}, elastic, Jaumann rate", material.name);
-        let cause = self.cause(section.span, "deformable elements", count, "CAX4R", detail);
-        self.ledger.effects[cause].arrays = vec![("element state".into(), count * 16 * size_of::<f64>())];
+        self.cause(section.span, "deformable elements", count, "CAX4R", detail);
         if let Some(plastic) = &material.plastic {
             let law = match plastic {
                 Plastic::Tabular(_) => "tabular isotropic",
@@ -231,7 +215,7 @@ impl Compiler<'_> {
                 Some(RateFactor::JohnsonCook { c: *c, reference: *reference })
             }
             Some(RateDependence::PowerLaw(rows)) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
-            Some(RateDependence::YieldRatio(rows)) => Some(RateFactor::Ratio(rows.clone())),
+            Some(RateDependence::YieldRatio(rows)) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
         };
         match plastic {
             Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
@@ -241,7 +225,7 @@ impl Compiler<'_> {
             Plastic::Tabular(rows) => {
                 let bad = if rows.iter().any(|r| !r[2].is_nan()) {
                     Some("a yield stress that depends on temperature is not supported yet")
-                } else if rows.windows(2).any(|w| w[1][1] <= w[0][1]) || rows[0][1] != 0.0 {
+                } else if rows.windows(2).any(|w| w[1][1] <= w[0][1]) || rows.first().is_none_or(|r| r[1] != 0.0) {
                     Some("plastic strains must start at 0 and ascend")
                 } else {
                     None
@@ -277,7 +261,7 @@ impl Compiler<'_> {
                 InitialKind::Temperature(value) => {
                     let mesh = &self.model.mesh;
                     for (&e, &(group, i)) in &self.places.elements {
-                        if mesh.elements[e].nodes.iter().all(|n| condition.members.contains(n)) {
+                        if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
                             solid.groups[group].set(i, None, Some(*value));
                         }
                     }
@@ -288,208 +272,6 @@ impl Compiler<'_> {
                         solid.groups[*group].set(*i, Some(stress), None);
                     }
                 }
-            }
-        }
-    }
-
-    /// What is prescribed on deformable nodes in a step, and the axis, which holds r by itself.
-    pub(super) fn given(&mut self, step: &Step) -> Vec<Given> {
-        let mut given: Vec<Given> = Vec::new();
-        for boundary in &step.boundaries {
-            if boundary.dof > 2 {
-                continue;
-            }
-            let nodes: Vec<usize> = boundary.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
-            if nodes.is_empty() {
-                continue;
-            }
-            self.given_of(boundary, &nodes, &mut given);
-        }
-        self.axis(step, &mut given);
-        given
-    }
-
-    fn given_of(&mut self, boundary: &Boundary, nodes: &[usize], given: &mut Vec<Given>) {
-        if boundary.user {
-            let message = "*BOUNDARY, USER on deformable nodes is not supported yet";
-            self.diagnostics.push(Diagnostic::error("P015", message).at(boundary.span, "here"));
-            return;
-        }
-        let kind = match boundary.kind {
-            model::Motion::Displacement => Prescribed::Displacement,
-            model::Motion::Velocity => Prescribed::Velocity,
-            model::Motion::Acceleration => Prescribed::Acceleration,
-        };
-        // ABAQUS/Explicit ignores a displacement without amplitude: it would be a jump.
-        let jump = kind == Prescribed::Displacement && boundary.amplitude.is_none();
-        let value = if jump { 0.0 } else { boundary.value };
-        let detail = format!("{}: {:?} {value} along {}", boundary.set, kind, ["r", "z"][boundary.dof as usize - 1]);
-        let cause = self.cause(boundary.span, "prescribed motion", nodes.len(), "nodes", detail.to_lowercase());
-        let magnitude = self.magnitude(value, boundary.amplitude);
-        let axis = boundary.dof as usize - 1;
-        for &node in nodes {
-            if given.iter().any(|g| g.node == node && g.axis == axis) {
-                continue;
-            }
-            given.push(Given { cause, node, axis, kind, magnitude: magnitude.clone() });
-        }
-    }
-
-    fn axis(&mut self, step: &Step, given: &mut Vec<Given>) {
-        let mesh = &self.model.mesh;
-        let on_axis = |(n, _): &(&usize, &usize)| mesh.points[**n][0] == 0.0;
-        let nodes: Vec<usize> = self.places.nodes.iter().filter(on_axis).map(|(_, &i)| i).collect();
-        let nodes: Vec<usize> =
-            nodes.into_iter().filter(|n| !given.iter().any(|g| g.node == *n && g.axis == 0)).collect();
-        if nodes.is_empty() {
-            return;
-        }
-        let cause = self.cause(step.span, "axis of symmetry", nodes.len(), "nodes", "r = 0 held".into());
-        let magnitude = Magnitude { value: 0.0, shape: Shape::Constant };
-        let kind = Prescribed::Velocity;
-        given.extend(nodes.into_iter().map(|node| Given { cause, node, axis: 0, kind, magnitude: magnitude.clone() }));
-    }
-
-    /// The part of a load that acts on deformable bodies.
-    pub(super) fn node_force(&mut self, load: &Load, solid: &Solid) -> Option<Box<dyn NodeForce>> {
-        match &load.kind {
-            LoadKind::Pressure(sides) => {
-                let faces = self.faces(sides);
-                if faces.is_empty() || load.magnitude == 0.0 {
-                    return None;
-                }
-                let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, self.amplitude_name(load));
-                let cause = self.cause(load.span, "pressure", faces.len(), "faces", detail);
-                let magnitude = self.magnitude(load.magnitude, load.amplitude);
-                Some(Box::new(FacePressure { cause, faces, magnitude }))
-            }
-            LoadKind::Concentrated { nodes, dof, .. } => {
-                let nodes: Vec<usize> = nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
-                if nodes.is_empty() || *dof > 2 || load.magnitude == 0.0 {
-                    return None;
-                }
-                let detail = format!("{}{}", load.magnitude, self.amplitude_name(load));
-                let cause = self.cause(load.span, "concentrated force", nodes.len(), "nodes", detail);
-                let magnitude = self.magnitude(load.magnitude, load.amplitude);
-                Some(Box::new(NodeConcentrated { cause, nodes, axis: usize::from(*dof) - 1, magnitude }))
-            }
-            LoadKind::Gravity { elements, direction } => {
-                self.node_gravity(load, elements.as_deref(), *direction, solid)
-            }
-            LoadKind::User { sides, load_type } => {
-                let faces = self.faces(sides);
-                if faces.is_empty() {
-                    return None;
-                }
-                self.face_user(load, sides, *load_type, faces, solid)
-            }
-            LoadKind::Cavity { sides, target, friction } => {
-                let faces = self.faces(sides);
-                if faces.is_empty() {
-                    return None;
-                }
-                let target = &self.model.targets[*target];
-                let layers = self.layers(target)?;
-                let detail = format!("{} into {}", sides.name, target.name);
-                let cause = self.cause(load.span, "cavity expansion", faces.len(), "faces", detail);
-                self.layer_row(target);
-                let stack = Stack::new(target.front, target.direction, &layers);
-                Some(Box::new(FaceCavity { cause, faces, stack, friction: *friction }))
-            }
-            LoadKind::UserBody { elements, .. } => {
-                if elements.iter().any(|e| self.places.elements.contains_key(e)) {
-                    let message = "BRNU and BZNU on deformable elements are not supported yet";
-                    self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
-                }
-                None
-            }
-        }
-    }
-
-    fn node_gravity(
-        &mut self,
-        load: &Load,
-        elements: Option<&[usize]>,
-        direction: [f64; 2],
-        solid: &Solid,
-    ) -> Option<Box<dyn NodeForce>> {
-        let axial = load.magnitude * direction[1];
-        if axial == 0.0 {
-            return None;
-        }
-        let masses: Vec<(usize, f64)> = match elements {
-            None => solid.mass.iter().copied().enumerate().collect(),
-            Some(list) => self.masses_of(list),
-        };
-        if masses.is_empty() {
-            return None;
-        }
-        let detail = format!("a_z = {axial}{}", self.amplitude_name(load));
-        let cause = self.cause(load.span, "gravity", masses.len(), "nodes", detail);
-        let acceleration = self.magnitude(axial, load.amplitude);
-        Some(Box::new(NodeGravity { cause, masses, acceleration }))
-    }
-
-    /// Masses that some elements put on their nodes.
-    fn masses_of(&self, elements: &[usize]) -> Vec<(usize, f64)> {
-        let mesh = &self.model.mesh;
-        let mut masses: IndexMap<usize, f64> = IndexMap::new();
-        for e in elements.iter().filter(|e| self.places.elements.contains_key(*e)) {
-            let section = self.model.sections.iter().find(|s| s.elements.contains(e));
-            let density = section.and_then(|s| self.model.materials[s.material].density).unwrap_or(0.0);
-            let corners = [0, 1, 2, 3].map(|i| mesh.elements[*e].nodes[i]);
-            let [r, z] = [0, 1].map(|axis| corners.map(|n| mesh.points[n][axis]));
-            for (n, mass) in corners.iter().zip(corner_masses(r, z, density)) {
-                *masses.entry(self.places.nodes[n]).or_default() += mass;
-            }
-        }
-        masses.into_iter().collect()
-    }
-
-    fn face_user(
-        &mut self,
-        load: &Load,
-        sides: &Sides,
-        load_type: i32,
-        faces: Vec<Face>,
-        solid: &Solid,
-    ) -> Option<Box<dyn NodeForce>> {
-        let Some(routine) = self.routines.load.clone() else {
-            self.no_routine(load.span, "load", &format!("`{}` asks for a user load (PNU)", sides.name), "vdload");
-            return None;
-        };
-        let detail = format!("on {}{}", sides.name, self.amplitude_name(load));
-        let cause = self.cause(load.span, "user load", faces.len(), "faces", detail);
-        let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        let load = UserLoad { cause, name: sides.name.to_uppercase(), load_type, inward: true, magnitude, routine };
-        Some(Box::new(FaceUser::new(load, faces, &solid.nodes)))
-    }
-
-    /// Sides of deformable elements as pairs of nodes.
-    fn faces(&self, sides: &Sides) -> Vec<Face> {
-        let mesh = &self.model.mesh;
-        let face = |&(element, side): &(usize, Side)| {
-            let Side::Face(number) = side else { return None };
-            self.places.elements.get(&element)?;
-            let nodes = &mesh.elements[element].nodes;
-            let from = usize::from(number).checked_sub(1)?;
-            let pair = [*nodes.get(from)?, nodes[(from + 1) % nodes.len()]];
-            Some(pair.map(|n| self.places.nodes[&n]))
-        };
-        sides.faces.iter().filter_map(face).collect()
-    }
-
-    /// Whether a load acts on something rigid, too.
-    pub(super) fn acts_on_rigid(&self, load: &Load) -> bool {
-        let deforms = |e: &usize| self.places.elements.contains_key(e);
-        match &load.kind {
-            LoadKind::Concentrated { nodes, .. } => !nodes.iter().all(|n| self.places.has_node(*n)),
-            LoadKind::Gravity { elements: None, .. } => !self.bodies.is_empty(),
-            LoadKind::Gravity { elements: Some(list), .. } | LoadKind::UserBody { elements: list, .. } => {
-                !list.iter().all(deforms)
-            }
-            LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. } => {
-                s.faces.is_empty() || !s.faces.iter().all(|f| deforms(&f.0))
             }
         }
     }

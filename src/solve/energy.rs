@@ -78,6 +78,16 @@ struct Entry {
     work: f64,
 }
 
+impl Entry {
+    fn add_to(&self, energy: &mut Energy) {
+        match self.account {
+            Account::Work => energy.work += self.work,
+            Account::Friction => energy.friction -= self.work,
+            Account::Cavity => energy.cavity -= self.work,
+        }
+    }
+}
+
 /// A body whose motion is prescribed: the reaction does the work that the other forces leave of the change in kinetic
 /// energy.
 #[derive(Clone, Copy, Debug)]
@@ -158,24 +168,14 @@ impl Balance {
     /// Closes the accounts of the step before.
     fn settle(&mut self) {
         for entry in std::mem::take(&mut self.entries) {
-            match entry.account {
-                Account::Work => self.settled.work += entry.work,
-                Account::Friction => self.settled.friction -= entry.work,
-                Account::Cavity => self.settled.cavity -= entry.work,
-            }
+            entry.add_to(&mut self.settled);
         }
     }
 
     /// The energies now.
     pub fn energy(&self) -> Energy {
         let mut energy = Energy { kinetic: self.kinetic, ..self.settled };
-        for entry in &self.entries {
-            match entry.account {
-                Account::Work => energy.work += entry.work,
-                Account::Friction => energy.friction -= entry.work,
-                Account::Cavity => energy.cavity -= entry.work,
-            }
-        }
+        self.entries.iter().for_each(|entry| entry.add_to(&mut energy));
         let solid = &self.solid;
         energy.kinetic += solid.kinetic;
         energy.work += solid.external;

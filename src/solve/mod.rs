@@ -128,7 +128,6 @@ struct Run<'a> {
     behind: f64,
     /// The increment that led here, for the energy balance and for output.
     last_increment: f64,
-    increment: u64,
     /// Whether the instant is complete: forces, motion and energies belong to it.
     complete: bool,
     /// What the user's routines are asked once an increment, in every step.
@@ -162,7 +161,6 @@ impl<'a> Run<'a> {
             reach: 0.0,
             behind: 0.0,
             last_increment: 0.0,
-            increment: 0,
             complete: false,
             asking,
             solid,
@@ -177,7 +175,7 @@ impl<'a> Run<'a> {
     fn step(&mut self, step: &mut StepPlan, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
         self.begin(step);
         self.begin_routines(step)?;
-        observing.begin(step, self.increment == 0, self.increment);
+        observing.begin(step, self.now.increment == 0, self.now.increment);
         let mut pace = Pace::new(step, &self.bodies);
         loop {
             self.evaluate_forces(step)?; //           1. forces, resistances last
@@ -189,7 +187,7 @@ impl<'a> Run<'a> {
                 break;
             }
             let next = pace.choose(self, step); //    6. length of the next increment
-            next.check(&self.now, self.increment)?;
+            next.check(&self.now, self.now.increment)?;
             self.ask_routines(step, next)?;
             self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
             self.record(next.length);
@@ -252,7 +250,7 @@ impl<'a> Run<'a> {
     }
 
     fn evaluate_forces(&mut self, step: &mut StepPlan) -> Result<(), Halt> {
-        let timed = self.increment.is_multiple_of(TIMED_EVERY);
+        let timed = self.now.increment.is_multiple_of(TIMED_EVERY);
         let mut start = 0;
         for (i, (force, &end)) in step.forces.iter_mut().zip(&self.ends).enumerate() {
             if i == self.resistances {
@@ -324,7 +322,7 @@ impl<'a> Run<'a> {
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.bodies[b]);
         let reason = format!(
             "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",
-            body.acceleration, self.increment, body.force, body.mass
+            body.acceleration, self.now.increment, body.force, body.mass
         );
         Halt { code: "R203", reason }
     }
@@ -374,7 +372,6 @@ impl<'a> Run<'a> {
         self.now_before = self.now;
         self.now = next.arrival(&self.now, step.duration);
         self.last_increment = dt;
-        self.increment += 1;
         self.behind = dt;
         if next.end != End::Plain {
             self.start_afresh(step, next.end);
@@ -404,7 +401,7 @@ impl<'a> Run<'a> {
 
     /// After a failure: the state of the last instant that was complete.
     fn step_back(&mut self) {
-        if self.increment == 0 || self.complete {
+        if self.now.increment == 0 || self.complete {
             return;
         }
         for body in &mut self.bodies {
@@ -415,7 +412,7 @@ impl<'a> Run<'a> {
     }
 
     fn record(&mut self, length: f64) {
-        self.outcome.increments = self.increment;
+        self.outcome.increments = self.now.increment;
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.increments += 1;
             summary.time = self.now.step_time;

@@ -99,14 +99,14 @@ impl Observing {
     /// Shows what is due: rows and frames at their marks, at the very start, and at the end of each step.
     #[inline]
     pub(super) fn show(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
-        if run.now.step_time < self.next_time && run.increment < self.next_increment && run.wish == Wish::Continue {
+        if run.now.step_time < self.next_time && run.now.increment < self.next_increment && run.wish == Wish::Continue {
             return Ok(());
         }
         self.show_due(run, step, sink)
     }
 
     fn show_due(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
-        let (time, increment) = (run.now.step_time, run.increment);
+        let (time, increment) = (run.now.step_time, run.now.increment);
         let edge = std::mem::take(&mut self.first) || run.is_over(step);
         if increment >= self.next_progress {
             self.next_progress = increment + 4096;
@@ -211,7 +211,7 @@ impl Run<'_> {
 /// The scene now: what deforms, and facets of all rigid bodies at their current place.
 fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
     let mesh = &run.plan.mesh;
-    let mut frame = Frame { time: run.now.total_time, increment: run.increment, ..Frame::default() };
+    let mut frame = Frame { time: run.now.total_time, increment: run.now.increment, ..Frame::default() };
     let mut point_of_node = vec![usize::MAX; mesh.points.len()];
     let mut of_point = Vec::new();
     if let Some(solid) = &run.solid {

@@ -16,6 +16,11 @@ pub struct Node {
 }
 
 impl Node {
+    /// `[r, z]`.
+    pub fn place(&self) -> [f64; 2] {
+        [self.r, self.z]
+    }
+
     /// `[r, z, v_r, v_z]`.
     #[inline(always)]
     pub fn as_array(&self) -> [f64; 4] {

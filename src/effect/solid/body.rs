@@ -19,8 +19,6 @@ const CHUNK: usize = 4096;
 /// A motion of one degree of freedom of a node that is given, whatever forces act.
 #[derive(Clone, Debug)]
 pub struct Given {
-    /// What asked for it.
-    pub cause: Cause,
     /// Node.
     pub node: usize,
     /// 0 along r, 1 along z.
@@ -40,9 +38,6 @@ impl Given {
 
 /// A force on nodes.
 pub trait NodeForce {
-    /// What asked for it.
-    fn cause(&self) -> Cause;
-
     /// Adds its forces, `[r, z]` of each node.
     ///
     /// # Errors
@@ -150,7 +145,7 @@ pub struct Solid {
     gather: Gather,
     /// Forces on nodes now and an instant before; empty without any.
     external: [Vec<[f64; 2]>; 2],
-    /// Forces against what is given, and their work so far, one entry a [`Given`].
+    /// Forces against what is given, one entry a [`Given`].
     reactions: Vec<Reaction>,
     kinetic_parts: Vec<f64>,
     /// Whether nodes are worth spreading over threads.
@@ -165,9 +160,10 @@ pub struct Solid {
 struct Reaction {
     /// Node and axis.
     place: (usize, usize),
+    /// Coordinate at the start of the step, from which a prescribed displacement counts.
+    origin: f64,
     /// Force of elements and loads on the degree of freedom.
     force: f64,
-    before: f64,
     kinetic: f64,
     travel: f64,
 }
@@ -209,7 +205,11 @@ impl Solid {
 
     /// Begins a step with its forces and given motions.
     pub fn begin(&mut self, given: &[Given], forces: usize) {
-        self.reactions = vec![Reaction::default(); given.len()];
+        let reaction = |g: &Given| {
+            let origin = self.place(g.node)[g.axis];
+            Reaction { place: (g.node, g.axis), origin, ..Reaction::default() }
+        };
+        self.reactions = given.iter().map(reaction).collect();
         let count = if forces > 0 { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
@@ -327,12 +327,6 @@ impl Solid {
         for (i, g) in given.iter().enumerate() {
             let mass = self.mass[g.node];
             let (velocity, free) = (self.velocity(g), self.acceleration[g.node][g.axis]);
-            if velocity == 0.0 && g.holds() && self.reactions[i].kinetic == 0.0 {
-                let force = mass * free;
-                self.reactions[i] = Reaction { place: (g.node, g.axis), force, before: force, ..Reaction::default() };
-                self.acceleration[g.node][g.axis] = 0.0;
-                continue;
-            }
             // The pass over nodes took the free acceleration: what is given moves otherwise.
             let taken = 0.5 * mass * velocity * (velocity + self.behind * free);
             let kinetic = 0.5 * mass * velocity * velocity;
@@ -341,9 +335,9 @@ impl Solid {
             let force = mass * free;
             if self.moved {
                 let gained = kinetic - reaction.kinetic;
-                self.energies.external += gained - 0.5 * (reaction.before + force) * reaction.travel;
+                self.energies.external += gained - 0.5 * (reaction.force + force) * reaction.travel;
             }
-            *reaction = Reaction { place: (g.node, g.axis), force, before: force, kinetic, travel: 0.0 };
+            *reaction = Reaction { force, kinetic, travel: 0.0, ..*reaction };
             self.acceleration[g.node][g.axis] = 0.0;
         }
         self.moved = false;
@@ -351,7 +345,7 @@ impl Solid {
 
     /// Carries all nodes over an increment.
     pub fn advance(&mut self, given: &[Given], now: &Instant, dt: f64) {
-        let (half, behind) = (0.5 * (dt + self.behind), self.behind);
+        let half = 0.5 * (dt + self.behind);
         let chunk = |(nodes, accelerations): (&mut [Node], &[[f64; 2]])| {
             for (node, a) in nodes.iter_mut().zip(accelerations) {
                 node.v_r += half * a[0];
@@ -373,8 +367,8 @@ impl Solid {
             let place = |node: &Node| if g.axis == 0 { node.r } else { node.z };
             // The pass above carried it along with its old velocity.
             let place_before = place(&self.nodes[g.node]) - dt * old;
-            let displacement = place_before - self.start[g.node][g.axis];
-            let velocity = over(g, now, dt, displacement, old, behind);
+            let moved = place_before - self.reactions[i].origin;
+            let velocity = g.kind.velocity_over(&g.magnitude, now, dt, moved, [old, half]);
             self.set_velocity(g, velocity);
             let node = &mut self.nodes[g.node];
             *(if g.axis == 0 { &mut node.r } else { &mut node.z }) = place_before + dt * velocity;
@@ -416,18 +410,5 @@ impl Solid {
     /// The largest increment that is stable.
     pub fn stable_increment(&self) -> f64 {
         1.0 / self.limit.0.rate
-    }
-}
-
-/// The mid-increment velocity that a given motion asks for.
-fn over(given: &Given, now: &Instant, dt: f64, displacement: f64, velocity: f64, behind: f64) -> f64 {
-    let at = |time: f64| {
-        let then = Instant { step_time: now.step_time + time, total_time: now.total_time + time, ..*now };
-        given.magnitude.at(&then)
-    };
-    match given.kind {
-        Prescribed::Displacement => (at(dt) - displacement) / dt,
-        Prescribed::Velocity => at(0.5 * dt),
-        Prescribed::Acceleration => velocity + 0.5 * (dt + behind) * at(0.0),
     }
 }

@@ -9,7 +9,7 @@ use super::body::PARALLEL;
 use super::collect::{Wide, collect, wide};
 use super::law::{Constants, Hardening};
 use super::{Corners, LANES};
-use crate::kernel::quad::{UNIT, corner_masses, gradient};
+use crate::kernel::quad;
 use crate::state::nodes::Node;
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
@@ -52,10 +52,11 @@ pub trait Group: Send {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
     /// Corner nodes of an element.
     fn corners(&self, element: usize) -> [u32; 4];
+    /// Bytes that the elements occupy.
+    fn bytes(&self) -> usize;
     /// Volume of an element now.
     fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
-        let corners = self.corners(element).map(|n| nodes[n as usize]);
-        UNIT * gradient(corners.map(|n| n.r), corners.map(|n| n.z)).volume
+        quad::volume(self.corners(element).map(|n| nodes[n as usize].place()))
     }
 }
 
@@ -109,12 +110,12 @@ fn block<H: Hardening>(hardening: &H, density: f64, elements: &[[u32; 4]], nodes
     for l in 0..LANES {
         // Lanes behind the last element repeat it; nothing reads their answers.
         let element = elements[l.min(elements.len() - 1)];
-        let [r, z] = [|n: &Node| n.r, |n: &Node| n.z].map(|f| element.map(|n| f(&nodes[n as usize])));
-        for (corner, mass) in corner_masses(r, z, density).into_iter().enumerate() {
+        let corners = element.map(|n| nodes[n as usize].place());
+        for (corner, mass) in quad::corner_masses(corners, density).into_iter().enumerate() {
             block.nodes[corner][l] = element[corner];
             block.inverse_mass[corner][l] = 1.0 / mass;
         }
-        block.mass[l] = density * UNIT * gradient(r, z).volume;
+        block.mass[l] = density * quad::volume(corners);
         block.inverse_total[l] = 1.0 / block.mass[l];
     }
     block
@@ -147,6 +148,10 @@ impl<H: Hardening> Group for Quads<H> {
             parts.for_each(|(i, ((blocks, corners), own))| run(i, blocks, corners, own));
         }
         self.totals()
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&*self.blocks)
     }
 
     fn stress(&self, element: usize) -> [f64; 4] {

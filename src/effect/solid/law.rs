@@ -132,8 +132,6 @@ pub struct General {
     pub law: Box<dyn YieldStress>,
     /// Rise of temperature for plastic work a volume; 0 if nothing heats.
     pub heating: f64,
-    /// Temperature at the start.
-    pub temperature: f64,
 }
 
 /// What a block keeps under a general law.
@@ -148,7 +146,7 @@ impl Hardening for General {
     const FLOWS: bool = true;
 
     fn fresh(&self) -> History {
-        History { strain: [0.0; LANES], temperature: [self.temperature; LANES] }
+        History { strain: [0.0; LANES], temperature: [0.0; LANES] }
     }
 
     fn flow(&self, state: &mut History, flow: &mut Flow<'_>) {

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 
 use super::body::NodeForce;
 use crate::effect::cavity::Stack;
-use crate::effect::user_load::UserLoad;
-use crate::effect::{Cause, Halt, Magnitude};
+use crate::effect::user_load::{Shown, UserLoad};
+use crate::effect::{Halt, Magnitude};
 use crate::kernel::facet::Facet;
 use crate::state::Instant;
 use crate::state::nodes::Node;
-use crate::user::{LoadFailure, LoadPoints, MAX_BLOCK};
+use crate::user::{LoadFailure, MAX_BLOCK};
 
 /// A face: its two nodes, so that the body lies to the left of the way from the first to the second.
 pub type Face = [usize; 2];
@@ -32,8 +32,6 @@ fn push(face: Face, pressure: f64, nodes: &[Node], forces: &mut [[f64; 2]]) {
 /// A prescribed pressure on faces.
 #[derive(Debug)]
 pub struct FacePressure {
-    /// What asked for it.
-    pub cause: Cause,
     /// Faces.
     pub faces: Vec<Face>,
     /// Pressure.
@@ -41,10 +39,6 @@ pub struct FacePressure {
 }
 
 impl NodeForce for FacePressure {
-    fn cause(&self) -> Cause {
-        self.cause
-    }
-
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         let pressure = self.magnitude.at(now);
         self.faces.iter().for_each(|&face| push(face, pressure, nodes, forces));
@@ -55,8 +49,6 @@ impl NodeForce for FacePressure {
 /// Concentrated forces along one axis.
 #[derive(Debug)]
 pub struct NodeConcentrated {
-    /// What asked for it.
-    pub cause: Cause,
     /// Nodes.
     pub nodes: Vec<usize>,
     /// 0 along r, 1 along z.
@@ -66,10 +58,6 @@ pub struct NodeConcentrated {
 }
 
 impl NodeForce for NodeConcentrated {
-    fn cause(&self) -> Cause {
-        self.cause
-    }
-
     fn add(&mut self, now: &Instant, _nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         let force = self.magnitude.at(now);
         self.nodes.iter().for_each(|&n| forces[n][self.axis] += force);
@@ -80,8 +68,6 @@ impl NodeForce for NodeConcentrated {
 /// Gravity along z.
 #[derive(Debug)]
 pub struct NodeGravity {
-    /// What asked for it.
-    pub cause: Cause,
     /// Nodes and the mass that feels it.
     pub masses: Vec<(usize, f64)>,
     /// Acceleration along z.
@@ -89,10 +75,6 @@ pub struct NodeGravity {
 }
 
 impl NodeForce for NodeGravity {
-    fn cause(&self) -> Cause {
-        self.cause
-    }
-
     fn add(&mut self, now: &Instant, _nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         let acceleration = self.acceleration.at(now);
         self.masses.iter().for_each(|&(n, mass)| forces[n][1] += mass * acceleration);
@@ -123,96 +105,60 @@ fn see(face: Face, nodes: &[Node]) -> Seen {
 /// it: with deformable bodies increments are short.
 pub struct FaceUser {
     load: UserLoad,
+    blocks: Vec<FaceBlock>,
+}
+
+/// At most [`MAX_BLOCK`] faces with the places of their middles at the start.
+struct FaceBlock {
     faces: Vec<Face>,
     start: Vec<[f64; 2]>,
-    coordinates: Vec<f64>,
-    motion: Vec<f64>,
-    directions: Vec<f64>,
-    pressure: Vec<f64>,
+    shown: Shown,
 }
 
 impl FaceUser {
     /// The load on faces whose nodes are at these places at the start.
-    pub fn new(load: UserLoad, faces: Vec<Face>, nodes: &[Node]) -> Self {
-        let n = faces.len().min(MAX_BLOCK);
-        FaceUser {
+    pub fn new(load: UserLoad, faces: &[Face], nodes: &[Node]) -> Self {
+        let block = |faces: &[Face]| FaceBlock {
+            faces: faces.to_vec(),
             start: faces.iter().map(|&f| see(f, nodes).place).collect(),
-            load,
-            faces,
-            coordinates: vec![f64::NAN; 3 * n],
-            motion: vec![0.0; 6 * n],
-            directions: vec![f64::NAN; 9 * n],
-            pressure: vec![f64::NAN; MAX_BLOCK + 1],
-        }
-    }
-
-    /// Fills the arrays for a block of faces, `n` of them; their layout is said at [`LoadPoints`].
-    fn show(&mut self, first: usize, n: usize, nodes: &[Node]) {
-        for i in 0..n {
-            let Seen { place, velocity, normal } = see(self.faces[first + i], nodes);
-            let start = self.start[first + i];
-            for axis in 0..2 {
-                self.coordinates[axis * n + i] = place[axis];
-                self.motion[axis * n + i] = velocity[axis];
-                self.motion[(2 + axis) * n + i] = place[axis] - start[axis];
-            }
-            // A solid's normal is shown pointing inward; the second direction is the first turned counter-clockwise.
-            for (slab, value) in [-normal[0], normal[1], -normal[1], -normal[0]].into_iter().enumerate() {
-                self.directions[slab * n + i] = value;
-            }
-            self.pressure[i] = f64::NAN;
-        }
-        self.coordinates[2 * n..].fill(f64::NAN);
-        self.directions[4 * n..].fill(f64::NAN);
-        self.pressure[n..].fill(f64::NAN);
-    }
-
-    fn block(&mut self, first: usize, n: usize, now: &Instant) -> Result<(), LoadFailure> {
-        let (normal_r, normal_z): (Vec<f64>, Vec<f64>) =
-            (0..n).map(|i| (-self.directions[i], -self.directions[2 * n + i])).unzip();
-        let points = LoadPoints {
-            surface: &self.load.name,
-            load_type: self.load.load_type,
-            now: *now,
-            amplitude: self.load.magnitude.amplitude(now),
-            magnitude: self.load.magnitude.value,
-            r: &self.coordinates[..n],
-            z: &self.coordinates[n..2 * n],
-            velocity_r: &self.motion[..n],
-            velocity_z: &self.motion[n..2 * n],
-            normal_r: &normal_r,
-            normal_z: &normal_z,
-            coordinates: &self.coordinates,
-            motion: &self.motion,
-            directions: &self.directions,
+            shown: Shown::new(faces.len()),
         };
-        let pressure = &mut self.pressure[..n];
-        self.load.routine.with(|r| r.pressure(&points, pressure))?;
-        if let Some(i) = pressure.iter().position(|p| !p.is_finite()) {
-            let reason = format!("it gave the pressure {} at face {}", pressure[i], first + i + 1);
-            return Err(LoadFailure { point: Some(i), reason });
+        FaceUser { load, blocks: faces.chunks(MAX_BLOCK).map(block).collect() }
+    }
+}
+
+impl FaceBlock {
+    /// Brings the arrays to this instant and empties the answer.
+    fn show(&mut self, nodes: &[Node], inward: bool) {
+        let n = self.faces.len();
+        self.shown.forget();
+        for (i, (&face, start)) in self.faces.iter().zip(&self.start).enumerate() {
+            let Seen { place, velocity, normal } = see(face, nodes);
+            for axis in 0..2 {
+                self.shown.coordinates[axis * n + i] = place[axis];
+                self.shown.motion[axis * n + i] = velocity[axis];
+                self.shown.motion[(2 + axis) * n + i] = place[axis] - start[axis];
+            }
+            self.shown.set_normal(i, normal, inward);
         }
-        if self.pressure[n].is_nan() && self.pressure[MAX_BLOCK].is_nan() {
-            return Ok(());
-        }
-        Err(LoadFailure::new(format!("it wrote past the nblock = {n} points of its argument value")))
+    }
+
+    fn evaluate(&mut self, load: &UserLoad, now: &Instant, amplitude: f64) -> Result<(), LoadFailure> {
+        self.shown.call(load, now, amplitude)?;
+        let finite = self.shown.pressure().iter().all(|p| p.is_finite());
+        self.shown.accept(finite)
     }
 }
 
 impl NodeForce for FaceUser {
-    fn cause(&self) -> Cause {
-        self.load.cause
-    }
-
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
-        for first in (0..self.faces.len()).step_by(MAX_BLOCK) {
-            let n = (self.faces.len() - first).min(MAX_BLOCK);
-            self.show(first, n, nodes);
-            let called = self.block(first, n, now);
-            let what = || format!("the user load on `{}`", self.load.name);
-            called.map_err(|failure| Halt::of_routine(&what(), now, &failure))?;
-            for i in 0..n {
-                push(self.faces[first + i], self.pressure[i], nodes, forces);
+        let amplitude = self.load.magnitude.amplitude(now);
+        for (i, block) in self.blocks.iter_mut().enumerate() {
+            block.show(nodes, self.load.inward);
+            let called = block.evaluate(&self.load, now, amplitude);
+            called.map_err(|failure| block.shown.failure(&self.load, i * MAX_BLOCK, now, &failure))?;
+            for (&face, &pressure) in block.faces.iter().zip(block.shown.pressure()) {
+                push(face, pressure, nodes, forces);
             }
         }
         Ok(())
@@ -221,8 +167,6 @@ impl NodeForce for FaceUser {
 
 /// Resistance of a target that is not meshed, on faces that move into it.
 pub struct FaceCavity {
-    /// What asked for it.
-    pub cause: Cause,
     /// Faces.
     pub faces: Vec<Face>,
     /// Layers.
@@ -232,10 +176,6 @@ pub struct FaceCavity {
 }
 
 impl NodeForce for FaceCavity {
-    fn cause(&self) -> Cause {
-        self.cause
-    }
-
     /// Pressure by the normal velocity of the face's middle, times the share of the face's area in each layer; friction
     /// against the tangential velocity.
     fn add(&mut self, _now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
