@@ -110,6 +110,7 @@ impl Shown {
     ///
     /// # Errors
     /// Its own.
+    #[inline(always)]
     pub fn call(&mut self, load: &UserLoad, now: &Instant, amplitude: f64) -> Result<(), LoadFailure> {
         let n = self.count;
         let points = LoadPoints {
@@ -136,6 +137,7 @@ impl Shown {
     ///
     /// # Errors
     /// Where one is not, or where the routine wrote past its points.
+    #[inline(always)]
     pub fn accept(&mut self, finite: bool) -> Result<(), LoadFailure> {
         if finite && self.pressure[self.count].is_nan() && self.pressure[MAX_BLOCK].is_nan() {
             return Ok(());
@@ -143,6 +145,7 @@ impl Shown {
         Err(self.refusal())
     }
 
+    #[cold]
     fn refusal(&mut self) -> LoadFailure {
         let n = self.count;
         let point = self.pressure().iter().position(|p| !p.is_finite());
@@ -204,11 +207,19 @@ impl Block {
     fn show(&mut self, body: &BodyState, all: bool) {
         let n = self.z_start.len();
         let Shown { coordinates, motion, pressure, .. } = &mut self.shown;
-        let arrays = coordinates[n..2 * n].iter_mut().zip(&mut motion[n..2 * n]).zip(pressure);
-        for (((z, v), pressure), start) in arrays.zip(&self.z_start) {
-            *z = start + body.displacement;
-            *v = body.velocity_load;
-            *pressure = f64::NAN;
+        let (z, v) = (&mut coordinates[n..2 * n], &mut motion[n..2 * n]);
+        // Four at a time: each tile is read before it is written, so nothing need be known of where the arrays lie.
+        let tiles = z.as_chunks_mut::<4>().0.iter_mut().zip(v.as_chunks_mut::<4>().0);
+        let tiles = tiles.zip(pressure.as_chunks_mut::<4>().0).zip(self.z_start.as_chunks::<4>().0);
+        for (((z, v), pressure), start) in tiles {
+            *z = start.map(|start| start + body.displacement);
+            *v = [body.velocity_load; 4];
+            *pressure = [f64::NAN; 4];
+        }
+        for i in n / 4 * 4..n {
+            z[i] = self.z_start[i] + body.displacement;
+            v[i] = body.velocity_load;
+            pressure[i] = f64::NAN;
         }
         if all {
             motion[3 * n..4 * n].fill(body.displacement);
@@ -293,6 +304,7 @@ impl Force for UserPressure {
 }
 
 /// Sum of products in eight interleaved partial sums: the same bits on every instruction set, and no chain of additions.
+#[allow(clippy::needless_range_loop)] // Indices that are known keep the sums in registers.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (a_tiles, a_rest) = a.as_chunks::<8>();
@@ -302,8 +314,22 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
             lanes[lane] += x[lane] * y[lane];
         }
     }
-    for (lane, (x, y)) in a_rest.iter().zip(b_rest).enumerate() {
-        lanes[lane] += x * y;
+    let tile = a_rest.first_chunk::<4>().zip(b_rest.first_chunk::<4>());
+    if let Some((x, y)) = tile {
+        for lane in 0..4 {
+            lanes[lane] += x[lane] * y[lane];
+        }
+        for lane in 4..7 {
+            if let (Some(x), Some(y)) = (a_rest.get(lane), b_rest.get(lane)) {
+                lanes[lane] += x * y;
+            }
+        }
+    } else {
+        for lane in 0..3 {
+            if let (Some(x), Some(y)) = (a_rest.get(lane), b_rest.get(lane)) {
+                lanes[lane] += x * y;
+            }
+        }
     }
     ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
 }

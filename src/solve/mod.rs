@@ -106,7 +106,8 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
     outcome
 }
 
-/// Everything an increment touches.
+/// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
+#[repr(align(64))]
 struct Run<'a> {
     plan: &'a Plan,
     /// How many steps there are.
@@ -285,7 +286,7 @@ impl<'a> Run<'a> {
             }
             let body = &mut self.bodies[b];
             body.before.acceleration = body.acceleration;
-            body.acceleration = body.force / body.mass;
+            body.acceleration = body.force * body.inverse_mass;
             finite &= body.acceleration.abs() < f64::INFINITY || body.prescribed;
         }
         for motion in &step.motions {
@@ -342,6 +343,7 @@ impl<'a> Run<'a> {
         }
     }
 
+    #[inline]
     fn prescribe_velocity(&mut self, step: &StepPlan) {
         for motion in &step.motions {
             let body = &mut self.bodies[motion.body];

@@ -25,6 +25,8 @@ pub struct Instant {
 pub struct BodyState {
     /// Mass.
     pub mass: f64,
+    /// One over the mass: a division would be the longest link of the chain from force to velocity.
+    pub inverse_mass: f64,
     /// Displacement at the increment's own time.
     pub displacement: f64,
     /// Velocity at the middle of the increment behind.
@@ -66,7 +68,7 @@ pub struct Before {
 impl BodyState {
     /// A body that flies at a velocity.
     pub fn new(mass: f64, velocity: f64) -> Self {
-        BodyState { mass, velocity, ..BodyState::default() }
+        BodyState { mass, inverse_mass: 1.0 / mass, velocity, ..BodyState::default() }
     }
 
     /// Sets the velocity that loads will see.
