@@ -1,6 +1,8 @@
 //! What several tests share: the seed deck, runs in memory, exact depths by quadrature.
 #![allow(dead_code)] // Each test file uses a part.
 
+pub mod solid;
+
 use std::path::{Path, PathBuf};
 
 use revolve::job::{self, Overrides, Prepared};

@@ -1,0 +1,73 @@
+//! Decks of deformable bodies and what they answer.
+
+use std::fmt::Write as _;
+
+use revolve::solve::Outcome;
+use revolve::user::Routines;
+
+use super::{Memory, prepared};
+
+/// Nodes and quadrilaterals of a grid of `n` by `m` cells: `place(i, j)` gives `[r, z]`. Node (i, j) is 1 + i + j (n + 1).
+/// Sets I0, I1, J0, J1 hold the nodes of the four edges; surfaces of the same names the faces.
+pub fn grid(n: usize, m: usize, triangles: bool, place: impl Fn(usize, usize) -> [f64; 2]) -> String {
+    let node = |i: usize, j: usize| 1 + i + j * (n + 1);
+    let mut text = String::from("*Node, nset=ALL\n");
+    for j in 0..=m {
+        for i in 0..=n {
+            let [r, z] = place(i, j);
+            writeln!(text, " {}, {r:.17e}, {z:.17e}", node(i, j)).expect("text");
+        }
+    }
+    if triangles {
+        text += "*Element, type=CAX3, elset=SOLID\n";
+        for (e, (i, j)) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))).enumerate() {
+            let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+            writeln!(text, " {}, {a}, {b}, {c}\n {}, {a}, {c}, {d}", 2 * e + 1, 2 * e + 2).expect("text");
+        }
+        return text;
+    }
+    text += "*Element, type=CAX4R, elset=SOLID\n";
+    for (e, (i, j)) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))).enumerate() {
+        let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+        writeln!(text, " {}, {a}, {b}, {c}, {d}", e + 1).expect("text");
+    }
+    for (name, first, last, step) in [
+        ("I0", node(0, 0), node(0, m), n + 1),
+        ("I1", node(n, 0), node(n, m), n + 1),
+        ("J0", node(0, 0), node(n, 0), 1),
+        ("J1", node(0, m), node(n, m), 1),
+    ] {
+        writeln!(text, "*Nset, nset={name}, generate\n {first}, {last}, {step}").expect("text");
+    }
+    for (name, side, first, last, step) in [
+        ("I0", 4, 1, 1 + (m - 1) * n, n),
+        ("I1", 2, n, m * n, n),
+        ("J0", 1, 1, n, 1),
+        ("J1", 3, 1 + (m - 1) * n, m * n, 1),
+    ] {
+        writeln!(text, "*Elset, elset=E{name}, generate\n {first}, {last}, {step}").expect("text");
+        writeln!(text, "*Surface, name={name}\n E{name}, S{side}").expect("text");
+    }
+    text
+}
+
+pub fn material(e: f64, nu: f64, density: f64, more: &str) -> String {
+    format!(
+        "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n {density:e},\n*Elastic\n {e:e}, {nu}\n{more}"
+    )
+}
+
+pub fn run(text: &str) -> (Outcome, Memory) {
+    super::run(text, &[], &Routines::none())
+}
+
+/// Values of a column over the rows.
+pub fn column(text: &str, memory: &Memory, name: &str) -> Vec<(f64, f64)> {
+    let prepared = prepared(text, &[], &Routines::none());
+    let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
+    memory.rows.iter().map(|row| (row.0, row.1[at])).collect()
+}
+
+pub fn last(text: &str, memory: &Memory, name: &str) -> f64 {
+    column(text, memory, name).last().expect("a row").1
+}
