@@ -6,6 +6,7 @@
 use super::law::{Constants, Flow, Hardening};
 use super::{Corners, LANES, Lanes};
 use crate::kernel::quad::{UNIT, gradient};
+use crate::state::nodes::Node;
 
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
@@ -44,20 +45,40 @@ pub struct Sums {
     pub limiting: Lanes,
 }
 
-/// The corner nodes of a block beside each other.
+/// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it. Loops over lanes read them with a
+/// stride of four, which compilers turn into a transposition in registers.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Nodes {
-    pub(super) r: [Lanes; 4],
-    pub(super) z: [Lanes; 4],
-    pub(super) v_r: [Lanes; 4],
-    pub(super) v_z: [Lanes; 4],
+pub struct Nodes(pub [[[f64; 4]; LANES]; 4]);
+
+impl Nodes {
+    /// Copies the corner nodes of a block.
+    #[inline(always)]
+    pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4]) {
+        for (to, of) in self.0.iter_mut().zip(of) {
+            for (to, &node) in to.iter_mut().zip(of) {
+                *to = nodes[node as usize].as_array();
+            }
+        }
+    }
+
+    /// One component of the four corners of a lane.
+    #[inline(always)]
+    fn of(&self, l: usize, component: usize) -> [f64; 4] {
+        let Nodes(corners) = self;
+        [corners[0][l][component], corners[1][l][component], corners[2][l][component], corners[3][l][component]]
+    }
 }
 
 /// Scratch memory of one task.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub struct Stage {
+    /// Coordinates and velocities of the corners.
+    r: [Lanes; 4],
+    z: [Lanes; 4],
+    v_r: [Lanes; 4],
+    v_z: [Lanes; 4],
     /// Strain increments rr, zz, hoop, rz.
     strain: [Lanes; 4],
     /// Stress before the increment, carried along by the rotation.
@@ -95,7 +116,7 @@ impl<S: Clone> Block<S> {
             hardening.flow(&mut self.state, flow);
         }
         self.stress::<H>(constants, stage);
-        self.forces(constants, dt, nodes, stage, corners);
+        self.forces(constants, dt, stage, corners);
     }
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
@@ -104,9 +125,15 @@ impl<S: Clone> Block<S> {
         let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
         let half = 0.5 * dt;
         for l in 0..LANES {
-            let (v_r, v_z) = (column(&nodes.v_r, l), column(&nodes.v_z, l));
+            let [r, z, v_r, v_z] = [0, 1, 2, 3].map(|component| nodes.of(l, component));
+            for i in 0..4 {
+                stage.r[i][l] = r[i];
+                stage.z[i][l] = z[i];
+                stage.v_r[i][l] = v_r[i];
+                stage.v_z[i][l] = v_z[i];
+            }
             let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
-            let g = gradient(middle(column(&nodes.r, l), v_r), middle(column(&nodes.z, l), v_z));
+            let g = gradient(middle(r, v_r), middle(z, v_z));
             let per = dt / g.volume;
             let (d_rr, d_zz, d_hoop) = (per * dot(g.r, v_r), per * dot(g.z, v_z), per * dot(g.hoop, v_r));
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
@@ -164,7 +191,7 @@ impl<S: Clone> Block<S> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    fn forces(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage, corners: &mut Corners) {
+    fn forces(&mut self, constants: &Constants, dt: f64, stage: &mut Stage, corners: &mut Corners) {
         let modulus = constants.bulk + 4.0 / 3.0 * constants.shear;
         let softness = 1.0 / modulus;
         let [linear, quadratic] = constants.bulk_viscosity;
@@ -174,8 +201,8 @@ impl<S: Clone> Block<S> {
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let block = stage.block;
         for l in 0..LANES {
-            let (r, z) = (column(&nodes.r, l), column(&nodes.z, l));
-            let (v_r, v_z) = (column(&nodes.v_r, l), column(&nodes.v_z, l));
+            let (r, z) = (column(&stage.r, l), column(&stage.z, l));
+            let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
             let g = gradient(r, z);
             // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
             let corner =
@@ -283,5 +310,13 @@ pub fn is_larger(rate: f64, largest: f64) -> bool {
 
 /// Sum over lanes, always in the same order.
 pub fn across(list: &Lanes) -> f64 {
-    ((list[0] + list[4]) + (list[2] + list[6])) + ((list[1] + list[5]) + (list[3] + list[7]))
+    let mut sums = *list;
+    let mut width = LANES / 2;
+    while width > 0 {
+        for l in 0..width {
+            sums[l] += sums[l + width];
+        }
+        width /= 2;
+    }
+    sums[0]
 }

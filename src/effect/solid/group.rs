@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::block::{Block, Nodes, Stage, Sums, across, is_larger};
 use super::body::PARALLEL;
-use super::collect::{Wide, collect, wide};
 use super::law::{Constants, Hardening};
 use super::{Corners, LANES};
 use crate::kernel::quad;
@@ -68,7 +67,6 @@ pub struct Quads<H: Hardening> {
     blocks: Vec<Block<H::State>>,
     tasks: Vec<Stage>,
     arch: Arch,
-    wide: Wide,
     parallel: bool,
 }
 
@@ -91,7 +89,6 @@ impl<H: Hardening> Quads<H> {
             tasks: vec![Stage::default(); blocks.len().div_ceil(TASK)],
             blocks,
             arch: Arch::new(),
-            wide: wide(),
             parallel,
         }
     }
@@ -127,14 +124,7 @@ impl<H: Hardening> Group for Quads<H> {
     }
 
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
-        let pass = Pass {
-            hardening: &self.hardening,
-            constants: &self.constants,
-            count: self.count,
-            nodes,
-            dt,
-            wide: self.wide,
-        };
+        let pass = Pass { hardening: &self.hardening, constants: &self.constants, count: self.count, nodes, dt };
         let arch = self.arch;
         let run = |index, blocks: &mut [_], corners: &mut [_], stage: &mut _| {
             arch.dispatch(Task { pass: &pass, index, blocks, corners, stage });
@@ -190,7 +180,6 @@ struct Pass<'a, H> {
     count: usize,
     nodes: &'a [Node],
     dt: f64,
-    wide: Wide,
 }
 
 /// The blocks that a thread takes at once.
@@ -211,12 +200,12 @@ impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
         let stage = self.stage;
         let pass = self.pass;
         stage.sums = Sums::default();
-        let mut corner_nodes = Nodes::default();
+        let mut places = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
-            collect(pass.wide, pass.nodes, &block.nodes, &mut corner_nodes);
-            block.update(pass.hardening, pass.constants, pass.dt, &corner_nodes, stage, corners);
+            places.collect(pass.nodes, &block.nodes);
+            block.update(pass.hardening, pass.constants, pass.dt, &places, stage, corners);
         }
     }
 }

@@ -3,7 +3,6 @@
 
 pub mod block;
 pub mod body;
-mod collect;
 pub mod group;
 pub mod law;
 pub mod loads;
