@@ -69,7 +69,8 @@ const SLOTS: usize = 4;
 /// Which corner slots act on which node, in fixed order.
 #[derive(Clone, Debug, Default)]
 pub struct Gather {
-    /// The first slots of each node; where it has fewer, one that holds zeros.
+    /// The first slots of each node, as places of the force along r in the blocks' corner forces (that along z is
+    /// [`LANES`] behind); where it has fewer, one that holds zeros.
     slots: Vec<[u32; SLOTS]>,
     /// The slots of nodes that have more: node, slot.
     more: Vec<(u32, u32)>,
@@ -79,13 +80,13 @@ impl Gather {
     /// From the corner nodes of elements, group by group; each group begins a new block.
     pub fn new(count: usize, groups: &[&[[u32; 4]]]) -> Self {
         let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
-        let empty = (blocks * 4 * LANES) as u32;
+        let empty = (blocks * 8 * LANES) as u32;
         let mut gather = Gather { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
         let mut block = 0;
         for elements in groups {
             for (e, corners) in elements.iter().enumerate() {
                 for (c, &node) in corners.iter().enumerate() {
-                    let slot = (((block + e / LANES) * 4 + c) * LANES + e % LANES) as u32;
+                    let slot = (((block + e / LANES) * 8 + 2 * c) * LANES + e % LANES) as u32;
                     match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {
                         Some(free) => *free = slot,
                         None => gather.more.push((node, slot)),
@@ -98,25 +99,27 @@ impl Gather {
         gather
     }
 
-    /// Sum of a node's corner forces.
+    /// Sums of the corner forces of nodes from `first` on.
     #[inline(always)]
-    fn sum(&self, node: usize, corners: &[Corners]) -> [f64; 2] {
+    fn sum(&self, first: usize, corners: &[Corners], forces: &mut [[f64; 2]]) {
         let pair = |slot: u32| {
-            let slot = slot as usize;
-            let (lane, corner, block) = (slot % LANES, slot / LANES % 4, slot / (4 * LANES));
-            let forces = &corners[block].0;
-            [forces[2 * corner][lane], forces[2 * corner + 1][lane]]
+            let (block, at) = (slot as usize / (8 * LANES), slot as usize % (8 * LANES));
+            let corner = corners[block].0.as_flattened();
+            [corner[at], corner[at | LANES]]
         };
-        let [a, b, c, d] = self.slots[node].map(pair);
-        let mut force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
-        if !self.more.is_empty() {
-            let first = self.more.partition_point(|m| (m.0 as usize) < node);
-            for &(_, slot) in self.more[first..].iter().take_while(|m| m.0 as usize == node) {
-                let more = pair(slot);
-                force = [force[0] + more[0], force[1] + more[1]];
-            }
+        let last = first + forces.len();
+        for (force, slots) in forces.iter_mut().zip(&self.slots[first..last]) {
+            let [a, b, c, d] = slots.map(pair);
+            *force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
         }
-        force
+        if self.more.is_empty() {
+            return;
+        }
+        let begin = self.more.partition_point(|m| (m.0 as usize) < first);
+        for &(node, slot) in self.more[begin..].iter().take_while(|m| (m.0 as usize) < last) {
+            let (force, more) = (&mut forces[node as usize - first], pair(slot));
+            *force = [force[0] + more[0], force[1] + more[1]];
+        }
     }
 }
 
@@ -154,6 +157,54 @@ pub struct Solid {
     behind: f64,
     pending: bool,
     moved: bool,
+}
+
+/// What accelerations come from.
+struct NodePass<'a> {
+    gather: &'a Gather,
+    corners: &'a [Corners],
+    external: &'a [[f64; 2]],
+    nodes: &'a [Node],
+    mass: &'a [f64],
+    inverse_mass: &'a [f64],
+    behind: f64,
+}
+
+impl NodePass<'_> {
+    /// Accelerations of nodes from `first` on, and their kinetic energy. A few nodes at a time: first all their forces,
+    /// then arithmetic that vectors can do.
+    fn accelerate(&self, first: usize, accelerations: &mut [[f64; 2]]) -> f64 {
+        const FEW: usize = 32;
+        let mut parts = [0.0; 4];
+        let (mut forces, mut energies) = ([[0.0; 2]; FEW], [0.0; FEW]);
+        for (i, accelerations) in accelerations.chunks_mut(FEW).enumerate() {
+            let (first, count) = (first + i * FEW, accelerations.len());
+            let forces = &mut forces[..count];
+            self.gather.sum(first, self.corners, forces);
+            if !self.external.is_empty() {
+                for (force, more) in forces.iter_mut().zip(&self.external[first..first + count]) {
+                    *force = [force[0] + more[0], force[1] + more[1]];
+                }
+            }
+            let masses = self.mass[first..first + count].iter().zip(&self.inverse_mass[first..first + count]);
+            let nodes = self.nodes[first..first + count].iter().zip(masses);
+            let all = accelerations.iter_mut().zip(&*forces).zip(nodes).zip(&mut energies);
+            for (((acceleration, force), (node, (mass, inverse))), energy) in all {
+                let [a_r, a_z] = force.map(|f| f * inverse);
+                *acceleration = [a_r, a_z];
+                let twice = node.v_r * (node.v_r + self.behind * a_r) + node.v_z * (node.v_z + self.behind * a_z);
+                *energy = mass * twice;
+            }
+            energies[count..].fill(0.0);
+            // Four sums side by side: one would wait for each addition.
+            for four in energies.as_chunks::<4>().0 {
+                for (part, energy) in parts.iter_mut().zip(four) {
+                    *part += energy;
+                }
+            }
+        }
+        0.5 * ((parts[0] + parts[1]) + (parts[2] + parts[3]))
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -283,26 +334,17 @@ impl Solid {
 
     /// Accelerations from forces; what is given overrides them.
     pub fn accelerate(&mut self, given: &[Given]) {
-        let corners = &self.corners;
-        let (gather, external, behind) = (&self.gather, &self.external[0], self.behind);
+        let pass = NodePass {
+            gather: &self.gather,
+            corners: &self.corners,
+            external: &self.external[0],
+            nodes: &self.nodes,
+            mass: &self.mass,
+            inverse_mass: &self.inverse_mass,
+            behind: self.behind,
+        };
         let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
-            // Four sums side by side: one would wait for each addition.
-            let mut parts = [0.0; 4];
-            let first = index * CHUNK;
-            let last = first + accelerations.len();
-            let masses = self.mass[first..last].iter().zip(&self.inverse_mass[first..last]);
-            let own = accelerations.iter_mut().zip(&self.nodes[first..last]).zip(masses);
-            for (n, ((acceleration, node), (mass, inverse))) in (first..last).zip(own) {
-                let mut force = gather.sum(n, corners);
-                if let Some(more) = external.get(n) {
-                    force = [force[0] + more[0], force[1] + more[1]];
-                }
-                *acceleration = force.map(|f| f * inverse);
-                let [a_r, a_z] = *acceleration;
-                let twice = node.v_r * (node.v_r + behind * a_r) + node.v_z * (node.v_z + behind * a_z);
-                parts[n % 4] += mass * twice;
-            }
-            *kinetic = 0.5 * ((parts[0] + parts[1]) + (parts[2] + parts[3]));
+            *kinetic = pass.accelerate(index * CHUNK, accelerations);
         };
         if !self.parallel {
             let parts = self.acceleration.chunks_mut(CHUNK).zip(&mut self.kinetic_parts).enumerate();
