@@ -56,6 +56,8 @@ const VARIABLES: &[&str] = &[
     "SVAVG",
     "TEMPMAVG",
     "ENER",
+    "SENER",
+    "PENER",
     "ELEN",
     "ELEDEN",
     "EDT",

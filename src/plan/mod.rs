@@ -22,7 +22,7 @@ use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
 use crate::user::{Routines, SharedEvents};
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
-pub use outputs::{Column, ElementVariable, FieldVariable, Outputs, Quantity, Schedule};
+pub use outputs::{COMPONENTS, Column, ElementVariable, FieldVariable, Outputs, Quantity, Schedule};
 pub use solid::SolidPlaces;
 
 /// What is to be run: every effect the deck asks for, and nothing else.
@@ -113,9 +113,9 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
         body_of_element: IndexMap::new(),
     };
     compiler.bodies();
-    let solid = compiler.solids();
+    let mut solid = compiler.solids();
     compiler.finish_bodies();
-    let (columns, fields) = compiler.variables();
+    let (columns, fields) = compiler.variables(solid.as_mut());
     let steps = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
     compiler.check_complete(solid.is_some());
     compiler.list_inert();

@@ -3,6 +3,7 @@
 
 use super::Compiler;
 use crate::deck::Span;
+use crate::effect::solid::body::Solid;
 use crate::model::{Interval, OutputKind, OutputRequest, Region, Step};
 
 /// What a history column holds.
@@ -69,6 +70,32 @@ pub enum ElementVariable {
     PlasticStrain,
     /// Temperature.
     Temperature,
+    /// A component of the logarithmic strain, in the order of stresses; shear is the engineering one (`LE12`).
+    LogarithmicStrain(usize),
+    /// A component of the plastic strain, likewise.
+    PlasticComponent(usize),
+    /// A component of the strain rate, likewise.
+    StrainRate(usize),
+    /// Recoverable strain energy a volume (`SENER`).
+    StrainEnergy,
+    /// Plastic dissipation a volume (`PENER`).
+    PlasticEnergy,
+    /// 1 where the element is there, 0 where it is deleted.
+    Status,
+    /// Volume.
+    Volume,
+    /// Mass a volume.
+    Density,
+    /// A variable that the user's material keeps, counted from 0 (`SDV1`).
+    State(usize),
+}
+
+impl ElementVariable {
+    /// Whether elements follow it only if an output asks.
+    fn is_followed(self) -> bool {
+        use ElementVariable::{LogarithmicStrain, PlasticComponent, PlasticEnergy, StrainEnergy, StrainRate};
+        matches!(self, LogarithmicStrain(_) | PlasticComponent(_) | StrainRate(_) | StrainEnergy | PlasticEnergy)
+    }
 }
 
 /// One history column.
@@ -99,6 +126,64 @@ pub enum FieldVariable {
     PlasticStrain,
     /// `TEMP`.
     Temperature,
+    /// `RF`, on nodes.
+    Reaction,
+    /// `LE`.
+    LogarithmicStrain,
+    /// `PE`.
+    PlasticComponents,
+    /// `ER`.
+    StrainRate,
+    /// `SENER`.
+    StrainEnergy,
+    /// `PENER`.
+    PlasticEnergy,
+    /// `STATUS`.
+    Status,
+    /// `EVOL`.
+    Volume,
+    /// `DENSITY`.
+    Density,
+    /// `SDV1` and so on, counted from 0.
+    State(usize),
+}
+
+impl FieldVariable {
+    /// What it shows of elements, one entry a component; empty for a variable of nodes.
+    pub fn parts(self) -> Vec<ElementVariable> {
+        use ElementVariable as E;
+        let four = |part: fn(usize) -> E| [0, 1, 2, 3].map(part).to_vec();
+        match self {
+            FieldVariable::Displacement
+            | FieldVariable::Velocity
+            | FieldVariable::Acceleration
+            | FieldVariable::Reaction => Vec::new(),
+            FieldVariable::Stress => four(E::Stress),
+            FieldVariable::LogarithmicStrain => four(E::LogarithmicStrain),
+            FieldVariable::PlasticComponents => four(E::PlasticComponent),
+            FieldVariable::StrainRate => four(E::StrainRate),
+            FieldVariable::Mises => vec![E::Mises],
+            FieldVariable::Pressure => vec![E::Pressure],
+            FieldVariable::PlasticStrain => vec![E::PlasticStrain],
+            FieldVariable::Temperature => vec![E::Temperature],
+            FieldVariable::StrainEnergy => vec![E::StrainEnergy],
+            FieldVariable::PlasticEnergy => vec![E::PlasticEnergy],
+            FieldVariable::Status => vec![E::Status],
+            FieldVariable::Volume => vec![E::Volume],
+            FieldVariable::Density => vec![E::Density],
+            FieldVariable::State(i) => vec![E::State(i)],
+        }
+    }
+
+    /// Its name in frames.
+    pub fn name(self) -> String {
+        let known = FIELDS.iter().chain(&ELEMENT_FIELDS).chain(&[REACTION]).find(|f| f.1 == self);
+        match (self, known) {
+            (FieldVariable::State(i), _) => format!("SDV{}", i + 1),
+            (_, Some(known)) => known.0.into(),
+            (_, None) => String::new(),
+        }
+    }
 }
 
 /// When to write.
@@ -151,20 +236,31 @@ const FIELDS: [(&str, FieldVariable); 3] =
     [("U", FieldVariable::Displacement), ("V", FieldVariable::Velocity), ("A", FieldVariable::Acceleration)];
 
 /// Variables on elements of what deforms.
-const ELEMENT_FIELDS: [(&str, FieldVariable); 5] = [
+const ELEMENT_FIELDS: [(&str, FieldVariable); 13] = [
     ("S", FieldVariable::Stress),
     ("MISES", FieldVariable::Mises),
     ("PRESS", FieldVariable::Pressure),
     ("PEEQ", FieldVariable::PlasticStrain),
     ("TEMP", FieldVariable::Temperature),
+    ("LE", FieldVariable::LogarithmicStrain),
+    ("PE", FieldVariable::PlasticComponents),
+    ("ER", FieldVariable::StrainRate),
+    ("SENER", FieldVariable::StrainEnergy),
+    ("PENER", FieldVariable::PlasticEnergy),
+    ("STATUS", FieldVariable::Status),
+    ("EVOL", FieldVariable::Volume),
+    ("DENSITY", FieldVariable::Density),
 ];
+
+/// On nodes of what deforms.
+const REACTION: (&str, FieldVariable) = ("RF", FieldVariable::Reaction);
 
 /// Variables of the facets that every frame of a loaded surface shows.
 const FACET_VARIABLES: [&str; 4] = ["P", "PRESSURE", "NORMAL_VELOCITY", "LAYER"];
 
 impl Compiler<'_> {
     /// Columns and frame variables of all steps together: a file keeps its columns from step to step.
-    pub(super) fn variables(&mut self) -> (Vec<Column>, Vec<FieldVariable>) {
+    pub(super) fn variables(&mut self, solid: Option<&mut Solid>) -> (Vec<Column>, Vec<FieldVariable>) {
         let (mut columns, mut fields) = (Vec::new(), Vec::new());
         let model = self.model;
         for step in &model.steps {
@@ -181,7 +277,25 @@ impl Compiler<'_> {
         }
         dedup(&mut columns);
         dedup(&mut fields);
+        let shown = fields.iter().flat_map(|f| f.parts());
+        let told = columns.iter().filter_map(|c| match c.quantity {
+            Quantity::Element(_, _, variable) => Some(variable),
+            _ => None,
+        });
+        if let Some(solid) = solid.filter(|_| shown.chain(told).any(ElementVariable::is_followed)) {
+            solid.groups.iter_mut().for_each(|g| g.follow());
+            self.followed_row(solid);
+        }
         (columns, fields)
+    }
+
+    /// The row of strains and energies that elements follow because an output asks for them.
+    fn followed_row(&mut self, solid: &Solid) {
+        let count = solid.groups.iter().map(|g| g.len()).sum();
+        let asks = |r: &&OutputRequest| r.variables.iter().any(|v| v == "PRESELECT" || is_followed(v));
+        let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks);
+        let Some(span) = request.map(|r| r.span).or_else(|| self.model.steps.first().map(|s| s.span)) else { return };
+        self.cause(span, "strain history", count, "elements", "LE, PE, ER, SENER, PENER".into());
     }
 
     /// When this step writes; without any request what ABAQUS preselects.
@@ -257,9 +371,14 @@ impl Compiler<'_> {
     fn field_variables(&mut self, request: &OutputRequest, fields: &mut Vec<FieldVariable>) {
         for variable in &request.variables {
             match variable.as_str() {
-                "PRESELECT" | "ALL" => fields.extend(self.preselected_fields()),
+                "PRESELECT" => fields.extend(self.preselected_fields()),
+                "ALL" => fields.extend(self.fields_there_are().iter().map(|f| f.1)),
+                "ENER" if self.deforms() => fields.extend([FieldVariable::StrainEnergy, FieldVariable::PlasticEnergy]),
+                "SDV" if self.state_variables() > 0 => {
+                    fields.extend((0..self.state_variables()).map(FieldVariable::State));
+                }
                 name if FACET_VARIABLES.contains(&name) => {}
-                name => match self.fields_there_are().find(|f| f.0 == name) {
+                name => match self.fields_there_are().into_iter().find(|f| f.0 == name) {
                     Some(field) => fields.push(field.1),
                     None => self.absent(variable, request.span),
                 },
@@ -276,7 +395,7 @@ impl Compiler<'_> {
         for &element in members {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
             let place = if members.len() == 1 { set.to_owned() } else { model.mesh.elements[element].name.clone() };
-            for (name, variable) in element_quantities(variable) {
+            for (name, variable) in self.element_quantities(variable) {
                 let quantity = Quantity::Element(group, index, variable);
                 columns.push(Column { name: format!("{name}@{place}"), quantity });
             }
@@ -296,14 +415,54 @@ impl Compiler<'_> {
         ENERGIES[..4].iter().chain(solid).chain(&ENERGIES[4..]).copied()
     }
 
-    fn fields_there_are(&self) -> impl Iterator<Item = (&'static str, FieldVariable)> + use<> {
-        let solid = if self.deforms() { &ELEMENT_FIELDS[..] } else { &[] };
-        FIELDS.iter().chain(solid).copied()
+    fn fields_there_are(&self) -> Vec<(String, FieldVariable)> {
+        let named = |f: &(&str, FieldVariable)| (f.0.to_owned(), f.1);
+        let mut fields: Vec<_> = FIELDS.iter().map(named).collect();
+        if self.deforms() {
+            fields.extend([REACTION].iter().chain(&ELEMENT_FIELDS).map(named));
+            fields.extend((0..self.state_variables()).map(|i| (format!("SDV{}", i + 1), FieldVariable::State(i))));
+        }
+        fields
     }
 
-    /// ABAQUS/Explicit preselects U, V, A, and S and PEEQ of what deforms.
-    fn preselected_fields(&self) -> impl Iterator<Item = FieldVariable> + use<> {
-        self.fields_there_are().map(|f| f.1).filter(|f| *f != FieldVariable::Temperature)
+    /// ABAQUS/Explicit preselects U, V, A, and of what deforms RF, S, LE, PE and PEEQ, and STATUS where elements can be
+    /// deleted; invariants of the stress, which its viewer computes, come along.
+    fn preselected_fields(&self) -> Vec<FieldVariable> {
+        use FieldVariable::{Density, PlasticEnergy, State, Status, StrainEnergy, StrainRate, Temperature, Volume};
+        let deletes = self.deletes();
+        let meant = |f: &FieldVariable| match f {
+            Density | PlasticEnergy | State(_) | StrainEnergy | StrainRate | Temperature | Volume => false,
+            Status => deletes,
+            _ => true,
+        };
+        self.fields_there_are().into_iter().map(|f| f.1).filter(meant).collect()
+    }
+
+    /// The most variables that a user material of this scene keeps.
+    fn state_variables(&self) -> usize {
+        0
+    }
+
+    /// Whether elements can be deleted.
+    fn deletes(&self) -> bool {
+        false
+    }
+
+    /// The columns an element variable stands for.
+    fn element_quantities(&self, variable: &str) -> Vec<(String, ElementVariable)> {
+        let groups = ["ENER", "SDV"];
+        let mut columns = Vec::new();
+        for (name, field) in self.fields_there_are() {
+            let parts = field.parts();
+            let stem = name == variable || groups.contains(&variable) && family(field) == variable;
+            for (i, &part) in parts.iter().enumerate() {
+                let column = if parts.len() == 4 { format!("{name}{}", COMPONENTS[i]) } else { name.clone() };
+                if stem || column == variable {
+                    columns.push((column, part));
+                }
+            }
+        }
+        columns
     }
 
     fn absent(&mut self, variable: &str, span: Span) {
@@ -356,18 +515,22 @@ fn solid_quantities(variable: &str, node: usize) -> Vec<(&'static str, Quantity)
     all.into_iter().filter(meant).map(|(name, _, quantity)| (name, quantity)).collect()
 }
 
-/// The columns an element variable stands for.
-fn element_quantities(variable: &str) -> Vec<(&'static str, ElementVariable)> {
-    use ElementVariable::{Mises, PlasticStrain, Pressure, Stress, Temperature};
-    let stresses = [("S11", Stress(0)), ("S22", Stress(1)), ("S33", Stress(2)), ("S12", Stress(3))];
-    match variable {
-        "S" => stresses.to_vec(),
-        "MISES" => vec![("MISES", Mises)],
-        "PRESS" => vec![("PRESS", Pressure)],
-        "PEEQ" => vec![("PEEQ", PlasticStrain)],
-        "TEMP" => vec![("TEMP", Temperature)],
-        name => stresses.into_iter().filter(|s| s.0 == name).collect(),
+/// Numbers of the components of a symmetric tensor, in the order rr, zz, hoop, rz.
+pub const COMPONENTS: [&str; 4] = ["11", "22", "33", "12"];
+
+/// Variables that one name stands for together.
+fn family(field: FieldVariable) -> &'static str {
+    match field {
+        FieldVariable::StrainEnergy | FieldVariable::PlasticEnergy => "ENER",
+        FieldVariable::State(_) => "SDV",
+        _ => "",
     }
+}
+
+/// Whether an output variable needs what elements follow only if asked.
+fn is_followed(variable: &str) -> bool {
+    let stem = variable.trim_end_matches(|c: char| c.is_ascii_digit());
+    ["LE", "PE", "ER", "ENER", "SENER", "PENER", "ALL"].contains(&stem)
 }
 
 fn dedup<T: PartialEq + Clone>(items: &mut Vec<T>) {

@@ -4,10 +4,9 @@
 use super::{Energy, Run};
 use crate::effect::Halt;
 use crate::effect::solid::body::Solid;
-use crate::effect::solid::group::Group;
 use crate::model::ElementKind;
 use crate::output::{Field, Frame};
-use crate::plan::{ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
+use crate::plan::{COMPONENTS, ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
 use crate::user::Wish;
 
 /// Takes what a run shows.
@@ -156,7 +155,11 @@ fn show_frame(run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(),
 }
 
 /// A number of an element.
-fn element_value(group: &dyn Group, e: usize, variable: ElementVariable) -> f64 {
+fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
+    let (group, nodes) = (&*solid.groups[group], &solid.nodes);
+    let followed = || group.followed(e).unwrap_or_default();
+    // Strains are told with the engineering shear, as ABAQUS does.
+    let strain = |tensor: [f64; 4], i: usize| if i == 3 { 2.0 * tensor[3] } else { tensor[i] };
     let stress = group.stress(e);
     let [rr, zz, hoop, rz] = stress;
     match variable {
@@ -168,6 +171,15 @@ fn element_value(group: &dyn Group, e: usize, variable: ElementVariable) -> f64 
         }
         ElementVariable::PlasticStrain => group.plastic_strain(e).unwrap_or(0.0),
         ElementVariable::Temperature => group.temperature(e).unwrap_or(0.0),
+        ElementVariable::LogarithmicStrain(i) => strain(followed().strain, i),
+        ElementVariable::PlasticComponent(i) => strain(followed().plastic, i),
+        ElementVariable::StrainRate(i) => strain(followed().rate, i),
+        ElementVariable::StrainEnergy => followed().energy[0] / group.volume(e, nodes),
+        ElementVariable::PlasticEnergy => followed().energy[1] / group.volume(e, nodes),
+        ElementVariable::Status => group.status(e).unwrap_or(1.0),
+        ElementVariable::Volume => group.volume(e, nodes),
+        ElementVariable::Density => group.mass(e) / group.volume(e, nodes),
+        ElementVariable::State(i) => group.state_variable(e, i).unwrap_or(0.0),
     }
 }
 
@@ -189,9 +201,7 @@ impl Run<'_> {
             Quantity::NodeAcceleration(n, axis) => self.solid().map_or(0.0, |s| s.acceleration[n][axis]),
             Quantity::NodeReaction(n, axis) => self.solid().map_or(0.0, |s| s.reaction(n, axis)),
             Quantity::NodeCoordinate(n, axis) => self.solid().map_or(0.0, |s| s.place(n)[axis]),
-            Quantity::Element(group, e, variable) => {
-                self.solid().map_or(0.0, |s| element_value(&*s.groups[group], e, variable))
-            }
+            Quantity::Element(group, e, variable) => self.solid().map_or(0.0, |s| element_value(s, group, e, variable)),
             Quantity::Internal => energy.internal,
             Quantity::Strain => energy.strain,
             Quantity::Plastic => energy.plastic,
@@ -227,7 +237,7 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.bodies[b].displacement]);
-            of_point.push(Owner::Body(b));
+            of_point.push(Owner::Body(b, node == body.reference));
         }
         elements.extend(body.elements.iter().filter(|&&e| mesh.elements[e].kind != ElementKind::Mass));
     }
@@ -247,8 +257,8 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
 /// What a point of a frame moves with.
 #[derive(Clone, Copy)]
 enum Owner {
-    /// A rigid body.
-    Body(usize),
+    /// A rigid body; whether it is its reference node.
+    Body(usize, bool),
     /// Itself.
     Node(usize),
 }
@@ -258,16 +268,19 @@ fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Op
         FieldVariable::Displacement => "U",
         FieldVariable::Velocity => "V",
         FieldVariable::Acceleration => "A",
+        FieldVariable::Reaction => "RF",
         _ => return None,
     };
     let value = |owner: &Owner| match (*owner, &run.solid) {
-        (Owner::Body(b), _) => {
+        (Owner::Body(b, reference), _) => {
             let body = &run.bodies[b];
             [
                 0.0,
                 match variable {
                     FieldVariable::Displacement => body.displacement,
                     FieldVariable::Velocity => body.velocity,
+                    FieldVariable::Reaction if reference => body.reaction,
+                    FieldVariable::Reaction => 0.0,
                     _ => body.acceleration,
                 },
             ]
@@ -275,6 +288,7 @@ fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Op
         (Owner::Node(n), Some(solid)) => match variable {
             FieldVariable::Displacement => solid.displacement(n),
             FieldVariable::Velocity => solid.velocity_now(n),
+            FieldVariable::Reaction => [solid.reaction(n, 0), solid.reaction(n, 1)],
             _ => solid.acceleration[n],
         },
         (Owner::Node(_), None) => [0.0; 2],
@@ -289,21 +303,16 @@ fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Op
 
 /// A field over cells: those of deformable elements (group and element) come first, those of rigid bodies have zero.
 fn element_field(run: &Run<'_>, variable: FieldVariable, solid: &[(usize, usize)], cells: usize) -> Field {
-    let (name, parts): (_, &[ElementVariable]) = match variable {
-        FieldVariable::Stress => ("S", &[0, 1, 2, 3].map(ElementVariable::Stress)),
-        FieldVariable::Mises => ("MISES", &[ElementVariable::Mises]),
-        FieldVariable::Pressure => ("PRESS", &[ElementVariable::Pressure]),
-        FieldVariable::PlasticStrain => ("PEEQ", &[ElementVariable::PlasticStrain]),
-        _ => ("TEMP", &[ElementVariable::Temperature]),
-    };
+    let (name, parts) = (variable.name(), variable.parts());
     let value = |&(group, e): &(usize, usize), part: &ElementVariable| {
-        run.solid.as_ref().map_or(0.0, |s| element_value(&*s.groups[group], e, *part))
+        run.solid.as_ref().map_or(0.0, |s| element_value(s, group, e, *part))
     };
+    let (value, parts) = (&value, &parts);
     let mut values: Vec<f64> = solid.iter().flat_map(|e| parts.iter().map(move |p| value(e, p))).collect();
     values.resize(cells * parts.len(), 0.0);
-    let names = ["S11", "S22", "S33", "S12"].map(str::to_owned);
+    let names = COMPONENTS.map(|c| format!("{name}{c}"));
     Field {
-        name: name.into(),
+        name,
         components: parts.len(),
         component_names: if parts.len() == 4 { names.to_vec() } else { Vec::new() },
         values,

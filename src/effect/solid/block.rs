@@ -4,6 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::law::{Constants, Flow, Hardening};
+use super::record::Record;
 use super::{Corners, LANES, Lanes};
 use crate::kernel::quad::{UNIT, gradient};
 use crate::state::nodes::Node;
@@ -64,7 +65,7 @@ impl Nodes {
 
     /// One component of the four corners of a lane.
     #[inline(always)]
-    fn of(&self, l: usize, component: usize) -> [f64; 4] {
+    pub(super) fn of(&self, l: usize, component: usize) -> [f64; 4] {
         let Nodes(corners) = self;
         [corners[0][l][component], corners[1][l][component], corners[2][l][component], corners[3][l][component]]
     }
@@ -80,21 +81,23 @@ pub struct Stage {
     v_r: [Lanes; 4],
     v_z: [Lanes; 4],
     /// Strain increments rr, zz, hoop, rz.
-    strain: [Lanes; 4],
+    pub(super) strain: [Lanes; 4],
     /// Stress before the increment, carried along by the rotation.
-    carried: [Lanes; 4],
+    pub(super) carried: [Lanes; 4],
     /// Mean stress and deviator of the trial.
     mean: Lanes,
-    deviator: [Lanes; 4],
+    pub(super) deviator: [Lanes; 4],
     /// At the middle of the increment, 0 for lanes without element.
-    volume: Lanes,
-    trial: Lanes,
-    flow: Lanes,
+    pub(super) volume: Lanes,
+    pub(super) trial: Lanes,
+    pub(super) flow: Lanes,
     weight: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
     count: usize,
+    /// Of the task's blocks, what outputs ask for; empty if none does.
+    pub(super) records: Vec<Record>,
 }
 
 impl<S: Clone> Block<S> {
@@ -121,7 +124,7 @@ impl<S: Clone> Block<S> {
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
-    fn strain<H: Hardening>(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage) {
+    pub(super) fn strain<H: Hardening>(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage) {
         let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
         let half = 0.5 * dt;
         for l in 0..LANES {
@@ -191,7 +194,7 @@ impl<S: Clone> Block<S> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    fn forces(&mut self, constants: &Constants, dt: f64, stage: &mut Stage, corners: &mut Corners) {
+    pub(super) fn forces(&mut self, constants: &Constants, dt: f64, stage: &mut Stage, corners: &mut Corners) {
         let modulus = constants.bulk + 4.0 / 3.0 * constants.shear;
         let softness = 1.0 / modulus;
         let [linear, quadratic] = constants.bulk_viscosity;
@@ -267,7 +270,7 @@ impl<S: Clone> Block<S> {
 /// The stress turned with the material: Hughes and Winget 1980 (Int. J. Numer. Meth. Eng. 15, 1862), a rotation of which the
 /// tangent of half the angle is half the spin increment; orthogonal for any increment.
 #[inline(always)]
-fn rotated([rr, zz, hoop, rz]: [f64; 4], spin: f64) -> [f64; 4] {
+pub(super) fn rotated([rr, zz, hoop, rz]: [f64; 4], spin: f64) -> [f64; 4] {
     let quarter = 0.25 * spin * spin;
     let inverse = 1.0 / (1.0 + quarter);
     let (cosine, sine) = ((1.0 - quarter) * inverse, spin * inverse);
@@ -284,11 +287,19 @@ fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
 }
 
 #[inline(always)]
-fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
+pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
 impl Stage {
+    /// Lets the record of a block of the task follow an increment.
+    #[inline(never)]
+    pub(super) fn follow<S>(&mut self, index: usize, block: &Block<S>, flows: bool, nodes: &Nodes, dt: f64) {
+        let mut record = self.records[index];
+        record.follow(block, flows, nodes, dt, self);
+        self.records[index] = record;
+    }
+
     /// Prepares for a block of which the first `count` lanes hold elements; the others weigh nothing.
     #[inline(always)]
     pub fn prepare(&mut self, block: usize, count: usize) {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::block::{Block, Nodes, Stage, Sums, across, is_larger};
 use super::body::PARALLEL;
 use super::law::{Constants, Hardening};
+use super::record::{Followed, Record};
 use super::{Corners, LANES};
 use crate::kernel::quad;
 use crate::state::nodes::Node;
@@ -49,6 +50,20 @@ pub trait Group: Send {
     fn temperature(&self, element: usize) -> Option<f64>;
     /// Sets stress and temperature of an element at the start.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
+    /// Follows strains and energies from now on, because an output asks for them.
+    fn follow(&mut self);
+    /// What is followed of an element; `None` if nothing is.
+    fn followed(&self, element: usize) -> Option<Followed>;
+    /// Mass of an element.
+    fn mass(&self, element: usize) -> f64;
+    /// Whether an element is there (1) or deleted (0).
+    fn status(&self, _element: usize) -> Option<f64> {
+        Some(1.0)
+    }
+    /// Variable of an element that the user's routine keeps, counted from 0.
+    fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
+        None
+    }
     /// Corner nodes of an element.
     fn corners(&self, element: usize) -> [u32; 4];
     /// Bytes that the elements occupy.
@@ -141,7 +156,8 @@ impl<H: Hardening> Group for Quads<H> {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(&*self.blocks)
+        let records: usize = self.tasks.iter().map(|t| size_of_val(&*t.records)).sum();
+        size_of_val(&*self.blocks) + records
     }
 
     fn stress(&self, element: usize) -> [f64; 4] {
@@ -166,6 +182,21 @@ impl<H: Hardening> Group for Quads<H> {
         if let Some(temperature) = temperature {
             self.hardening.heat(&mut block.state, lane, temperature);
         }
+    }
+
+    fn follow(&mut self) {
+        for (stage, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            stage.records = vec![Record::default(); blocks.len()];
+        }
+    }
+
+    fn followed(&self, element: usize) -> Option<Followed> {
+        let block = element / LANES;
+        Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
+    }
+
+    fn mass(&self, element: usize) -> f64 {
+        self.blocks[element / LANES].mass[element % LANES]
     }
 
     fn corners(&self, element: usize) -> [u32; 4] {
@@ -206,6 +237,9 @@ impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
             stage.prepare(index, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
             block.update(pass.hardening, pass.constants, pass.dt, &places, stage, corners);
+            if !stage.records.is_empty() {
+                stage.follow(i, block, H::FLOWS, &places, pass.dt);
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ pub mod body;
 pub mod group;
 pub mod law;
 pub mod loads;
+pub mod record;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;
