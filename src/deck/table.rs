@@ -118,11 +118,21 @@ pub static KEYWORDS: &[Keyword] = &[
         "PORE FLUID": "Not supported",
     }, ["Density, temperature"]),
     row!(Used, "ELASTIC", "Linear elasticity", {
-        "TYPE": "ISOTROPIC (default)",
+        "TYPE": "ISOTROPIC (default), or SHEAR beside an equation of state",
         "DEPENDENCIES": "Number of field variables",
         "MODULI": "INSTANTANEOUS or LONG TERM",
         "COMPRESSION FACTOR": "Not supported",
-    }, ["Young's modulus, Poisson's ratio, temperature"]),
+    }, ["Young's modulus, Poisson's ratio, temperature; or shear modulus"]),
+    row!(Used, "EOS", "Equation of state", {
+        "TYPE": "IDEAL GAS or USUP",
+        "DETONATION ENERGY": "Not supported: explosives",
+        "PROPERTIES": "Not supported: user equations of state",
+    }, ["Gas constant, ambient pressure; or c0, s, Gamma0"]),
+    row!(Used, "PHYSICAL CONSTANTS", "Absolute zero and other constants", {
+        "ABSOLUTE ZERO": "Absolute zero on the scale of temperature that the deck uses",
+        "STEFAN BOLTZMANN": "Not supported: radiation",
+        "UNIVERSAL GAS CONSTANT": "Not supported: give the gas constant with *EOS",
+    }, []),
     row!(Used, "PLASTIC", "Metal plasticity", {
         "HARDENING": "ISOTROPIC (default) or JOHNSON COOK",
         "RATE": "Strain rate of the table",
@@ -210,7 +220,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "INTERNAL": "Written by CAE; no meaning",
     }, ["Time, value pairs as a stream, any number a line"]),
     row!(Used, "INITIAL CONDITIONS", "Initial values", {
-        "TYPE": "VELOCITY, TEMPERATURE, STRESS, ...",
+        "TYPE": "VELOCITY, TEMPERATURE, STRESS or SPECIFIC ENERGY",
         "INPUT": "File with the data lines",
         "FILE": "Not supported: results of another job",
         "STEP": "Of FILE",
@@ -618,7 +628,6 @@ pub static KEYWORDS: &[Keyword] = &[
     row!(UnsupportedPhysics, "DRUCKER PRAGER HARDENING", "Soil and polymer plasticity"),
     row!(UnsupportedPhysics, "DSFLUX", "Heat into surfaces"),
     row!(UnsupportedPhysics, "EMBEDDED ELEMENT", "Elements embedded in others"),
-    row!(UnsupportedPhysics, "EOS", "Equation of state"),
     row!(UnsupportedPhysics, "EOS COMPACTION", "Compaction of porous materials"),
     row!(UnsupportedPhysics, "EULERIAN SECTION", "Eulerian elements"),
     row!(UnsupportedPhysics, "EXTREME VALUE", "Stop at an extreme value"),
@@ -668,7 +677,6 @@ pub static KEYWORDS: &[Keyword] = &[
     row!(UnsupportedPhysics, "NONSTRUCTURAL MASS", "Added mass"),
     row!(UnsupportedPhysics, "ORNL", "Hardening of steels"),
     row!(UnsupportedPhysics, "PERIODIC MEDIA", "Periodic analyses"),
-    row!(UnsupportedPhysics, "PHYSICAL CONSTANTS", "Absolute zero and other constants"),
     row!(UnsupportedPhysics, "POROUS METAL PLASTICITY", "Porous metals"),
     row!(UnsupportedPhysics, "POROUS FAILURE CRITERIA", "Porous metals"),
     row!(UnsupportedPhysics, "VOID NUCLEATION", "Porous metals"),

@@ -27,6 +27,7 @@ impl Builder<'_> {
                 self.last_material().density = density;
             }
             "ELASTIC" => self.elastic(card),
+            "EOS" => self.eos(card),
             "PLASTIC" => self.plastic(card),
             "RATE DEPENDENT" => self.rate_dependent(card),
             "INELASTIC HEAT FRACTION" => {
@@ -41,7 +42,7 @@ impl Builder<'_> {
         }
     }
 
-    fn last_material(&mut self) -> &mut Material {
+    pub(super) fn last_material(&mut self) -> &mut Material {
         let last = self.model.materials.len() - 1;
         &mut self.model.materials[last]
     }
@@ -66,8 +67,9 @@ impl Builder<'_> {
     }
 
     fn elastic(&mut self, card: &Card) {
-        if let Some(kind) = card.value("TYPE").filter(|w| !w.text.to_uppercase().starts_with("ISO")) {
-            self.unsupported(kind.span, format!("TYPE={} is not supported", kind.text), "isotropic elasticity is");
+        let kind = card.value("TYPE").map_or("ISOTROPIC".into(), |w| upper(&w.text));
+        if kind != "SHEAR" && !kind.starts_with("ISO") {
+            self.unsupported(card.span, format!("TYPE={kind} is not supported"), "ISOTROPIC and SHEAR are");
             return;
         }
         if card.has("DEPENDENCIES") || card.lines.len() > 1 {
@@ -76,6 +78,11 @@ impl Builder<'_> {
                 "elasticity that depends on fields or temperature is not supported",
                 "give one line",
             );
+            return;
+        }
+        if kind == "SHEAR" {
+            let shear = self.positive(card, "the shear modulus");
+            self.last_material().shear_modulus = shear;
             return;
         }
         let Some(line) = self.first_line(card) else { return };

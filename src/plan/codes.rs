@@ -68,7 +68,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P013",
         title: "material without density or elasticity",
-        text: "What deforms needs *DENSITY and *ELASTIC.",
+        text: "What deforms needs *DENSITY and *ELASTIC, or *DENSITY and *EOS; with *EOS a shear modulus comes from *ELASTIC, TYPE=SHEAR. An ideal gas needs *SPECIFIC HEAT.",
     },
     Code {
         code: "P014",
@@ -79,6 +79,16 @@ pub const CODES: &[Code] = &[
         code: "P015",
         title: "not on deformable bodies yet",
         text: "Read, but not simulated on deformable bodies yet: the message says what, and what would be right.",
+    },
+    Code {
+        code: "P016",
+        title: "hourglass stiffness without shear modulus",
+        text: "The hourglass spring is a fraction of the shear modulus, which a fluid lacks: HOURGLASS=VISCOUS, its default, controls it.",
+    },
+    Code {
+        code: "P017",
+        title: "initial state that the material does not have",
+        text: "An energy a mass is a state of materials with *EOS; their pressure follows from density and energy, so an initial stress would be lost.",
     },
     Code {
         code: "P101",

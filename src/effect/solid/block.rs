@@ -4,13 +4,14 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::law::{Constants, Flow, Hardening};
+use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
 use crate::kernel::quad::{UNIT, gradient};
 
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Block<S> {
+pub struct Block<S, Q> {
     /// Nodes at the corners, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
@@ -25,6 +26,8 @@ pub struct Block<S> {
     pub inverse_mass: [Lanes; 4],
     /// What hardening keeps.
     pub state: S,
+    /// What the volumetric law keeps.
+    pub volumetric: Q,
 }
 
 /// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
@@ -59,29 +62,33 @@ pub struct Nodes {
 #[repr(C, align(64))]
 pub struct Stage {
     /// Strain increments rr, zz, hoop, rz.
-    strain: [Lanes; 4],
+    pub(super) strain: [Lanes; 4],
     /// Stress before the increment, carried along by the rotation.
-    carried: [Lanes; 4],
+    pub(super) carried: [Lanes; 4],
     /// Mean stress and deviator of the trial.
-    mean: Lanes,
-    deviator: [Lanes; 4],
+    pub(super) mean: Lanes,
+    pub(super) deviator: [Lanes; 4],
     /// At the middle of the increment, 0 for lanes without element.
-    volume: Lanes,
-    trial: Lanes,
-    flow: Lanes,
+    pub(super) volume: Lanes,
+    pub(super) trial: Lanes,
+    pub(super) flow: Lanes,
     weight: Lanes,
+    /// Of a bulk modulus that varies: its value, the stress of the bulk viscosity, the heat that it made.
+    pub(super) bulk: Lanes,
+    pub(super) viscous: Lanes,
+    pub(super) heat: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
     count: usize,
 }
 
-impl<S: Clone> Block<S> {
+impl<S: Clone, Q: Clone> Block<S, Q> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]
-    pub fn update<H: Hardening<State = S>>(
+    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>>(
         &mut self,
-        hardening: &H,
+        (hardening, volumetric): (&H, &V),
         constants: &Constants,
         dt: f64,
         nodes: &Nodes,
@@ -94,8 +101,14 @@ impl<S: Clone> Block<S> {
             let flow = &mut Flow { trial: &stage.trial, shear3, dt, count, increment: &mut stage.flow };
             hardening.flow(&mut self.state, flow);
         }
+        if V::VARIES {
+            self.respond::<H, V>(volumetric, 3.0 * constants.shear, nodes, stage);
+        }
         self.stress::<H>(constants, stage);
-        self.forces(constants, dt, nodes, stage, corners);
+        self.forces::<V>(constants, dt, nodes, stage, corners);
+        if V::VARIES {
+            volumetric.settle(&mut self.volumetric, &stage.heat, &stage.viscous, &self.mass);
+        }
     }
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
@@ -164,16 +177,27 @@ impl<S: Clone> Block<S> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    fn forces(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage, corners: &mut Corners) {
-        let modulus = constants.bulk + 4.0 / 3.0 * constants.shear;
-        let softness = 1.0 / modulus;
+    fn forces<V: Volumetric>(
+        &mut self,
+        constants: &Constants,
+        dt: f64,
+        nodes: &Nodes,
+        stage: &mut Stage,
+        corners: &mut Corners,
+    ) {
+        let shear43 = 4.0 / 3.0 * constants.shear;
+        let (modulus, softness) = (constants.bulk + shear43, 1.0 / (constants.bulk + shear43));
         let [linear, quadratic] = constants.bulk_viscosity;
         let quadratic2 = quadratic * quadratic;
         let stiffness = dt * UNIT * constants.hourglass_stiffness * constants.shear;
         let viscosity = constants.hourglass_viscosity / 8.0;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let block = stage.block;
+        // Without an increment behind, the velocities say how fast the volume changes.
+        let starts = V::VARIES && per_dt == 0.0;
         for l in 0..LANES {
+            let modulus = if V::VARIES { stage.bulk[l] + shear43 } else { modulus };
+            let softness = if V::VARIES { 1.0 / modulus } else { softness };
             let (r, z) = (column(&nodes.r, l), column(&nodes.z, l));
             let (v_r, v_z) = (column(&nodes.v_r, l), column(&nodes.v_z, l));
             let g = gradient(r, z);
@@ -194,10 +218,20 @@ impl<S: Clone> Block<S> {
             let wave_length = 2.0 * wave2 * g.volume * g.volume * inverse;
             let length_per_wave = wave_length * density * softness;
             let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
-            let dilation_rate = dilation * per_dt;
+            let mut dilation_rate = dilation * per_dt;
+            if starts {
+                dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
+            }
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let damping = density * dilation_rate * wave_length * (linear - quadratic2 * length_per_wave * compression);
-            stage.sums.viscous[l] += stage.volume[l] * damping * dilation;
+            if V::VARIES {
+                let work = stage.volume[l] * 0.5 * (stage.viscous[l] + damping) * dilation;
+                stage.sums.viscous[l] += work;
+                stage.heat[l] = work - stage.heat[l];
+                stage.viscous[l] = damping;
+            } else {
+                stage.sums.viscous[l] += stage.volume[l] * damping * dilation;
+            }
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
             let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
@@ -226,7 +260,8 @@ impl<S: Clone> Block<S> {
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
             let xi = linear - quadratic2 * length_per_wave * compression;
-            let damped = 1.0 + xi * (1.0 + 0.5 * xi);
+            // In a cold gas, where xi has no bound, the root itself.
+            let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
             let rate = stage.weight[l] * omega * damped;
             // Not a number counts as the largest: it must be found.
             let best = stage.sums.rate[l];

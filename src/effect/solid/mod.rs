@@ -4,9 +4,11 @@
 pub mod block;
 pub mod body;
 mod collect;
+pub mod eos;
 pub mod group;
 pub mod law;
 pub mod loads;
+pub mod volumetric;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;
