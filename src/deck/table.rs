@@ -134,7 +134,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "UNIVERSAL GAS CONSTANT": "Not supported: give the gas constant with *EOS",
     }, []),
     row!(Used, "PLASTIC", "Metal plasticity", {
-        "HARDENING": "ISOTROPIC (default) or JOHNSON COOK",
+        "HARDENING": "ISOTROPIC (default), KINEMATIC (two rows) or JOHNSON COOK",
         "RATE": "Strain rate of the table",
         "DEPENDENCIES": "Number of field variables",
         "DATA TYPE": "Not supported",

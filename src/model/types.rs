@@ -181,6 +181,8 @@ pub enum Plastic {
     Tabular(Vec<[f64; 3]>),
     /// A, B, n, m, melting temperature, transition temperature.
     JohnsonCook([f64; 6]),
+    /// Linear kinematic: yield stress without plastic strain, slope of the stress over it.
+    Kinematic([f64; 2]),
 }
 
 /// `*RATE DEPENDENT`.

@@ -73,7 +73,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P014",
         title: "yield stress that cannot be used",
-        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. Dependence on temperature is not supported yet for tables.",
+        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. With temperatures, rows of one temperature follow each other, and the temperatures ascend. Kinematic hardening knows neither rate nor heat.",
     },
     Code {
         code: "P015",

@@ -5,9 +5,10 @@ use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::effect::solid::eos::{Eos, IdealGas, UsUp};
 use crate::effect::solid::group::{Group, Quads};
+use crate::effect::solid::kinematic::Kinematic;
 use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
 use crate::effect::solid::volumetric::{Linear, Volumetric};
-use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, YieldStress};
+use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
 use crate::kernel::quad::corner_masses;
 use crate::model::{EosKind, Hourglass, Material, Plastic, RateDependence, SolidSection};
 use crate::state::nodes::Node;
@@ -145,8 +146,19 @@ impl Compiler<'_> {
         let Some(plastic) = &material.plastic else {
             return Some(make.quads(Elastic, volumetric));
         };
+        if let Plastic::Kinematic([yield_stress, slope]) = *plastic {
+            if material.rate.is_some() || heating > 0.0 {
+                let message = "kinematic hardening with a rate or heated by plastic work is not supported";
+                self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
+                return None;
+            }
+            return Some(make.quads(Kinematic { yield_stress, slope }, volumetric));
+        }
         let law = self.yield_stress(plastic, material.rate.as_ref(), span)?;
-        if let (Plastic::Tabular(rows), None, 0.0) = (plastic, &material.rate, heating) {
+        let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
+        if let (Plastic::Tabular(rows), None, 0.0) = (plastic, &material.rate, heating)
+            && cold(rows)
+        {
             let rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
             if let Some(lines) = Lines::new(&rows, make.constants.shear) {
                 return Some(make.quads(lines, volumetric));
@@ -191,6 +203,7 @@ impl Compiler<'_> {
             let law = match plastic {
                 Plastic::Tabular(_) => "tabular isotropic",
                 Plastic::JohnsonCook(_) => "Johnson-Cook",
+                Plastic::Kinematic(_) => "linear kinematic",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
             let heat = if self.adiabatic() && heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
@@ -220,21 +233,23 @@ impl Compiler<'_> {
             Some(RateDependence::YieldRatio(rows)) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
         };
         match plastic {
+            // It has a law of its own.
+            Plastic::Kinematic(_) => None,
             Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
                 let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
                 Some(with_rate(law, factor))
             }
             Plastic::Tabular(rows) => {
-                let bad = if rows.iter().any(|r| !r[2].is_nan()) {
-                    Some("a yield stress that depends on temperature is not supported yet")
-                } else if rows.windows(2).any(|w| w[1][1] <= w[0][1]) || rows.first().is_none_or(|r| r[1] != 0.0) {
-                    Some("plastic strains must start at 0 and ascend")
-                } else {
-                    None
+                let tables = match tables(rows) {
+                    Ok(tables) => tables,
+                    Err(message) => {
+                        let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
+                        self.diagnostics.push(finding);
+                        return None;
+                    }
                 };
-                if let Some(message) = bad {
-                    self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
-                    return None;
+                if tables.len() > 1 {
+                    return Some(with_rate(TableOverTemperature { tables }, factor));
                 }
                 Some(with_rate(Table { rows: rows.iter().map(|r| [r[0], r[1]]).collect() }, factor))
             }
@@ -247,6 +262,27 @@ fn with_rate<Y: YieldStress + 'static>(base: Y, factor: Option<RateFactor>) -> B
         Some(factor) => Box::new(RateDependent { base, factor }),
         None => Box::new(base),
     }
+}
+
+/// Rows of yield stress, plastic strain and temperature (not a number if absent) as one table a temperature.
+fn tables(rows: &[[f64; 3]]) -> Result<Vec<(f64, Table)>, &'static str> {
+    if rows.iter().any(|r| r[2].is_nan()) && !rows.iter().all(|r| r[2].is_nan()) {
+        return Err("either all rows of a table have a temperature, or none");
+    }
+    let mut tables: Vec<(f64, Table)> = Vec::new();
+    for [stress, strain, temperature] in rows {
+        match tables.last_mut() {
+            Some((last, table)) if *last == *temperature || temperature.is_nan() => table.rows.push([*stress, *strain]),
+            Some((last, _)) if *last > *temperature => return Err("temperatures must ascend"),
+            _ => tables.push((*temperature, Table { rows: vec![[*stress, *strain]] })),
+        }
+    }
+    let starts = |t: &Table| t.rows.first().is_some_and(|r| r[1] == 0.0);
+    let ascends = |t: &Table| t.rows.windows(2).all(|w| w[1][1] > w[0][1]);
+    if tables.is_empty() || !tables.iter().all(|(_, t)| starts(t) && ascends(t)) {
+        return Err("plastic strains must start at 0 and ascend");
+    }
+    Ok(tables)
 }
 
 /// Rise of temperature for plastic work a volume; 0 where a card for it is missing.

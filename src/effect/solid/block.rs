@@ -73,6 +73,9 @@ pub struct Stage {
     pub(super) trial: Lanes,
     pub(super) flow: Lanes,
     weight: Lanes,
+    /// Of a yield surface that moves: the spin increment and the back stress that it carried along.
+    pub(super) spin: Lanes,
+    pub(super) back: [Lanes; 4],
     /// Of a bulk modulus that varies: its value, the stress of the bulk viscosity, the heat that it made.
     pub(super) bulk: Lanes,
     pub(super) viscous: Lanes,
@@ -96,10 +99,17 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
         corners: &mut Corners,
     ) {
         self.strain::<H>(constants, dt, nodes, stage);
+        if H::SHIFTS {
+            stage.back = hardening.back_stress(&self.state);
+            stage.shift();
+        }
         if H::FLOWS {
             let (shear3, count) = (3.0 * constants.shear, stage.count);
             let flow = &mut Flow { trial: &stage.trial, shear3, dt, count, increment: &mut stage.flow };
             hardening.flow(&mut self.state, flow);
+        }
+        if H::SHIFTS {
+            hardening.follow(&mut self.state, &stage.back, &stage.deviator, &stage.trial, &stage.flow);
         }
         if V::VARIES {
             self.respond::<H, V>(volumetric, 3.0 * constants.shear, nodes, stage);
@@ -125,6 +135,9 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
             let d_rz = 0.5 * (rz + zr);
             let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
+            if H::SHIFTS {
+                stage.spin[l] = 0.5 * (rz - zr);
+            }
             let dilation = d_rr + d_zz + d_hoop;
             let mean = (carried[0] + carried[1] + carried[2]) * (1.0 / 3.0);
             let base = mean + shear2 * (1.0 / 3.0) * dilation;
@@ -161,12 +174,18 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
                 stage.sums.plastic[l] += stage.volume[l] * returned * flow;
             }
             let mean = stage.mean[l];
-            let s = [
+            let mut s = [
                 mean + factor * stage.deviator[0][l],
                 mean + factor * stage.deviator[1][l],
                 mean + factor * stage.deviator[2][l],
                 factor * stage.deviator[3][l],
             ];
+            if H::SHIFTS {
+                stage.sums.plastic[l] += stage.work_against_back(l);
+                for i in 0..4 {
+                    s[i] += stage.back[i][l];
+                }
+            }
             let double = |i: usize| stage.strain[i][l] * (stage.carried[i][l] + s[i]);
             stage.sums.internal[l] += 0.5 * stage.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             for i in 0..4 {
@@ -275,7 +294,7 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
 /// The stress turned with the material: Hughes and Winget 1980 (Int. J. Numer. Meth. Eng. 15, 1862), a rotation of which the
 /// tangent of half the angle is half the spin increment; orthogonal for any increment.
 #[inline(always)]
-fn rotated([rr, zz, hoop, rz]: [f64; 4], spin: f64) -> [f64; 4] {
+pub(super) fn rotated([rr, zz, hoop, rz]: [f64; 4], spin: f64) -> [f64; 4] {
     let quarter = 0.25 * spin * spin;
     let inverse = 1.0 / (1.0 + quarter);
     let (cosine, sine) = ((1.0 - quarter) * inverse, spin * inverse);

@@ -2,6 +2,7 @@
 //! Never here: isotropic hardening, the rotation of the stress.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use super::block::{Stage, rotated};
 use super::law::{Flow, Hardening};
 use super::{LANES, Lanes};
 
@@ -62,5 +63,29 @@ impl Hardening for Kinematic {
 
     fn plastic_strain(&self, state: &Shifted, lane: usize) -> f64 {
         state.strain[lane]
+    }
+}
+
+impl Stage {
+    /// Turns the back stress with the material, and reckons the trial stress from it.
+    #[inline(always)]
+    pub(super) fn shift(&mut self) {
+        for l in 0..LANES {
+            let back = rotated([0, 1, 2, 3].map(|i| self.back[i][l]), self.spin[l]);
+            for i in 0..4 {
+                self.back[i][l] = back[i];
+                self.deviator[i][l] -= back[i];
+            }
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| self.deviator[i][l] * self.deviator[i][l]);
+            self.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+        }
+    }
+
+    /// Plastic work against the back stress of a lane: 3/2 dp times the back stress along the relative stress.
+    #[inline(always)]
+    pub(super) fn work_against_back(&self, l: usize) -> f64 {
+        let part = |i: usize| self.back[i][l] * self.deviator[i][l];
+        let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
+        if self.flow[l] > 0.0 { 1.5 * self.volume[l] * self.flow[l] * along / self.trial[l] } else { 0.0 }
     }
 }

@@ -6,6 +6,7 @@ pub mod body;
 mod collect;
 pub mod eos;
 pub mod group;
+pub mod kinematic;
 pub mod law;
 pub mod loads;
 pub mod volumetric;
