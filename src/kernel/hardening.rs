@@ -34,6 +34,28 @@ impl YieldStress for Table {
     }
 }
 
+/// Tables at ascending temperatures: linear between them and constant beyond the ends (the same section).
+#[derive(Clone, Debug)]
+pub struct TableOverTemperature {
+    /// Temperature and the yield stress over plastic strain there, ascending.
+    pub tables: Vec<(f64, Table)>,
+}
+
+impl YieldStress for TableOverTemperature {
+    fn at(&self, strain: f64, _rate: f64, temperature: f64) -> f64 {
+        let after = self.tables.partition_point(|t| t.0 <= temperature);
+        match (after.checked_sub(1).map(|i| &self.tables[i]), self.tables.get(after)) {
+            (Some((low, a)), Some((high, b))) => {
+                let share = (temperature - low) / (high - low);
+                let (a, b) = (a.value(strain), b.value(strain));
+                a + share * (b - a)
+            }
+            (Some((_, only)), None) | (None, Some((_, only))) => only.value(strain),
+            (None, None) => 0.0,
+        }
+    }
+}
+
 /// Johnson and Cook: (A + B p^n)(1 - theta^m), theta = (T - T_transition)/(T_melt - T_transition) clipped to 0..1
 /// (ABAQUS Analysis User's Guide, "Johnson-Cook plasticity").
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,6 +190,17 @@ mod tests {
     fn tables_are_linear_between_rows() {
         let table = Table { rows: vec![[100.0, 0.0], [150.0, 0.1], [160.0, 0.5]] };
         assert_eq!([0.0, 0.05, 0.1, 0.3, 9.0].map(|p| table.at(p, 0.0, 0.0)), [100.0, 125.0, 150.0, 155.0, 160.0]);
+    }
+
+    #[test]
+    fn tables_are_linear_between_temperatures() {
+        let table = |factor: f64| Table { rows: vec![[100.0 * factor, 0.0], [150.0 * factor, 0.1]] };
+        let tables = TableOverTemperature { tables: vec![(20.0, table(1.0)), (220.0, table(0.5))] };
+        for (strain, temperature, expected) in
+            [(0.0, 0.0, 100.0), (0.05, 20.0, 125.0), (0.0, 120.0, 75.0), (0.1, 170.0, 93.75), (0.2, 900.0, 75.0)]
+        {
+            assert_eq!(tables.at(strain, 0.0, temperature), expected);
+        }
     }
 
     #[test]

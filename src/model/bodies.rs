@@ -135,8 +135,12 @@ impl Builder<'_> {
                         (1..line.fields.len()).filter_map(|i| self.number_or(line, i, 0.0)).collect();
                     self.element_members(set).map(|m| (InitialKind::Stress(values), m))
                 }
+                "SPECIFIC ENERGY" => {
+                    let Some(value) = self.number(line, 1, "the energy a mass") else { continue };
+                    self.element_members(set).map(|m| (InitialKind::Energy(value), m))
+                }
                 other => {
-                    let help = "VELOCITY, TEMPERATURE and STRESS are";
+                    let help = "VELOCITY, TEMPERATURE, STRESS and SPECIFIC ENERGY are";
                     self.unsupported(kind.span, format!("TYPE={other} is not supported"), help);
                     return;
                 }

@@ -90,7 +90,9 @@ impl<'a> Builder<'a> {
             | "RATE DEPENDENT"
             | "INELASTIC HEAT FRACTION"
             | "SPECIFIC HEAT"
+            | "EOS"
             | "CAVITY EXPANSION" => self.material_card(card),
+            "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),
             "SECTION CONTROLS" => self.section_controls(card),
             "RIGID BODY" => self.rigid_body(card),

@@ -27,6 +27,7 @@ impl Builder<'_> {
                 self.last_material().density = density;
             }
             "ELASTIC" => self.elastic(card),
+            "EOS" => self.eos(card),
             "PLASTIC" => self.plastic(card),
             "RATE DEPENDENT" => self.rate_dependent(card),
             "INELASTIC HEAT FRACTION" => {
@@ -41,7 +42,7 @@ impl Builder<'_> {
         }
     }
 
-    fn last_material(&mut self) -> &mut Material {
+    pub(super) fn last_material(&mut self) -> &mut Material {
         let last = self.model.materials.len() - 1;
         &mut self.model.materials[last]
     }
@@ -66,8 +67,9 @@ impl Builder<'_> {
     }
 
     fn elastic(&mut self, card: &Card) {
-        if let Some(kind) = card.value("TYPE").filter(|w| !w.text.to_uppercase().starts_with("ISO")) {
-            self.unsupported(kind.span, format!("TYPE={} is not supported", kind.text), "isotropic elasticity is");
+        let kind = card.value("TYPE").map_or("ISOTROPIC".into(), |w| upper(&w.text));
+        if kind != "SHEAR" && !kind.starts_with("ISO") {
+            self.unsupported(card.span, format!("TYPE={kind} is not supported"), "ISOTROPIC and SHEAR are");
             return;
         }
         if card.has("DEPENDENCIES") || card.lines.len() > 1 {
@@ -76,6 +78,11 @@ impl Builder<'_> {
                 "elasticity that depends on fields or temperature is not supported",
                 "give one line",
             );
+            return;
+        }
+        if kind == "SHEAR" {
+            let shear = self.positive(card, "the shear modulus");
+            self.last_material().shear_modulus = shear;
             return;
         }
         let Some(line) = self.first_line(card) else { return };
@@ -109,12 +116,39 @@ impl Builder<'_> {
                     self.last_material().plastic = Some(Plastic::Tabular(rows));
                 }
             }
+            "KINEMATIC" => self.kinematic(card),
             other => self.unsupported(
                 card.span,
                 format!("HARDENING={other} is not supported"),
-                "ISOTROPIC and JOHNSON COOK are",
+                "ISOTROPIC, KINEMATIC and JOHNSON COOK are",
             ),
         }
+    }
+
+    /// Linear kinematic hardening: two rows give its line.
+    fn kinematic(&mut self, card: &Card) {
+        let rows: Vec<[f64; 3]> =
+            card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0, 0.0, f64::NAN])).collect();
+        let [first, second] = rows[..] else {
+            self.unsupported(
+                card.span,
+                format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len()),
+                "give two rows: the yield stress without plastic strain, and another point of the line",
+            );
+            return;
+        };
+        if rows.iter().any(|r| !r[2].is_nan()) {
+            let help = "give one line, without temperature";
+            self.unsupported(card.span, "kinematic hardening that depends on temperature is not supported", help);
+            return;
+        }
+        let slope = (second[0] - first[0]) / (second[1] - first[1]);
+        if first[0] <= 0.0 || first[1] != 0.0 || !slope.is_finite() || slope < 0.0 || second[1] <= 0.0 {
+            let message = "the first row gives the yield stress at no plastic strain, the second one that is not below it at more";
+            self.out_of_range(card.span, message);
+            return;
+        }
+        self.last_material().plastic = Some(Plastic::Kinematic([first[0], slope]));
     }
 
     fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {

@@ -30,6 +30,8 @@ pub struct Model {
     pub rigid_bodies: Vec<RigidBody>,
     /// `*MASS` on nodes.
     pub point_masses: Vec<PointMass>,
+    /// Absolute zero of temperature, of `*PHYSICAL CONSTANTS`; 0 if not given.
+    pub absolute_zero: f64,
     /// `*INITIAL CONDITIONS`.
     pub initial_conditions: Vec<InitialCondition>,
     /// `*TARGET` stacks.
@@ -138,6 +140,10 @@ pub struct Material {
     pub density: Option<f64>,
     /// Young's modulus and Poisson's ratio.
     pub elastic: Option<[f64; 2]>,
+    /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
+    pub shear_modulus: Option<f64>,
+    /// Equation of state.
+    pub eos: Option<EquationOfState>,
     /// Yield description.
     pub plastic: Option<Plastic>,
     /// Rate dependence.
@@ -150,6 +156,24 @@ pub struct Material {
     pub cavity: Option<CavityExpansion>,
 }
 
+/// `*EOS`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EquationOfState {
+    /// Form and constants.
+    pub kind: EosKind,
+    /// The card.
+    pub span: Span,
+}
+
+/// Form of an equation of state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EosKind {
+    /// Ideal gas: gas constant (energy a mass and temperature) and ambient pressure.
+    IdealGas([f64; 2]),
+    /// Linear shock speed: c0, s, Grueneisen coefficient.
+    UsUp([f64; 3]),
+}
+
 /// `*PLASTIC`.
 #[derive(Clone, Debug)]
 pub enum Plastic {
@@ -157,6 +181,8 @@ pub enum Plastic {
     Tabular(Vec<[f64; 3]>),
     /// A, B, n, m, melting temperature, transition temperature.
     JohnsonCook([f64; 6]),
+    /// Linear kinematic: yield stress without plastic strain, slope of the stress over it.
+    Kinematic([f64; 2]),
 }
 
 /// `*RATE DEPENDENT`.
@@ -289,7 +315,7 @@ pub struct PointMass {
 pub struct InitialCondition {
     /// What is given.
     pub kind: InitialKind,
-    /// Nodes (velocity, temperature) or elements (stress) it is given for.
+    /// Nodes (velocity, temperature) or elements (stress, energy) it is given for.
     pub members: Vec<usize>,
     /// The data line.
     pub span: Span,
@@ -304,6 +330,8 @@ pub enum InitialKind {
     Temperature(f64),
     /// Stress components as the card lists them.
     Stress(Vec<f64>),
+    /// Energy a mass.
+    Energy(f64),
 }
 
 /// A target that is not meshed: layers of material, one behind the other (extension).

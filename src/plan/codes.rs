@@ -68,17 +68,27 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P013",
         title: "material without density or elasticity",
-        text: "What deforms needs *DENSITY and *ELASTIC.",
+        text: "What deforms needs *DENSITY and *ELASTIC, or *DENSITY and *EOS; with *EOS a shear modulus comes from *ELASTIC, TYPE=SHEAR. An ideal gas needs *SPECIFIC HEAT.",
     },
     Code {
         code: "P014",
         title: "yield stress that cannot be used",
-        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. Dependence on temperature is not supported yet for tables.",
+        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. With temperatures, rows of one temperature follow each other, and the temperatures ascend. Kinematic hardening knows neither rate nor heat.",
     },
     Code {
         code: "P015",
         title: "not on deformable bodies yet",
         text: "Read, but not simulated on deformable bodies yet: the message says what, and what would be right.",
+    },
+    Code {
+        code: "P016",
+        title: "hourglass stiffness without shear modulus",
+        text: "The hourglass spring is a fraction of the shear modulus, which a fluid lacks: HOURGLASS=VISCOUS, its default, controls it.",
+    },
+    Code {
+        code: "P017",
+        title: "initial state that the material does not have",
+        text: "An energy a mass is a state of materials with *EOS; their pressure follows from density and energy, so an initial stress would be lost.",
     },
     Code {
         code: "P101",

@@ -4,13 +4,11 @@
 use indexmap::IndexMap;
 
 use super::Compiler;
-use crate::deck::{Diagnostic, Span};
+use crate::deck::Diagnostic;
 use crate::effect::solid::body::{Gather, Solid};
-use crate::effect::solid::group::{Group, Quads};
-use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
-use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, YieldStress};
-use crate::kernel::quad::{self, corner_masses};
-use crate::model::{Hourglass, InitialKind, Material, Plastic, RateDependence, SolidSection};
+use crate::effect::solid::group::Group;
+use crate::kernel::quad;
+use crate::model::{InitialKind, SolidSection};
 use crate::state::nodes::Node;
 
 /// Where deformable nodes and elements of the mesh went.
@@ -28,11 +26,6 @@ impl SolidPlaces {
         self.nodes.contains_key(&node)
     }
 }
-
-/// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
-const HOURGLASS_STIFFNESS: f64 = 0.005;
-/// Default hourglass viscosity, the fraction of what is critical at the element's highest frequency.
-const HOURGLASS_VISCOSITY: f64 = 0.05;
 
 impl Compiler<'_> {
     /// Makes the deformable part of the scene, if the deck has one.
@@ -82,7 +75,7 @@ impl Compiler<'_> {
     }
 
     /// Whether plastic work heats: the first step says so, and all others alike.
-    fn adiabatic(&self) -> bool {
+    pub(super) fn adiabatic(&self) -> bool {
         self.model.steps.first().is_some_and(|s| s.adiabatic)
     }
 
@@ -122,123 +115,6 @@ impl Compiler<'_> {
         Some(list)
     }
 
-    fn group(
-        &mut self,
-        section: &SolidSection,
-        elements: &[usize],
-        corners: &[[u32; 4]],
-        nodes: &[Node],
-        mass: &mut [f64],
-    ) -> Option<Box<dyn Group>> {
-        let material = &self.model.materials[section.material];
-        let (Some(density), Some([e, nu])) = (material.density, material.elastic) else {
-            let missing = if material.density.is_none() { "*DENSITY" } else { "*ELASTIC" };
-            let message = format!("material `{}` has no {missing}", material.name);
-            self.diagnostics.push(Diagnostic::error("P013", message).at(section.span, "these elements deform"));
-            return None;
-        };
-        for corner in corners {
-            for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
-                mass[*n as usize] += m;
-            }
-        }
-        let shear = e / (2.0 * (1.0 + nu));
-        let [stiffness, viscosity] = self.hourglass(section, nu);
-        let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
-        let constants = Constants {
-            bulk: e / (3.0 * (1.0 - 2.0 * nu)),
-            shear,
-            hourglass_stiffness: stiffness,
-            hourglass_viscosity: viscosity,
-            bulk_viscosity,
-        };
-        self.solid_rows(section, elements.len(), &constants, material);
-        let heating = if self.adiabatic() { heating(material, density) } else { 0.0 };
-        let Some(plastic) = &material.plastic else {
-            return Some(quads(Elastic, constants, density, corners, nodes));
-        };
-        let law = self.yield_stress(plastic, material.rate.as_ref(), section.span)?;
-        if let (Plastic::Tabular(rows), None, 0.0) = (plastic, &material.rate, heating) {
-            let rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
-            if let Some(lines) = Lines::new(&rows, shear) {
-                return Some(quads(lines, constants, density, corners, nodes));
-            }
-        }
-        Some(quads(General { law, heating }, constants, density, corners, nodes))
-    }
-
-    /// Hourglass stiffness and viscosity of a section.
-    fn hourglass(&self, section: &SolidSection, nu: f64) -> [f64; 2] {
-        let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
-        let Some(controls) = controls else { return [HOURGLASS_STIFFNESS, 0.0] };
-        let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, HOURGLASS_VISCOSITY * controls.factor);
-        match controls.hourglass {
-            Hourglass::Stiffness => [stiffness, 0.0],
-            Hourglass::Viscous => [0.0, viscosity],
-            Hourglass::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity],
-            // Bending stiffness of an assumed strain field that does not lock (Belytschko and Bindeman 1991, Comput. Meth.
-            // Appl. Mech. Eng. 88, 311): E/12 on a square element.
-            Hourglass::Enhanced => [(1.0 + nu) / 12.0 * controls.factor, 0.0],
-        }
-    }
-
-    fn solid_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants, material: &Material) {
-        let detail = format!("material {}, elastic, Jaumann rate", material.name);
-        self.cause(section.span, "deformable elements", count, "CAX4R", detail);
-        if let Some(plastic) = &material.plastic {
-            let law = match plastic {
-                Plastic::Tabular(_) => "tabular isotropic",
-                Plastic::JohnsonCook(_) => "Johnson-Cook",
-            };
-            let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-            let heat = if self.adiabatic() && heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
-            self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
-        }
-        let [stiffness, viscosity] = [constants.hourglass_stiffness, constants.hourglass_viscosity];
-        let detail = format!("stiffness {stiffness} G, viscosity {viscosity}");
-        self.cause(section.span, "hourglass control", count, "elements", detail);
-        let [linear, quadratic] = constants.bulk_viscosity;
-        if linear != 0.0 || quadratic != 0.0 {
-            self.cause(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
-        }
-    }
-
-    fn yield_stress(
-        &mut self,
-        plastic: &Plastic,
-        rate: Option<&RateDependence>,
-        span: Span,
-    ) -> Option<Box<dyn YieldStress>> {
-        let factor = match rate {
-            None => None,
-            Some(RateDependence::JohnsonCook([c, reference])) => {
-                Some(RateFactor::JohnsonCook { c: *c, reference: *reference })
-            }
-            Some(RateDependence::PowerLaw(rows)) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
-            Some(RateDependence::YieldRatio(rows)) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
-        };
-        match plastic {
-            Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
-                let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
-                Some(with_rate(law, factor))
-            }
-            Plastic::Tabular(rows) => {
-                let bad = if rows.iter().any(|r| !r[2].is_nan()) {
-                    Some("a yield stress that depends on temperature is not supported yet")
-                } else if rows.windows(2).any(|w| w[1][1] <= w[0][1]) || rows.first().is_none_or(|r| r[1] != 0.0) {
-                    Some("plastic strains must start at 0 and ascend")
-                } else {
-                    None
-                };
-                if let Some(message) = bad {
-                    self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
-                    return None;
-                }
-                Some(with_rate(Table { rows: rows.iter().map(|r| [r[0], r[1]]).collect() }, factor))
-            }
-        }
-    }
-
     fn point_masses(&mut self, mass: &mut [f64]) {
         for point in &self.model.point_masses {
             if let Some(&n) = self.places.nodes.get(&point.node) {
@@ -266,7 +142,25 @@ impl Compiler<'_> {
                         }
                     }
                 }
+                InitialKind::Energy(value) => {
+                    for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
+                        if solid.groups[*group].energy(*i).is_none() {
+                            let message = "an energy a mass needs a material with *EOS";
+                            self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
+                            break;
+                        }
+                        solid.groups[*group].set_energy(*i, *value);
+                    }
+                }
                 InitialKind::Stress(values) => {
+                    let eos = |&&(group, i): &&(usize, usize)| solid.groups[group].energy(i).is_some();
+                    if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {
+                        let message = "an equation of state gives the pressure by density and energy";
+                        let finding = Diagnostic::error("P017", message).at(condition.span, "an initial stress here");
+                        self.diagnostics
+                            .push(finding.help("give TYPE=SPECIFIC ENERGY, or a temperature of an ideal gas"));
+                        continue;
+                    }
                     let stress = [0, 1, 2, 3].map(|i| values.get(i).copied().unwrap_or(0.0));
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
                         solid.groups[*group].set(*i, Some(stress), None);
@@ -275,29 +169,4 @@ impl Compiler<'_> {
             }
         }
     }
-}
-
-fn with_rate<Y: YieldStress + 'static>(base: Y, factor: Option<RateFactor>) -> Box<dyn YieldStress> {
-    match factor {
-        Some(factor) => Box::new(RateDependent { base, factor }),
-        None => Box::new(base),
-    }
-}
-
-/// Rise of temperature for plastic work a volume; 0 where a card for it is missing.
-fn heating(material: &Material, density: f64) -> f64 {
-    match (material.inelastic_heat_fraction, material.specific_heat) {
-        (Some(fraction), Some(heat)) => fraction / (density * heat),
-        _ => 0.0,
-    }
-}
-
-fn quads<H: Hardening + 'static>(
-    law: H,
-    constants: Constants,
-    density: f64,
-    corners: &[[u32; 4]],
-    nodes: &[Node],
-) -> Box<dyn Group> {
-    Box::new(Quads::new(law, constants, density, corners, nodes))
 }

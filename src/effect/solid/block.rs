@@ -5,6 +5,7 @@
 
 use super::law::{Constants, Flow, Hardening};
 use super::record::Record;
+use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
 use crate::kernel::quad::{UNIT, gradient};
 use crate::state::nodes::Node;
@@ -12,7 +13,7 @@ use crate::state::nodes::Node;
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Block<S> {
+pub struct Block<S, Q> {
     /// Nodes at the corners, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
@@ -27,6 +28,8 @@ pub struct Block<S> {
     pub inverse_mass: [Lanes; 4],
     /// What hardening keeps.
     pub state: S,
+    /// What the volumetric law keeps.
+    pub volumetric: Q,
 }
 
 /// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
@@ -85,13 +88,20 @@ pub struct Stage {
     /// Stress before the increment, carried along by the rotation.
     pub(super) carried: [Lanes; 4],
     /// Mean stress and deviator of the trial.
-    mean: Lanes,
+    pub(super) mean: Lanes,
     pub(super) deviator: [Lanes; 4],
     /// At the middle of the increment, 0 for lanes without element.
     pub(super) volume: Lanes,
     pub(super) trial: Lanes,
     pub(super) flow: Lanes,
     weight: Lanes,
+    /// Of a yield surface that moves: the spin increment and the back stress that it carried along.
+    pub(super) spin: Lanes,
+    pub(super) back: [Lanes; 4],
+    /// Of a bulk modulus that varies: its value, the stress of the bulk viscosity, the heat that it made.
+    pub(super) bulk: Lanes,
+    pub(super) viscous: Lanes,
+    pub(super) heat: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
@@ -100,12 +110,12 @@ pub struct Stage {
     pub(super) records: Vec<Record>,
 }
 
-impl<S: Clone> Block<S> {
+impl<S: Clone, Q: Clone> Block<S, Q> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]
-    pub fn update<H: Hardening<State = S>>(
+    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>>(
         &mut self,
-        hardening: &H,
+        (hardening, volumetric): (&H, &V),
         constants: &Constants,
         dt: f64,
         nodes: &Nodes,
@@ -113,13 +123,26 @@ impl<S: Clone> Block<S> {
         corners: &mut Corners,
     ) {
         self.strain::<H>(constants, dt, nodes, stage);
+        if H::SHIFTS {
+            stage.back = hardening.back_stress(&self.state);
+            stage.shift();
+        }
         if H::FLOWS {
             let (shear3, count) = (3.0 * constants.shear, stage.count);
             let flow = &mut Flow { trial: &stage.trial, shear3, dt, count, increment: &mut stage.flow };
             hardening.flow(&mut self.state, flow);
         }
+        if H::SHIFTS {
+            hardening.follow(&mut self.state, &stage.back, &stage.deviator, &stage.trial, &stage.flow);
+        }
+        if V::VARIES {
+            self.respond::<H, V>(volumetric, 3.0 * constants.shear, nodes, stage);
+        }
         self.stress::<H>(constants, stage);
-        self.forces(constants, dt, stage, corners);
+        self.forces::<V>(constants, dt, stage, corners);
+        if V::VARIES {
+            volumetric.settle(&mut self.volumetric, &stage.heat, &stage.viscous, &self.mass);
+        }
     }
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
@@ -142,6 +165,9 @@ impl<S: Clone> Block<S> {
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
             let d_rz = 0.5 * (rz + zr);
             let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
+            if H::SHIFTS {
+                stage.spin[l] = 0.5 * (rz - zr);
+            }
             let dilation = d_rr + d_zz + d_hoop;
             let mean = (carried[0] + carried[1] + carried[2]) * (1.0 / 3.0);
             let base = mean + shear2 * (1.0 / 3.0) * dilation;
@@ -178,12 +204,18 @@ impl<S: Clone> Block<S> {
                 stage.sums.plastic[l] += stage.volume[l] * returned * flow;
             }
             let mean = stage.mean[l];
-            let s = [
+            let mut s = [
                 mean + factor * stage.deviator[0][l],
                 mean + factor * stage.deviator[1][l],
                 mean + factor * stage.deviator[2][l],
                 factor * stage.deviator[3][l],
             ];
+            if H::SHIFTS {
+                stage.sums.plastic[l] += stage.work_against_back(l);
+                for i in 0..4 {
+                    s[i] += stage.back[i][l];
+                }
+            }
             let double = |i: usize| stage.strain[i][l] * (stage.carried[i][l] + s[i]);
             stage.sums.internal[l] += 0.5 * stage.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             for i in 0..4 {
@@ -194,16 +226,26 @@ impl<S: Clone> Block<S> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    pub(super) fn forces(&mut self, constants: &Constants, dt: f64, stage: &mut Stage, corners: &mut Corners) {
-        let modulus = constants.bulk + 4.0 / 3.0 * constants.shear;
-        let softness = 1.0 / modulus;
+    pub(super) fn forces<V: Volumetric>(
+        &mut self,
+        constants: &Constants,
+        dt: f64,
+        stage: &mut Stage,
+        corners: &mut Corners,
+    ) {
+        let shear43 = 4.0 / 3.0 * constants.shear;
+        let (modulus, softness) = (constants.bulk + shear43, 1.0 / (constants.bulk + shear43));
         let [linear, quadratic] = constants.bulk_viscosity;
         let quadratic2 = quadratic * quadratic;
         let stiffness = dt * UNIT * constants.hourglass_stiffness * constants.shear;
         let viscosity = constants.hourglass_viscosity / 8.0;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let block = stage.block;
+        // Without an increment behind, the velocities say how fast the volume changes.
+        let starts = V::VARIES && per_dt == 0.0;
         for l in 0..LANES {
+            let modulus = if V::VARIES { stage.bulk[l] + shear43 } else { modulus };
+            let softness = if V::VARIES { 1.0 / modulus } else { softness };
             let (r, z) = (column(&stage.r, l), column(&stage.z, l));
             let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
             let g = gradient(r, z);
@@ -224,10 +266,20 @@ impl<S: Clone> Block<S> {
             let wave_length = 2.0 * wave2 * g.volume * g.volume * inverse;
             let length_per_wave = wave_length * density * softness;
             let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
-            let dilation_rate = dilation * per_dt;
+            let mut dilation_rate = dilation * per_dt;
+            if starts {
+                dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
+            }
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let damping = density * dilation_rate * wave_length * (linear - quadratic2 * length_per_wave * compression);
-            stage.sums.viscous[l] += stage.volume[l] * damping * dilation;
+            if V::VARIES {
+                let work = stage.volume[l] * 0.5 * (stage.viscous[l] + damping) * dilation;
+                stage.sums.viscous[l] += work;
+                stage.heat[l] = work - stage.heat[l];
+                stage.viscous[l] = damping;
+            } else {
+                stage.sums.viscous[l] += stage.volume[l] * damping * dilation;
+            }
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
             let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
@@ -256,7 +308,8 @@ impl<S: Clone> Block<S> {
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
             let xi = linear - quadratic2 * length_per_wave * compression;
-            let damped = 1.0 + xi * (1.0 + 0.5 * xi);
+            // In a cold gas, where xi has no bound, the root itself.
+            let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
             let rate = stage.weight[l] * omega * damped;
             // Not a number counts as the largest: it must be found.
             let best = stage.sums.rate[l];
@@ -294,7 +347,7 @@ pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
 impl Stage {
     /// Lets the record of a block of the task follow an increment.
     #[inline(never)]
-    pub(super) fn follow<S>(&mut self, index: usize, block: &Block<S>, flows: bool, nodes: &Nodes, dt: f64) {
+    pub(super) fn follow<S, Q>(&mut self, index: usize, block: &Block<S, Q>, flows: bool, nodes: &Nodes, dt: f64) {
         let mut record = self.records[index];
         record.follow(block, flows, nodes, dt, self);
         self.records[index] = record;

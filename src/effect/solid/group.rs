@@ -8,6 +8,7 @@ use super::block::{Block, Nodes, Stage, Sums, across, is_larger};
 use super::body::PARALLEL;
 use super::law::{Constants, Hardening};
 use super::record::{Followed, Record};
+use super::volumetric::Volumetric;
 use super::{Corners, LANES};
 use crate::kernel::quad;
 use crate::state::nodes::Node;
@@ -64,6 +65,10 @@ pub trait Group: Send {
     fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
         None
     }
+    /// Energy a mass of an element, where its equation of state follows it.
+    fn energy(&self, element: usize) -> Option<f64>;
+    /// Sets the energy a mass of an element at the start.
+    fn set_energy(&mut self, element: usize, energy: f64);
     /// Corner nodes of an element.
     fn corners(&self, element: usize) -> [u32; 4];
     /// Bytes that the elements occupy.
@@ -74,18 +79,19 @@ pub trait Group: Send {
     }
 }
 
-/// Quadrilaterals with one hardening law.
-pub struct Quads<H: Hardening> {
+/// Quadrilaterals with one hardening law and one volumetric law.
+pub struct Quads<H: Hardening, V: Volumetric> {
     hardening: H,
+    volumetric: V,
     constants: Constants,
     count: usize,
-    blocks: Vec<Block<H::State>>,
+    blocks: Vec<Block<H::State, V::State>>,
     tasks: Vec<Stage>,
     arch: Arch,
     parallel: bool,
 }
 
-impl<H: Hardening> Quads<H> {
+impl<H: Hardening, V: Volumetric> Quads<H, V> {
     /// The same on another instruction set, which gives the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -94,11 +100,19 @@ impl<H: Hardening> Quads<H> {
     }
 
     /// Elements by their corner nodes, at their places now.
-    pub fn new(hardening: H, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
-        let blocks: Vec<_> = elements.chunks(LANES).map(|part| block(&hardening, density, part, nodes)).collect();
+    pub fn new(
+        (hardening, volumetric): (H, V),
+        constants: Constants,
+        density: f64,
+        elements: &[[u32; 4]],
+        nodes: &[Node],
+    ) -> Self {
+        let fresh = |part: &[_]| block((hardening.fresh(), volumetric.fresh()), density, part, nodes);
+        let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
         Quads {
             hardening,
+            volumetric,
             constants,
             count: elements.len(),
             tasks: vec![Stage::default(); blocks.len().div_ceil(TASK)],
@@ -109,7 +123,7 @@ impl<H: Hardening> Quads<H> {
     }
 }
 
-fn block<H: Hardening>(hardening: &H, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Block<H::State> {
+fn block<S, Q>((state, volumetric): (S, Q), density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Block<S, Q> {
     let mut block = Block {
         nodes: [[0; LANES]; 4],
         stress: [[0.0; LANES]; 4],
@@ -117,7 +131,8 @@ fn block<H: Hardening>(hardening: &H, density: f64, elements: &[[u32; 4]], nodes
         mass: [0.0; LANES],
         inverse_total: [0.0; LANES],
         inverse_mass: [[0.0; LANES]; 4],
-        state: hardening.fresh(),
+        state,
+        volumetric,
     };
     for l in 0..LANES {
         // Lanes behind the last element repeat it; nothing reads their answers.
@@ -133,13 +148,14 @@ fn block<H: Hardening>(hardening: &H, density: f64, elements: &[[u32; 4]], nodes
     block
 }
 
-impl<H: Hardening> Group for Quads<H> {
+impl<H: Hardening, V: Volumetric> Group for Quads<H, V> {
     fn len(&self) -> usize {
         self.count
     }
 
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
-        let pass = Pass { hardening: &self.hardening, constants: &self.constants, count: self.count, nodes, dt };
+        let laws = (&self.hardening, &self.volumetric);
+        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt };
         let arch = self.arch;
         let run = |index, blocks: &mut [_], corners: &mut [_], stage: &mut _| {
             arch.dispatch(Task { pass: &pass, index, blocks, corners, stage });
@@ -171,7 +187,9 @@ impl<H: Hardening> Group for Quads<H> {
     }
 
     fn temperature(&self, element: usize) -> Option<f64> {
-        self.hardening.temperature(&self.blocks[element / LANES].state, element % LANES)
+        let (block, lane) = (&self.blocks[element / LANES], element % LANES);
+        let by_energy = self.volumetric.temperature(&block.volumetric, lane);
+        by_energy.or_else(|| self.hardening.temperature(&block.state, lane))
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
@@ -181,6 +199,7 @@ impl<H: Hardening> Group for Quads<H> {
         }
         if let Some(temperature) = temperature {
             self.hardening.heat(&mut block.state, lane, temperature);
+            self.volumetric.heat(&mut block.volumetric, lane, temperature);
         }
     }
 
@@ -199,14 +218,22 @@ impl<H: Hardening> Group for Quads<H> {
         self.blocks[element / LANES].mass[element % LANES]
     }
 
+    fn energy(&self, element: usize) -> Option<f64> {
+        self.volumetric.energy(&self.blocks[element / LANES].volumetric, element % LANES)
+    }
+
+    fn set_energy(&mut self, element: usize, energy: f64) {
+        self.volumetric.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
+    }
+
     fn corners(&self, element: usize) -> [u32; 4] {
         [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
     }
 }
 
 /// One pass over the elements.
-struct Pass<'a, H> {
-    hardening: &'a H,
+struct Pass<'a, H, V> {
+    laws: (&'a H, &'a V),
     constants: &'a Constants,
     count: usize,
     nodes: &'a [Node],
@@ -214,15 +241,15 @@ struct Pass<'a, H> {
 }
 
 /// The blocks that a thread takes at once.
-struct Task<'a, H: Hardening> {
-    pass: &'a Pass<'a, H>,
+struct Task<'a, H: Hardening, V: Volumetric> {
+    pass: &'a Pass<'a, H, V>,
     index: usize,
-    blocks: &'a mut [Block<H::State>],
+    blocks: &'a mut [Block<H::State, V::State>],
     corners: &'a mut [Corners],
     stage: &'a mut Stage,
 }
 
-impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
+impl<H: Hardening, V: Volumetric> NullaryFnOnce for Task<'_, H, V> {
     type Output = ();
 
     /// Inlined into a function of the machine's instruction set.
@@ -236,7 +263,7 @@ impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
-            block.update(pass.hardening, pass.constants, pass.dt, &places, stage, corners);
+            block.update(pass.laws, pass.constants, pass.dt, &places, stage, corners);
             if !stage.records.is_empty() {
                 stage.follow(i, block, H::FLOWS, &places, pass.dt);
             }
@@ -244,7 +271,7 @@ impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
     }
 }
 
-impl<H: Hardening> Quads<H> {
+impl<H: Hardening, V: Volumetric> Quads<H, V> {
     /// Folds the tasks in their order.
     fn totals(&self) -> Totals {
         let mut totals = Totals::default();
@@ -272,6 +299,7 @@ mod tests {
 
     use super::{Group, Quads};
     use crate::effect::solid::law::{Constants, Lines};
+    use crate::effect::solid::volumetric::Linear;
     use crate::effect::solid::{Corners, LANES};
     use crate::state::nodes::Node;
 
@@ -299,7 +327,7 @@ mod tests {
         };
         let run = |arch: Arch| {
             let lines = Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
-            let mut quads = Quads::new(lines, constants, 2.0, &elements, &nodes).on(arch);
+            let mut quads = Quads::new((lines, Linear), constants, 2.0, &elements, &nodes).on(arch);
             let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| quads.update(&nodes, 0.3, &mut corners)).last().expect("totals");
             let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();

@@ -12,11 +12,31 @@ pub trait Hardening: Send + Sync {
     /// Whether anything flows at all.
     const FLOWS: bool;
 
+    /// Whether the yield surface moves.
+    const SHIFTS: bool = false;
+
     /// State of a block that has never yielded.
     fn fresh(&self) -> Self::State;
 
     /// Equivalent plastic strain increments, given the elastic trial's von Mises stress and three shear moduli.
     fn flow(&self, state: &mut Self::State, flow: &mut Flow<'_>);
+
+    /// Back stress: rr, zz, hoop, rz.
+    fn back_stress(&self, _state: &Self::State) -> [Lanes; 4] {
+        [[0.0; LANES]; 4]
+    }
+
+    /// Moves the back stress, which the rotation has carried along, with the plastic strain: given the trial stress
+    /// relative to it, its von Mises stress, and the plastic strain increments.
+    fn follow(
+        &self,
+        _state: &mut Self::State,
+        _carried: &[Lanes; 4],
+        _relative: &[Lanes; 4],
+        _trial: &Lanes,
+        _flow: &Lanes,
+    ) {
+    }
 
     /// Equivalent plastic strain of a lane.
     fn plastic_strain(&self, state: &Self::State, lane: usize) -> f64;

@@ -3,10 +3,13 @@
 
 pub mod block;
 pub mod body;
+pub mod eos;
 pub mod group;
+pub mod kinematic;
 pub mod law;
 pub mod loads;
 pub mod record;
+pub mod volumetric;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;

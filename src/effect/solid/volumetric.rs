@@ -1,0 +1,118 @@
+//! How the mean stress answers to a change of volume, and the phase of a block that asks it.
+//! Never here: deviators, forces.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use super::block::{Block, Nodes, Stage};
+use super::law::Hardening;
+use super::{LANES, Lanes};
+use crate::kernel::quad::{UNIT, gradient};
+
+/// The volumetric part of a material. A constant bulk modulus is a type without state, and costs nothing.
+pub trait Volumetric: Send + Sync {
+    /// What a block of elements keeps.
+    type State: Clone + Send + Sync;
+
+    /// Whether the pressure is other than a constant bulk modulus times the dilation.
+    const VARIES: bool;
+
+    /// State of a block at the start.
+    fn fresh(&self) -> Self::State;
+
+    /// Mean stress and tangent bulk modulus at the end of an increment.
+    fn squeeze(&self, state: &mut Self::State, ask: Squeeze<'_>);
+
+    /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy), and the stress of the bulk viscosity that made
+    /// it.
+    fn settle(&self, _state: &mut Self::State, _heat: &Lanes, _viscous: &Lanes, _mass: &Lanes) {}
+
+    /// Energy a mass of a lane, where it is followed.
+    fn energy(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
+
+    /// Sets the energy a mass at the start.
+    fn set_energy(&self, _state: &mut Self::State, _lane: usize, _energy: f64) {}
+
+    /// Temperature of a lane, where the energy gives it.
+    fn temperature(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
+
+    /// Sets the energy by the temperature at the start.
+    fn heat(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
+}
+
+/// One block's question to its volumetric law.
+pub struct Squeeze<'a> {
+    /// Mean stress: before the increment; the answer after it.
+    pub mean: &'a mut Lanes,
+    /// Answer: isentropic bulk modulus.
+    pub bulk: &'a mut Lanes,
+    /// Answer: stress of the bulk viscosity an increment before.
+    pub viscous: &'a mut Lanes,
+    /// Answer: work of the bulk viscosity that was expected.
+    pub heat: &'a mut Lanes,
+    /// Increment of the volumetric strain.
+    pub dilation: &'a Lanes,
+    /// Work of the deviator in the increment, energy.
+    pub work: &'a Lanes,
+    /// Volume in the middle of the increment; 0 for lanes without element.
+    pub middle: &'a Lanes,
+    /// Volume now.
+    pub volume: &'a Lanes,
+    /// Mass.
+    pub mass: &'a Lanes,
+}
+
+/// A constant bulk modulus.
+#[derive(Clone, Copy, Debug)]
+pub struct Linear;
+
+impl Volumetric for Linear {
+    type State = ();
+    const VARIES: bool = false;
+
+    fn fresh(&self) {}
+
+    #[inline(always)]
+    fn squeeze(&self, (): &mut (), _ask: Squeeze<'_>) {}
+}
+
+impl<S: Clone, Q: Clone> Block<S, Q> {
+    /// Mean stress by the volumetric law, with the work of the deviator that the yield surface left.
+    #[inline(always)]
+    pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>>(
+        &mut self,
+        law: &V,
+        shear3: f64,
+        nodes: &Nodes,
+        stage: &mut Stage,
+    ) {
+        let (mut work, mut dilation, mut volume) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let mut factor = 1.0;
+            if H::FLOWS {
+                let (trial, flow) = (stage.trial[l], stage.flow[l]);
+                factor = if flow > 0.0 { (trial - shear3 * flow) / trial } else { 1.0 };
+            }
+            let mean = stage.mean[l];
+            let normal = |i: usize| stage.strain[i][l] * ((stage.carried[i][l] - mean) + factor * stage.deviator[i][l]);
+            let shear = 2.0 * stage.strain[3][l] * (stage.carried[3][l] + factor * stage.deviator[3][l]);
+            work[l] = 0.5 * stage.volume[l] * ((normal(0) + normal(1)) + (normal(2) + shear));
+            dilation[l] = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
+            volume[l] = UNIT * gradient(nodes.of(l, 0), nodes.of(l, 1)).volume;
+        }
+        let ask = Squeeze {
+            mean: &mut stage.mean,
+            bulk: &mut stage.bulk,
+            viscous: &mut stage.viscous,
+            heat: &mut stage.heat,
+            dilation: &dilation,
+            work: &work,
+            middle: &stage.volume,
+            volume: &volume,
+            mass: &self.mass,
+        };
+        law.squeeze(&mut self.volumetric, ask);
+    }
+}

@@ -1,0 +1,294 @@
+//! Materials of deformable bodies: which laws a group of elements is made of.
+//! Never here: nodes, loads, arithmetic of elements.
+
+use super::Compiler;
+use crate::deck::{Diagnostic, Span};
+use crate::effect::solid::eos::{Eos, IdealGas, UsUp};
+use crate::effect::solid::group::{Group, Quads};
+use crate::effect::solid::kinematic::Kinematic;
+use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
+use crate::effect::solid::volumetric::{Linear, Volumetric};
+use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
+use crate::kernel::quad::corner_masses;
+use crate::model::{EosKind, Hourglass, Material, Plastic, RateDependence, SolidSection};
+use crate::state::nodes::Node;
+
+/// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
+const HOURGLASS_STIFFNESS: f64 = 0.005;
+/// Default hourglass viscosity, the fraction of what is critical at the element's highest frequency.
+const HOURGLASS_VISCOSITY: f64 = 0.05;
+
+/// Moduli of an isotropic material; without bulk modulus where an equation of state takes its place.
+#[derive(Clone, Copy, Debug)]
+struct Moduli {
+    bulk: f64,
+    shear: f64,
+    /// Poisson's ratio; 0 under an equation of state.
+    ratio: f64,
+}
+
+/// An equation of state with all its constants.
+enum Equation {
+    Gas(IdealGas),
+    UsUp(UsUp),
+}
+
+/// What every group needs beside its laws.
+#[derive(Clone, Copy)]
+struct Make<'a> {
+    constants: Constants,
+    density: f64,
+    corners: &'a [[u32; 4]],
+    nodes: &'a [Node],
+}
+
+impl Make<'_> {
+    fn quads<H: Hardening + 'static, V: Volumetric + 'static>(self, hardening: H, volumetric: V) -> Box<dyn Group> {
+        Box::new(Quads::new((hardening, volumetric), self.constants, self.density, self.corners, self.nodes))
+    }
+}
+
+impl Compiler<'_> {
+    pub(super) fn group(
+        &mut self,
+        section: &SolidSection,
+        elements: &[usize],
+        corners: &[[u32; 4]],
+        nodes: &[Node],
+        mass: &mut [f64],
+    ) -> Option<Box<dyn Group>> {
+        let material = &self.model.materials[section.material];
+        let moduli = self.moduli(material, section.span)?;
+        let density = material.density.unwrap_or(0.0);
+        for corner in corners {
+            for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
+                mass[*n as usize] += m;
+            }
+        }
+        let [stiffness, viscosity] = self.hourglass(section, moduli)?;
+        let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
+        let constants = Constants {
+            bulk: moduli.bulk,
+            shear: moduli.shear,
+            hourglass_stiffness: stiffness,
+            hourglass_viscosity: viscosity,
+            bulk_viscosity,
+        };
+        self.solid_rows(section, elements.len(), &constants, material);
+        let make = Make { constants, density, corners, nodes };
+        match self.equation(material, section.span)? {
+            None => self.with_volumetric(material, section.span, Linear, make),
+            Some(Equation::Gas(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
+            Some(Equation::UsUp(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
+        }
+    }
+
+    /// Elastic moduli of a material; a missing or contradictory card is an error.
+    fn moduli(&mut self, material: &Material, span: Span) -> Option<Moduli> {
+        let refusal = match material {
+            Material { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
+            Material { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
+                let shear = shear_modulus.unwrap_or(0.0);
+                if plastic.is_none() || shear > 0.0 {
+                    return Some(Moduli { bulk: 0.0, shear, ratio: 0.0 });
+                }
+                format!("material `{}` yields but has no *ELASTIC, TYPE=SHEAR", material.name)
+            }
+            Material { eos: Some(_), .. } => {
+                format!("material `{}` has an equation of state and a bulk modulus from *ELASTIC", material.name)
+            }
+            Material { elastic: Some([e, nu]), .. } => {
+                let bulk = e / (3.0 * (1.0 - 2.0 * nu));
+                return Some(Moduli { bulk, shear: e / (2.0 * (1.0 + nu)), ratio: *nu });
+            }
+            Material { shear_modulus: Some(_), .. } => {
+                format!("material `{}` has a shear modulus alone: *EOS is missing", material.name)
+            }
+            _ => format!("material `{}` has no *ELASTIC", material.name),
+        };
+        self.diagnostics.push(Diagnostic::error("P013", refusal).at(span, "these elements deform"));
+        None
+    }
+
+    /// The equation of state of a material, with what it takes from other cards.
+    fn equation(&mut self, material: &Material, span: Span) -> Option<Option<Equation>> {
+        let Some(eos) = &material.eos else { return Some(None) };
+        match (eos.kind, material.specific_heat) {
+            (EosKind::IdealGas(_), None) => {
+                let message = format!("material `{}` is an ideal gas without *SPECIFIC HEAT", material.name);
+                self.diagnostics.push(Diagnostic::error("P013", message).at(span, "these elements deform"));
+                None
+            }
+            (EosKind::IdealGas([gas_constant, ambient]), Some(specific_heat)) => {
+                let absolute_zero = self.model.absolute_zero;
+                let ratio = 1.0 + gas_constant / specific_heat;
+                self.cause(eos.span, "equation of state", 1, "material", format!("ideal gas, gamma = {ratio}"));
+                Some(Some(Equation::Gas(IdealGas { gas_constant, specific_heat, ambient, absolute_zero })))
+            }
+            (EosKind::UsUp([c0, s, gamma0]), _) => {
+                let detail = format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}");
+                self.cause(eos.span, "equation of state", 1, "material", detail);
+                let density = material.density.unwrap_or(0.0);
+                Some(Some(Equation::UsUp(UsUp { density, c0, s, gamma0 })))
+            }
+        }
+    }
+
+    /// The group of a volumetric law, with the yield stress of the material.
+    fn with_volumetric<V: Volumetric + 'static>(
+        &mut self,
+        material: &Material,
+        span: Span,
+        volumetric: V,
+        make: Make<'_>,
+    ) -> Option<Box<dyn Group>> {
+        let heating = if self.adiabatic() { heating(material, make.density) } else { 0.0 };
+        let Some(plastic) = &material.plastic else {
+            return Some(make.quads(Elastic, volumetric));
+        };
+        if let Plastic::Kinematic([yield_stress, slope]) = *plastic {
+            if material.rate.is_some() || heating > 0.0 {
+                let message = "kinematic hardening with a rate or heated by plastic work is not supported";
+                self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
+                return None;
+            }
+            return Some(make.quads(Kinematic { yield_stress, slope }, volumetric));
+        }
+        let law = self.yield_stress(plastic, material.rate.as_ref(), span)?;
+        let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
+        if let (Plastic::Tabular(rows), None, 0.0) = (plastic, &material.rate, heating)
+            && cold(rows)
+        {
+            let rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
+            if let Some(lines) = Lines::new(&rows, make.constants.shear) {
+                return Some(make.quads(lines, volumetric));
+            }
+        }
+        Some(make.quads(General { law, heating }, volumetric))
+    }
+
+    /// Hourglass stiffness and viscosity of a section. What has no shear modulus is controlled by viscosity.
+    fn hourglass(&mut self, section: &SolidSection, moduli: Moduli) -> Option<[f64; 2]> {
+        let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
+        let fluid = moduli.shear == 0.0;
+        let Some(controls) = controls else {
+            return Some(if fluid { [0.0, HOURGLASS_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] });
+        };
+        let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, HOURGLASS_VISCOSITY * controls.factor);
+        if fluid && controls.hourglass != Hourglass::Viscous {
+            let message = "hourglass control by stiffness needs a shear modulus";
+            let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
+            self.diagnostics.push(finding.help("give HOURGLASS=VISCOUS, or no controls"));
+            return None;
+        }
+        Some(match controls.hourglass {
+            Hourglass::Stiffness => [stiffness, 0.0],
+            Hourglass::Viscous => [0.0, viscosity],
+            Hourglass::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity],
+            // Bending stiffness of an assumed strain field that does not lock (Belytschko and Bindeman 1991, Comput. Meth.
+            // Appl. Mech. Eng. 88, 311): E/12 on a square element.
+            Hourglass::Enhanced => [(1.0 + moduli.ratio) / 12.0 * controls.factor, 0.0],
+        })
+    }
+
+    fn solid_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants, material: &Material) {
+        let elasticity = match (&material.eos, constants.shear > 0.0) {
+            (Some(_), false) => "fluid",
+            (Some(_), true) => "equation of state and shear modulus, Jaumann rate",
+            (None, _) => "elastic, Jaumann rate",
+        };
+        let detail = format!("material {}, {elasticity}", material.name);
+        self.cause(section.span, "deformable elements", count, "CAX4R", detail);
+        if let Some(plastic) = &material.plastic {
+            let law = match plastic {
+                Plastic::Tabular(_) => "tabular isotropic",
+                Plastic::JohnsonCook(_) => "Johnson-Cook",
+                Plastic::Kinematic(_) => "linear kinematic",
+            };
+            let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
+            let heat = if self.adiabatic() && heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
+            self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
+        }
+        let [stiffness, viscosity] = [constants.hourglass_stiffness, constants.hourglass_viscosity];
+        let detail = format!("stiffness {stiffness} G, viscosity {viscosity}");
+        self.cause(section.span, "hourglass control", count, "elements", detail);
+        let [linear, quadratic] = constants.bulk_viscosity;
+        if linear != 0.0 || quadratic != 0.0 {
+            self.cause(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
+        }
+    }
+
+    fn yield_stress(
+        &mut self,
+        plastic: &Plastic,
+        rate: Option<&RateDependence>,
+        span: Span,
+    ) -> Option<Box<dyn YieldStress>> {
+        let factor = match rate {
+            None => None,
+            Some(RateDependence::JohnsonCook([c, reference])) => {
+                Some(RateFactor::JohnsonCook { c: *c, reference: *reference })
+            }
+            Some(RateDependence::PowerLaw(rows)) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
+            Some(RateDependence::YieldRatio(rows)) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
+        };
+        match plastic {
+            // It has a law of its own.
+            Plastic::Kinematic(_) => None,
+            Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
+                let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
+                Some(with_rate(law, factor))
+            }
+            Plastic::Tabular(rows) => {
+                let tables = match tables(rows) {
+                    Ok(tables) => tables,
+                    Err(message) => {
+                        let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
+                        self.diagnostics.push(finding);
+                        return None;
+                    }
+                };
+                if tables.len() > 1 {
+                    return Some(with_rate(TableOverTemperature { tables }, factor));
+                }
+                Some(with_rate(Table { rows: rows.iter().map(|r| [r[0], r[1]]).collect() }, factor))
+            }
+        }
+    }
+}
+
+fn with_rate<Y: YieldStress + 'static>(base: Y, factor: Option<RateFactor>) -> Box<dyn YieldStress> {
+    match factor {
+        Some(factor) => Box::new(RateDependent { base, factor }),
+        None => Box::new(base),
+    }
+}
+
+/// Rows of yield stress, plastic strain and temperature (not a number if absent) as one table a temperature.
+fn tables(rows: &[[f64; 3]]) -> Result<Vec<(f64, Table)>, &'static str> {
+    if rows.iter().any(|r| r[2].is_nan()) && !rows.iter().all(|r| r[2].is_nan()) {
+        return Err("either all rows of a table have a temperature, or none");
+    }
+    let mut tables: Vec<(f64, Table)> = Vec::new();
+    for [stress, strain, temperature] in rows {
+        match tables.last_mut() {
+            Some((last, table)) if *last == *temperature || temperature.is_nan() => table.rows.push([*stress, *strain]),
+            Some((last, _)) if *last > *temperature => return Err("temperatures must ascend"),
+            _ => tables.push((*temperature, Table { rows: vec![[*stress, *strain]] })),
+        }
+    }
+    let starts = |t: &Table| t.rows.first().is_some_and(|r| r[1] == 0.0);
+    let ascends = |t: &Table| t.rows.windows(2).all(|w| w[1][1] > w[0][1]);
+    if tables.is_empty() || !tables.iter().all(|(_, t)| starts(t) && ascends(t)) {
+        return Err("plastic strains must start at 0 and ascend");
+    }
+    Ok(tables)
+}
+
+/// Rise of temperature for plastic work a volume; 0 where a card for it is missing.
+fn heating(material: &Material, density: f64) -> f64 {
+    match (material.inelastic_heat_fraction, material.specific_heat) {
+        (Some(fraction), Some(heat)) => fraction / (density * heat),
+        _ => 0.0,
+    }
+}

@@ -1,0 +1,118 @@
+//! Material laws of single elements against the same law by hand.
+//!
+//! Goal: hardening, failure and deletion as the cards ask for them.
+//! Source: one-dimensional return mapping and closed forms, written here a second time. Each test says its tolerance.
+
+mod common;
+
+use common::Memory;
+use common::solid::{column, grid, last, material, run};
+use revolve::job;
+use revolve::solve::Outcome;
+use revolve::user::Routines;
+
+/// A tiny cylinder, so that inertia does not matter, whose top follows an amplitude times `height` in `time`.
+fn cylinder(cards: &str, amplitude: &str, displacement: f64, time: f64, variables: &str) -> String {
+    grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+        + &material(200e3, 0.3, 7.85e-9, cards)
+        + &format!(
+            "*Amplitude, name=A\n {amplitude}\n*Step\n*Dynamic, Explicit\n , {time:e}\n*Boundary\n J0, 2, 2\n\
+             *Boundary, amplitude=A\n J1, 2, 2, {displacement:e}\n*Output, history, number interval=400\n\
+             *Element Output, elset=SOLID\n {variables}\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLPD, ALLIE\n*End Step\n"
+        )
+}
+
+fn whole(outcome: &Outcome, drift: f64) {
+    assert_eq!(outcome.halt, None);
+    println!("{} increments, drift {:.1e}", outcome.increments, outcome.energy.drift);
+    assert!(outcome.energy.drift < drift, "drift {:e}", outcome.energy.drift);
+}
+
+/// Mean of two corner nodes at the top: all of them move alike.
+fn strains(deck: &str, memory: &Memory) -> Vec<f64> {
+    let prepared = common::prepared(deck, &[], &Routines::none());
+    let at = prepared.plan.columns.iter().position(|c| c.name.starts_with("U2@")).expect("U2");
+    memory.rows.iter().map(|row| (1.0 + row.1[at] / 1e-3).ln()).collect()
+}
+
+/// Tension, compression, tension again with linear kinematic hardening: the stress of every row by hand. Hooke's law acts
+/// on the rate, so the bar's axial stress follows its logarithmic strain.
+#[test]
+fn a_cycle_of_kinematic_hardening_by_hand() {
+    let (young, radius, slope) = (200e3, 300.0, 5000.0);
+    let deck = cylinder(
+        "*Plastic, hardening=KINEMATIC\n 300., 0.\n 800., 0.1\n",
+        "0., 0., 1.e-5, 1., 3.e-5, -1., 5.e-5, 1.",
+        2e-5,
+        5e-5,
+        "S22, PEEQ",
+    );
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 2e-3);
+    let stress = column(&deck, &memory, "S22@SOLID");
+    let (mut plastic, mut sum, mut before) = (0.0, 0.0, 0.0);
+    let mut worst: f64 = 0.0;
+    for (strain, found) in strains(&deck, &memory).into_iter().zip(&stress) {
+        // Small steps between rows, so that corners of the path are met.
+        for k in 1..=50 {
+            let here = before + (strain - before) * f64::from(k) / 50.0;
+            let relative: f64 = young * (here - plastic) - slope * plastic;
+            let over = relative.abs() - radius;
+            if over > 0.0 {
+                plastic += relative.signum() * over / (young + slope);
+                sum += over / (young + slope);
+            }
+        }
+        before = strain;
+        worst = worst.max((found.1 - young * (strain - plastic)).abs());
+    }
+    let peeq = last(&deck, &memory, "PEEQ@SOLID");
+    println!("kinematic: worst {worst:.2} MPa, PEEQ {peeq:.5} against {sum:.5}");
+    // The bar still swings a little, and corners of the path fall between rows.
+    assert!(worst < 3.0, "{worst}");
+    assert!((peeq / sum - 1.0).abs() < 2e-3 && sum > 0.08, "{peeq} {sum}");
+}
+
+/// Between the tables of 20 and 220 degrees the yield stress is linear in the temperature.
+#[test]
+fn a_table_over_temperature_is_linear_between() {
+    let deck = cylinder(
+        "*Plastic\n 400., 0., 20.\n 500., 0.1, 20.\n 200., 0., 220.\n 240., 0.1, 220.\n",
+        "0., 0., 1.e-5, 1.",
+        5e-5,
+        1e-5,
+        "S22, PEEQ",
+    )
+    .replace("*Step", "*Initial Conditions, type=TEMPERATURE\n ALL, 170.\n*Step");
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 5e-3);
+    let (stress, strain) = (last(&deck, &memory, "S22@SOLID"), last(&deck, &memory, "PEEQ@SOLID"));
+    let expected = 0.25 * (400.0 + 1000.0 * strain) + 0.75 * (200.0 + 400.0 * strain);
+    println!("table over temperature: {stress:.3} against {expected:.3}");
+    assert!(strain > 0.04 && (stress / expected - 1.0).abs() < 2e-3, "{stress} {expected}");
+}
+
+#[test]
+fn bad_materials_are_refused_with_a_reason() {
+    let deck = |cards: &str| cylinder(cards, "0., 0., 1., 1.", 1e-5, 1e-6, "S22");
+    let gas = |cards: &str| deck(cards).replace("*Elastic\n 2e5, 0.3\n", "");
+    for (code, text) in [
+        ("M104", deck("*Plastic, hardening=KINEMATIC\n 300., 0.\n")),
+        ("M103", deck("*Plastic, hardening=KINEMATIC\n 300., 0.\n 200., 0.1\n")),
+        ("P014", deck("*Plastic, hardening=KINEMATIC\n 300., 0.\n 400., 0.1\n*Rate Dependent\n 40., 5.\n")),
+        ("P014", deck("*Plastic\n 300., 0., 20.\n 200., 0.\n")),
+        ("P014", deck("*Plastic\n 300., 0., 20.\n 200., 0., 10.\n")),
+        ("M104", deck("*Eos, type=JWL\n 1., 1.\n")),
+        ("M103", deck("*Eos, type=USUP\n -1., 1.\n")),
+        ("P013", deck("*Eos, type=USUP\n 5000., 1.\n")),
+        ("P013", gas("*Eos, type=IDEAL GAS\n 287., 0.\n")),
+        ("P013", gas("*Eos, type=USUP\n 5000., 1.\n*Plastic\n 300., 0.\n")),
+        ("P013", gas("*Elastic, type=SHEAR\n 80e3,\n")),
+        ("P017", gas("*Eos, type=USUP\n 5000., 1.\n*Initial Conditions, type=STRESS\n SOLID, 1., 1., 1.\n")),
+        ("P017", deck("*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 1.\n")),
+    ] {
+        let prepared = job::prepare_text("bad.inp", &text, &[], &Routines::none());
+        let found = prepared.diagnostics.iter().any(|d| d.code == code);
+        assert!(found, "{code}: {text}\n{}", prepared.diagnostics.render(&prepared.deck.sources));
+    }
+}
