@@ -57,8 +57,8 @@ pub const CODES: &[Code] = &[
     },
     Code {
         code: "P011",
-        title: "node of a rigid and of a deformable body",
-        text: "Deformable and rigid bodies cannot share nodes yet.",
+        title: "node that follows a rigid body",
+        text: "Nodes that a rigid body shares with deformable elements follow it along z and stay where they are along r: nothing else can constrain them.",
     },
     Code {
         code: "P012",

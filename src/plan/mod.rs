@@ -8,6 +8,7 @@ mod loads;
 mod node_loads;
 mod outputs;
 mod solid;
+mod ties;
 mod user;
 
 use std::rc::Rc;

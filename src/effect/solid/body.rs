@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::block::is_larger;
 use super::group::{Group, Totals};
+use super::tie::Tie;
 use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
 use crate::effect::{Cause, Halt, Magnitude};
@@ -100,7 +101,7 @@ impl Gather {
 
     /// Sum of a node's corner forces.
     #[inline(always)]
-    fn sum(&self, node: usize, corners: &[Corners]) -> [f64; 2] {
+    pub(super) fn sum(&self, node: usize, corners: &[Corners]) -> [f64; 2] {
         let pair = |slot: u32| {
             let slot = slot as usize;
             let (lane, corner, block) = (slot % LANES, slot / LANES % 4, slot / (4 * LANES));
@@ -140,11 +141,14 @@ pub struct Solid {
     pub energies: Energies,
     /// What the last pass over the elements came to, and the group that limits the increment.
     pub limit: (Totals, usize),
-    inverse_mass: Vec<f64>,
-    corners: Vec<Corners>,
-    gather: Gather,
+    /// Nodes that move with rigid bodies.
+    pub ties: Vec<Tie>,
+    /// One over the mass; 0 where a rigid body carries the node.
+    pub(super) inverse_mass: Vec<f64>,
+    pub(super) corners: Vec<Corners>,
+    pub(super) gather: Gather,
     /// Forces on nodes now and an instant before; empty without any.
-    external: [Vec<[f64; 2]>; 2],
+    pub(super) external: [Vec<[f64; 2]>; 2],
     /// Forces against what is given, one entry a [`Given`].
     reactions: Vec<Reaction>,
     kinetic_parts: Vec<f64>,
@@ -181,7 +185,8 @@ impl Solid {
         let count = nodes.len();
         Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
-            inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
+            inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
+            ties: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
             groups,

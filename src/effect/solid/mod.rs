@@ -7,6 +7,7 @@ mod collect;
 pub mod group;
 pub mod law;
 pub mod loads;
+pub mod tie;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;
