@@ -101,3 +101,81 @@ fn a_tied_scene_falls_as_one() {
     assert!((last(&deck, &memory, "V2@REF") / -9.81 - 1.0).abs() < 1e-11);
     assert!((last(&deck, &memory, "V2@TIED") / -9.81 - 1.0).abs() < 1e-11);
 }
+
+/// A bar whose upper half is a copy tied to the lower one by equations moves as the whole bar does.
+#[test]
+fn equations_join_two_bars_as_shared_nodes_do() {
+    let (n, m) = (2, 8);
+    let ends = "*Step\n*Dynamic, Explicit, direct user control\n 0.01, 4.\n*Boundary\n J0, 2, 2\n";
+    let asks = "*Output, history, number interval=20\n*Node Output, nset=TOP\n U2, U1\n*Energy Output\n ALLKE, ETOTAL\n*End Step\n";
+    let load = "*Dsload\n TOP, P, -0.01\n";
+    let whole = grid(n, m, false, |i, j| [0.2 + 0.1 * i as f64, 0.1 * j as f64])
+        + &material(1.0, 0.3, 1.0, "*Nset, nset=TOP\n 25\n*Surface, name=TOP\n EJ1, S3\n")
+        + ends
+        + load
+        + asks;
+    let mut halves = grid(n, m / 2, false, |i, j| [0.2 + 0.1 * i as f64, 0.1 * j as f64]);
+    for (k, j) in (0..=m / 2).map(|j| (j, j + m / 2)) {
+        for i in 0..=n {
+            writeln!(halves, "*Node\n {}, {}, {}", 101 + i + 3 * k, 0.2 + 0.1 * i as f64, 0.1 * j as f64).expect("text");
+        }
+    }
+    for e in 0..n * m / 2 {
+        let a = 101 + e % n + 3 * (e / n);
+        writeln!(halves, "*Element, type=CAX4R, elset=SOLID\n {}, {a}, {}, {}, {}", 101 + e, a + 1, a + 4, a + 3)
+            .expect("text");
+    }
+    halves += "*Nset, nset=UPPER\n 101, 102, 103\n*Elset, elset=ETOP\n 107, 108\n*Surface, name=TOP\n ETOP, S3\n*Nset, nset=TOP\n 113\n\
+               *Equation\n 2\n UPPER, 1, 1., J1, 1, -1.\n2\nUPPER, 2, 2.\nJ1, 2, -2.\n";
+    let halves = halves + &material(1.0, 0.3, 1.0, "") + ends + load + asks;
+    let ((one, rows), (two, joined)) = (run(&whole), run(&halves));
+    assert_eq!((one.halt, two.halt), (None, None));
+    assert!(one.energy.drift < 1e-3 && two.energy.drift < 1e-3, "{:e} {:e}", one.energy.drift, two.energy.drift);
+    for name in ["U2@TOP", "U1@TOP", "ALLKE"] {
+        for (a, b) in column(&whole, &rows, name).iter().zip(column(&halves, &joined, name)) {
+            // The same sums in another order, over 400 increments.
+            assert!((a.1 - b.1).abs() < 1e-12, "{name}: {} {}", a.1, b.1);
+        }
+    }
+}
+
+/// A node that an equation ties to one of given motion moves by the ratio, and the balance holds.
+#[test]
+fn an_equation_follows_a_motion_that_is_given() {
+    let deck = grid(2, 4, false, |i, j| [i as f64, j as f64])
+        + &material(100.0, 0.3, 1.0, "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 1., 1.\n*Nset, nset=LEADER\n 1\n*Nset, nset=FOLLOWER\n 15\n*Nset, nset=OTHER\n 14\n")
+        + "*Equation\n 2\n 15, 2, 1., 1, 2, -2.\n3\n14, 2, 1., 15, 2, -0.5, 13, 2, -0.5\n*Step\n*Dynamic, Explicit\n , 1.\n\
+           *Boundary, amplitude=RAMP\n 1, 2, 2, 0.01\n*Output, history, number interval=20\n\
+           *Node Output, nset=LEADER\n U2, RF2\n*Node Output, nset=FOLLOWER\n U2\n*Node Output, nset=OTHER\n U2\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLWK\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    assert!((last(&deck, &memory, "U2@LEADER") - 0.01).abs() < 1e-14);
+    assert!((last(&deck, &memory, "U2@FOLLOWER") - 0.02).abs() < 1e-12);
+    let mean = 0.5 * (last(&deck, &memory, "U2@FOLLOWER") + last(&deck, &memory, "U2@13"));
+    assert!((last(&deck, &memory, "U2@OTHER") - mean).abs() < 1e-12);
+    // What the given motion has done is all the work there is; the follower takes its part through the equation.
+    println!("given motion through an equation: drift {:.1e}", outcome.energy.drift);
+    assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 5e-3, "{:?}", outcome.energy);
+}
+
+#[test]
+fn faulty_equations_are_refused_with_a_reason() {
+    let good = column_with_mass(1.0, "*Equation\n 2\n 1, 2, 1., 2, 2, -1.\n")
+        + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n 1, 2, 2\n*End Step\n";
+    for (code, from, to) in [
+        ("", "", ""),
+        ("P016", "*Equation\n", "*Equation\n 2\n 1, 2, 2., 2, 2, -2.\n"),
+        ("P016", " 1, 2, 2\n", " 1, 2, 2\n 2, 2, 2\n"),
+        ("P011", " 2, 2, -1.", " 900, 2, -1."),
+        ("M102", ", -1.", ""),
+        ("M103", " 2, 2, -1.", " 2, 6, -1."),
+        ("M103", " 2\n 1, 2", " 1\n 1, 2"),
+    ] {
+        let text = good.replacen(from, to, 1);
+        let prepared = revolve::job::prepare_text("bad.inp", &text, &[], &revolve::user::Routines::none());
+        let shown = prepared.diagnostics.render(&prepared.deck.sources);
+        let codes: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
+        assert_eq!(codes.contains(&code), !code.is_empty(), "{code}: {shown}");
+        assert_eq!(prepared.diagnostics.has_errors(), !code.is_empty(), "{code}: {shown}");
+    }
+}

@@ -6,6 +6,7 @@ mod bodies;
 mod builder;
 pub mod codes;
 mod elements;
+mod equations;
 mod loads;
 mod materials;
 pub mod mesh_file;

@@ -30,6 +30,8 @@ pub struct Model {
     pub rigid_bodies: Vec<RigidBody>,
     /// `*MASS` on nodes.
     pub point_masses: Vec<PointMass>,
+    /// `*EQUATION`s, one node a term.
+    pub equations: Vec<Equation>,
     /// `*INITIAL CONDITIONS`.
     pub initial_conditions: Vec<InitialCondition>,
     /// `*TARGET` stacks.
@@ -281,6 +283,15 @@ pub struct PointMass {
     /// Mass.
     pub mass: f64,
     /// The card.
+    pub span: Span,
+}
+
+/// A linear equation, sum of coefficient times displacement = 0.
+#[derive(Clone, Debug)]
+pub struct Equation {
+    /// Node index, degree of freedom (1 = r, 2 = z) and coefficient of each term.
+    pub terms: Vec<(usize, u8, f64)>,
+    /// The data line that begins it.
     pub span: Span,
 }
 

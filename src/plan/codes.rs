@@ -81,6 +81,11 @@ pub const CODES: &[Code] = &[
         text: "Read, but not simulated on deformable bodies yet: the message says what, and what would be right.",
     },
     Code {
+        code: "P016",
+        title: "equation that cannot be kept",
+        text: "An *EQUATION follows from others, contradicts them, or has no degree of freedom that could move to keep it, because all of them are given.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",

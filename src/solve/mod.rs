@@ -250,6 +250,7 @@ impl<'a> Run<'a> {
             LoadVelocity::Lagged => 0.0,
         };
         if let Some(solid) = &mut self.solid {
+            solid.equations.clone_from(&step.equations);
             solid.begin(&step.given, step.node_forces.len());
         }
         self.now.step_time = 0.0;

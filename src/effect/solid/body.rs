@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::block::is_larger;
+use super::equation::System;
 use super::group::{Group, Totals};
 use super::tie::Tie;
 use super::{Corners, LANES};
@@ -143,6 +144,8 @@ pub struct Solid {
     pub limit: (Totals, usize),
     /// Nodes that move with rigid bodies.
     pub ties: Vec<Tie>,
+    /// Linear equations between degrees of freedom, those of the step.
+    pub equations: Vec<System>,
     /// One over the mass; 0 where a rigid body carries the node.
     pub(super) inverse_mass: Vec<f64>,
     pub(super) corners: Vec<Corners>,
@@ -187,6 +190,7 @@ impl Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
             ties: Vec::new(),
+            equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
             groups,
@@ -223,6 +227,9 @@ impl Solid {
         let first = self.behind == 0.0;
         for g in given.iter().filter(|g| first && g.holds()) {
             self.set_velocity(g, 0.0);
+        }
+        if first {
+            self.constrain_velocities(0.0, 0.0);
         }
     }
 
@@ -318,6 +325,7 @@ impl Solid {
         }
         self.energies.kinetic = self.kinetic_parts.iter().sum();
         self.account(given);
+        self.constrain_accelerations();
     }
 
     /// Books the work of forces and given motions over the increment behind, and replaces accelerations that are given.
@@ -380,6 +388,7 @@ impl Solid {
             self.acceleration[g.node][g.axis] = (velocity - old) / half;
             self.reactions[i].travel = dt * velocity;
         }
+        self.constrain_velocities(dt, half);
         self.behind = dt;
         self.pending = true;
         self.moved = true;
@@ -404,7 +413,8 @@ impl Solid {
     /// Force that what is given exerts on a degree of freedom of a node; 0 where nothing is given.
     pub fn reaction(&self, node: usize, axis: usize) -> f64 {
         let inertia = self.mass[node] * self.acceleration[node][axis];
-        self.reactions.iter().filter(|r| r.place == (node, axis)).map(|r| inertia - r.force).sum()
+        let own = self.reactions.iter().filter(|r| r.place == (node, axis));
+        own.map(|r| inertia - r.force - self.pull(node, axis)).sum()
     }
 
     /// Group and element that limit the increment.
