@@ -474,7 +474,7 @@ pub static KEYWORDS: &[Keyword] = &[
     row!(OutputOnly, "MODAL OUTPUT", "Modal variables of an *OUTPUT request"),
     row!(OutputOnly, "TRACER PARTICLE", "Particles that follow the material in adaptive meshes"),
     // Parsed, used as capabilities arrive.
-    row!(Parsed, "EQUATION", "Linear constraints between degrees of freedom", { "INPUT": "File with the data lines" },
+    row!(Used, "EQUATION", "Linear constraints between degrees of freedom", { "INPUT": "File with the data lines" },
         ["Number of terms", "Node or set, degree of freedom, coefficient, ... four terms a line"]),
     row!(Parsed, "INELASTIC HEAT FRACTION", "Fraction of plastic work turned into heat", {}, ["Fraction (0.9)"]),
     row!(Parsed, "SPECIFIC HEAT", "Heat per mass and temperature", {

@@ -29,6 +29,8 @@ pub enum Account {
     Friction,
     /// Dissipated by opening the cavity (`ALLCD` is creep in ABAQUS, so `ALLCAV`).
     Cavity,
+    /// Of what deforms on a body that it is tied to: passed on within the scene, so no account of its own.
+    Tie,
 }
 
 /// A generalised force of one effect on one body, and the account of its work.

@@ -97,6 +97,7 @@ impl<'a> Builder<'a> {
             "SECTION CONTROLS" => self.section_controls(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
+            "EQUATION" => self.equation(card),
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
             "INITIAL CONDITIONS" => self.initial_conditions(card),

@@ -7,6 +7,7 @@ mod builder;
 pub mod codes;
 mod elements;
 mod eos;
+mod equations;
 mod loads;
 mod materials;
 pub mod mesh_file;

@@ -32,6 +32,8 @@ pub struct Model {
     pub point_masses: Vec<PointMass>,
     /// Absolute zero of temperature, of `*PHYSICAL CONSTANTS`; 0 if not given.
     pub absolute_zero: f64,
+    /// `*EQUATION`s, one node a term.
+    pub equations: Vec<Equation>,
     /// `*INITIAL CONDITIONS`.
     pub initial_conditions: Vec<InitialCondition>,
     /// `*TARGET` stacks.
@@ -307,6 +309,15 @@ pub struct PointMass {
     /// Mass.
     pub mass: f64,
     /// The card.
+    pub span: Span,
+}
+
+/// A linear equation, sum of coefficient times displacement = 0.
+#[derive(Clone, Debug)]
+pub struct Equation {
+    /// Node index, degree of freedom (1 = r, 2 = z) and coefficient of each term.
+    pub terms: Vec<(usize, u8, f64)>,
+    /// The data line that begins it.
     pub span: Span,
 }
 

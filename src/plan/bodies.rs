@@ -15,6 +15,8 @@ pub struct Body {
     pub reference: usize,
     /// Lumped mass of each node that carries some: `(node, mass)`, ascending.
     pub lumped_mass: Vec<(usize, f64)>,
+    /// The part of the mass that is of deformable elements tied to it.
+    pub tied_mass: f64,
     /// All nodes that move with it, ascending.
     pub nodes: Vec<usize>,
     /// Its elements.
@@ -28,6 +30,11 @@ pub struct Body {
 impl Body {
     /// Total mass: the sum of the diagonal of the lumped mass matrix.
     pub fn mass(&self) -> f64 {
+        self.own_mass() + self.tied_mass
+    }
+
+    /// Mass without that of deformable elements tied to it.
+    pub fn own_mass(&self) -> f64 {
         self.lumped_mass.iter().map(|m| m.1).sum()
     }
 }
@@ -70,6 +77,7 @@ impl Compiler<'_> {
             name: rigid.name.clone(),
             reference: rigid.reference,
             lumped_mass,
+            tied_mass: 0.0,
             nodes,
             elements: rigid.elements.clone(),
             initial_velocity: 0.0,
@@ -118,7 +126,8 @@ impl Compiler<'_> {
 
     fn initial_velocities(&mut self) {
         for condition in &self.model.initial_conditions {
-            if condition.members.iter().any(|m| self.places.has_node(*m)) || self.is_of_solid(condition) {
+            let of_solid = condition.members.iter().any(|m| self.places.has_node(*m)) || self.is_of_solid(condition);
+            if of_solid && !self.names_reference(condition) {
                 continue;
             }
             let InitialKind::Velocity(dof, value) = condition.kind else {
@@ -144,6 +153,12 @@ impl Compiler<'_> {
                 self.bodies[body].initial_velocity = value;
             }
         }
+    }
+
+    /// Whether a reference node is among those that start with a velocity along z.
+    fn names_reference(&self, condition: &InitialCondition) -> bool {
+        matches!(condition.kind, InitialKind::Velocity(2, _))
+            && self.bodies.iter().any(|b| condition.members.contains(&b.reference))
     }
 
     fn is_of_solid(&self, condition: &InitialCondition) -> bool {

@@ -57,8 +57,8 @@ pub const CODES: &[Code] = &[
     },
     Code {
         code: "P011",
-        title: "node of a rigid and of a deformable body",
-        text: "Deformable and rigid bodies cannot share nodes yet.",
+        title: "node that follows a rigid body",
+        text: "Nodes that a rigid body shares with deformable elements follow it along z and stay where they are along r: nothing else can constrain them.",
     },
     Code {
         code: "P012",
@@ -89,6 +89,11 @@ pub const CODES: &[Code] = &[
         code: "P017",
         title: "initial state that the material does not have",
         text: "An energy a mass is a state of materials with *EOS; their pressure follows from density and energy, so an initial stress would be lost.",
+    },
+    Code {
+        code: "P018",
+        title: "equation that cannot be kept",
+        text: "An *EQUATION follows from others, contradicts them, or has no degree of freedom that could move to keep it, because all of them are given.",
     },
     Code {
         code: "P101",

@@ -79,7 +79,8 @@ impl Compiler<'_> {
         }
         let masses: Vec<(usize, f64)> = (0..self.bodies.len())
             .filter(|&b| elements.is_none_or(|list| self.bodies[b].elements.iter().any(|e| list.contains(e))))
-            .map(|b| (b, self.bodies[b].mass()))
+            // What tied elements weigh, the list of elements gives to their nodes.
+            .map(|b| (b, if elements.is_none() { self.bodies[b].mass() } else { self.bodies[b].own_mass() }))
             .collect();
         if masses.is_empty() {
             let message = "gravity acts on elements that belong to no rigid body";

@@ -3,12 +3,14 @@
 
 mod bodies;
 pub mod codes;
+mod equations;
 pub mod ledger;
 mod loads;
 mod node_loads;
 mod outputs;
 mod solid;
 mod solid_material;
+mod ties;
 mod user;
 
 use std::rc::Rc;
@@ -17,6 +19,7 @@ use indexmap::IndexMap;
 
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
 use crate::effect::solid::body::{Given, NodeForce, Solid};
+use crate::effect::solid::equation::System;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
 use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
@@ -70,6 +73,8 @@ pub struct StepPlan {
     pub node_forces: Vec<Box<dyn NodeForce>>,
     /// Motions that are given on nodes of what deforms.
     pub given: Vec<Given>,
+    /// Linear equations between degrees of freedom.
+    pub equations: Vec<System>,
     /// User motions: asked once an increment.
     pub asking: Vec<Box<dyn Asking>>,
     /// When to write.
@@ -167,6 +172,7 @@ impl Compiler<'_> {
             }
         }
         let given = if solid.is_some() { self.given(step) } else { Vec::new() };
+        let equations = self.equations(step, solid, &given);
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
         let motions = self.motions(step, &mut asking);
@@ -184,6 +190,7 @@ impl Compiler<'_> {
             motions,
             node_forces,
             given,
+            equations,
             asking,
             outputs: self.outputs(step),
         }

@@ -28,7 +28,7 @@ impl Compiler<'_> {
             if boundary.dof > 2 {
                 continue;
             }
-            let nodes: Vec<usize> = boundary.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
+            let nodes: Vec<usize> = boundary.nodes.iter().filter_map(|n| self.places.free_node(*n)).collect();
             if nodes.is_empty() {
                 continue;
             }
@@ -55,8 +55,9 @@ impl Compiler<'_> {
 
     fn axis(&mut self, step: &Step, given: &mut Vec<Given>, taken: &Taken) {
         let mesh = &self.model.mesh;
-        let on_axis = |(n, i): &(&usize, &usize)| mesh.points[**n][0] == 0.0 && !taken.contains(&(**i, 0));
-        let nodes: Vec<usize> = self.places.nodes.iter().filter(on_axis).map(|(_, &i)| i).collect();
+        let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
+        let free = self.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| self.places.free_node(*n));
+        let nodes: Vec<usize> = free.filter(|i| !taken.contains(&(*i, 0))).collect();
         if nodes.is_empty() {
             return;
         }
@@ -80,7 +81,7 @@ impl Compiler<'_> {
                 Some(Box::new(FacePressure { faces, magnitude }))
             }
             LoadKind::Concentrated { nodes, dof, .. } => {
-                let nodes: Vec<usize> = nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
+                let nodes: Vec<usize> = nodes.iter().filter_map(|n| self.places.free_node(*n)).collect();
                 if nodes.is_empty() {
                     return None;
                 }
@@ -139,7 +140,7 @@ impl Compiler<'_> {
             return None;
         }
         let masses: Vec<(usize, f64)> = match elements {
-            None => solid.mass.iter().copied().enumerate().collect(),
+            None => solid.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0).collect(),
             Some(list) => self.masses_of(list),
         };
         if masses.is_empty() {

@@ -352,11 +352,11 @@ impl Compiler<'_> {
         let Some(members) = model.node_sets.get(set).map(|s| &s.members) else { return };
         let before = columns.len();
         for &node in members {
-            let solid = self.places.nodes.get(&node);
+            let solid = self.places.free_node(node);
             let body = self.body_of_node.get(&node);
             let place = if members.len() == 1 { set.to_owned() } else { model.mesh.node_names[node].clone() };
             let quantities = match (solid, body) {
-                (Some(&node), _) => solid_quantities(variable, node),
+                (Some(node), _) => solid_quantities(variable, node),
                 (_, Some(&body)) => node_quantities(variable, node, body),
                 _ => Vec::new(),
             };

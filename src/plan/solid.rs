@@ -18,12 +18,19 @@ pub struct SolidPlaces {
     pub nodes: IndexMap<usize, usize>,
     /// Group and element of the group by element of the mesh.
     pub elements: IndexMap<usize, (usize, usize)>,
+    /// Rigid body of the nodes of the mesh that move with one.
+    pub tied: IndexMap<usize, usize>,
 }
 
 impl SolidPlaces {
-    /// Whether a node of the mesh deforms with a body.
+    /// Whether a node of the mesh deforms with a body and moves on its own.
     pub fn has_node(&self, node: usize) -> bool {
-        self.nodes.contains_key(&node)
+        self.free_node(node).is_some()
+    }
+
+    /// The node of the solver, where it moves on its own.
+    pub fn free_node(&self, node: usize) -> Option<usize> {
+        self.nodes.get(&node).copied().filter(|_| !self.tied.contains_key(&node))
     }
 }
 
@@ -41,12 +48,7 @@ impl Compiler<'_> {
             sections.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.clone()).collect();
         used.sort_unstable();
         used.dedup();
-        if let Some(node) = used.iter().find(|n| self.body_of_node.contains_key(*n)) {
-            let message = format!("node {} belongs to a rigid body and to a deformable one", mesh.node_names[*node]);
-            let finding = Diagnostic::error("P011", message).at(sections[0].0.span, "this section");
-            self.diagnostics.push(finding.help("deformable and rigid bodies cannot be tied yet"));
-            return None;
-        }
+        self.places.tied = used.iter().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
         self.places.nodes = used.iter().enumerate().map(|(i, &n)| (n, i)).collect();
         let nodes: Vec<Node> =
             used.iter().map(|&n| Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() }).collect();
@@ -66,9 +68,11 @@ impl Compiler<'_> {
         }
         self.check_steps_alike();
         self.point_masses(&mut mass);
+        let ties = self.ties(&mut mass);
         let lists: Vec<&[[u32; 4]]> = corners.iter().map(Vec::as_slice).collect();
         let gather = Gather::new(nodes.len(), &lists);
         let mut solid = Solid::new(nodes, mass, groups, names, gather);
+        solid.ties = ties;
         solid.cause = self.causes.get(&(sections[0].0.span, "deformable elements")).copied().unwrap_or_default();
         self.start_solid(&mut solid);
         Some(solid)
@@ -117,7 +121,7 @@ impl Compiler<'_> {
 
     fn point_masses(&mut self, mass: &mut [f64]) {
         for point in &self.model.point_masses {
-            if let Some(&n) = self.places.nodes.get(&point.node) {
+            if let Some(n) = self.places.free_node(point.node) {
                 mass[n] += point.mass;
             }
         }
@@ -128,8 +132,8 @@ impl Compiler<'_> {
         for condition in &self.model.initial_conditions {
             match &condition.kind {
                 InitialKind::Velocity(dof, value) if *dof <= 2 => {
-                    for n in condition.members.iter().filter_map(|n| self.places.nodes.get(n)) {
-                        let node = &mut solid.nodes[*n];
+                    for n in condition.members.iter().filter_map(|n| self.places.free_node(*n)) {
+                        let node = &mut solid.nodes[n];
                         *(if *dof == 1 { &mut node.v_r } else { &mut node.v_z }) = *value;
                     }
                 }

@@ -59,6 +59,8 @@ pub struct Balance {
     done: f64,
     /// The part of loads and motions.
     external: f64,
+    /// What tied nodes have passed on to bodies.
+    tied: f64,
     largest: f64,
     departure: f64,
     /// Of what deforms, and their sum at the start.
@@ -73,6 +75,8 @@ struct Entry {
     account: Account,
     /// 1 for the work of loads and motions, else 0.
     external: f64,
+    /// 1 for what comes from tied nodes, else 0.
+    tied: f64,
     force: f64,
     last: f64,
     work: f64,
@@ -84,6 +88,7 @@ impl Entry {
             Account::Work => energy.work += self.work,
             Account::Friction => energy.friction -= self.work,
             Account::Cavity => energy.cavity -= self.work,
+            Account::Tie => {}
         }
     }
 }
@@ -107,6 +112,7 @@ impl Balance {
             kinetic,
             done: 0.0,
             external: 0.0,
+            tied: 0.0,
             largest: kinetic,
             departure: 0.0,
             solid: Energies::default(),
@@ -114,10 +120,10 @@ impl Balance {
         }
     }
 
-    /// Books what deforms.
+    /// Books what deforms, after the bodies: what it passes on to them stays in the scene.
     pub fn book_solid(&mut self, solid: &Energies) {
         self.solid = *solid;
-        let sum = solid.kinetic + solid.internal + solid.artificial + solid.viscous - solid.external;
+        let sum = solid.kinetic + solid.internal + solid.artificial + solid.viscous + self.tied - solid.external;
         let initial = *self.solid_initial.get_or_insert(sum);
         self.largest = self.largest.max(solid.kinetic).max(solid.internal).max(solid.external.abs());
         self.departure = self.departure.max((sum - initial).abs());
@@ -127,8 +133,9 @@ impl Balance {
     pub fn begin(&mut self, slots: &[Slot], motions: &[Motion]) {
         self.settle();
         let entry = |s: &Slot| {
-            let external = if s.account == Account::Work { 1.0 } else { 0.0 };
-            Entry { body: s.body, account: s.account, external, force: 0.0, last: 0.0, work: 0.0 }
+            let is = |account| if s.account == account { 1.0 } else { 0.0 };
+            let (external, tied) = (is(Account::Work), is(Account::Tie));
+            Entry { body: s.body, account: s.account, external, tied, force: 0.0, last: 0.0, work: 0.0 }
         };
         self.entries = slots.iter().map(entry).collect();
         self.prescribed = motions.iter().map(|m| Prescribed { body: m.body, kinetic: f64::NAN }).collect();
@@ -137,7 +144,7 @@ impl Balance {
     /// Books the increment that led to this instant. After one that ended in a jump (`afresh`) the forces behind it count.
     #[inline]
     pub fn book(&mut self, bodies: &[BodyState], forces: &[f64], afresh: bool) {
-        let (mut done, mut external) = (self.done, self.external);
+        let (mut done, mut external, mut tied) = (self.done, self.external, self.tied);
         for (entry, &force) in self.entries.iter_mut().zip(forces) {
             let body = &bodies[entry.body];
             let mean = if afresh { entry.force } else { 0.5 * (entry.force + force) };
@@ -147,6 +154,7 @@ impl Balance {
             entry.work += work;
             done += work;
             external += entry.external * work;
+            tied += entry.tied * work;
         }
         for prescribed in &mut self.prescribed {
             let now = bodies[prescribed.body].kinetic();
@@ -162,7 +170,7 @@ impl Balance {
         let departure = (kinetic - self.settled.initial - done).abs();
         self.largest = self.largest.max(kinetic).max(external.abs());
         self.departure = self.departure.max(departure);
-        (self.kinetic, self.done, self.external) = (kinetic, done, external);
+        (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
     }
 
     /// Closes the accounts of the step before.

@@ -109,7 +109,7 @@ impl Pace {
         match self.fixed {
             Some(length) => next.length = length,
             None => {
-                if !run.bodies.is_empty() {
+                if run.bodies.iter().any(|b| !b.tied) {
                     next.length = self.automatic(run) * self.factor;
                 }
                 if let Some(solid) = &run.solid {
@@ -131,7 +131,7 @@ impl Pace {
     /// From the error estimate: neither velocity nor acceleration may change much over an increment.
     fn automatic(&mut self, run: &Run<'_>) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
-        for (body, speed) in run.bodies.iter().zip(&mut self.speed) {
+        for (body, speed) in run.bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
             *speed = speed.max(body.velocity.abs());
             let acceleration = body.acceleration.abs();
             let scale = speed.max(acceleration * self.largest);

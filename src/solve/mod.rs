@@ -122,6 +122,8 @@ struct Run<'a> {
     ends: Vec<usize>,
     /// Index of the first force that resists; such forces come last.
     resistances: usize,
+    /// The first slots are those of tied nodes.
+    ties: usize,
     now_before: Instant,
     /// Part of the increment behind over which loads see the velocity carried on: half of it, or none.
     reach: f64,
@@ -157,6 +159,7 @@ impl<'a> Run<'a> {
             slots_by_body: Vec::new(),
             ends: Vec::new(),
             resistances: 0,
+            ties: 0,
             now_before: Instant::default(),
             bodies,
             reach: 0.0,
@@ -213,6 +216,13 @@ impl<'a> Run<'a> {
     fn begin(&mut self, step: &mut StepPlan) {
         self.slots.clear();
         self.ends.clear();
+        if let Some(solid) = &mut self.solid {
+            self.slots.extend(solid.ties.iter().map(|t| Slot { body: t.body, account: Account::Tie }));
+            if self.now.increment == 0 {
+                solid.follow(&self.bodies, |body| body.velocity);
+            }
+        }
+        self.ties = self.slots.len();
         for force in &step.forces {
             self.slots.extend(force.slots());
             self.ends.push(self.slots.len());
@@ -224,6 +234,7 @@ impl<'a> Run<'a> {
         self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
         for (b, body) in self.bodies.iter_mut().enumerate() {
             (body.reads_velocity, body.prescribed) = (false, false);
+            body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
             body.slots = self.slots.iter().filter(|s| s.body == b).count();
         }
         for slot in step.forces.iter().filter(|f| f.reads_velocity()).flat_map(|f| f.slots()) {
@@ -239,20 +250,24 @@ impl<'a> Run<'a> {
             LoadVelocity::Lagged => 0.0,
         };
         if let Some(solid) = &mut self.solid {
+            solid.equations.clone_from(&step.equations);
             solid.begin(&step.given, step.node_forces.len());
         }
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
-        self.behind = 0.0;
-        self.show_own_velocity();
+        if self.ties == 0 {
+            self.behind = 0.0;
+            self.show_own_velocity();
+        }
         let summary = StepSummary { name: step.name.clone(), smallest_increment: f64::INFINITY, ..Default::default() };
         self.outcome.steps.push(summary);
     }
 
     fn evaluate_forces(&mut self, step: &mut StepPlan) -> Result<(), Halt> {
         let timed = self.now.increment.is_multiple_of(TIMED_EVERY);
-        let mut start = 0;
+        self.evaluate_solid(step, timed)?;
+        let mut start = self.ties;
         for (i, (force, &end)) in step.forces.iter_mut().zip(&self.ends).enumerate() {
             if i == self.resistances {
                 turn_resting_bodies(&mut self.bodies, &self.slots[..start], &self.forces);
@@ -264,9 +279,14 @@ impl<'a> Run<'a> {
                 self.outcome.effect_seconds[force.cause()] += clock.elapsed().as_secs_f64() * TIMED_EVERY as f64;
             }
         }
+        Ok(())
+    }
+
+    fn evaluate_solid(&mut self, step: &mut StepPlan, timed: bool) -> Result<(), Halt> {
         let Some(solid) = &mut self.solid else { return Ok(()) };
         let clock = timed.then(Stopwatch::now);
         solid.evaluate(&self.now, &mut step.node_forces)?;
+        solid.tie_forces(&mut self.forces);
         if let Some(clock) = clock {
             self.outcome.effect_seconds[solid.cause] += clock.elapsed().as_secs_f64() * TIMED_EVERY as f64;
         }
@@ -296,6 +316,7 @@ impl<'a> Run<'a> {
         }
         if let Some(solid) = &mut self.solid {
             solid.accelerate(&step.given);
+            solid.accelerate_ties(&self.bodies);
         }
         if finite { Ok(()) } else { Err(self.not_finite()) }
     }
@@ -312,7 +333,7 @@ impl<'a> Run<'a> {
     fn hold(&mut self, body: usize) {
         self.bodies[body].force = 0.0;
         for (slot, force) in self.slots.iter().zip(&mut self.forces) {
-            if slot.body == body && slot.account != Account::Work {
+            if slot.body == body && matches!(slot.account, Account::Friction | Account::Cavity) {
                 *force = 0.0;
             }
         }
@@ -369,13 +390,15 @@ impl<'a> Run<'a> {
         }
         if let Some(solid) = &mut self.solid {
             solid.advance(&step.given, &self.now, dt);
+            solid.follow(&self.bodies, |body| body.velocity_half);
         }
         self.complete = false;
         self.now_before = self.now;
         self.now = next.arrival(&self.now, step.duration);
         self.last_increment = dt;
         self.behind = dt;
-        if next.end != End::Plain {
+        // Central differences of what is tied go on from step to step, as those of its nodes do.
+        if next.end != End::Plain && !(next.end == End::Step && self.ties > 0) {
             self.start_afresh(step, next.end);
         }
     }

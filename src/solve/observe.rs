@@ -233,7 +233,7 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
     for (b, body) in run.plan.bodies.iter().enumerate() {
-        for &node in &body.nodes {
+        for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(*n)) {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.bodies[b].displacement]);

@@ -52,6 +52,8 @@ pub struct BodyState {
     pub reads_velocity: bool,
     /// Whether its motion is prescribed.
     pub prescribed: bool,
+    /// Whether it carries nodes of what deforms, whose stable increment then serves it too.
+    pub tied: bool,
 }
 
 /// Where a body stood an increment ago.

@@ -4,7 +4,9 @@
 use rayon::prelude::*;
 
 use super::block::is_larger;
+use super::equation::System;
 use super::group::{Group, Totals};
+use super::tie::Tie;
 use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
 use crate::effect::{Cause, Halt, Magnitude};
@@ -99,6 +101,13 @@ impl Gather {
         gather
     }
 
+    /// Sum of the corner forces of one node.
+    pub(super) fn one(&self, node: usize, corners: &[Corners]) -> [f64; 2] {
+        let mut force = [[0.0; 2]];
+        self.sum(node, corners, &mut force);
+        force[0]
+    }
+
     /// Sums of the corner forces of nodes from `first` on.
     #[inline(always)]
     fn sum(&self, first: usize, corners: &[Corners], forces: &mut [[f64; 2]]) {
@@ -143,11 +152,16 @@ pub struct Solid {
     pub energies: Energies,
     /// What the last pass over the elements came to, and the group that limits the increment.
     pub limit: (Totals, usize),
-    inverse_mass: Vec<f64>,
-    corners: Vec<Corners>,
-    gather: Gather,
+    /// Nodes that move with rigid bodies.
+    pub ties: Vec<Tie>,
+    /// Linear equations between degrees of freedom, those of the step.
+    pub equations: Vec<System>,
+    /// One over the mass; 0 where a rigid body carries the node.
+    pub(super) inverse_mass: Vec<f64>,
+    pub(super) corners: Vec<Corners>,
+    pub(super) gather: Gather,
     /// Forces on nodes now and an instant before; empty without any.
-    external: [Vec<[f64; 2]>; 2],
+    pub(super) external: [Vec<[f64; 2]>; 2],
     /// Forces against what is given, one entry a [`Given`].
     reactions: Vec<Reaction>,
     kinetic_parts: Vec<f64>,
@@ -232,7 +246,9 @@ impl Solid {
         let count = nodes.len();
         Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
-            inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
+            inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
+            ties: Vec::new(),
+            equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
             groups,
@@ -269,6 +285,9 @@ impl Solid {
         let first = self.behind == 0.0;
         for g in given.iter().filter(|g| first && g.holds()) {
             self.set_velocity(g, 0.0);
+        }
+        if first {
+            self.constrain_velocities(0.0, 0.0);
         }
     }
 
@@ -355,6 +374,7 @@ impl Solid {
         }
         self.energies.kinetic = self.kinetic_parts.iter().sum();
         self.account(given);
+        self.constrain_accelerations();
     }
 
     /// Books the work of forces and given motions over the increment behind, and replaces accelerations that are given.
@@ -417,6 +437,7 @@ impl Solid {
             self.acceleration[g.node][g.axis] = (velocity - old) / half;
             self.reactions[i].travel = dt * velocity;
         }
+        self.constrain_velocities(dt, half);
         self.behind = dt;
         self.pending = true;
         self.moved = true;
@@ -441,7 +462,8 @@ impl Solid {
     /// Force that what is given exerts on a degree of freedom of a node; 0 where nothing is given.
     pub fn reaction(&self, node: usize, axis: usize) -> f64 {
         let inertia = self.mass[node] * self.acceleration[node][axis];
-        self.reactions.iter().filter(|r| r.place == (node, axis)).map(|r| inertia - r.force).sum()
+        let own = self.reactions.iter().filter(|r| r.place == (node, axis));
+        own.map(|r| inertia - r.force - self.pull(node, axis)).sum()
     }
 
     /// Group and element that limit the increment.

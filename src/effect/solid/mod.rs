@@ -4,11 +4,13 @@
 pub mod block;
 pub mod body;
 pub mod eos;
+pub mod equation;
 pub mod group;
 pub mod kinematic;
 pub mod law;
 pub mod loads;
 pub mod record;
+pub mod tie;
 pub mod volumetric;
 
 /// Elements side by side in the inner loop.

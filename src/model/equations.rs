@@ -1,0 +1,80 @@
+//! `*EQUATION`: linear equations between degrees of freedom.
+//! Never here: how they are kept.
+
+use super::builder::{Builder, MOST};
+use super::names::upper;
+use super::types::Equation;
+use crate::deck::{Card, Diagnostic, Span, Word};
+
+/// A term as read: nodes in the order of their labels, degree of freedom, coefficient.
+type Term = (Vec<usize>, u8, f64);
+
+impl Builder<'_> {
+    pub(super) fn equation(&mut self, card: &Card) {
+        if self.first_line(card).is_none() {
+            return;
+        }
+        let mut at = 0;
+        while at < card.lines.len() {
+            let line = &card.lines[at];
+            let Some(count) = self.integer(line, 0, "the number of terms") else { return };
+            if !(2..=MOST as i64).contains(&count) {
+                self.out_of_range(line.span, format!("an equation has two terms or more, not {count}"));
+                return;
+            }
+            let (words, next) = super::elements::joined(card, at + 1, 3 * count as usize);
+            if words.len() != 3 * count as usize {
+                let message = format!("{count} terms have {} values; {} are given", 3 * count, words.len());
+                self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "this equation"));
+                return;
+            }
+            let terms: Option<Vec<Term>> = words.chunks(3).map(|w| self.equation_term(w)).collect();
+            if let Some(terms) = terms {
+                self.add_equations(&terms, line.span);
+            }
+            at = next;
+        }
+    }
+
+    fn equation_term(&mut self, words: &[&Word]) -> Option<Term> {
+        let mut nodes = self.node_members(words[0])?;
+        self.refuse_unsorted(words[0]);
+        let label = |n: usize| self.model.mesh.node_names[n].rsplit('.').next().and_then(|l| l.parse::<i64>().ok());
+        nodes.sort_by_key(|&n| (label(n), n));
+        let dof = words[1].integer(&mut self.diagnostics)?;
+        let coefficient = words[2].number(&mut self.diagnostics)?;
+        if !(1..=2).contains(&dof) {
+            self.out_of_range(words[1].span, format!("degree of freedom {dof}: 1 is r, 2 is z"));
+            return None;
+        }
+        if coefficient == 0.0 || !coefficient.is_finite() {
+            self.out_of_range(words[2].span, format!("a coefficient must not be {coefficient}"));
+            return None;
+        }
+        Some((nodes, dof as u8, coefficient))
+    }
+
+    /// Members of sets are paired in the order of their labels; a set that keeps another order would pair otherwise.
+    fn refuse_unsorted(&mut self, word: &Word) {
+        let deck = self.deck;
+        let named = |c: &&Card| c.keyword.name == "NSET" && c.has("UNSORTED");
+        let mut cards = deck.cards.iter().filter(named);
+        if cards.any(|c| c.value("NSET").is_some_and(|w| upper(&w.text) == upper(&word.text))) {
+            self.unsupported(word.span, "a set of UNSORTED order in *EQUATION is not supported", "name single nodes");
+        }
+    }
+
+    /// A set stands for as many equations as it has nodes; single nodes take part in all of them.
+    fn add_equations(&mut self, terms: &[Term], span: Span) {
+        let count = terms[0].0.len();
+        if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {
+            let message = format!("the first term has {count} nodes, another {}", other.0.len());
+            self.out_of_range(span, message);
+            return;
+        }
+        for i in 0..count {
+            let term = |(nodes, dof, c): &Term| (nodes[i.min(nodes.len() - 1)], *dof, *c);
+            self.model.equations.push(Equation { terms: terms.iter().map(term).collect(), span });
+        }
+    }
+}

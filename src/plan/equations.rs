@@ -1,0 +1,47 @@
+//! `*EQUATION` as constraints of what deforms.
+//! Never here: their solution.
+
+use super::Compiler;
+use crate::deck::Diagnostic;
+use crate::effect::solid::body::{Given, Solid};
+use crate::effect::solid::equation::{Equation, System};
+use crate::model::Step;
+
+impl Compiler<'_> {
+    /// The equations of a step, factorised with what is given in it.
+    pub(super) fn equations(&mut self, step: &Step, solid: Option<&Solid>, given: &[Given]) -> Vec<System> {
+        let model = self.model;
+        let (mut equations, mut spans) = (Vec::new(), Vec::new());
+        for equation in &model.equations {
+            let term =
+                |&(node, dof, c): &(usize, u8, f64)| Some((self.places.free_node(node)?, usize::from(dof) - 1, c));
+            match equation.terms.iter().map(term).collect() {
+                Some(terms) => {
+                    equations.push(Equation { terms });
+                    spans.push(equation.span);
+                }
+                None => {
+                    let message = "*EQUATION is for nodes that deform and that no rigid body carries";
+                    let finding = Diagnostic::error("P011", message).at(equation.span, "this equation has others");
+                    self.diagnostics.push(finding);
+                    return Vec::new();
+                }
+            }
+        }
+        let (Some(solid), Some(&span)) = (solid, spans.first()) else { return Vec::new() };
+        match System::all(&equations, &solid.mass, given) {
+            Ok(systems) => {
+                let detail = format!("exact, in {} independent systems", systems.len());
+                self.cause(span, "linear equations", equations.len(), "equations", detail);
+                systems
+            }
+            Err(index) => {
+                let message = format!("this equation cannot be kept in step `{}`", step.name);
+                let finding =
+                    Diagnostic::error("P018", message).at(spans[index], "it follows from others, or all is given");
+                self.diagnostics.push(finding.help("leave it out, or free one of its degrees of freedom"));
+                Vec::new()
+            }
+        }
+    }
+}

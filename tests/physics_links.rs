@@ -1,0 +1,187 @@
+//! What joins deformable bodies with each other and with what does not deform: rigid bodies tied to them, equations,
+//! springs and dashpots, walls, scaled masses.
+//!
+//! Goal: periods, momenta, contact times and energies of scenes with such links.
+//! Source: closed forms of vibrating columns, oscillators and bars; each test says its tolerance and why.
+
+mod common;
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+use common::solid::{column, grid, last, material, run};
+
+/// Modulus of uniaxial strain and density of the columns: speed of the wave 2, for the height 1 and the radius 0.1.
+const MODULUS: f64 = 4.0;
+const ROWS: usize = 20;
+
+/// A column along z in uniaxial strain, its last row tied to a rigid body of a mass, node 900 its reference.
+fn column_with_mass(mass: f64, more: &str) -> String {
+    let nu: f64 = 0.25;
+    let e = MODULUS * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu);
+    grid(2, ROWS, false, |i, j| [0.05 * i as f64, j as f64 / ROWS as f64])
+        + &material(e, nu, 1.0, "")
+        + &format!(
+            "*Node, nset=REF\n 900, 0., 1.\n*Element, type=MASS, elset=POINT\n 900, 900\n*Mass, elset=POINT\n {mass:e}\n\
+             *Rigid Body, ref node=900, tie nset=J1\n{more}"
+        )
+}
+
+/// First zero crossings of a history, from below, by straight lines between rows.
+fn rising_zeros(history: &[(f64, f64)]) -> Vec<f64> {
+    let rising = history.windows(2).filter(|w| w[0].1 < 0.0 && w[1].1 >= 0.0);
+    rising.map(|w| w[0].0 - w[0].1 * (w[1].0 - w[0].0) / (w[1].1 - w[0].1)).collect()
+}
+
+/// beta tan beta = mass of the column over the mass on it; omega = beta c / L.
+#[test]
+fn a_rigid_mass_on_an_elastic_column_has_its_period() {
+    let column_mass = PI * 0.01;
+    let beta: f64 = 0.860_333_589_019_38; // beta tan beta = 1
+    let omega = 2.0 * beta;
+    // The first mode and nothing else; so slow that the motion is linear.
+    let velocity = |z: f64| 1e-6 * (beta * z).sin();
+    let mut start = String::from("*Initial Conditions, type=VELOCITY\n");
+    for n in 0..3 * ROWS {
+        writeln!(start, " {}, 2, {:e}", n + 1, velocity((n / 3) as f64 / ROWS as f64)).expect("text");
+    }
+    writeln!(start, " 900, 2, {:e}", velocity(1.0)).expect("text");
+    let deck = column_with_mass(column_mass, &start)
+        + "*Step\n*Dynamic, Explicit\n , 40.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n\
+           *Output, history, frequency=1\n*Node Output, nset=REF\n U2\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLKE\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let motion = column(&deck, &memory, "U2@REF");
+    let zeros = rising_zeros(&motion);
+    let period = (zeros[zeros.len() - 1] - zeros[0]) / (zeros.len() - 1) as f64;
+    // Of second order: 1.1e-4 on 20 rows, 2e-5 on 40.
+    let error = period * omega / (2.0 * PI) - 1.0;
+    assert!(error.abs() < 2e-4, "period off by {error:e}");
+    // Tied nodes are where their body is.
+    assert_eq!(last(&deck, &memory, &format!("U2@{}", 3 * ROWS + 3)), motion.last().expect("a row").1);
+    let drift = outcome.energy.drift;
+    println!("mass on a column: period off by {error:.1e}, drift {drift:.1e}");
+    assert!(drift < 3e-3, "{drift:e}");
+}
+
+#[test]
+fn a_rigid_mass_and_a_free_column_keep_their_momentum_and_energy() {
+    let mass = 0.02;
+    let deck = column_with_mass(mass, "*Initial Conditions, type=VELOCITY\n 900, 2, -1.e-3\n")
+        + "*Step\n*Dynamic, Explicit\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=50\n\
+           *Node Output, nset=REF\n V2\n*Node Output, nset=ALL\n V2\n*Energy Output\n ETOTAL\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    // Masses by row sums: integrals of N r dr over the two rings, halves at the ends.
+    let (h, row) = (0.05, 2.0 * PI / ROWS as f64);
+    let share = [h * h / 6.0, h * h / 3.0 + h * (0.5 * h + h / 6.0), h * (0.5 * h + h / 3.0)];
+    let start = -1e-3 * (mass + 0.25 * PI * 0.01 * 2.0 / ROWS as f64);
+    for values in memory.rows.iter().map(|r| &r.1) {
+        let of_node = |n: usize| {
+            let half = if n / 3 == 0 || n / 3 == ROWS { 0.5 } else { 1.0 };
+            half * row * share[n % 3] * values[1 + n]
+        };
+        let momentum = mass * values[0] + (0..3 * (ROWS + 1)).map(of_node).sum::<f64>();
+        // Rounding of some thousand increments.
+        assert!((momentum / start - 1.0).abs() < 1e-11, "{momentum:e} {start:e}");
+    }
+    println!("mass and free column: drift {:.1e}", outcome.energy.drift);
+    assert!(outcome.energy.drift < 3e-3, "{:e}", outcome.energy.drift);
+}
+
+/// Gravity on everything and a force on a tied node reach the body; the whole falls as one.
+#[test]
+fn a_tied_scene_falls_as_one() {
+    let deck = column_with_mass(0.02, "*Nset, nset=TIED\n 62\n")
+        + "*Step\n*Dynamic, Explicit\n , 1.\n*Dload\n , GRAV, 9.81, 0., -1.\n*Boundary\n ALL, 1, 1\n\
+           *Output, history, number interval=5\n*Node Output, nset=REF\n V2\n*Node Output, nset=TIED\n V2\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    // Nothing strains: rounding alone.
+    assert!((last(&deck, &memory, "V2@REF") / -9.81 - 1.0).abs() < 1e-11);
+    assert!((last(&deck, &memory, "V2@TIED") / -9.81 - 1.0).abs() < 1e-11);
+}
+
+/// A bar whose upper half is a copy tied to the lower one by equations moves as the whole bar does.
+#[test]
+fn equations_join_two_bars_as_shared_nodes_do() {
+    let (n, m) = (2, 8);
+    let ends = "*Step\n*Dynamic, Explicit, direct user control\n 0.01, 4.\n*Boundary\n J0, 2, 2\n";
+    let asks = "*Output, history, number interval=20\n*Node Output, nset=TOP\n U2, U1\n*Energy Output\n ALLKE, ETOTAL\n*End Step\n";
+    let load = "*Dsload\n TOP, P, -0.01\n";
+    let whole = grid(n, m, false, |i, j| [0.2 + 0.1 * i as f64, 0.1 * j as f64])
+        + &material(1.0, 0.3, 1.0, "*Nset, nset=TOP\n 25\n*Surface, name=TOP\n EJ1, S3\n")
+        + ends
+        + load
+        + asks;
+    let mut halves = grid(n, m / 2, false, |i, j| [0.2 + 0.1 * i as f64, 0.1 * j as f64]);
+    for (k, j) in (0..=m / 2).map(|j| (j, j + m / 2)) {
+        for i in 0..=n {
+            writeln!(halves, "*Node\n {}, {}, {}", 101 + i + 3 * k, 0.2 + 0.1 * i as f64, 0.1 * j as f64)
+                .expect("text");
+        }
+    }
+    for e in 0..n * m / 2 {
+        let a = 101 + e % n + 3 * (e / n);
+        writeln!(halves, "*Element, type=CAX4R, elset=SOLID\n {}, {a}, {}, {}, {}", 101 + e, a + 1, a + 4, a + 3)
+            .expect("text");
+    }
+    halves += "*Nset, nset=UPPER\n 101, 102, 103\n*Elset, elset=ETOP\n 107, 108\n*Surface, name=TOP\n ETOP, S3\n*Nset, nset=TOP\n 113\n\
+               *Equation\n 2\n UPPER, 1, 1., J1, 1, -1.\n2\nUPPER, 2, 2.\nJ1, 2, -2.\n";
+    let halves = halves + &material(1.0, 0.3, 1.0, "") + ends + load + asks;
+    let ((one, rows), (two, joined)) = (run(&whole), run(&halves));
+    assert_eq!((one.halt, two.halt), (None, None));
+    assert!(one.energy.drift < 1e-3 && two.energy.drift < 1e-3, "{:e} {:e}", one.energy.drift, two.energy.drift);
+    for name in ["U2@TOP", "U1@TOP", "ALLKE"] {
+        for (a, b) in column(&whole, &rows, name).iter().zip(column(&halves, &joined, name)) {
+            // The same sums in another order, over 400 increments.
+            assert!((a.1 - b.1).abs() < 1e-12, "{name}: {} {}", a.1, b.1);
+        }
+    }
+}
+
+/// A node that an equation ties to one of given motion moves by the ratio, and the balance holds.
+#[test]
+fn an_equation_follows_a_motion_that_is_given() {
+    let deck = grid(2, 4, false, |i, j| [i as f64, j as f64])
+        + &material(
+            100.0,
+            0.3,
+            1.0,
+            "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 1., 1.\n*Nset, nset=LEADER\n 1\n*Nset, nset=FOLLOWER\n 15\n*Nset, nset=OTHER\n 14\n",
+        )
+        + "*Equation\n 2\n 15, 2, 1., 1, 2, -2.\n3\n14, 2, 1., 15, 2, -0.5, 13, 2, -0.5\n*Step\n*Dynamic, Explicit\n , 1.\n\
+           *Boundary, amplitude=RAMP\n 1, 2, 2, 0.01\n*Output, history, number interval=20\n\
+           *Node Output, nset=LEADER\n U2, RF2\n*Node Output, nset=FOLLOWER\n U2\n*Node Output, nset=OTHER\n U2\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLWK\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    assert!((last(&deck, &memory, "U2@LEADER") - 0.01).abs() < 1e-14);
+    assert!((last(&deck, &memory, "U2@FOLLOWER") - 0.02).abs() < 1e-12);
+    let mean = 0.5 * (last(&deck, &memory, "U2@FOLLOWER") + last(&deck, &memory, "U2@13"));
+    assert!((last(&deck, &memory, "U2@OTHER") - mean).abs() < 1e-12);
+    // What the given motion has done is all the work there is; the follower takes its part through the equation.
+    println!("given motion through an equation: drift {:.1e}", outcome.energy.drift);
+    assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 5e-3, "{:?}", outcome.energy);
+}
+
+#[test]
+fn faulty_equations_are_refused_with_a_reason() {
+    let good = column_with_mass(1.0, "*Equation\n 2\n 1, 2, 1., 2, 2, -1.\n")
+        + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n 1, 2, 2\n*End Step\n";
+    for (code, from, to) in [
+        ("", "", ""),
+        ("P018", "*Equation\n", "*Equation\n 2\n 1, 2, 2., 2, 2, -2.\n"),
+        ("P018", " 1, 2, 2\n", " 1, 2, 2\n 2, 2, 2\n"),
+        ("P011", " 2, 2, -1.", " 900, 2, -1."),
+        ("M102", ", -1.", ""),
+        ("M103", " 2, 2, -1.", " 2, 6, -1."),
+        ("M103", " 2\n 1, 2", " 1\n 1, 2"),
+    ] {
+        let text = good.replacen(from, to, 1);
+        let prepared = revolve::job::prepare_text("bad.inp", &text, &[], &revolve::user::Routines::none());
+        let shown = prepared.diagnostics.render(&prepared.deck.sources);
+        let codes: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
+        assert_eq!(codes.contains(&code), !code.is_empty(), "{code}: {shown}");
+        assert_eq!(prepared.diagnostics.has_errors(), !code.is_empty(), "{code}: {shown}");
+    }
+}
