@@ -116,3 +116,63 @@ fn bad_materials_are_refused_with_a_reason() {
         assert!(found, "{code}: {text}\n{}", prepared.diagnostics.render(&prepared.deck.sources));
     }
 }
+
+/// Perfectly plastic cylinders in tension: failure as the cards ask for it.
+fn torn(cards: &str) -> (String, Outcome, Memory) {
+    let deck = cylinder(&format!("*Plastic\n 400., 0.\n{cards}"), "0., 0., 1.e-5, 1.", 2e-4, 1e-5, "S22, PEEQ");
+    let (outcome, memory) = run(&deck);
+    // The piece swings freely after its failure.
+    whole(&outcome, 5e-3);
+    (deck, outcome, memory)
+}
+
+/// Plastic strain when the stress has gone.
+fn strain_at_the_end(deck: &str, memory: &Memory) -> f64 {
+    assert_eq!(last(deck, memory, "S22@SOLID"), 0.0);
+    last(deck, memory, "PEEQ@SOLID")
+}
+
+/// A deleted element bears nothing, at the plastic strain of its criterion. In uniaxial tension the triaxiality is 1/3.
+#[test]
+fn elements_fail_at_their_strain() {
+    for (cards, expected) in [
+        ("*Shear Failure\n 0.12,\n", 0.12),
+        ("*Shear Failure, type=JOHNSON COOK\n 0.05, 0.1, 1.5\n", 0.05 + 0.1 * (-0.5f64).exp()),
+        (
+            "*Damage Initiation, criterion=DUCTILE\n 0.2, 0.\n 0.05, 0.66666666667\n*Damage Evolution, type=DISPLACEMENT\n 0.,\n",
+            0.125,
+        ),
+    ] {
+        let (deck, outcome, memory) = torn(cards);
+        let strain = strain_at_the_end(&deck, &memory);
+        println!("failed at {strain:.5}, expected {expected:.5}");
+        // An increment strains by less than 1e-5.
+        assert!((strain - expected).abs() < 2e-4, "{strain} {expected}");
+        // All that was stored is dissipated.
+        let energy = outcome.energy;
+        assert!(energy.strain.abs() < 1e-3 * energy.plastic, "{} {}", energy.strain, energy.plastic);
+        // Perfect plasticity: 400 times the strain and the volume, and the elastic energy.
+        let expected = std::f64::consts::PI * 1e-9 * (400.0 * strain + 0.5 * 400.0 * 400.0 / 200e3);
+        assert!((energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", energy.plastic);
+    }
+}
+
+/// Linear damage: the stress falls with the plastic displacement, and the energy is that of the card.
+#[test]
+fn damage_takes_its_displacement_and_its_energy() {
+    // The length of the element is 1e-3, so the strain grows by 0.05; an energy of 400 times 5e-5 / 2 is the same.
+    for evolution in ["type=DISPLACEMENT\n 5.e-5,\n", "type=ENERGY\n 1.e-2,\n"] {
+        let begin = "*Damage Initiation, criterion=JOHNSON COOK\n 0.1, 0., 0., 0., 0., 0., 0., 1.\n*Damage Evolution, ";
+        let (deck, outcome, memory) = torn(&format!("{begin}{evolution}"));
+        let strain = strain_at_the_end(&deck, &memory);
+        assert!((strain - 0.15).abs() < 2e-4, "{strain}");
+        let (stress, strains) = (column(&deck, &memory, "S22@SOLID"), column(&deck, &memory, "PEEQ@SOLID"));
+        for (s, p) in stress.iter().zip(&strains).filter(|x| (0.1..0.149).contains(&x.1.1)) {
+            let expected = 400.0 * (1.0 - (p.1 - 0.1) / 0.05);
+            assert!((s.1 - expected).abs() < 2.0, "{} {expected}", s.1);
+        }
+        let expected = std::f64::consts::PI * 1e-9 * 400.0 * (0.1 + 0.025 + 0.001);
+        println!("damage: strain {strain:.5}, dissipated {:e} of {expected:e}", outcome.energy.plastic);
+        assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3);
+    }
+}

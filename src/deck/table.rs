@@ -128,6 +128,17 @@ pub static KEYWORDS: &[Keyword] = &[
         "DETONATION ENERGY": "Not supported: explosives",
         "PROPERTIES": "Not supported: user equations of state",
     }, ["Gas constant, ambient pressure; or c0, s, Gamma0"]),
+    row!(Used, "SHEAR FAILURE", "Failure by plastic strain", {
+        "TYPE": "TABULAR (default; one strain) or JOHNSON COOK",
+        "ELEMENT DELETION": "YES (default)",
+        "DEPENDENCIES": "Number of field variables",
+    }, ["Plastic strain at failure; or d1, d2, d3, d4, d5"]),
+    row!(Used, "TENSILE FAILURE", "Cutoff of tension, spall", {
+        "ELEMENT DELETION": "YES (default); NO keeps the mean stress at the cutoff",
+        "PRESSURE": "DUCTILE, with ELEMENT DELETION=NO",
+        "SHEAR": "DUCTILE, with ELEMENT DELETION=NO",
+        "DEPENDENCIES": "Number of field variables",
+    }, ["Mean stress, tension"]),
     row!(Used, "PHYSICAL CONSTANTS", "Absolute zero and other constants", {
         "ABSOLUTE ZERO": "Absolute zero on the scale of temperature that the deck uses",
         "STEFAN BOLTZMANN": "Not supported: radiation",
@@ -542,14 +553,14 @@ pub static KEYWORDS: &[Keyword] = &[
         "FIXED TIME INCREMENTATION": "The increment found at the start is kept", "DIRECT USER CONTROL": "The increment is given", "SCALE FACTOR": "Factor on the stable increment",
         "IMPROVED DT METHOD": "YES or NO",
     }, ["Increment, step time, unused, largest increment"]),
-    row!(Parsed, "DAMAGE INITIATION", "When damage begins", {
-        "CRITERION": "JOHNSON COOK, DUCTILE, SHEAR, ...", "DEPENDENCIES": "Number of field variables", "NUMBER IMPERFECTIONS": "Of MSFLD", "OMEGA": "Of MSFLD",
+    row!(Used, "DAMAGE INITIATION", "When damage begins", {
+        "CRITERION": "JOHNSON COOK or DUCTILE", "DEPENDENCIES": "Number of field variables", "NUMBER IMPERFECTIONS": "Of MSFLD", "OMEGA": "Of MSFLD",
         "ACCUMULATION POWER": "Of the sum", "ALPHA": "Of HASHIN", "DEFINITION": "Of MSFLD", "FEQ": "Of MSFLD", "FNN": "Of MSFLD", "FNT": "Of MSFLD",
         "FREQUENCY": "Of MSFLD", "KS": "Of SHEAR", "LODE DEPENDENT": "Of DUCTILE", "PEINC": "Of MSFLD", "POSITION": "Of enriched elements", "PROPERTIES": "Of USER",
         "FAILURE MECHANISMS": "Of USER", "NORMAL DIRECTION": "Of enriched elements", "TOLERANCE": "Of enriched elements", "INSTABILITY": "Of FLD",
-    }, ["Constants of the criterion"]),
-    row!(Parsed, "DAMAGE EVOLUTION", "How damage grows", {
-        "TYPE": "DISPLACEMENT or ENERGY", "SOFTENING": "LINEAR, EXPONENTIAL or TABULAR", "DEGRADATION": "MAXIMUM or MULTIPLICATIVE",
+    }, ["d1, d2, d3, d4, d5, melting temperature, transition temperature, reference rate; or plastic strain, triaxiality"]),
+    row!(Used, "DAMAGE EVOLUTION", "How damage grows", {
+        "TYPE": "DISPLACEMENT or ENERGY", "SOFTENING": "LINEAR (default)", "DEGRADATION": "MAXIMUM (default)",
         "DEPENDENCIES": "Number of field variables", "MIXED MODE BEHAVIOR": "Of cohesive elements", "MODE MIX RATIO": "Of cohesive elements", "POWER": "Of mixed modes",
         "FAILURE INDEX": "Of USER",
     }, ["Displacement or energy at failure"]),
@@ -693,7 +704,6 @@ pub static KEYWORDS: &[Keyword] = &[
     row!(UnsupportedPhysics, "RIGID SURFACE", "Analytical rigid surface of an older form"),
     row!(UnsupportedPhysics, "ROTARY INERTIA", "Rotary inertia of points"),
     row!(UnsupportedPhysics, "SFILM", "Heat exchange with a fluid"),
-    row!(UnsupportedPhysics, "SHEAR FAILURE", "Failure by plastic strain"),
     row!(UnsupportedPhysics, "SHELL SECTION", "Shells"),
     row!(UnsupportedPhysics, "SHELL GENERAL SECTION", "Shells"),
     row!(UnsupportedPhysics, "SHELL TO SOLID COUPLING", "Shells"),
@@ -709,7 +719,6 @@ pub static KEYWORDS: &[Keyword] = &[
     row!(UnsupportedPhysics, "SWELLING", "Swelling"),
     row!(UnsupportedPhysics, "SYMMETRIC MODEL GENERATION", "Model from another by symmetry"),
     row!(UnsupportedPhysics, "TEMPERATURE", "Prescribed temperatures"),
-    row!(UnsupportedPhysics, "TENSILE FAILURE", "Spall"),
     row!(UnsupportedPhysics, "TORQUE", "Torques"),
     row!(UnsupportedPhysics, "TRIAXIAL TEST DATA", "Soil tests"),
     row!(UnsupportedPhysics, "TRS", "Temperature shift of viscoelasticity"),

@@ -28,6 +28,10 @@ impl Builder<'_> {
             }
             "ELASTIC" => self.elastic(card),
             "EOS" => self.eos(card),
+            "SHEAR FAILURE" => self.shear_failure(card),
+            "TENSILE FAILURE" => self.tensile_failure(card),
+            "DAMAGE INITIATION" => self.damage_initiation(card),
+            "DAMAGE EVOLUTION" => self.damage_evolution(card),
             "PLASTIC" => self.plastic(card),
             "RATE DEPENDENT" => self.rate_dependent(card),
             "INELASTIC HEAT FRACTION" => {
@@ -151,7 +155,7 @@ impl Builder<'_> {
         self.last_material().plastic = Some(Plastic::Kinematic([first[0], slope]));
     }
 
-    fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
+    pub(super) fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
         let mut values = *defaults;
         for (i, value) in values.iter_mut().enumerate() {
             *value = self.number_or(line, i, *value)?;

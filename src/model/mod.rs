@@ -7,6 +7,7 @@ mod builder;
 pub mod codes;
 mod elements;
 mod eos;
+mod failure;
 mod loads;
 mod materials;
 pub mod mesh_file;

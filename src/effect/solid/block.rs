@@ -3,6 +3,7 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use super::failure::Failure;
 use super::law::{Constants, Flow, Hardening};
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
@@ -11,7 +12,7 @@ use crate::kernel::quad::{UNIT, gradient};
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Block<S, Q> {
+pub struct Block<S, Q, X> {
     /// Nodes at the corners, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
@@ -28,6 +29,8 @@ pub struct Block<S, Q> {
     pub state: S,
     /// What the volumetric law keeps.
     pub volumetric: Q,
+    /// What failure keeps.
+    pub failure: X,
 }
 
 /// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
@@ -72,7 +75,7 @@ pub struct Stage {
     pub(super) volume: Lanes,
     pub(super) trial: Lanes,
     pub(super) flow: Lanes,
-    weight: Lanes,
+    pub(super) weight: Lanes,
     /// Of a yield surface that moves: the spin increment and the back stress that it carried along.
     pub(super) spin: Lanes,
     pub(super) back: [Lanes; 4],
@@ -83,21 +86,26 @@ pub struct Stage {
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
-    count: usize,
+    pub(super) count: usize,
+    /// Elements that failure deleted in this pass.
+    pub(super) deaths: usize,
 }
 
-impl<S: Clone, Q: Clone> Block<S, Q> {
+impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]
-    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>>(
+    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>>(
         &mut self,
-        (hardening, volumetric): (&H, &V),
+        (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
         dt: f64,
-        nodes: &Nodes,
+        nodes: &mut Nodes,
         stage: &mut Stage,
         corners: &mut Corners,
     ) {
+        if F::FAILS {
+            self.bury(failure, nodes, stage);
+        }
         self.strain::<H>(constants, dt, nodes, stage);
         if H::SHIFTS {
             stage.back = hardening.back_stress(&self.state);
@@ -115,7 +123,13 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
             self.respond::<H, V>(volumetric, 3.0 * constants.shear, nodes, stage);
         }
         self.stress::<H>(constants, stage);
+        if F::FAILS {
+            self.fail((hardening, volumetric, failure), constants, dt, stage);
+        }
         self.forces::<V>(constants, dt, nodes, stage, corners);
+        if F::FAILS {
+            self.silence(failure, corners);
+        }
         if V::VARIES {
             volumetric.settle(&mut self.volumetric, &stage.heat, &stage.viscous, &self.mass);
         }

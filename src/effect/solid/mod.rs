@@ -5,6 +5,7 @@ pub mod block;
 pub mod body;
 mod collect;
 pub mod eos;
+pub mod failure;
 pub mod group;
 pub mod kinematic;
 pub mod law;

@@ -78,7 +78,7 @@ impl Volumetric for Linear {
     fn squeeze(&self, (): &mut (), _ask: Squeeze<'_>) {}
 }
 
-impl<S: Clone, Q: Clone> Block<S, Q> {
+impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// Mean stress by the volumetric law, with the work of the deviator that the yield surface left.
     #[inline(always)]
     pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>>(
