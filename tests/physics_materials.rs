@@ -114,6 +114,11 @@ fn bad_materials_are_refused_with_a_reason() {
         ("M104", deck("*Damage Initiation, criterion=FLD\n 0.1,\n")),
         ("M103", deck("*Damage Initiation, criterion=DUCTILE\n 0.1, 0.\n 0.1, -1.\n")),
         ("M105", deck("*Damage Evolution, type=ENERGY\n 0.1,\n")),
+        ("P013", deck("*Hyperelastic, neo hooke\n 1., 0.1\n")),
+        ("P013", gas("*Hyperelastic, neo hooke\n 1., 0.1\n*Plastic\n 1., 0.\n")),
+        ("M104", gas("*Hyperelastic, yeoh\n 1., 0.1\n")),
+        ("M103", gas("*Hyperelastic, neo hooke\n 1., 0.\n")),
+        ("P017", gas("*Hyperelastic, neo hooke\n 1., 0.1\n*Initial Conditions, type=STRESS\n SOLID, 1., 1., 1.\n")),
         ("M104", deck("*Eos, type=JWL\n 1., 1.\n")),
         ("M103", deck("*Eos, type=USUP\n -1., 1.\n")),
         ("P013", deck("*Eos, type=USUP\n 5000., 1.\n")),
@@ -228,5 +233,63 @@ fn tension_is_cut_off() {
         whole(&outcome, 5e-2);
         let pressure = last(&deck, &memory, "PRESS@SOLID");
         assert!((pressure - expected).abs() < 1e-9, "{pressure} {expected}");
+    }
+}
+
+/// Neo-Hooke with C10 = 0.5 and D1 = 0.1: shear modulus 1, bulk modulus 20.
+const RUBBER: &str = "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n";
+
+/// A block of rubber whose edge follows a prescribed stretch: displacements of node 4 and stresses at the end.
+fn rubber(boundary: &str) -> [f64; 6] {
+    let deck = grid(1, 1, false, |i, j| [i as f64, j as f64])
+        + RUBBER
+        + "*Nset, nset=CORNER\n 4,\n*Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 0.02, 1.\n*Step\n*Dynamic, Explicit\n , 0.02\n"
+        + &format!("*Boundary\n J0, 2, 2\n*Boundary, amplitude=A\n {boundary}\n")
+        + "*Output, history, number interval=100\n*Node Output, nset=CORNER\n U1, U2\n*Element Output, elset=SOLID\n S11, S22, S33, S12\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 1e-3);
+    let of = |name: &str| last(&deck, &memory, name);
+    let corner = ["U1@CORNER", "U2@CORNER"].map(of);
+    let [rr, zz, hoop, rz] = ["S11@SOLID", "S22@SOLID", "S33@SOLID", "S12@SOLID"].map(of);
+    [corner[0], corner[1], rr, zz, hoop, rz]
+}
+
+/// Uniaxial to a stretch of 2.5, equibiaxial to 1.8: the closed form for the stretches found, and no stress where it is
+/// free.
+#[test]
+fn rubber_stretches_by_its_closed_form() {
+    for (boundary, equibiaxial) in [("J1, 2, 2, 1.5", false), ("I1, 1, 1, 0.8", true)] {
+        let [u, w, rr, zz, hoop, rz] = rubber(boundary);
+        let (radial, axial) = (1.0 + u, 1.0 + w);
+        let j = radial * radial * axial;
+        let deviator =
+            |stretch: f64| j.powf(-5.0 / 3.0) * (stretch * stretch - (2.0 * radial * radial + axial * axial) / 3.0);
+        let (expected_r, expected_z) = (deviator(radial) + 20.0 * (j - 1.0), deviator(axial) + 20.0 * (j - 1.0));
+        println!("rubber: {radial:.4} {axial:.4}: rr {rr:.5} {expected_r:.5}, zz {zz:.5} {expected_z:.5}");
+        // By rounding alone: the deformation gradient is exact.
+        for (got, expected) in [(rr, expected_r), (hoop, expected_r), (zz, expected_z), (rz, 0.0)] {
+            assert!((got - expected).abs() < 1e-9, "{got} {expected}");
+        }
+        let (free, held) = if equibiaxial { (zz, rr) } else { (rr, zz) };
+        // The block still swings a little.
+        assert!(free.abs() < 0.02 && held > 2.0, "{free} {held}");
+    }
+}
+
+/// Simple shear of a ring so wide that it is plane: S12 = 2 C10 gamma, S22 - S11 = 2 C10 gamma^2, at gamma = 2.
+#[test]
+fn rubber_shears_by_its_closed_form() {
+    let deck = grid(1, 1, false, |i, j| [1e6 + i as f64, j as f64])
+        + RUBBER
+        + "*Amplitude, name=A\n 0., 0., 0.01, 1.\n*Step\n*Dynamic, Explicit\n , 0.01\n*Boundary\n ALL, 1, 1\n I0, 2, 2\n\
+           *Boundary, amplitude=A\n I1, 2, 2, 2.\n*Output, history, number interval=10\n\
+           *Element Output, elset=SOLID\n S11, S22, S33, S12\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 1e-3);
+    let [rr, zz, hoop, rz] = ["S11@SOLID", "S22@SOLID", "S33@SOLID", "S12@SOLID"].map(|n| last(&deck, &memory, n));
+    println!("rubber in shear: {rr} {zz} {hoop} {rz}");
+    // Rounding of the radius 1e6, summed over the increments.
+    for (got, expected) in [(rz, 2.0), (zz - rr, 4.0), (hoop - rr, 0.0), (rr + zz + hoop, 0.0)] {
+        assert!((got - expected).abs() < 1e-5, "{got} {expected}");
     }
 }

@@ -91,6 +91,7 @@ impl<'a> Builder<'a> {
             | "INELASTIC HEAT FRACTION"
             | "SPECIFIC HEAT"
             | "EOS"
+            | "HYPERELASTIC"
             | "SHEAR FAILURE"
             | "TENSILE FAILURE"
             | "DAMAGE INITIATION"

@@ -142,6 +142,8 @@ pub struct Material {
     pub elastic: Option<[f64; 2]>,
     /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
     pub shear_modulus: Option<f64>,
+    /// C10 and D1 of a `*HYPERELASTIC, NEO HOOKE`, and the card.
+    pub neo_hooke: Option<([f64; 2], Span)>,
     /// Equation of state.
     pub eos: Option<EquationOfState>,
     /// Yield description.

@@ -6,6 +6,7 @@ use crate::deck::{Diagnostic, Span};
 use crate::effect::solid::eos::{Eos, IdealGas, UsUp};
 use crate::effect::solid::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
 use crate::effect::solid::group::{Group, Quads};
+use crate::effect::solid::hyperelastic::NeoHooke;
 use crate::effect::solid::kinematic::Kinematic;
 use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
 use crate::effect::solid::volumetric::{Linear, Volumetric};
@@ -90,6 +91,9 @@ impl Compiler<'_> {
         };
         self.solid_rows(section, elements.len(), &constants, material);
         let make = Make { constants, density, corners, nodes };
+        if let Some(([c10, d1], _)) = material.neo_hooke {
+            return Some(make.quads(Elastic, NeoHooke { c10, d1 }));
+        }
         match self.equation(material, section.span)? {
             None => self.with_volumetric(material, section.span, Linear, make),
             Some(Equation::Gas(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
@@ -101,6 +105,17 @@ impl Compiler<'_> {
     fn moduli(&mut self, material: &Material, span: Span) -> Option<Moduli> {
         let refusal = match material {
             Material { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
+            Material {
+                neo_hooke: Some(([c10, _], _)), elastic: None, shear_modulus: None, eos: None, plastic, ..
+            } => {
+                if plastic.is_none() && material.failures.is_empty() && material.tensile_failure.is_none() {
+                    return Some(Moduli { bulk: 0.0, shear: 2.0 * c10, ratio: 0.5 });
+                }
+                format!("material `{}` is rubber that yields or fails, which is not supported", material.name)
+            }
+            Material { neo_hooke: Some(_), .. } => {
+                format!("material `{}` has *HYPERELASTIC and another elasticity", material.name)
+            }
             Material { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
                 let shear = shear_modulus.unwrap_or(0.0);
                 if plastic.is_none() || shear > 0.0 {
@@ -215,6 +230,7 @@ impl Compiler<'_> {
 
     fn solid_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants, material: &Material) {
         let elasticity = match (&material.eos, constants.shear > 0.0) {
+            _ if material.neo_hooke.is_some() => "neo-Hooke by the whole deformation",
             (Some(_), false) => "fluid",
             (Some(_), true) => "equation of state and shear modulus, Jaumann rate",
             (None, _) => "elastic, Jaumann rate",

@@ -76,7 +76,7 @@ pub struct Stage {
     pub(super) trial: Lanes,
     pub(super) flow: Lanes,
     pub(super) weight: Lanes,
-    /// Of a yield surface that moves: the spin increment and the back stress that it carried along.
+    /// Spin increment, and of a yield surface that moves the back stress that it carried along.
     pub(super) spin: Lanes,
     pub(super) back: [Lanes; 4],
     /// Of a bulk modulus that varies: its value, the stress of the bulk viscosity, the heat that it made.
@@ -106,7 +106,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.bury(failure, nodes, stage);
         }
-        self.strain::<H>(constants, dt, nodes, stage);
+        self.strain::<H, V>(constants, dt, nodes, stage);
         if H::SHIFTS {
             stage.back = hardening.back_stress(&self.state);
             stage.shift();
@@ -137,7 +137,13 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
-    fn strain<H: Hardening>(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage) {
+    fn strain<H: Hardening, V: Volumetric>(
+        &mut self,
+        constants: &Constants,
+        dt: f64,
+        nodes: &Nodes,
+        stage: &mut Stage,
+    ) {
         let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
         let half = 0.5 * dt;
         for l in 0..LANES {
@@ -149,7 +155,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
             let d_rz = 0.5 * (rz + zr);
             let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
-            if H::SHIFTS {
+            if H::SHIFTS || V::TOTAL {
                 stage.spin[l] = 0.5 * (rz - zr);
             }
             let dilation = d_rr + d_zz + d_hoop;

@@ -56,6 +56,8 @@ pub trait Group: Send {
     fn status(&self, element: usize) -> Option<f64>;
     /// Adds the corner nodes of elements that the last update deleted.
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
+    /// Whether the pressure follows from a state, so that no initial stress can be given.
+    fn holds_state(&self) -> bool;
     /// Energy a mass of an element, where its equation of state follows it.
     fn energy(&self, element: usize) -> Option<f64>;
     /// Sets the energy a mass of an element at the start.
@@ -243,6 +245,10 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
                 gone.push(self.corners(element));
             }
         }
+    }
+
+    fn holds_state(&self) -> bool {
+        V::VARIES
     }
 
     fn energy(&self, element: usize) -> Option<f64> {

@@ -7,6 +7,7 @@ mod collect;
 pub mod eos;
 pub mod failure;
 pub mod group;
+pub mod hyperelastic;
 pub mod kinematic;
 pub mod law;
 pub mod loads;
