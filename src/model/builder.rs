@@ -91,6 +91,11 @@ impl<'a> Builder<'a> {
             | "INELASTIC HEAT FRACTION"
             | "SPECIFIC HEAT"
             | "EOS"
+            | "HYPERELASTIC"
+            | "SHEAR FAILURE"
+            | "TENSILE FAILURE"
+            | "DAMAGE INITIATION"
+            | "DAMAGE EVOLUTION"
             | "CAVITY EXPANSION" => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),

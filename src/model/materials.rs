@@ -28,6 +28,11 @@ impl Builder<'_> {
             }
             "ELASTIC" => self.elastic(card),
             "EOS" => self.eos(card),
+            "HYPERELASTIC" => self.hyperelastic(card),
+            "SHEAR FAILURE" => self.shear_failure(card),
+            "TENSILE FAILURE" => self.tensile_failure(card),
+            "DAMAGE INITIATION" => self.damage_initiation(card),
+            "DAMAGE EVOLUTION" => self.damage_evolution(card),
             "PLASTIC" => self.plastic(card),
             "RATE DEPENDENT" => self.rate_dependent(card),
             "INELASTIC HEAT FRACTION" => {
@@ -99,6 +104,21 @@ impl Builder<'_> {
         self.last_material().elastic = Some([e, nu]);
     }
 
+    /// `*HYPERELASTIC, NEO HOOKE`: C10 and D1, both above zero: what does not give way in volume has no stable increment.
+    fn hyperelastic(&mut self, card: &Card) {
+        if !card.has("NEO HOOKE") || card.lines.len() > 1 {
+            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE with one line is");
+            return;
+        }
+        let Some(line) = self.first_line(card) else { return };
+        let (Some(c10), Some(d1)) = (self.number(line, 0, "C10"), self.number(line, 1, "D1")) else { return };
+        if c10 <= 0.0 || d1 <= 0.0 {
+            self.out_of_range(line.span, format!("C10 and D1 must be above zero, not {c10} and {d1}"));
+            return;
+        }
+        self.last_material().neo_hooke = Some(([c10, d1], card.span));
+    }
+
     fn plastic(&mut self, card: &Card) {
         self.refuse(card, &["DEPENDENCIES"]);
         let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
@@ -151,7 +171,7 @@ impl Builder<'_> {
         self.last_material().plastic = Some(Plastic::Kinematic([first[0], slope]));
     }
 
-    fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
+    pub(super) fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
         let mut values = *defaults;
         for (i, value) in values.iter_mut().enumerate() {
             *value = self.number_or(line, i, *value)?;

@@ -8,6 +8,7 @@ pub mod codes;
 mod elements;
 mod eos;
 mod equations;
+mod failure;
 mod loads;
 mod materials;
 pub mod mesh_file;

@@ -144,6 +144,8 @@ pub struct Material {
     pub elastic: Option<[f64; 2]>,
     /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
     pub shear_modulus: Option<f64>,
+    /// C10 and D1 of a `*HYPERELASTIC, NEO HOOKE`, and the card.
+    pub neo_hooke: Option<([f64; 2], Span)>,
     /// Equation of state.
     pub eos: Option<EquationOfState>,
     /// Yield description.
@@ -154,6 +156,10 @@ pub struct Material {
     pub inelastic_heat_fraction: Option<f64>,
     /// Heat per mass and temperature.
     pub specific_heat: Option<f64>,
+    /// Failure by the plastic strain, in the order of the deck.
+    pub failures: Vec<FailureCriterion>,
+    /// `*TENSILE FAILURE`.
+    pub tensile_failure: Option<TensileFailure>,
     /// `*CAVITY EXPANSION` (extension).
     pub cavity: Option<CavityExpansion>,
 }
@@ -174,6 +180,53 @@ pub enum EosKind {
     IdealGas([f64; 2]),
     /// Linear shock speed: c0, s, Grueneisen coefficient.
     UsUp([f64; 3]),
+}
+
+/// `*SHEAR FAILURE`, or `*DAMAGE INITIATION` with its `*DAMAGE EVOLUTION`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailureCriterion {
+    /// Plastic strain at which the element fails or its damage begins.
+    pub strain: StrainAtFailure,
+    /// What follows.
+    pub evolution: DamageEvolution,
+    /// The card.
+    pub span: Span,
+}
+
+/// Plastic strain at failure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StrainAtFailure {
+    /// A constant.
+    Constant(f64),
+    /// d1 to d5; melting temperature, transition temperature and reference rate, which `*SHEAR FAILURE` takes from
+    /// `*PLASTIC` and `*RATE DEPENDENT`.
+    JohnsonCook([f64; 5], Option<[f64; 3]>),
+    /// Rows of strain and triaxiality.
+    Triaxiality(Vec<[f64; 2]>),
+}
+
+/// How damage grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DamageEvolution {
+    /// The element is deleted at once.
+    Sudden,
+    /// Not at all: no `*DAMAGE EVOLUTION`.
+    Absent,
+    /// Linear in the displacement; its value at failure.
+    Displacement(f64),
+    /// Linear, by the energy an area.
+    Energy(f64),
+}
+
+/// `*TENSILE FAILURE`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TensileFailure {
+    /// Mean stress that is not exceeded.
+    pub cutoff: f64,
+    /// Whether the element that reaches it is deleted.
+    pub deletes: bool,
+    /// The card.
+    pub span: Span,
 }
 
 /// `*PLASTIC`.

@@ -96,6 +96,11 @@ pub const CODES: &[Code] = &[
         text: "An *EQUATION follows from others, contradicts them, or has no degree of freedom that could move to keep it, because all of them are given.",
     },
     Code {
+        code: "P019",
+        title: "failure that cannot be simulated",
+        text: "Criteria over the plastic strain need *PLASTIC; d4 and d5 of *SHEAR FAILURE, TYPE=JOHNSON COOK take the reference rate and the temperatures from *RATE DEPENDENT and *PLASTIC; a cutoff of tension without deletion needs *EOS.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",

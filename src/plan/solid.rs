@@ -157,9 +157,9 @@ impl Compiler<'_> {
                     }
                 }
                 InitialKind::Stress(values) => {
-                    let eos = |&&(group, i): &&(usize, usize)| solid.groups[group].energy(i).is_some();
+                    let eos = |&&(group, _): &&(usize, usize)| solid.groups[group].holds_state();
                     if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {
-                        let message = "an equation of state gives the pressure by density and energy";
+                        let message = "here the stress follows from density and energy, or from the deformation";
                         let finding = Diagnostic::error("P017", message).at(condition.span, "an initial stress here");
                         self.diagnostics
                             .push(finding.help("give TYPE=SPECIFIC ENERGY, or a temperature of an ideal gas"));

@@ -4,13 +4,18 @@
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::effect::solid::eos::{Eos, IdealGas, UsUp};
+use crate::effect::solid::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
 use crate::effect::solid::group::{Group, Quads};
+use crate::effect::solid::hyperelastic::NeoHooke;
 use crate::effect::solid::kinematic::Kinematic;
 use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
 use crate::effect::solid::volumetric::{Linear, Volumetric};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
 use crate::kernel::quad::corner_masses;
-use crate::model::{EosKind, Hourglass, Material, Plastic, RateDependence, SolidSection};
+use crate::model::{
+    DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SolidSection,
+    StrainAtFailure,
+};
 use crate::state::nodes::Node;
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
@@ -44,7 +49,17 @@ struct Make<'a> {
 
 impl Make<'_> {
     fn quads<H: Hardening + 'static, V: Volumetric + 'static>(self, hardening: H, volumetric: V) -> Box<dyn Group> {
-        Box::new(Quads::new((hardening, volumetric), self.constants, self.density, self.corners, self.nodes))
+        self.failing(hardening, volumetric, Intact)
+    }
+
+    fn failing<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static>(
+        self,
+        hardening: H,
+        volumetric: V,
+        failure: F,
+    ) -> Box<dyn Group> {
+        let laws = (hardening, volumetric, failure);
+        Box::new(Quads::new(laws, self.constants, self.density, self.corners, self.nodes))
     }
 }
 
@@ -76,6 +91,9 @@ impl Compiler<'_> {
         };
         self.solid_rows(section, elements.len(), &constants, material);
         let make = Make { constants, density, corners, nodes };
+        if let Some(([c10, d1], _)) = material.neo_hooke {
+            return Some(make.quads(Elastic, NeoHooke { c10, d1 }));
+        }
         match self.equation(material, section.span)? {
             None => self.with_volumetric(material, section.span, Linear, make),
             Some(Equation::Gas(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
@@ -87,6 +105,17 @@ impl Compiler<'_> {
     fn moduli(&mut self, material: &Material, span: Span) -> Option<Moduli> {
         let refusal = match material {
             Material { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
+            Material {
+                neo_hooke: Some(([c10, _], _)), elastic: None, shear_modulus: None, eos: None, plastic, ..
+            } => {
+                if plastic.is_none() && material.failures.is_empty() && material.tensile_failure.is_none() {
+                    return Some(Moduli { bulk: 0.0, shear: 2.0 * c10, ratio: 0.5 });
+                }
+                format!("material `{}` is rubber that yields or fails, which is not supported", material.name)
+            }
+            Material { neo_hooke: Some(_), .. } => {
+                format!("material `{}` has *HYPERELASTIC and another elasticity", material.name)
+            }
             Material { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
                 let shear = shear_modulus.unwrap_or(0.0);
                 if plastic.is_none() || shear > 0.0 {
@@ -143,18 +172,26 @@ impl Compiler<'_> {
         make: Make<'_>,
     ) -> Option<Box<dyn Group>> {
         let heating = if self.adiabatic() { heating(material, make.density) } else { 0.0 };
+        let failing = self.failing(material)?;
         let Some(plastic) = &material.plastic else {
-            return Some(make.quads(Elastic, volumetric));
+            return Some(match failing {
+                Some(failing) => make.failing(Elastic, volumetric, failing),
+                None => make.quads(Elastic, volumetric),
+            });
         };
         if let Plastic::Kinematic([yield_stress, slope]) = *plastic {
-            if material.rate.is_some() || heating > 0.0 {
-                let message = "kinematic hardening with a rate or heated by plastic work is not supported";
+            if material.rate.is_some() || heating > 0.0 || failing.is_some() {
+                let message =
+                    "kinematic hardening with a rate, with failure or heated by plastic work is not supported";
                 self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
                 return None;
             }
             return Some(make.quads(Kinematic { yield_stress, slope }, volumetric));
         }
         let law = self.yield_stress(plastic, material.rate.as_ref(), span)?;
+        if let Some(failing) = failing {
+            return Some(make.failing(General { law, heating }, volumetric, failing));
+        }
         let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
         if let (Plastic::Tabular(rows), None, 0.0) = (plastic, &material.rate, heating)
             && cold(rows)
@@ -193,6 +230,7 @@ impl Compiler<'_> {
 
     fn solid_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants, material: &Material) {
         let elasticity = match (&material.eos, constants.shear > 0.0) {
+            _ if material.neo_hooke.is_some() => "neo-Hooke by the whole deformation",
             (Some(_), false) => "fluid",
             (Some(_), true) => "equation of state and shear modulus, Jaumann rate",
             (None, _) => "elastic, Jaumann rate",
@@ -216,6 +254,78 @@ impl Compiler<'_> {
         if linear != 0.0 || quadratic != 0.0 {
             self.cause(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
         }
+    }
+
+    /// What fails of a material; `None` where nothing does.
+    fn failing(&mut self, material: &Material) -> Option<Option<Failing>> {
+        let mut failing = Failing::default();
+        for criterion in &material.failures {
+            let evolution = match criterion.evolution {
+                DamageEvolution::Sudden => Evolution::Sudden,
+                DamageEvolution::Displacement(value) => Evolution::Displacement(value),
+                DamageEvolution::Energy(value) => Evolution::Energy(value),
+                DamageEvolution::Absent => {
+                    self.unused(criterion.span, "*DAMAGE INITIATION", "without *DAMAGE EVOLUTION it changes no stress");
+                    continue;
+                }
+            };
+            if material.plastic.is_none() {
+                return self.no_failure(criterion.span, "failure by plastic strain needs *PLASTIC");
+            }
+            let strain = self.failure_strain(material, criterion)?;
+            let detail = match criterion.evolution {
+                DamageEvolution::Displacement(value) => format!("damage over a displacement of {value}"),
+                DamageEvolution::Energy(value) => format!("damage over an energy of {value} an area"),
+                _ => "deletion at once".into(),
+            };
+            self.cause(criterion.span, "failure", 1, "criterion", detail);
+            failing.criteria.push(Criterion { strain, evolution });
+        }
+        if failing.criteria.len() > CRITERIA {
+            return self.no_failure(material.span, "more than three criteria of failure are not supported");
+        }
+        if let Some(tensile) = material.tensile_failure {
+            if !tensile.deletes && material.eos.is_none() {
+                // Without an equation of state nothing would remember how far the material has opened.
+                return self.no_failure(tensile.span, "a cutoff of tension without deletion needs *EOS");
+            }
+            let end = if tensile.deletes { "deletion" } else { "cutoff" };
+            self.cause(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));
+            failing.cutoff = Some(Cutoff { stress: tensile.cutoff, deletes: tensile.deletes });
+        }
+        Some((!failing.criteria.is_empty() || failing.cutoff.is_some()).then_some(failing))
+    }
+
+    fn no_failure<T>(&mut self, span: Span, message: &str) -> Option<T> {
+        self.diagnostics.push(Diagnostic::error("P019", message).at(span, "here"));
+        None
+    }
+
+    fn failure_strain(&mut self, material: &Material, criterion: &FailureCriterion) -> Option<FailureStrain> {
+        Some(match &criterion.strain {
+            StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
+            StrainAtFailure::Triaxiality(rows) => FailureStrain::Triaxiality(Table { rows: rows.clone() }),
+            StrainAtFailure::JohnsonCook(d, Some([melt, transition, reference])) => {
+                FailureStrain::JohnsonCook { d: *d, melt: *melt, transition: *transition, reference: *reference }
+            }
+            StrainAtFailure::JohnsonCook(d, None) => {
+                let (melt, transition) = match material.plastic {
+                    Some(Plastic::JohnsonCook([.., melt, transition])) => (melt, transition),
+                    _ if d[4] != 0.0 => {
+                        return self.no_failure(criterion.span, "d5 needs *PLASTIC, HARDENING=JOHNSON COOK");
+                    }
+                    _ => (0.0, 0.0),
+                };
+                let reference = match material.rate {
+                    Some(RateDependence::JohnsonCook([_, reference])) => reference,
+                    _ if d[3] != 0.0 => {
+                        return self.no_failure(criterion.span, "d4 needs *RATE DEPENDENT, TYPE=JOHNSON COOK");
+                    }
+                    _ => 1.0,
+                };
+                FailureStrain::JohnsonCook { d: *d, melt, transition, reference }
+            }
+        })
     }
 
     fn yield_stress(

@@ -3,6 +3,7 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use super::failure::Failure;
 use super::law::{Constants, Flow, Hardening};
 use super::record::Record;
 use super::volumetric::Volumetric;
@@ -13,7 +14,7 @@ use crate::state::nodes::Node;
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Block<S, Q> {
+pub struct Block<S, Q, X> {
     /// Nodes at the corners, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
@@ -30,6 +31,8 @@ pub struct Block<S, Q> {
     pub state: S,
     /// What the volumetric law keeps.
     pub volumetric: Q,
+    /// What failure keeps.
+    pub failure: X,
 }
 
 /// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
@@ -94,8 +97,8 @@ pub struct Stage {
     pub(super) volume: Lanes,
     pub(super) trial: Lanes,
     pub(super) flow: Lanes,
-    weight: Lanes,
-    /// Of a yield surface that moves: the spin increment and the back stress that it carried along.
+    pub(super) weight: Lanes,
+    /// Spin increment, and of a yield surface that moves the back stress that it carried along.
     pub(super) spin: Lanes,
     pub(super) back: [Lanes; 4],
     /// Of a bulk modulus that varies: its value, the stress of the bulk viscosity, the heat that it made.
@@ -105,24 +108,29 @@ pub struct Stage {
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
-    count: usize,
+    pub(super) count: usize,
     /// Of the task's blocks, what outputs ask for; empty if none does.
     pub(super) records: Vec<Record>,
+    /// Elements that failure deleted in this pass.
+    pub(super) deaths: usize,
 }
 
-impl<S: Clone, Q: Clone> Block<S, Q> {
+impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]
-    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>>(
+    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>>(
         &mut self,
-        (hardening, volumetric): (&H, &V),
+        (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
         dt: f64,
-        nodes: &Nodes,
+        nodes: &mut Nodes,
         stage: &mut Stage,
         corners: &mut Corners,
     ) {
-        self.strain::<H>(constants, dt, nodes, stage);
+        if F::FAILS {
+            self.bury(failure, nodes, stage);
+        }
+        self.strain::<H, V>(constants, dt, nodes, stage);
         if H::SHIFTS {
             stage.back = hardening.back_stress(&self.state);
             stage.shift();
@@ -139,7 +147,13 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
             self.respond::<H, V>(volumetric, 3.0 * constants.shear, nodes, stage);
         }
         self.stress::<H>(constants, stage);
+        if F::FAILS {
+            self.fail((hardening, volumetric, failure), constants, dt, stage);
+        }
         self.forces::<V>(constants, dt, stage, corners);
+        if F::FAILS {
+            self.silence(failure, corners);
+        }
         if V::VARIES {
             volumetric.settle(&mut self.volumetric, &stage.heat, &stage.viscous, &self.mass);
         }
@@ -147,7 +161,13 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
-    pub(super) fn strain<H: Hardening>(&mut self, constants: &Constants, dt: f64, nodes: &Nodes, stage: &mut Stage) {
+    pub(super) fn strain<H: Hardening, V: Volumetric>(
+        &mut self,
+        constants: &Constants,
+        dt: f64,
+        nodes: &Nodes,
+        stage: &mut Stage,
+    ) {
         let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
         let half = 0.5 * dt;
         for l in 0..LANES {
@@ -165,7 +185,7 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
             let d_rz = 0.5 * (rz + zr);
             let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
-            if H::SHIFTS {
+            if H::SHIFTS || V::TOTAL {
                 stage.spin[l] = 0.5 * (rz - zr);
             }
             let dilation = d_rr + d_zz + d_hoop;
@@ -347,7 +367,14 @@ pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
 impl Stage {
     /// Lets the record of a block of the task follow an increment.
     #[inline(never)]
-    pub(super) fn follow<S, Q>(&mut self, index: usize, block: &Block<S, Q>, flows: bool, nodes: &Nodes, dt: f64) {
+    pub(super) fn follow<S, Q, X>(
+        &mut self,
+        index: usize,
+        block: &Block<S, Q, X>,
+        flows: bool,
+        nodes: &Nodes,
+        dt: f64,
+    ) {
         let mut record = self.records[index];
         record.follow(block, flows, nodes, dt, self);
         self.records[index] = record;

@@ -45,6 +45,9 @@ pub trait NodeForce {
     /// # Errors
     /// Where no finite force can be given; the run halts.
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt>;
+
+    /// Elements with these corner nodes are no more: what acts on their faces ends.
+    fn release(&mut self, _gone: &[[u32; 4]]) {}
 }
 
 /// Energies of the deformable part, summed over the run.
@@ -171,6 +174,8 @@ pub struct Solid {
     behind: f64,
     pending: bool,
     moved: bool,
+    /// Corner nodes of deleted elements, and how many of them the forces of this step have been told.
+    gone: (Vec<[u32; 4]>, usize),
 }
 
 /// What accelerations come from.
@@ -244,6 +249,8 @@ impl Solid {
     ) -> Self {
         let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
         let count = nodes.len();
+        // Room for all that may fail: nothing allocates inside an increment.
+        let fragile = groups.iter().filter(|g| !g.is_empty() && g.status(0).is_some()).map(|g| g.len()).sum();
         Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
@@ -266,6 +273,7 @@ impl Solid {
             behind: 0.0,
             pending: true,
             moved: false,
+            gone: (Vec::with_capacity(fragile), 0),
             nodes,
         }
     }
@@ -277,6 +285,7 @@ impl Solid {
             Reaction { place: (g.node, g.axis), origin, ..Reaction::default() }
         };
         self.reactions = given.iter().map(reaction).collect();
+        self.gone.1 = 0;
         let count = if forces > 0 { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
@@ -313,6 +322,10 @@ impl Solid {
         let [external, before] = &mut self.external;
         std::mem::swap(external, before);
         external.fill([0.0; 2]);
+        if self.gone.1 < self.gone.0.len() {
+            forces.iter_mut().for_each(|force| force.release(&self.gone.0[self.gone.1..]));
+            self.gone.1 = self.gone.0.len();
+        }
         for force in forces {
             force.add(now, &self.nodes, external)?;
         }
@@ -329,6 +342,7 @@ impl Solid {
             let blocks = group.len().div_ceil(LANES);
             let totals = group.update(&self.nodes, self.behind, &mut self.corners[first..first + blocks]);
             first += blocks;
+            group.deleted(&mut self.gone.0);
             self.energies.internal += totals.internal;
             self.energies.plastic += totals.plastic;
             self.energies.viscous += totals.viscous;

@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::block::{Block, Nodes, Stage, Sums, across, is_larger};
 use super::body::PARALLEL;
+use super::failure::Failure;
 use super::law::{Constants, Hardening};
 use super::record::{Followed, Record};
 use super::volumetric::Volumetric;
-use super::{Corners, LANES};
+use super::{Corners, LANES, Lanes};
 use crate::kernel::quad;
 use crate::state::nodes::Node;
 
@@ -57,14 +58,16 @@ pub trait Group: Send {
     fn followed(&self, element: usize) -> Option<Followed>;
     /// Mass of an element.
     fn mass(&self, element: usize) -> f64;
-    /// Whether an element is there (1) or deleted (0).
-    fn status(&self, _element: usize) -> Option<f64> {
-        Some(1.0)
-    }
     /// Variable of an element that the user's routine keeps, counted from 0.
     fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
         None
     }
+    /// 1 for an element that carries, 0 for one that failure has deleted; `None` if none can fail.
+    fn status(&self, element: usize) -> Option<f64>;
+    /// Adds the corner nodes of elements that the last update deleted.
+    fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
+    /// Whether the pressure follows from a state, so that no initial stress can be given.
+    fn holds_state(&self) -> bool;
     /// Energy a mass of an element, where its equation of state follows it.
     fn energy(&self, element: usize) -> Option<f64>;
     /// Sets the energy a mass of an element at the start.
@@ -79,19 +82,22 @@ pub trait Group: Send {
     }
 }
 
-/// Quadrilaterals with one hardening law and one volumetric law.
-pub struct Quads<H: Hardening, V: Volumetric> {
+/// Quadrilaterals with a hardening law, a volumetric law, and what fails.
+pub struct Quads<H: Hardening, V: Volumetric, F: Failure> {
     hardening: H,
     volumetric: V,
+    failure: F,
     constants: Constants,
     count: usize,
-    blocks: Vec<Block<H::State, V::State>>,
+    blocks: Vec<Block<H::State, V::State, F::State>>,
     tasks: Vec<Stage>,
     arch: Arch,
     parallel: bool,
+    /// Elements whose deletion has been told.
+    told: Vec<bool>,
 }
 
-impl<H: Hardening, V: Volumetric> Quads<H, V> {
+impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
     /// The same on another instruction set, which gives the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -101,29 +107,52 @@ impl<H: Hardening, V: Volumetric> Quads<H, V> {
 
     /// Elements by their corner nodes, at their places now.
     pub fn new(
-        (hardening, volumetric): (H, V),
+        (hardening, volumetric, failure): (H, V, F),
         constants: Constants,
         density: f64,
         elements: &[[u32; 4]],
         nodes: &[Node],
     ) -> Self {
-        let fresh = |part: &[_]| block((hardening.fresh(), volumetric.fresh()), density, part, nodes);
+        let fresh = |part: &[_]| {
+            let [area, volume] = sizes(part, nodes);
+            let states = (hardening.fresh(), volumetric.fresh(), failure.fresh(&area, &volume));
+            block(states, density, part, nodes)
+        };
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
         Quads {
             hardening,
             volumetric,
+            failure,
             constants,
             count: elements.len(),
             tasks: vec![Stage::default(); blocks.len().div_ceil(TASK)],
             blocks,
             arch: Arch::new(),
             parallel,
+            told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
         }
     }
 }
 
-fn block<S, Q>((state, volumetric): (S, Q), density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Block<S, Q> {
+/// Areas of the sections of a block's elements, and their volumes.
+fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
+    let mut sizes = [[1.0; LANES]; 2];
+    for (l, element) in elements.iter().enumerate() {
+        let corners = element.map(|n| nodes[n as usize].place());
+        let [a, b, c, d] = corners;
+        sizes[0][l] = 0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (d[0] - b[0]) * (c[1] - a[1]));
+        sizes[1][l] = quad::volume(corners);
+    }
+    sizes
+}
+
+fn block<S, Q, X>(
+    (state, volumetric, failure): (S, Q, X),
+    density: f64,
+    elements: &[[u32; 4]],
+    nodes: &[Node],
+) -> Block<S, Q, X> {
     let mut block = Block {
         nodes: [[0; LANES]; 4],
         stress: [[0.0; LANES]; 4],
@@ -133,6 +162,7 @@ fn block<S, Q>((state, volumetric): (S, Q), density: f64, elements: &[[u32; 4]],
         inverse_mass: [[0.0; LANES]; 4],
         state,
         volumetric,
+        failure,
     };
     for l in 0..LANES {
         // Lanes behind the last element repeat it; nothing reads their answers.
@@ -148,13 +178,13 @@ fn block<S, Q>((state, volumetric): (S, Q), density: f64, elements: &[[u32; 4]],
     block
 }
 
-impl<H: Hardening, V: Volumetric> Group for Quads<H, V> {
+impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
     fn len(&self) -> usize {
         self.count
     }
 
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
-        let laws = (&self.hardening, &self.volumetric);
+        let laws = (&self.hardening, &self.volumetric, &self.failure);
         let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt };
         let arch = self.arch;
         let run = |index, blocks: &mut [_], corners: &mut [_], stage: &mut _| {
@@ -218,6 +248,27 @@ impl<H: Hardening, V: Volumetric> Group for Quads<H, V> {
         self.blocks[element / LANES].mass[element % LANES]
     }
 
+    fn status(&self, element: usize) -> Option<f64> {
+        let alive = self.failure.alive(&self.blocks[element / LANES].failure, element % LANES);
+        alive.map(|alive| f64::from(u8::from(alive)))
+    }
+
+    fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
+        if !F::FAILS || self.tasks.iter().all(|stage| stage.deaths == 0) {
+            return;
+        }
+        for element in 0..self.count {
+            if !self.told[element] && self.status(element) == Some(0.0) {
+                self.told[element] = true;
+                gone.push(self.corners(element));
+            }
+        }
+    }
+
+    fn holds_state(&self) -> bool {
+        V::VARIES
+    }
+
     fn energy(&self, element: usize) -> Option<f64> {
         self.volumetric.energy(&self.blocks[element / LANES].volumetric, element % LANES)
     }
@@ -232,8 +283,8 @@ impl<H: Hardening, V: Volumetric> Group for Quads<H, V> {
 }
 
 /// One pass over the elements.
-struct Pass<'a, H, V> {
-    laws: (&'a H, &'a V),
+struct Pass<'a, H, V, F> {
+    laws: (&'a H, &'a V, &'a F),
     constants: &'a Constants,
     count: usize,
     nodes: &'a [Node],
@@ -241,15 +292,15 @@ struct Pass<'a, H, V> {
 }
 
 /// The blocks that a thread takes at once.
-struct Task<'a, H: Hardening, V: Volumetric> {
-    pass: &'a Pass<'a, H, V>,
+struct Task<'a, H: Hardening, V: Volumetric, F: Failure> {
+    pass: &'a Pass<'a, H, V, F>,
     index: usize,
-    blocks: &'a mut [Block<H::State, V::State>],
+    blocks: &'a mut [Block<H::State, V::State, F::State>],
     corners: &'a mut [Corners],
     stage: &'a mut Stage,
 }
 
-impl<H: Hardening, V: Volumetric> NullaryFnOnce for Task<'_, H, V> {
+impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F> {
     type Output = ();
 
     /// Inlined into a function of the machine's instruction set.
@@ -258,12 +309,13 @@ impl<H: Hardening, V: Volumetric> NullaryFnOnce for Task<'_, H, V> {
         let stage = self.stage;
         let pass = self.pass;
         stage.sums = Sums::default();
+        stage.deaths = 0;
         let mut places = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
-            block.update(pass.laws, pass.constants, pass.dt, &places, stage, corners);
+            block.update(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
             if !stage.records.is_empty() {
                 stage.follow(i, block, H::FLOWS, &places, pass.dt);
             }
@@ -271,7 +323,7 @@ impl<H: Hardening, V: Volumetric> NullaryFnOnce for Task<'_, H, V> {
     }
 }
 
-impl<H: Hardening, V: Volumetric> Quads<H, V> {
+impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
     /// Folds the tasks in their order.
     fn totals(&self) -> Totals {
         let mut totals = Totals::default();
@@ -298,6 +350,7 @@ mod tests {
     use pulp::Arch;
 
     use super::{Group, Quads};
+    use crate::effect::solid::failure::Intact;
     use crate::effect::solid::law::{Constants, Lines};
     use crate::effect::solid::volumetric::Linear;
     use crate::effect::solid::{Corners, LANES};
@@ -327,7 +380,7 @@ mod tests {
         };
         let run = |arch: Arch| {
             let lines = Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
-            let mut quads = Quads::new((lines, Linear), constants, 2.0, &elements, &nodes).on(arch);
+            let mut quads = Quads::new((lines, Linear, Intact), constants, 2.0, &elements, &nodes).on(arch);
             let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| quads.update(&nodes, 0.3, &mut corners)).last().expect("totals");
             let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();

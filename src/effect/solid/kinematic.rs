@@ -89,3 +89,28 @@ impl Stage {
         if self.flow[l] > 0.0 { 1.5 * self.volume[l] * self.flow[l] * along / self.trial[l] } else { 0.0 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{LANES, Stage};
+
+    /// The tangent of half the angle is half the spin, so a spin of 2 is a quarter turn: rr and zz change places, and the
+    /// shear its sign.
+    #[test]
+    fn the_back_stress_turns_with_the_material() {
+        let mut stage = Stage::default();
+        stage.spin.fill(2.0);
+        for (i, value) in [3.0, -2.0, -1.0, 0.5].into_iter().enumerate() {
+            stage.back[i] = [value; LANES];
+        }
+        stage.shift();
+        let expected = [-2.0, 3.0, -1.0, -0.5];
+        for i in 0..4 {
+            assert!((stage.back[i][3] - expected[i]).abs() < 1e-15, "{:?}", stage.back);
+            assert_eq!(stage.deviator[i], stage.back[i].map(|b| -b));
+        }
+        // Von Mises stress of (3, -2, -1; 0.5).
+        let mises = (0.5f64 * (25.0 + 1.0 + 16.0) + 0.75).sqrt();
+        assert!((stage.trial[0] - mises).abs() < 1e-14);
+    }
+}

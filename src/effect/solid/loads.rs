@@ -15,6 +15,12 @@ use crate::user::{LoadFailure, MAX_BLOCK};
 /// A face: its two nodes, so that the body lies to the left of the way from the first to the second.
 pub type Face = [usize; 2];
 
+/// Whether a face belongs to one of these elements: its nodes follow each other there, and in no neighbour.
+fn is_of(face: Face, elements: &[[u32; 4]]) -> bool {
+    let [a, b] = face.map(|n| n as u32);
+    elements.iter().any(|corners| (0..4).any(|i| corners[i] == a && corners[(i + 1) % 4] == b))
+}
+
 /// Adds a pressure on a face, positive against the outward normal: the consistent forces of a uniform pressure,
 /// -p n 2 pi L (2 r1 + r2)/6 on the first node.
 #[inline]
@@ -43,6 +49,10 @@ impl NodeForce for FacePressure {
         let pressure = self.magnitude.at(now);
         self.faces.iter().for_each(|&face| push(face, pressure, nodes, forces));
         Ok(())
+    }
+
+    fn release(&mut self, gone: &[[u32; 4]]) {
+        self.faces.retain(|face| !is_of(*face, gone));
     }
 }
 
@@ -112,6 +122,8 @@ pub struct FaceUser {
 struct FaceBlock {
     faces: Vec<Face>,
     start: Vec<[f64; 2]>,
+    /// Whether the element behind a face still carries.
+    carries: Vec<bool>,
     shown: Shown,
 }
 
@@ -121,6 +133,7 @@ impl FaceUser {
         let block = |faces: &[Face]| FaceBlock {
             faces: faces.to_vec(),
             start: faces.iter().map(|&f| see(f, nodes).place).collect(),
+            carries: vec![true; faces.len()],
             shown: Shown::new(faces.len()),
         };
         FaceUser { load, blocks: faces.chunks(MAX_BLOCK).map(block).collect() }
@@ -157,11 +170,21 @@ impl NodeForce for FaceUser {
             block.show(nodes, self.load.inward);
             let called = block.evaluate(&self.load, now, amplitude);
             called.map_err(|failure| block.shown.failure(&self.load, i * MAX_BLOCK, now, &failure))?;
-            for (&face, &pressure) in block.faces.iter().zip(block.shown.pressure()) {
+            let loaded = block.faces.iter().zip(block.shown.pressure()).zip(&block.carries);
+            for ((&face, &pressure), _) in loaded.filter(|face| *face.1) {
                 push(face, pressure, nodes, forces);
             }
         }
         Ok(())
+    }
+
+    /// The routine goes on to be shown the face; its answer no longer counts.
+    fn release(&mut self, gone: &[[u32; 4]]) {
+        for block in &mut self.blocks {
+            for (face, carries) in block.faces.iter().zip(&mut block.carries) {
+                *carries &= !is_of(*face, gone);
+            }
+        }
     }
 }
 
@@ -200,5 +223,9 @@ impl NodeForce for FaceCavity {
             }
         }
         Ok(())
+    }
+
+    fn release(&mut self, gone: &[[u32; 4]]) {
+        self.faces.retain(|face| !is_of(*face, gone));
     }
 }

@@ -49,7 +49,14 @@ pub(super) fn spin(nodes: &Nodes, lane: usize, dt: f64) -> f64 {
 
 impl Record {
     /// Follows an increment, after the stress of its end is known.
-    pub(super) fn follow<S, Q>(&mut self, block: &Block<S, Q>, flows: bool, nodes: &Nodes, dt: f64, stage: &Stage) {
+    pub(super) fn follow<S, Q, X>(
+        &mut self,
+        block: &Block<S, Q, X>,
+        flows: bool,
+        nodes: &Nodes,
+        dt: f64,
+        stage: &Stage,
+    ) {
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         for l in 0..LANES {
             let spin = spin(nodes, l, dt);

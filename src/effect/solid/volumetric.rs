@@ -15,11 +15,18 @@ pub trait Volumetric: Send + Sync {
     /// Whether the pressure is other than a constant bulk modulus times the dilation.
     const VARIES: bool;
 
+    /// Whether the deviator, too, follows from the whole deformation: [`Volumetric::stretch`] takes the place of
+    /// [`Volumetric::squeeze`].
+    const TOTAL: bool = false;
+
     /// State of a block at the start.
     fn fresh(&self) -> Self::State;
 
     /// Mean stress and tangent bulk modulus at the end of an increment.
     fn squeeze(&self, state: &mut Self::State, ask: Squeeze<'_>);
+
+    /// Mean stress, deviator and modulus at the end of an increment, by the whole deformation.
+    fn stretch(&self, _state: &mut Self::State, _ask: Stretch<'_>) {}
 
     /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy), and the stress of the bulk viscosity that made
     /// it.
@@ -64,6 +71,24 @@ pub struct Squeeze<'a> {
     pub mass: &'a Lanes,
 }
 
+/// One block's question to a law of the whole deformation.
+pub struct Stretch<'a> {
+    /// Strain increments rr, zz, hoop, rz in the middle of the increment.
+    pub strain: &'a [Lanes; 4],
+    /// Spin increments.
+    pub spin: &'a Lanes,
+    /// Answer: mean stress.
+    pub mean: &'a mut Lanes,
+    /// Answer: deviator.
+    pub deviator: &'a mut [Lanes; 4],
+    /// Answer: modulus of a wave less 4/3 of the shear modulus.
+    pub bulk: &'a mut Lanes,
+    /// Answer: stress of the bulk viscosity an increment before.
+    pub viscous: &'a mut Lanes,
+    /// Answer: zero.
+    pub heat: &'a mut Lanes,
+}
+
 /// A constant bulk modulus.
 #[derive(Clone, Copy, Debug)]
 pub struct Linear;
@@ -78,7 +103,7 @@ impl Volumetric for Linear {
     fn squeeze(&self, (): &mut (), _ask: Squeeze<'_>) {}
 }
 
-impl<S: Clone, Q: Clone> Block<S, Q> {
+impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// Mean stress by the volumetric law, with the work of the deviator that the yield surface left.
     #[inline(always)]
     pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>>(
@@ -88,6 +113,19 @@ impl<S: Clone, Q: Clone> Block<S, Q> {
         nodes: &Nodes,
         stage: &mut Stage,
     ) {
+        if V::TOTAL {
+            let ask = Stretch {
+                strain: &stage.strain,
+                spin: &stage.spin,
+                mean: &mut stage.mean,
+                deviator: &mut stage.deviator,
+                bulk: &mut stage.bulk,
+                viscous: &mut stage.viscous,
+                heat: &mut stage.heat,
+            };
+            law.stretch(&mut self.volumetric, ask);
+            return;
+        }
         let (mut work, mut dilation, mut volume) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
             let mut factor = 1.0;

@@ -1,0 +1,163 @@
+//! Failure of materials: `*SHEAR FAILURE`, `*TENSILE FAILURE`, `*DAMAGE INITIATION`, `*DAMAGE EVOLUTION`.
+//! Never here: what fails when.
+
+use super::builder::Builder;
+use super::names::upper;
+use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
+use crate::deck::{Card, Diagnostic};
+
+impl Builder<'_> {
+    /// A parameter in upper case without blanks; the default where it is absent.
+    fn word(&mut self, card: &Card, name: &str, default: &str) -> String {
+        card.value(name).map_or(default.into(), |w| upper(&w.text).replace(' ', ""))
+    }
+
+    pub(super) fn shear_failure(&mut self, card: &Card) {
+        self.refuse(card, &["DEPENDENCIES"]);
+        if self.word(card, "ELEMENT DELETION", "YES") != "YES" {
+            let help = "elements that fail are deleted";
+            self.unsupported(card.span, "ELEMENT DELETION=NO on *SHEAR FAILURE is not supported", help);
+            return;
+        }
+        let strain = match self.word(card, "TYPE", "TABULAR").as_str() {
+            "JOHNSONCOOK" => self.johnson_cook(card, false),
+            "TABULAR" => self.constant_strain(card),
+            other => {
+                let help = "TABULAR and JOHNSON COOK are";
+                self.unsupported(card.span, format!("TYPE={other} is not supported"), help);
+                None
+            }
+        };
+        self.criterion(card, strain, DamageEvolution::Sudden);
+    }
+
+    fn criterion(&mut self, card: &Card, strain: Option<StrainAtFailure>, evolution: DamageEvolution) {
+        if let Some(strain) = strain {
+            self.last_material().failures.push(FailureCriterion { strain, evolution, span: card.span });
+        }
+    }
+
+    fn constant_strain(&mut self, card: &Card) -> Option<StrainAtFailure> {
+        let line = self.first_line(card)?;
+        if card.lines.len() > 1 || (1..4).any(|i| line.field(i).is_some()) {
+            let help = "give one plastic strain, or TYPE=JOHNSON COOK";
+            self.unsupported(card.span, "a failure strain over rate, pressure or temperature is not supported", help);
+            return None;
+        }
+        let strain = self.number(line, 0, "the plastic strain at failure")?;
+        if strain <= 0.0 {
+            self.out_of_range(line.span, format!("the plastic strain at failure must be above zero, not {strain}"));
+            return None;
+        }
+        Some(StrainAtFailure::Constant(strain))
+    }
+
+    /// d1 to d5, and where the card holds them melting temperature, transition temperature and reference rate.
+    fn johnson_cook(&mut self, card: &Card, scales: bool) -> Option<StrainAtFailure> {
+        let line = self.first_line(card)?;
+        if scales {
+            let [d1, d2, d3, d4, d5, melt, transition, rate] = self.numbers::<8>(line, &[0.0; 8])?;
+            if d4 != 0.0 && rate <= 0.0 || d5 != 0.0 && melt <= transition {
+                let message =
+                    "d4 needs a reference rate above zero, d5 a melting temperature above the transition temperature";
+                self.out_of_range(line.span, message);
+                return None;
+            }
+            return Some(StrainAtFailure::JohnsonCook([d1, d2, d3, d4, d5], Some([melt, transition, rate])));
+        }
+        Some(StrainAtFailure::JohnsonCook(self.numbers::<5>(line, &[0.0; 5])?, None))
+    }
+
+    pub(super) fn damage_initiation(&mut self, card: &Card) {
+        if let Some(other) = card.parameters.iter().find(|p| p.name != "CRITERION") {
+            self.unsupported(other.span, format!("{} on *DAMAGE INITIATION is not supported", other.name), "");
+            return;
+        }
+        let strain = match self.word(card, "CRITERION", "").as_str() {
+            "JOHNSONCOOK" => self.johnson_cook(card, true),
+            "DUCTILE" => self.ductile(card),
+            other => {
+                let help = "JOHNSON COOK and DUCTILE are";
+                self.unsupported(card.span, format!("CRITERION={other} is not supported"), help);
+                None
+            }
+        };
+        self.criterion(card, strain, DamageEvolution::Absent);
+    }
+
+    /// Rows of strain, triaxiality and rate; all of one rate.
+    fn ductile(&mut self, card: &Card) -> Option<StrainAtFailure> {
+        self.first_line(card)?;
+        let rows: Vec<[f64; 3]> = card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0; 3])).collect();
+        if rows.iter().any(|r| r[2] != rows[0][2]) || card.lines.iter().any(|l| l.field(3).is_some()) {
+            let help = "give one table over the triaxiality";
+            self.unsupported(card.span, "a failure strain over rate or temperature is not supported", help);
+            return None;
+        }
+        if rows.iter().any(|r| r[0] <= 0.0) || rows.windows(2).any(|w| w[1][1] <= w[0][1]) {
+            self.out_of_range(card.span, "strains must be above zero, triaxialities ascend");
+            return None;
+        }
+        Some(StrainAtFailure::Triaxiality(rows.iter().map(|r| [r[0], r[1]]).collect()))
+    }
+
+    pub(super) fn damage_evolution(&mut self, card: &Card) {
+        if let Some(other) = card.parameters.iter().find(|p| !matches!(p.name, "TYPE" | "SOFTENING" | "DEGRADATION")) {
+            self.unsupported(other.span, format!("{} on *DAMAGE EVOLUTION is not supported", other.name), "");
+            return;
+        }
+        if self.word(card, "SOFTENING", "LINEAR") != "LINEAR" || self.word(card, "DEGRADATION", "MAXIMUM") != "MAXIMUM"
+        {
+            let help = "SOFTENING=LINEAR and DEGRADATION=MAXIMUM are";
+            self.unsupported(card.span, "this form of *DAMAGE EVOLUTION is not supported", help);
+            return;
+        }
+        let kind = self.word(card, "TYPE", "");
+        let Some(line) = self.first_line(card) else { return };
+        let Some(value) = self.number(line, 0, "the displacement or energy at failure") else { return };
+        if value < 0.0 {
+            self.out_of_range(
+                line.span,
+                format!("displacement or energy at failure must not be below zero, not {value}"),
+            );
+            return;
+        }
+        let evolution = match kind.as_str() {
+            "DISPLACEMENT" => DamageEvolution::Displacement(value),
+            "ENERGY" => DamageEvolution::Energy(value),
+            other => {
+                self.unsupported(card.span, format!("TYPE={other} is not supported"), "DISPLACEMENT and ENERGY are");
+                return;
+            }
+        };
+        match self.last_material().failures.last_mut() {
+            Some(last) if last.evolution == DamageEvolution::Absent => last.evolution = evolution,
+            _ => {
+                let message = "*DAMAGE EVOLUTION belongs below a *DAMAGE INITIATION";
+                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "none above"));
+            }
+        }
+    }
+
+    pub(super) fn tensile_failure(&mut self, card: &Card) {
+        self.refuse(card, &["DEPENDENCIES"]);
+        let deletes = self.word(card, "ELEMENT DELETION", "YES") == "YES";
+        let modes = [self.word(card, "PRESSURE", "DUCTILE"), self.word(card, "SHEAR", "DUCTILE")];
+        if !deletes && modes.iter().any(|mode| mode != "DUCTILE") {
+            let help = "PRESSURE=DUCTILE with SHEAR=DUCTILE is, or ELEMENT DELETION=YES";
+            self.unsupported(card.span, "brittle tensile failure without deletion is not supported", help);
+            return;
+        }
+        let Some(line) = self.first_line(card) else { return };
+        let Some(cutoff) = self.number(line, 0, "the cutoff stress") else { return };
+        if card.lines.len() > 1 || line.field(1).is_some() {
+            self.unsupported(card.span, "a cutoff over temperature is not supported", "give one stress");
+            return;
+        }
+        if cutoff <= 0.0 {
+            self.out_of_range(line.span, format!("the cutoff must be above zero (tension), not {cutoff}"));
+            return;
+        }
+        self.last_material().tensile_failure = Some(TensileFailure { cutoff, deletes, span: card.span });
+    }
+}
