@@ -90,6 +90,8 @@ impl<'a> Builder<'a> {
             | "RATE DEPENDENT"
             | "INELASTIC HEAT FRACTION"
             | "SPECIFIC HEAT"
+            | "USER MATERIAL"
+            | "DEPVAR"
             | "CAVITY EXPANSION" => self.material_card(card),
             "SOLID SECTION" => self.solid_section(card),
             "SECTION CONTROLS" => self.section_controls(card),
@@ -133,7 +135,6 @@ impl<'a> Builder<'a> {
         let why = match card.keyword.name {
             "CONDUCTIVITY" => inert("no step here conducts heat"),
             "EXPANSION" => inert("no step here computes thermal strain: temperature changes by adiabatic heating only"),
-            "DEPVAR" => inert("it serves *USER MATERIAL only"),
             "SURFACE INTERACTION" | "SURFACE BEHAVIOR" | "FRICTION" => inert("it serves contact only"),
             "ORIENTATION" => inert("nothing here is anisotropic"),
             _ => None,

@@ -37,11 +37,13 @@ impl Builder<'_> {
                 let heat = self.positive(card, "the specific heat");
                 self.last_material().specific_heat = heat;
             }
+            "USER MATERIAL" => self.user_material(card),
+            "DEPVAR" => self.state_variables(card),
             _ => self.cavity_expansion(card),
         }
     }
 
-    fn last_material(&mut self) -> &mut Material {
+    pub(super) fn last_material(&mut self) -> &mut Material {
         let last = self.model.materials.len() - 1;
         &mut self.model.materials[last]
     }

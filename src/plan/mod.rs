@@ -9,6 +9,7 @@ mod node_loads;
 mod outputs;
 mod solid;
 mod user;
+mod user_material;
 
 use std::rc::Rc;
 

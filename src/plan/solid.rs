@@ -82,7 +82,7 @@ impl Compiler<'_> {
     }
 
     /// Whether plastic work heats: the first step says so, and all others alike.
-    fn adiabatic(&self) -> bool {
+    pub(super) fn adiabatic(&self) -> bool {
         self.model.steps.first().is_some_and(|s| s.adiabatic)
     }
 
@@ -131,17 +131,16 @@ impl Compiler<'_> {
         mass: &mut [f64],
     ) -> Option<Box<dyn Group>> {
         let material = &self.model.materials[section.material];
+        if let Some(properties) = &material.user {
+            return self.user_group(section, material, properties, elements, corners, nodes, mass);
+        }
         let (Some(density), Some([e, nu])) = (material.density, material.elastic) else {
             let missing = if material.density.is_none() { "*DENSITY" } else { "*ELASTIC" };
             let message = format!("material `{}` has no {missing}", material.name);
             self.diagnostics.push(Diagnostic::error("P013", message).at(section.span, "these elements deform"));
             return None;
         };
-        for corner in corners {
-            for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
-                mass[*n as usize] += m;
-            }
-        }
+        add_masses(corners, nodes, density, mass);
         let shear = e / (2.0 * (1.0 + nu));
         let [stiffness, viscosity] = self.hourglass(section, nu);
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
@@ -168,7 +167,7 @@ impl Compiler<'_> {
     }
 
     /// Hourglass stiffness and viscosity of a section.
-    fn hourglass(&self, section: &SolidSection, nu: f64) -> [f64; 2] {
+    pub(super) fn hourglass(&self, section: &SolidSection, nu: f64) -> [f64; 2] {
         let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
         let Some(controls) = controls else { return [HOURGLASS_STIFFNESS, 0.0] };
         let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, HOURGLASS_VISCOSITY * controls.factor);
@@ -194,6 +193,11 @@ impl Compiler<'_> {
             let heat = if self.adiabatic() && heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
+        self.control_rows(section, count, constants);
+    }
+
+    /// The rows of hourglass control and bulk viscosity.
+    pub(super) fn control_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants) {
         let [stiffness, viscosity] = [constants.hourglass_stiffness, constants.hourglass_viscosity];
         let detail = format!("stiffness {stiffness} G, viscosity {viscosity}");
         self.cause(section.span, "hourglass control", count, "elements", detail);
@@ -273,6 +277,15 @@ impl Compiler<'_> {
                     }
                 }
             }
+        }
+    }
+}
+
+/// Puts the masses of elements on their corners.
+pub(super) fn add_masses(corners: &[[u32; 4]], nodes: &[Node], density: f64, mass: &mut [f64]) {
+    for corner in corners {
+        for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
+            mass[*n as usize] += m;
         }
     }
 }

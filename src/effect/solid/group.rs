@@ -10,7 +10,9 @@ use super::collect::{Wide, collect, wide};
 use super::law::{Constants, Hardening};
 use super::record::{Followed, Record};
 use super::{Corners, LANES};
+use crate::effect::Halt;
 use crate::kernel::quad;
+use crate::state::Instant;
 use crate::state::nodes::Node;
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
@@ -34,12 +36,18 @@ pub struct Totals {
 }
 
 /// Elements of one kind and one material.
-pub trait Group: Send {
+pub trait Group {
     /// Number of elements.
     fn len(&self) -> usize;
     /// Whether there is none.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+    /// Tells the time at the end of the increment that comes next.
+    fn tell(&mut self, _now: &Instant) {}
+    /// Why no stress could be given, where the user's routine failed.
+    fn failure(&self) -> Option<Halt> {
+        None
     }
     /// Stresses at the end of an increment, and forces on the corners.
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals;
@@ -112,7 +120,13 @@ impl<H: Hardening> Quads<H> {
     }
 }
 
-fn block<H: Hardening>(hardening: &H, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Block<H::State> {
+/// A block of at most eight elements at rest.
+pub(super) fn block<H: Hardening>(
+    hardening: &H,
+    density: f64,
+    elements: &[[u32; 4]],
+    nodes: &[Node],
+) -> Block<H::State> {
     let mut block = Block {
         nodes: [[0; LANES]; 4],
         stress: [[0.0; LANES]; 4],
@@ -162,7 +176,7 @@ impl<H: Hardening> Group for Quads<H> {
             let parts = parts.zip(&mut self.tasks).enumerate();
             parts.for_each(|(i, ((blocks, corners), own))| run(i, blocks, corners, own));
         }
-        self.totals()
+        totals(&self.tasks)
     }
 
     fn bytes(&self) -> usize {
@@ -255,28 +269,25 @@ impl<H: Hardening> NullaryFnOnce for Task<'_, H> {
     }
 }
 
-impl<H: Hardening> Quads<H> {
-    /// Folds the tasks in their order.
-    fn totals(&self) -> Totals {
-        let mut totals = Totals::default();
-        let mut largest = 0.0;
-        for Stage { sums, .. } in &self.tasks {
-            totals.internal += across(&sums.internal);
-            totals.plastic += across(&sums.plastic);
-            totals.viscous += across(&sums.viscous);
-            totals.artificial += across(&sums.artificial);
-            for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
-                if is_larger(rate, largest) {
-                    largest = rate;
-                    totals.limiting = block as usize * LANES + l;
-                }
+/// Folds the tasks in their order.
+pub(super) fn totals(tasks: &[Stage]) -> Totals {
+    let mut totals = Totals::default();
+    let mut largest = 0.0;
+    for Stage { sums, .. } in tasks {
+        totals.internal += across(&sums.internal);
+        totals.plastic += across(&sums.plastic);
+        totals.viscous += across(&sums.viscous);
+        totals.artificial += across(&sums.artificial);
+        for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
+            if is_larger(rate, largest) {
+                largest = rate;
+                totals.limiting = block as usize * LANES + l;
             }
         }
-        totals.rate = 0.5 * largest;
-        totals
     }
+    totals.rate = 0.5 * largest;
+    totals
 }
-
 #[cfg(test)]
 mod tests {
     use pulp::Arch;

@@ -7,7 +7,9 @@ mod collect;
 pub mod group;
 pub mod law;
 pub mod loads;
+pub mod points;
 pub mod record;
+pub mod user_material;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;
