@@ -17,6 +17,7 @@ use indexmap::IndexMap;
 
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
 use crate::effect::solid::body::{Given, NodeForce, Solid};
+use crate::effect::solid::user_motion::NodeMotions;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
 use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
@@ -72,6 +73,8 @@ pub struct StepPlan {
     pub given: Vec<Given>,
     /// User motions: asked once an increment.
     pub asking: Vec<Box<dyn Asking>>,
+    /// User motions of nodes of what deforms.
+    pub node_asking: Vec<NodeMotions>,
     /// When to write.
     pub outputs: Outputs,
 }
@@ -166,7 +169,8 @@ impl Compiler<'_> {
                 forces.extend(self.load(load, step));
             }
         }
-        let given = if solid.is_some() { self.given(step) } else { Vec::new() };
+        let mut node_asking = Vec::new();
+        let given = if solid.is_some() { self.given(step, &mut node_asking) } else { Vec::new() };
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
         let motions = self.motions(step, &mut asking);
@@ -185,6 +189,7 @@ impl Compiler<'_> {
             node_forces,
             given,
             asking,
+            node_asking,
             outputs: self.outputs(step),
         }
     }

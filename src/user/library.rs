@@ -460,8 +460,11 @@ impl UserMotion for CompiledMotion {
         // jDof is above zero for what this call prescribes.
         let mut asked = [0_i32; DOFS];
         asked[call.dof - 1] = 1;
-        let vector = |value: f64| [0.0, value, 0.0];
-        let [u, v, a, rf] = call.state.map(vector);
+        let vector = |i: usize| {
+            let (along, across) = (call.state[i], call.across[i]);
+            if call.dof == 1 { [along, across, 0.0] } else { [across, along, 0.0] }
+        };
+        let [u, v, a, rf] = [0, 1, 2, 3].map(vector);
         let rotary = [0.0; 9];
         let mut values = [f64::NAN; DOFS];
         let context = Call { routine: "vdisp", name: call.set, now: call.now, sensors: (&[], &[]) };

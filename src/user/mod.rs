@@ -141,7 +141,7 @@ pub struct MotionCall<'a> {
     pub kind: i32,
     /// User's number of the node.
     pub node: i32,
-    /// Degree of freedom, 2 for z.
+    /// Degree of freedom, 1 for r (deformable nodes), 2 for z.
     pub dof: usize,
     /// Clock, step and increment: the instant at which the value is wanted.
     pub now: Instant,
@@ -151,15 +151,17 @@ pub struct MotionCall<'a> {
     pub amplitude: f64,
     /// Current coordinates `[r, z]`.
     pub coordinates: [f64; 2],
-    /// Displacement, velocity, acceleration and reaction along z.
+    /// Displacement, velocity, acceleration and reaction along that degree of freedom.
     pub state: [f64; 4],
-    /// Mass of the body.
+    /// The same along the other axis; zero for a rigid body.
+    pub across: [f64; 4],
+    /// Mass of the body or node.
     pub mass: f64,
 }
 
 /// A motion prescribed by the user (`*BOUNDARY, USER`).
 pub trait UserMotion {
-    /// The displacement, velocity or acceleration along z that the node shall have now.
+    /// The displacement, velocity or acceleration along the degree of freedom that the node shall have now.
     ///
     /// # Errors
     /// Any reason; the run halts.

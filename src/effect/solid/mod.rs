@@ -9,7 +9,9 @@ pub mod law;
 pub mod loads;
 pub mod points;
 pub mod record;
+pub mod user_body;
 pub mod user_material;
+pub mod user_motion;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;
