@@ -26,7 +26,7 @@ struct Arguments {
 /// Files with the user's routines.
 #[derive(Args)]
 struct UserFiles {
-    /// File with user subroutines (vdload, vuamp, vdisp, vexternaldb): Fortran, C or a shared library; may be given
+    /// File with user subroutines (vdload, vuamp, vdisp, vumat, vexternaldb): Fortran, C or a shared library; may be given
     /// several times.
     #[arg(long = "user", value_name = "FILE")]
     files: Vec<PathBuf>,

@@ -520,11 +520,11 @@ pub static KEYWORDS: &[Keyword] = &[
         "FREQUENCY": "Every so many increments", "NUMBER INTERVAL": "So many times in the step", "CROSS SECTION NODES": "Of ROLLING",
         "EXTRUDED LENGTH": "Of ROLLING", "FEED RATE": "Of ROLLING",
     }, []),
-    row!(Parsed, "USER MATERIAL", "Material of a user routine", {
+    row!(Used, "USER MATERIAL", "Material of a user routine", {
         "CONSTANTS": "Number of constants", "TYPE": "MECHANICAL or THERMAL", "UNSYMM": "Unsymmetric stiffness",
-        "EFFMOD": "Effective moduli are given", "HYBRID FORMULATION": "Of hybrid elements",
+        "EFFMOD": "Not supported: moduli come from the call at time zero", "HYBRID FORMULATION": "Not supported: implicit analyses",
     }, ["Constants, eight a line"]),
-    row!(Parsed, "DEPVAR", "Number of state variables of a user material", { "DELETE": "State variable that deletes the element", "CONVERT": "Not supported" },
+    row!(Used, "DEPVAR", "Number of state variables of a user material", { "DELETE": "State variable that deletes the element", "CONVERT": "Not supported" },
         ["Number of state variables", "Number, name, description"]),
     row!(Parsed, "COUPLING", "Ties a surface to a reference node", {
         "CONSTRAINT NAME": "Name", "REF NODE": "Reference node", "SURFACE": "Surface", "INFLUENCE RADIUS": "Radius", "ORIENTATION": "Local system",

@@ -53,6 +53,7 @@ impl Asking for UserMotion {
             amplitude: self.amplitude.amplitude(arrival),
             coordinates: [self.start[0], self.start[1] + body.displacement],
             state: [body.displacement, body.velocity, body.acceleration, body.reaction],
+            across: [0.0; 4],
             mass: body.mass,
         };
         self.increment_before = increment;

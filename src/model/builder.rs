@@ -96,6 +96,8 @@ impl<'a> Builder<'a> {
             | "TENSILE FAILURE"
             | "DAMAGE INITIATION"
             | "DAMAGE EVOLUTION"
+            | "USER MATERIAL"
+            | "DEPVAR"
             | "CAVITY EXPANSION" => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),
@@ -141,7 +143,6 @@ impl<'a> Builder<'a> {
         let why = match card.keyword.name {
             "CONDUCTIVITY" => inert("no step here conducts heat"),
             "EXPANSION" => inert("no step here computes thermal strain: temperature changes by adiabatic heating only"),
-            "DEPVAR" => inert("it serves *USER MATERIAL only"),
             "SURFACE INTERACTION" | "SURFACE BEHAVIOR" | "FRICTION" => inert("it serves contact only"),
             "ORIENTATION" => inert("nothing here is anisotropic"),
             _ => None,

@@ -43,6 +43,8 @@ impl Builder<'_> {
                 let heat = self.positive(card, "the specific heat");
                 self.last_material().specific_heat = heat;
             }
+            "USER MATERIAL" => self.user_material(card),
+            "DEPVAR" => self.state_variables(card),
             _ => self.cavity_expansion(card),
         }
     }

@@ -20,6 +20,7 @@ mod sets;
 mod steps;
 mod surfaces;
 pub mod types;
+mod user_material;
 
 pub use types::*;
 

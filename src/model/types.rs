@@ -162,6 +162,19 @@ pub struct Material {
     pub tensile_failure: Option<TensileFailure>,
     /// `*CAVITY EXPANSION` (extension).
     pub cavity: Option<CavityExpansion>,
+    /// `*USER MATERIAL`: its constants.
+    pub user: Option<Vec<f64>>,
+    /// `*DEPVAR`.
+    pub state: StateVariables,
+}
+
+/// `*DEPVAR`: what a user material keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StateVariables {
+    /// How many variables.
+    pub count: usize,
+    /// The one, counted from 0, that deletes an element when it becomes zero (`DELETE`).
+    pub delete: Option<usize>,
 }
 
 /// `*EOS`.

@@ -23,7 +23,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P004",
         title: "user's routine is missing",
-        text: "PNU, as in ABAQUS/Explicit, calls the user's load routine (vdload), DEFINITION=USER on *AMPLITUDE calls vuamp, and *BOUNDARY, USER calls vdisp. Give a Fortran or C file with `--user FILE`, or link a routine through the library (`revolve::user::Routines`).",
+        text: "PNU, as in ABAQUS/Explicit, calls the user's load routine (vdload), DEFINITION=USER on *AMPLITUDE calls vuamp, *BOUNDARY, USER calls vdisp, and *USER MATERIAL calls vumat. Give a Fortran or C file with `--user FILE`, or link a routine through the library (`revolve::user::Routines`).",
     },
     Code {
         code: "P005",
@@ -99,6 +99,11 @@ pub const CODES: &[Code] = &[
         code: "P019",
         title: "failure that cannot be simulated",
         text: "Criteria over the plastic strain need *PLASTIC; d4 and d5 of *SHEAR FAILURE, TYPE=JOHNSON COOK take the reference rate and the temperatures from *RATE DEPENDENT and *PLASTIC; a cutoff of tension without deletion needs *EOS.",
+    },
+    Code {
+        code: "P041",
+        title: "user material beside another",
+        text: "A *USER MATERIAL gives all of the stress: *ELASTIC and *PLASTIC of the same material would be read and ignored. Hand their values over as constants.",
     },
     Code {
         code: "P101",

@@ -12,6 +12,7 @@ mod solid;
 mod solid_material;
 mod ties;
 mod user;
+mod user_material;
 
 use std::rc::Rc;
 
@@ -20,6 +21,7 @@ use indexmap::IndexMap;
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
 use crate::effect::solid::body::{Given, NodeForce, Solid};
 use crate::effect::solid::equation::System;
+use crate::effect::solid::user_motion::NodeMotions;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
 use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
@@ -77,6 +79,8 @@ pub struct StepPlan {
     pub equations: Vec<System>,
     /// User motions: asked once an increment.
     pub asking: Vec<Box<dyn Asking>>,
+    /// User motions of nodes of what deforms.
+    pub node_asking: Vec<NodeMotions>,
     /// When to write.
     pub outputs: Outputs,
 }
@@ -171,7 +175,8 @@ impl Compiler<'_> {
                 forces.extend(self.load(load, step));
             }
         }
-        let given = if solid.is_some() { self.given(step) } else { Vec::new() };
+        let mut node_asking = Vec::new();
+        let given = if solid.is_some() { self.given(step, &mut node_asking) } else { Vec::new() };
         let equations = self.equations(step, solid, &given);
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
@@ -192,6 +197,7 @@ impl Compiler<'_> {
             given,
             equations,
             asking,
+            node_asking,
             outputs: self.outputs(step),
         }
     }

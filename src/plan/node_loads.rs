@@ -2,18 +2,21 @@
 //! Never here: what acts on rigid bodies; what they do in an increment.
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use indexmap::IndexMap;
 
 use super::Compiler;
 use super::loads::prescribed;
-use crate::deck::Diagnostic;
 use crate::effect::cavity::Stack;
 use crate::effect::motion::Prescribed;
 use crate::effect::solid::body::{Given, NodeForce, Solid};
 use crate::effect::solid::loads::{Face, FaceCavity, FacePressure, FaceUser, NodeConcentrated, NodeGravity};
+use crate::effect::solid::user_body::BodyUser;
+use crate::effect::solid::user_motion::{Asked, NodeMotions};
 use crate::effect::user_load::UserLoad;
 use crate::effect::{Magnitude, Shape};
+use crate::kernel::amplitude::Track;
 use crate::kernel::quad::corner_masses;
 use crate::model::{Boundary, Load, LoadKind, Side, Sides, Step};
 
@@ -22,7 +25,7 @@ type Taken = HashSet<(usize, usize)>;
 
 impl Compiler<'_> {
     /// What is prescribed on deformable nodes in a step, and the axis, which holds r by itself.
-    pub(super) fn given(&mut self, step: &Step) -> Vec<Given> {
+    pub(super) fn given(&mut self, step: &Step, asking: &mut Vec<NodeMotions>) -> Vec<Given> {
         let (mut given, mut taken) = (Vec::new(), Taken::new());
         for boundary in &step.boundaries {
             if boundary.dof > 2 {
@@ -32,18 +35,17 @@ impl Compiler<'_> {
             if nodes.is_empty() {
                 continue;
             }
-            self.given_of(boundary, &nodes, &mut given, &mut taken);
+            if boundary.user {
+                given.extend(self.given_by_user(boundary, &mut taken, asking));
+            } else {
+                self.given_of(boundary, &nodes, &mut given, &mut taken);
+            }
         }
         self.axis(step, &mut given, &taken);
         given
     }
 
     fn given_of(&mut self, boundary: &Boundary, nodes: &[usize], given: &mut Vec<Given>, taken: &mut Taken) {
-        if boundary.user {
-            let message = "*BOUNDARY, USER on deformable nodes is not supported yet";
-            self.diagnostics.push(Diagnostic::error("P015", message).at(boundary.span, "here"));
-            return;
-        }
         let (kind, value) = prescribed(boundary);
         let axis = usize::from(boundary.dof) - 1;
         let detail = format!("{}: {kind:?} {value} along {}", boundary.set, ["r", "z"][axis]);
@@ -117,12 +119,8 @@ impl Compiler<'_> {
                 let stack = Stack::new(target.front, target.direction, &layers);
                 Some(Box::new(FaceCavity { faces, stack, friction: *friction }))
             }
-            LoadKind::UserBody { elements, .. } => {
-                if elements.iter().any(|e| self.places.elements.contains_key(e)) {
-                    let message = "BRNU and BZNU on deformable elements are not supported yet";
-                    self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
-                }
-                None
+            LoadKind::UserBody { elements, set, load_type } => {
+                self.node_body_user(load, elements, set, *load_type, solid)
             }
         }
     }
@@ -186,6 +184,61 @@ impl Compiler<'_> {
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
         let load = UserLoad { cause, name: sides.name.to_uppercase(), load_type, inward: true, magnitude, routine };
         Some(Box::new(FaceUser::new(load, &faces, &solid.nodes)))
+    }
+
+    /// `BRNU` and `BZNU` on deformable elements.
+    fn node_body_user(
+        &mut self,
+        load: &Load,
+        elements: &[usize],
+        set: &str,
+        load_type: i32,
+        solid: &Solid,
+    ) -> Option<Box<dyn NodeForce>> {
+        let mesh = &self.model.mesh;
+        let deform = elements.iter().filter(|e| self.places.elements.contains_key(*e));
+        let corners: Vec<[u32; 4]> = deform.map(|&e| mesh.corners(e).map(|n| self.places.nodes[&n] as u32)).collect();
+        if corners.is_empty() {
+            return None;
+        }
+        let Some(routine) = self.routines.load.clone() else {
+            self.no_routine(load.span, "load", &format!("`{set}` asks for a user load (BRNU, BZNU)"), "vdload");
+            return None;
+        };
+        let axis = if load_type == 1 { "r" } else { "z" };
+        let detail = format!("on {set} along {axis}{}", self.amplitude_name(load));
+        let cause = self.cause(load.span, "user body force", corners.len(), "points", detail);
+        let magnitude = self.magnitude(load.magnitude, load.amplitude);
+        let load = UserLoad { cause, name: set.to_uppercase(), load_type, inward: false, magnitude, routine };
+        Some(Box::new(BodyUser::new(load, &corners, &solid.nodes)))
+    }
+
+    /// `*BOUNDARY, USER`: each node follows what the routine is asked for once an increment.
+    fn given_by_user(&mut self, boundary: &Boundary, taken: &mut Taken, asking: &mut Vec<NodeMotions>) -> Vec<Given> {
+        let Some(routine) = self.routines.motion.clone() else {
+            let asks = format!("the motion of `{}` is the user's (*BOUNDARY, USER)", boundary.set);
+            self.no_routine(boundary.span, "motion", &asks, "vdisp");
+            return Vec::new();
+        };
+        let (kind, _) = prescribed(boundary);
+        let axis = usize::from(boundary.dof) - 1;
+        let names = &self.model.mesh.node_names;
+        let places = boundary.nodes.iter().filter_map(|&n| self.places.nodes.get(&n).map(|&place| (n, place)));
+        let free = places.filter(|&(_, place)| taken.insert((place, axis)));
+        let asked = |(n, node): (usize, usize)| Asked {
+            node,
+            number: names[n].parse().unwrap_or(n as i32 + 1),
+            track: Rc::new(Track::default()),
+            offset: 0.0,
+        };
+        let nodes: Vec<Asked> = free.map(asked).collect();
+        let detail = format!("{}: {kind:?} along {} by the user", boundary.set, ["r", "z"][axis]).to_lowercase();
+        self.cause(boundary.span, "prescribed motion", nodes.len(), "nodes", detail);
+        let magnitude = |a: &Asked| Magnitude { value: 1.0, shape: Shape::Track(a.track.clone()) };
+        let given = nodes.iter().map(|a| Given { node: a.node, axis, kind, magnitude: magnitude(a) }).collect();
+        let (set, amplitude) = (boundary.set.to_uppercase(), self.magnitude(1.0, boundary.amplitude));
+        asking.push(NodeMotions { set, axis, kind, amplitude, routine, nodes, increment_before: 0.0 });
+        given
     }
 
     /// Sides of deformable elements as pairs of nodes.

@@ -438,16 +438,6 @@ impl Compiler<'_> {
         self.fields_there_are().into_iter().map(|f| f.1).filter(meant).collect()
     }
 
-    /// The most variables that a user material of this scene keeps.
-    fn state_variables(&self) -> usize {
-        0
-    }
-
-    /// Whether elements can be deleted.
-    fn deletes(&self) -> bool {
-        false
-    }
-
     /// The columns an element variable stands for.
     fn element_quantities(&self, variable: &str) -> Vec<(String, ElementVariable)> {
         let groups = ["ENER", "SDV"];

@@ -7,7 +7,7 @@ use super::Compiler;
 use crate::deck::Diagnostic;
 use crate::effect::solid::body::{Gather, Solid};
 use crate::effect::solid::group::Group;
-use crate::kernel::quad;
+use crate::kernel::quad::{self, corner_masses};
 use crate::model::{InitialKind, SolidSection};
 use crate::state::nodes::Node;
 
@@ -171,6 +171,15 @@ impl Compiler<'_> {
                     }
                 }
             }
+        }
+    }
+}
+
+/// Puts the masses of elements on their corners.
+pub(super) fn add_masses(corners: &[[u32; 4]], nodes: &[Node], density: f64, mass: &mut [f64]) {
+    for corner in corners {
+        for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
+            mass[*n as usize] += m;
         }
     }
 }

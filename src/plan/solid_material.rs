@@ -2,6 +2,7 @@
 //! Never here: nodes, loads, arithmetic of elements.
 
 use super::Compiler;
+use super::solid::add_masses;
 use crate::deck::{Diagnostic, Span};
 use crate::effect::solid::eos::{Eos, IdealGas, UsUp};
 use crate::effect::solid::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
@@ -11,7 +12,6 @@ use crate::effect::solid::kinematic::Kinematic;
 use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
 use crate::effect::solid::volumetric::{Linear, Volumetric};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
-use crate::kernel::quad::corner_masses;
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SolidSection,
     StrainAtFailure,
@@ -25,11 +25,11 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 
 /// Moduli of an isotropic material; without bulk modulus where an equation of state takes its place.
 #[derive(Clone, Copy, Debug)]
-struct Moduli {
-    bulk: f64,
-    shear: f64,
+pub(super) struct Moduli {
+    pub(super) bulk: f64,
+    pub(super) shear: f64,
     /// Poisson's ratio; 0 under an equation of state.
-    ratio: f64,
+    pub(super) ratio: f64,
 }
 
 /// An equation of state with all its constants.
@@ -73,13 +73,12 @@ impl Compiler<'_> {
         mass: &mut [f64],
     ) -> Option<Box<dyn Group>> {
         let material = &self.model.materials[section.material];
+        if let Some(properties) = &material.user {
+            return self.user_group(section, material, properties, elements, corners, nodes, mass);
+        }
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
-        for corner in corners {
-            for (n, m) in corner.iter().zip(corner_masses(corner.map(|n| nodes[n as usize].place()), density)) {
-                mass[*n as usize] += m;
-            }
-        }
+        add_masses(corners, nodes, density, mass);
         let [stiffness, viscosity] = self.hourglass(section, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         let constants = Constants {
@@ -205,7 +204,7 @@ impl Compiler<'_> {
     }
 
     /// Hourglass stiffness and viscosity of a section. What has no shear modulus is controlled by viscosity.
-    fn hourglass(&mut self, section: &SolidSection, moduli: Moduli) -> Option<[f64; 2]> {
+    pub(super) fn hourglass(&mut self, section: &SolidSection, moduli: Moduli) -> Option<[f64; 2]> {
         let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
         let fluid = moduli.shear == 0.0;
         let Some(controls) = controls else {
@@ -247,6 +246,11 @@ impl Compiler<'_> {
             let heat = if self.adiabatic() && heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
+        self.control_rows(section, count, constants);
+    }
+
+    /// The rows of hourglass control and bulk viscosity.
+    pub(super) fn control_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants) {
         let [stiffness, viscosity] = [constants.hourglass_stiffness, constants.hourglass_viscosity];
         let detail = format!("stiffness {stiffness} G, viscosity {viscosity}");
         self.cause(section.span, "hourglass control", count, "elements", detail);

@@ -58,6 +58,7 @@ impl Compiler<'_> {
                     let weight = solid::volume(&corners);
                     points.entry(body).or_default().push(Point { element, place, normal: [0.0; 2], weight });
                 }
+                _ if self.places.elements.contains_key(&element) => {}
                 _ => stray = stray.or(Some(element)),
             }
         }

@@ -30,7 +30,7 @@ impl Run<'_> {
             self.tell(Moment::SetupIncrement, next.length)?;
             self.tell(Moment::StartIncrement, next.length)?;
         }
-        if self.asking.is_empty() && step.asking.is_empty() {
+        if self.asking.is_empty() && step.asking.is_empty() && step.node_asking.is_empty() {
             return Ok(());
         }
         let arrival = next.arrival(&self.now, step.duration);
@@ -52,6 +52,9 @@ impl Run<'_> {
     fn ask(&mut self, step: &mut StepPlan, arrival: &Instant, increment: f64) -> Result<(), Halt> {
         for asking in self.asking.iter_mut().chain(&mut step.asking) {
             self.wish = self.wish.max(asking.ask(arrival, increment, &self.bodies)?);
+        }
+        if let Some(solid) = &self.solid {
+            step.node_asking.iter_mut().try_for_each(|a| a.ask(arrival, increment, solid))?;
         }
         Ok(())
     }

@@ -15,8 +15,8 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
 use super::host::{self, Level};
 use super::{
-    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, Moment, MotionCall, Routines, UserAmplitude, UserEvents,
-    UserLoad, UserMotion, Wish,
+    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Moment, MotionCall,
+    Routines, UserAmplitude, UserEvents, UserLoad, UserMaterial, UserMotion, Wish,
 };
 use crate::deck::Diagnostic;
 use crate::state::Instant;
@@ -87,6 +87,46 @@ type Vdisp = unsafe extern "C-unwind" fn(
     *mut f64,
     usize,
 );
+/// `subroutine vumat(nblock, ndir, nshr, nstatev, nfieldv, nprops, lanneal, stepTime, totalTime, dt, cmname, coordMp,
+/// charLength, props, density, strainInc, relSpinInc, tempOld, stretchOld, defgradOld, fieldOld, stressOld, stateOld,
+/// enerInternOld, enerInelasOld, tempNew, stretchNew, defgradNew, fieldNew, stressNew, stateNew, enerInternNew,
+/// enerInelasNew)`.
+type Vumat = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const c_char,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    *mut f64,
+    *mut f64,
+    *mut f64,
+    usize,
+);
 /// `subroutine vexternaldb(lOp, i_Array, niArray, r_Array, nrArray)`.
 type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32, *mut f64, *const i32);
 
@@ -120,6 +160,11 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
             routines = routines.with_motion(CompiledMotion { call, name: Padded::default(), _keep: libraries.clone() });
             known = true;
         }
+        if let Some(call) = find::<Vumat>(&libraries, "vumat") {
+            let name = Padded::default();
+            routines = routines.with_material(CompiledMaterial { call, name, _keep: libraries.clone() });
+            known = true;
+        }
         if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb") {
             routines = routines.with_events(CompiledEvents { call, _keep: libraries.clone() });
             known = true;
@@ -129,7 +174,7 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
         return Ok(routines);
     }
     let names: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();
-    let message = format!("{} define none of vdload, vuamp, vdisp, vexternaldb", names.join(", "));
+    let message = format!("{} define none of vdload, vuamp, vdisp, vumat, vexternaldb", names.join(", "));
     Err(Diagnostic::error("U006", message))
 }
 
@@ -415,8 +460,11 @@ impl UserMotion for CompiledMotion {
         // jDof is above zero for what this call prescribes.
         let mut asked = [0_i32; DOFS];
         asked[call.dof - 1] = 1;
-        let vector = |value: f64| [0.0, value, 0.0];
-        let [u, v, a, rf] = call.state.map(vector);
+        let vector = |i: usize| {
+            let (along, across) = (call.state[i], call.across[i]);
+            if call.dof == 1 { [along, across, 0.0] } else { [across, along, 0.0] }
+        };
+        let [u, v, a, rf] = [0, 1, 2, 3].map(vector);
         let rotary = [0.0; 9];
         let mut values = [f64::NAN; DOFS];
         let context = Call { routine: "vdisp", name: call.set, now: call.now, sensors: (&[], &[]) };
@@ -452,6 +500,65 @@ impl UserMotion for CompiledMotion {
         })?;
         guarded(self.name.untouched(), "vdisp", "cbname")?;
         Ok(values[call.dof - 1])
+    }
+}
+
+struct CompiledMaterial {
+    call: Vumat,
+    name: Padded,
+    _keep: Rc<[Library]>,
+}
+
+impl UserMaterial for CompiledMaterial {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let name = self.name.set(call.name);
+        let [count, variables, properties] = [call.count, call.variables, call.properties.len()].map(|n| n as i32);
+        let (direct, shear, fields, anneal) = (3_i32, 1_i32, 0_i32, 0_i32);
+        // There are no field variables; a place to point at.
+        let none = [f64::NAN; 1];
+        let context = Call { routine: "vumat", name: call.name, now: call.now, sensors: (&[], &[]) };
+        enter(&context, || {
+            // SAFETY: each argument has the length that the counts before it say.
+            unsafe {
+                (self.call)(
+                    &count,
+                    &direct,
+                    &shear,
+                    &variables,
+                    &fields,
+                    &properties,
+                    &anneal,
+                    &call.now.step_time,
+                    &call.now.total_time,
+                    &call.dt,
+                    name,
+                    call.coordinates.as_ptr(),
+                    call.length.as_ptr(),
+                    call.properties.as_ptr(),
+                    call.density.as_ptr(),
+                    call.strain.as_ptr(),
+                    call.spin.as_ptr(),
+                    call.temperature.as_ptr(),
+                    call.stretch[0].as_ptr(),
+                    call.gradient[0].as_ptr(),
+                    none.as_ptr(),
+                    call.stress.as_ptr(),
+                    call.state.as_ptr(),
+                    call.internal.as_ptr(),
+                    call.inelastic.as_ptr(),
+                    call.temperature.as_ptr(),
+                    call.stretch[1].as_ptr(),
+                    call.gradient[1].as_ptr(),
+                    none.as_ptr(),
+                    answer.stress.as_mut_ptr(),
+                    answer.state.as_mut_ptr(),
+                    answer.internal.as_mut_ptr(),
+                    answer.inelastic.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vumat", "cmname")
     }
 }
 

@@ -141,7 +141,7 @@ pub struct MotionCall<'a> {
     pub kind: i32,
     /// User's number of the node.
     pub node: i32,
-    /// Degree of freedom, 2 for z.
+    /// Degree of freedom, 1 for r (deformable nodes), 2 for z.
     pub dof: usize,
     /// Clock, step and increment: the instant at which the value is wanted.
     pub now: Instant,
@@ -151,15 +151,17 @@ pub struct MotionCall<'a> {
     pub amplitude: f64,
     /// Current coordinates `[r, z]`.
     pub coordinates: [f64; 2],
-    /// Displacement, velocity, acceleration and reaction along z.
+    /// Displacement, velocity, acceleration and reaction along that degree of freedom.
     pub state: [f64; 4],
-    /// Mass of the body.
+    /// The same along the other axis; zero for a rigid body.
+    pub across: [f64; 4],
+    /// Mass of the body or node.
     pub mass: f64,
 }
 
 /// A motion prescribed by the user (`*BOUNDARY, USER`).
 pub trait UserMotion {
-    /// The displacement, velocity or acceleration along z that the node shall have now.
+    /// The displacement, velocity or acceleration along the degree of freedom that the node shall have now.
     ///
     /// # Errors
     /// Any reason; the run halts.
@@ -207,6 +209,77 @@ pub trait UserEvents {
     fn moment(&mut self, moment: Moment, now: &Instant, increment: f64) -> Result<Wish, LoadFailure>;
 }
 
+/// Material points a routine is shown in one call at most.
+pub const MAX_MATERIAL_BLOCK: usize = 136;
+
+/// What a user material is told, for a block of points: VUMAT's arguments (ABAQUS 6.14 User Subroutines Reference, 1.2.17
+/// "VUMAT"). Components follow each other, each with one entry a point: of symmetric tensors rr, zz, hoop, rz (tensor
+/// shear). Stresses and strains are in a frame that turns with the spin of the material, so that tensors among the state
+/// variables need no rotation.
+#[derive(Debug)]
+pub struct MaterialCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Clock, step and increment at the end of the increment; step and total time are both 0 in the first call, whose
+    /// answer to small fictitious strains tells the elastic moduli.
+    pub now: Instant,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Constants of the material (`props`).
+    pub properties: &'a [f64],
+    /// `coordMp`: r, z, and behind them NaN for a routine that reads a third coordinate.
+    pub coordinates: &'a [f64],
+    /// `charLength`: root of the element's area in the (r, z) plane, length.
+    pub length: &'a [f64],
+    /// Mass a volume at the middle of the increment.
+    pub density: &'a [f64],
+    /// `strainInc`.
+    pub strain: &'a [f64],
+    /// `relSpinInc`: spin against the frame, zero.
+    pub spin: &'a [f64],
+    /// `tempOld` and `tempNew`.
+    pub temperature: &'a [f64],
+    /// `stretchOld` and `stretchNew`.
+    pub stretch: [&'a [f64]; 2],
+    /// `defgradOld` and `defgradNew`: rr, zz, hoop, rz, zr.
+    pub gradient: [&'a [f64]; 2],
+    /// `stressOld`.
+    pub stress: &'a [f64],
+    /// `stateOld`.
+    pub state: &'a [f64],
+    /// `enerInternOld`, energy a mass.
+    pub internal: &'a [f64],
+    /// `enerInelasOld`, energy a mass.
+    pub inelastic: &'a [f64],
+}
+
+/// What a user material answers; stresses and state variables are NaN on entry, energies those before.
+#[derive(Debug)]
+pub struct MaterialAnswer<'a> {
+    /// `stressNew`.
+    pub stress: &'a mut [f64],
+    /// `stateNew`.
+    pub state: &'a mut [f64],
+    /// `enerInternNew`.
+    pub internal: &'a mut [f64],
+    /// `enerInelasNew`: what is booked as plastic dissipation.
+    pub inelastic: &'a mut [f64],
+}
+
+/// A material of the user (`*USER MATERIAL`). May keep state of its own; is called from one thread, once an increment and
+/// block of at most [`MAX_MATERIAL_BLOCK`] points.
+pub trait UserMaterial {
+    /// Stresses and state variables at the end of the increment.
+    ///
+    /// # Errors
+    /// Any reason; the run halts.
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
 /// A routine shared by all that calls it, as one VDLOAD serves a whole ABAQUS job: its state is common to them. A job
 /// runs on one thread where it calls routines, so sharing needs no lock.
 pub struct Shared<T: ?Sized>(Rc<RefCell<T>>);
@@ -229,6 +302,8 @@ impl<T: ?Sized> Shared<T> {
 pub type SharedLoad = Shared<dyn UserLoad>;
 /// A user amplitude, shared.
 pub type SharedAmplitude = Shared<dyn UserAmplitude>;
+/// A user material, shared.
+pub type SharedMaterial = Shared<dyn UserMaterial>;
 /// A user motion, shared.
 pub type SharedMotion = Shared<dyn UserMotion>;
 /// A routine told of events, shared.
@@ -243,6 +318,8 @@ pub struct Routines {
     pub amplitude: Option<SharedAmplitude>,
     /// `*BOUNDARY, USER` (VDISP).
     pub motion: Option<SharedMotion>,
+    /// `*USER MATERIAL` (VUMAT).
+    pub material: Option<SharedMaterial>,
     /// VEXTERNALDB.
     pub events: Option<SharedEvents>,
 }
@@ -255,7 +332,11 @@ impl Routines {
 
     /// Whether there is any.
     pub fn any(&self) -> bool {
-        self.load.is_some() || self.amplitude.is_some() || self.motion.is_some() || self.events.is_some()
+        self.load.is_some()
+            || self.amplitude.is_some()
+            || self.motion.is_some()
+            || self.events.is_some()
+            || self.material.is_some()
     }
 
     /// With a load.
@@ -276,6 +357,13 @@ impl Routines {
     #[must_use]
     pub fn with_motion(mut self, routine: impl UserMotion + 'static) -> Self {
         self.motion = Some(Shared(Rc::new(RefCell::new(routine))));
+        self
+    }
+
+    /// With a material.
+    #[must_use]
+    pub fn with_material(mut self, routine: impl UserMaterial + 'static) -> Self {
+        self.material = Some(Shared(Rc::new(RefCell::new(routine))));
         self
     }
 

@@ -17,7 +17,7 @@ struct Interface {
     arguments: &'static [(&'static str, Kind)],
 }
 
-/// ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VEXTERNALDB" (6.14).
+/// ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VEXTERNALDB" (6.14).
 const INTERFACES: &[Interface] = &[
     Interface {
         name: "vdload",
@@ -83,6 +83,44 @@ const INTERFACES: &[Interface] = &[
             ("rmass", Real),
             ("rotaryI", Real),
             ("rval", Real),
+        ],
+    },
+    Interface {
+        name: "vumat",
+        arguments: &[
+            ("nblock", Integer),
+            ("ndir", Integer),
+            ("nshr", Integer),
+            ("nstatev", Integer),
+            ("nfieldv", Integer),
+            ("nprops", Integer),
+            ("lanneal", Integer),
+            ("stepTime", Real),
+            ("totalTime", Real),
+            ("dt", Real),
+            ("cmname", Character),
+            ("coordMp", Real),
+            ("charLength", Real),
+            ("props", Real),
+            ("density", Real),
+            ("strainInc", Real),
+            ("relSpinInc", Real),
+            ("tempOld", Real),
+            ("stretchOld", Real),
+            ("defgradOld", Real),
+            ("fieldOld", Real),
+            ("stressOld", Real),
+            ("stateOld", Real),
+            ("enerInternOld", Real),
+            ("enerInelasOld", Real),
+            ("tempNew", Real),
+            ("stretchNew", Real),
+            ("defgradNew", Real),
+            ("fieldNew", Real),
+            ("stressNew", Real),
+            ("stateNew", Real),
+            ("enerInternNew", Real),
+            ("enerInelasNew", Real),
         ],
     },
     Interface {

@@ -365,6 +365,16 @@ pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
 }
 
 impl Stage {
+    /// A lane whose element is not there weighs nothing.
+    pub(super) fn park(&mut self, lane: usize) {
+        self.weight[lane] = 0.0;
+    }
+
+    /// Whether a lane counts.
+    pub(super) fn weighs(&self, lane: usize) -> bool {
+        self.weight[lane] > 0.0
+    }
+
     /// Lets the record of a block of the task follow an increment.
     #[inline(never)]
     pub(super) fn follow<S, Q, X>(

@@ -316,7 +316,7 @@ impl Solid {
     /// From a force that fails, and where an element has no positive volume or a state that is not finite.
     pub fn evaluate(&mut self, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> Result<(), Halt> {
         if self.pending {
-            self.update_elements();
+            self.update_elements(now);
             self.pending = false;
         }
         let [external, before] = &mut self.external;
@@ -335,11 +335,12 @@ impl Solid {
         Err(self.not_finite(now))
     }
 
-    fn update_elements(&mut self) {
+    fn update_elements(&mut self, now: &Instant) {
         let mut first = 0;
         self.limit = (Totals::default(), 0);
         for (i, group) in self.groups.iter_mut().enumerate() {
             let blocks = group.len().div_ceil(LANES);
+            group.tell(now);
             let totals = group.update(&self.nodes, self.behind, &mut self.corners[first..first + blocks]);
             first += blocks;
             group.deleted(&mut self.gone.0);
@@ -355,6 +356,9 @@ impl Solid {
 
     fn not_finite(&self, now: &Instant) -> Halt {
         let (totals, group) = self.limit;
+        if let Some(halt) = self.groups[group].failure() {
+            return halt;
+        }
         let element = &self.element_names[group][totals.limiting];
         let volume = self.groups[group].volume(totals.limiting, &self.nodes);
         let why = if volume > 0.0 { "its state is not finite" } else { "it has turned inside out" };

@@ -11,7 +11,9 @@ use super::law::{Constants, Hardening};
 use super::record::{Followed, Record};
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
+use crate::effect::Halt;
 use crate::kernel::quad;
+use crate::state::Instant;
 use crate::state::nodes::Node;
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
@@ -35,12 +37,18 @@ pub struct Totals {
 }
 
 /// Elements of one kind and one material.
-pub trait Group: Send {
+pub trait Group {
     /// Number of elements.
     fn len(&self) -> usize;
     /// Whether there is none.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+    /// Tells the time at the end of the increment that comes next.
+    fn tell(&mut self, _now: &Instant) {}
+    /// Why no stress could be given, where the user's routine failed.
+    fn failure(&self) -> Option<Halt> {
+        None
     }
     /// Stresses at the end of an increment, and forces on the corners.
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals;
@@ -62,7 +70,7 @@ pub trait Group: Send {
     fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
         None
     }
-    /// 1 for an element that carries, 0 for one that failure has deleted; `None` if none can fail.
+    /// 1 for an element that carries, 0 for one that is deleted.
     fn status(&self, element: usize) -> Option<f64>;
     /// Adds the corner nodes of elements that the last update deleted.
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
@@ -147,7 +155,8 @@ fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
     sizes
 }
 
-fn block<S, Q, X>(
+/// A block of at most eight elements at rest.
+pub(super) fn block<S, Q, X>(
     (state, volumetric, failure): (S, Q, X),
     density: f64,
     elements: &[[u32; 4]],
@@ -198,7 +207,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
             let parts = parts.zip(&mut self.tasks).enumerate();
             parts.for_each(|(i, ((blocks, corners), own))| run(i, blocks, corners, own));
         }
-        self.totals()
+        totals(&self.tasks)
     }
 
     fn bytes(&self) -> usize {
@@ -250,7 +259,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
 
     fn status(&self, element: usize) -> Option<f64> {
         let alive = self.failure.alive(&self.blocks[element / LANES].failure, element % LANES);
-        alive.map(|alive| f64::from(u8::from(alive)))
+        Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
     }
 
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
@@ -323,28 +332,25 @@ impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
-    /// Folds the tasks in their order.
-    fn totals(&self) -> Totals {
-        let mut totals = Totals::default();
-        let mut largest = 0.0;
-        for Stage { sums, .. } in &self.tasks {
-            totals.internal += across(&sums.internal);
-            totals.plastic += across(&sums.plastic);
-            totals.viscous += across(&sums.viscous);
-            totals.artificial += across(&sums.artificial);
-            for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
-                if is_larger(rate, largest) {
-                    largest = rate;
-                    totals.limiting = block as usize * LANES + l;
-                }
+/// Folds the tasks in their order.
+pub(super) fn totals(tasks: &[Stage]) -> Totals {
+    let mut totals = Totals::default();
+    let mut largest = 0.0;
+    for Stage { sums, .. } in tasks {
+        totals.internal += across(&sums.internal);
+        totals.plastic += across(&sums.plastic);
+        totals.viscous += across(&sums.viscous);
+        totals.artificial += across(&sums.artificial);
+        for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
+            if is_larger(rate, largest) {
+                largest = rate;
+                totals.limiting = block as usize * LANES + l;
             }
         }
-        totals.rate = 0.5 * largest;
-        totals
     }
+    totals.rate = 0.5 * largest;
+    totals
 }
-
 #[cfg(test)]
 mod tests {
     use pulp::Arch;

@@ -11,8 +11,12 @@ pub mod hyperelastic;
 pub mod kinematic;
 pub mod law;
 pub mod loads;
+pub mod points;
 pub mod record;
 pub mod tie;
+pub mod user_body;
+pub mod user_material;
+pub mod user_motion;
 pub mod volumetric;
 
 /// Elements side by side in the inner loop.
