@@ -117,7 +117,8 @@ fn equations_join_two_bars_as_shared_nodes_do() {
     let mut halves = grid(n, m / 2, false, |i, j| [0.2 + 0.1 * i as f64, 0.1 * j as f64]);
     for (k, j) in (0..=m / 2).map(|j| (j, j + m / 2)) {
         for i in 0..=n {
-            writeln!(halves, "*Node\n {}, {}, {}", 101 + i + 3 * k, 0.2 + 0.1 * i as f64, 0.1 * j as f64).expect("text");
+            writeln!(halves, "*Node\n {}, {}, {}", 101 + i + 3 * k, 0.2 + 0.1 * i as f64, 0.1 * j as f64)
+                .expect("text");
         }
     }
     for e in 0..n * m / 2 {
@@ -143,7 +144,12 @@ fn equations_join_two_bars_as_shared_nodes_do() {
 #[test]
 fn an_equation_follows_a_motion_that_is_given() {
     let deck = grid(2, 4, false, |i, j| [i as f64, j as f64])
-        + &material(100.0, 0.3, 1.0, "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 1., 1.\n*Nset, nset=LEADER\n 1\n*Nset, nset=FOLLOWER\n 15\n*Nset, nset=OTHER\n 14\n")
+        + &material(
+            100.0,
+            0.3,
+            1.0,
+            "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 1., 1.\n*Nset, nset=LEADER\n 1\n*Nset, nset=FOLLOWER\n 15\n*Nset, nset=OTHER\n 14\n",
+        )
         + "*Equation\n 2\n 15, 2, 1., 1, 2, -2.\n3\n14, 2, 1., 15, 2, -0.5, 13, 2, -0.5\n*Step\n*Dynamic, Explicit\n , 1.\n\
            *Boundary, amplitude=RAMP\n 1, 2, 2, 0.01\n*Output, history, number interval=20\n\
            *Node Output, nset=LEADER\n U2, RF2\n*Node Output, nset=FOLLOWER\n U2\n*Node Output, nset=OTHER\n U2\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLWK\n*End Step\n";
@@ -178,4 +184,78 @@ fn faulty_equations_are_refused_with_a_reason() {
         assert_eq!(codes.contains(&code), !code.is_empty(), "{code}: {shown}");
         assert_eq!(prepared.diagnostics.has_errors(), !code.is_empty(), "{code}: {shown}");
     }
+}
+
+/// A stiff block of the mass pi 1^2 0.5 on springs and dashpots.
+fn block_on(e: f64, more: &str, step: &str) -> String {
+    grid(2, 2, false, |i, j| [0.5 * i as f64, 2.0 + 0.25 * j as f64])
+        + more
+        + &material(e, 0.0, 1.0, "*Nset, nset=ONE\n 1\n")
+        + step
+        + "*Bulk Viscosity\n 0., 0.\n*Output, history, frequency=1\n*Node Output, nset=ONE\n U2\n*Energy Output\n ALLSE, ALLVD, ALLKE\n*End Step\n"
+}
+
+#[test]
+fn a_mass_between_spring_and_dashpot_has_period_and_decay() {
+    let mass = 0.5 * PI;
+    let (k, c): (f64, f64) = (2.0, 0.1);
+    let links = format!(
+        "*Element, type=SPRING1, elset=K\n 101, 1\n*Spring, elset=K\n 2\n {k}\n*Element, type=DASHPOT1, elset=C\n 102, 1\n*Dashpot, elset=C\n 2\n {c}\n\
+         *Initial Conditions, type=VELOCITY\n ALL, 2, 0.01\n"
+    );
+    let deck = block_on(1e5, &links, "*Step\n*Dynamic, Explicit\n , 30.\n");
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let motion = column(&deck, &memory, "U2@ONE");
+    let zeros = rising_zeros(&motion);
+    let period = (zeros[zeros.len() - 1] - zeros[0]) / (zeros.len() - 1) as f64;
+    let decay = c / (2.0 * mass);
+    let omega = (k / mass - decay * decay).sqrt();
+    let error = period * omega / (2.0 * PI) - 1.0;
+    // The block gives way at its middle, 1.2e-4; less by the increments.
+    assert!(error.abs() < 3e-4, "period off by {error:e}");
+    let peak = |a: f64, b: f64| motion.iter().filter(|m| (a..b).contains(&m.0)).fold(0.0, |p: f64, m| p.max(m.1));
+    let measured = (peak(0.0, period) / peak(4.0 * period, 5.0 * period)).ln() / (4.0 * period);
+    assert!((measured / decay - 1.0).abs() < 1e-2, "decay {measured} {decay}");
+    let energy = outcome.energy;
+    println!(
+        "spring and dashpot: period {error:.1e}, decay {:.1e}, drift {:.1e}",
+        measured / decay - 1.0,
+        energy.drift
+    );
+    assert!(energy.drift < 1e-3, "{:e}", energy.drift);
+    assert!(energy.viscous > 0.5 * energy.initial && energy.strain >= 0.0, "{energy:?}");
+}
+
+/// A spring between two free blocks, far stiffer than they are, sets the increment: run at 0.98 of it, energy stays, and
+/// the two swing about their common centre.
+#[test]
+fn a_line_spring_between_two_blocks_limits_the_increment() {
+    let other: String = (0..9)
+        .map(|n| format!("*Node, nset=UP\n {}, {}, {}\n", 201 + n, 0.5 * (n % 3) as f64, 4.0 + 0.25 * (n / 3) as f64))
+        .collect();
+    let elements: String = (0..4)
+        .map(|e| {
+            let a = 201 + e % 2 + 3 * (e / 2);
+            format!("*Element, type=CAX4R, elset=SOLID\n {}, {a}, {}, {}, {}\n", 201 + e, a + 1, a + 4, a + 3)
+        })
+        .collect();
+    let run_with = |spring: &str, factor: &str| {
+        let links = format!(
+            "{other}{elements}*Element, type=SPRINGA, elset=K\n 301, 7, 201\n*Spring, elset=K{spring}\n\
+             *Initial Conditions, type=VELOCITY\n UP, 2, 0.001\n"
+        );
+        run(&block_on(1e3, &links, &format!("*Step\n*Dynamic, Explicit, scale factor={factor}\n , 20.\n")))
+    };
+    let (soft, _) = run_with("\n\n 0.1", "1.");
+    let (stiff, _) = run_with("\n\n 100000.", "0.98");
+    assert_eq!((&soft.halt, &stiff.halt), (&None, &None));
+    assert!(stiff.increments > 3 * soft.increments, "{} {}", stiff.increments, soft.increments);
+    assert!(soft.energy.drift < 1e-3 && stiff.energy.drift < 1e-2, "{:e} {:e}", soft.energy.drift, stiff.energy.drift);
+    // A table of the same slope is the same spring; it takes other increments.
+    let (table, _) = run_with(", nonlinear\n\n -1., -10.\n 1., 10.", "1.");
+    assert!((table.energy.strain / soft.energy.strain - 1.0).abs() < 1e-3, "{:?}", table.energy);
+    // Above the limit the spring blows up.
+    let (beyond, _) = run_with("\n\n 100000.", "1.6");
+    assert!(beyond.halt.is_some() || beyond.energy.kinetic > 10.0 * beyond.energy.initial, "{:?}", beyond.energy);
 }

@@ -95,6 +95,7 @@ impl<'a> Builder<'a> {
             "SECTION CONTROLS" => self.section_controls(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
+            "SPRING" | "DASHPOT" => self.connector(card),
             "EQUATION" => self.equation(card),
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),

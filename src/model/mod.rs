@@ -5,6 +5,7 @@ mod amplitudes;
 mod bodies;
 mod builder;
 pub mod codes;
+mod connectors;
 mod elements;
 mod equations;
 mod loads;

@@ -30,6 +30,8 @@ pub struct Model {
     pub rigid_bodies: Vec<RigidBody>,
     /// `*MASS` on nodes.
     pub point_masses: Vec<PointMass>,
+    /// `*SPRING` and `*DASHPOT`.
+    pub connectors: Vec<ConnectorProperty>,
     /// `*EQUATION`s, one node a term.
     pub equations: Vec<Equation>,
     /// `*INITIAL CONDITIONS`.
@@ -83,6 +85,14 @@ pub enum ElementKind {
     Cax4r,
     /// One-node point mass.
     Mass,
+    /// Spring along the line between two nodes.
+    SpringA,
+    /// Spring between a node and the ground.
+    Spring1,
+    /// Dashpot along the line between two nodes.
+    DashpotA,
+    /// Dashpot between a node and the ground.
+    Dashpot1,
 }
 
 /// One element.
@@ -284,6 +294,30 @@ pub struct PointMass {
     pub mass: f64,
     /// The card.
     pub span: Span,
+}
+
+/// What springs or dashpots of a set do.
+#[derive(Clone, Debug)]
+pub struct ConnectorProperty {
+    /// Element indices.
+    pub elements: Vec<usize>,
+    /// 1 = r, 2 = z, for those between a node and the ground.
+    pub dof: u8,
+    /// Law.
+    pub law: ConnectorLaw,
+    /// The card.
+    pub span: Span,
+}
+
+/// Law of a spring or a dashpot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ConnectorLaw {
+    /// Force a length.
+    Spring(f64),
+    /// Rows of relative displacement and force.
+    Table(Vec<[f64; 2]>),
+    /// Force a velocity.
+    Dashpot(f64),
 }
 
 /// A linear equation, sum of coefficient times displacement = 0.

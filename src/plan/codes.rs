@@ -86,6 +86,11 @@ pub const CODES: &[Code] = &[
         text: "An *EQUATION follows from others, contradicts them, or has no degree of freedom that could move to keep it, because all of them are given.",
     },
     Code {
+        code: "P017",
+        title: "spring or dashpot that cannot be",
+        text: "A spring or dashpot element needs its property (*SPRING, *DASHPOT), ends on nodes of deformable elements (a rigid body can share them), and for SPRINGA and DASHPOTA ends that do not coincide.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",

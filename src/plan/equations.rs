@@ -13,9 +13,8 @@ impl Compiler<'_> {
         let model = self.model;
         let (mut equations, mut spans) = (Vec::new(), Vec::new());
         for equation in &model.equations {
-            let term = |&(node, dof, c): &(usize, u8, f64)| {
-                Some((self.places.free_node(node)?, usize::from(dof) - 1, c))
-            };
+            let term =
+                |&(node, dof, c): &(usize, u8, f64)| Some((self.places.free_node(node)?, usize::from(dof) - 1, c));
             match equation.terms.iter().map(term).collect() {
                 Some(terms) => {
                     equations.push(Equation { terms });
@@ -38,7 +37,8 @@ impl Compiler<'_> {
             }
             Err(index) => {
                 let message = format!("this equation cannot be kept in step `{}`", step.name);
-                let finding = Diagnostic::error("P016", message).at(spans[index], "it follows from others, or all is given");
+                let finding =
+                    Diagnostic::error("P016", message).at(spans[index], "it follows from others, or all is given");
                 self.diagnostics.push(finding.help("leave it out, or free one of its degrees of freedom"));
                 Vec::new()
             }

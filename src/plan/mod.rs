@@ -3,6 +3,7 @@
 
 mod bodies;
 pub mod codes;
+mod connectors;
 mod equations;
 pub mod ledger;
 mod loads;
@@ -118,7 +119,8 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
         body_of_element: IndexMap::new(),
     };
     compiler.bodies();
-    let solid = compiler.solids();
+    let mut solid = compiler.solids();
+    compiler.connect(solid.as_mut());
     compiler.finish_bodies();
     let (columns, fields) = compiler.variables();
     let steps = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();

@@ -5,7 +5,6 @@ use super::{Energy, Run};
 use crate::effect::Halt;
 use crate::effect::solid::body::Solid;
 use crate::effect::solid::group::Group;
-use crate::model::ElementKind;
 use crate::output::{Field, Frame};
 use crate::plan::{ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
 use crate::user::Wish;
@@ -229,7 +228,7 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
             frame.points.push([r, z + run.bodies[b].displacement]);
             of_point.push(Owner::Body(b));
         }
-        elements.extend(body.elements.iter().filter(|&&e| mesh.elements[e].kind != ElementKind::Mass));
+        elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
     }
     let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
     frame.cells = elements.iter().map(|&e| corners(e)).collect();

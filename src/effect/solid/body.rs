@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::block::is_larger;
+use super::connector::{Bounds, Connector};
 use super::equation::System;
 use super::group::{Group, Totals};
 use super::tie::Tie;
@@ -144,6 +145,9 @@ pub struct Solid {
     pub limit: (Totals, usize),
     /// Nodes that move with rigid bodies.
     pub ties: Vec<Tie>,
+    /// Springs and dashpots, and what they allow.
+    pub(super) connectors: Vec<Connector>,
+    pub(super) bounds: Bounds,
     /// Linear equations between degrees of freedom, those of the step.
     pub equations: Vec<System>,
     /// One over the mass; 0 where a rigid body carries the node.
@@ -158,9 +162,9 @@ pub struct Solid {
     /// Whether nodes are worth spreading over threads.
     parallel: bool,
     /// Increment behind, and whether its strains are still to come.
-    behind: f64,
+    pub(super) behind: f64,
     pending: bool,
-    moved: bool,
+    pub(super) moved: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -190,6 +194,8 @@ impl Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
             ties: Vec::new(),
+            connectors: Vec::new(),
+            bounds: Bounds::default(),
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
@@ -219,7 +225,7 @@ impl Solid {
             Reaction { place: (g.node, g.axis), origin, ..Reaction::default() }
         };
         self.reactions = given.iter().map(reaction).collect();
-        let count = if forces > 0 { self.nodes.len() } else { 0 };
+        let count = if forces > 0 || !self.connectors.is_empty() { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
         }
@@ -258,6 +264,7 @@ impl Solid {
         for force in forces {
             force.add(now, &self.nodes, external)?;
         }
+        self.add_connectors();
         if self.limit.0.rate.is_finite() {
             return Ok(());
         }
@@ -424,6 +431,7 @@ impl Solid {
 
     /// The largest increment that is stable.
     pub fn stable_increment(&self) -> f64 {
-        1.0 / self.limit.0.rate
+        let elements = self.limit.0.rate;
+        1.0 / if self.connectors.is_empty() { elements } else { self.bounds.rate(elements) }
     }
 }

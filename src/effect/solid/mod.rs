@@ -4,6 +4,7 @@
 pub mod block;
 pub mod body;
 mod collect;
+pub mod connector;
 pub mod equation;
 pub mod group;
 pub mod law;
