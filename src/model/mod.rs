@@ -6,6 +6,7 @@ mod bodies;
 mod builder;
 pub mod codes;
 mod connectors;
+mod contact;
 mod elements;
 mod equations;
 mod loads;

@@ -30,6 +30,12 @@ pub struct Model {
     pub rigid_bodies: Vec<RigidBody>,
     /// `*MASS` on nodes.
     pub point_masses: Vec<PointMass>,
+    /// Analytical planes by upper-case name.
+    pub planes: IndexMap<String, Plane>,
+    /// Surfaces of nodes by upper-case name.
+    pub node_surfaces: IndexMap<String, Vec<usize>>,
+    /// `*SURFACE INTERACTION`s.
+    pub interactions: Vec<Interaction>,
     /// `*SPRING` and `*DASHPOT`.
     pub connectors: Vec<ConnectorProperty>,
     /// `*EQUATION`s, one node a term.
@@ -296,6 +302,45 @@ pub struct PointMass {
     pub span: Span,
 }
 
+/// An analytical rigid plane z = const.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    /// z of the plane.
+    pub height: f64,
+    /// Radius of START.
+    pub from: f64,
+    /// Radius of the end of LINE.
+    pub to: f64,
+    /// Reference node of the rigid body that carries it.
+    pub reference: Option<usize>,
+    /// The card.
+    pub span: Span,
+}
+
+/// How surfaces interact.
+#[derive(Clone, Debug)]
+pub struct Interaction {
+    /// Upper-case name.
+    pub name: String,
+    /// Coulomb coefficient.
+    pub friction: f64,
+}
+
+/// Contact of a surface with a plane.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Upper-case name of the plane.
+    pub plane: String,
+    /// Nodes of the other surface, ascending.
+    pub nodes: Vec<usize>,
+    /// What the deck called it.
+    pub set: String,
+    /// Coulomb coefficient.
+    pub friction: f64,
+    /// The data line.
+    pub span: Span,
+}
+
 /// What springs or dashpots of a set do.
 #[derive(Clone, Debug)]
 pub struct ConnectorProperty {
@@ -400,6 +445,8 @@ pub struct Step {
     pub boundaries: Vec<Boundary>,
     /// Loads in force.
     pub loads: Vec<Load>,
+    /// Contact in force.
+    pub contacts: Vec<Contact>,
     /// Output requests in force.
     pub outputs: Vec<OutputRequest>,
 }

@@ -12,6 +12,7 @@ mod outputs;
 mod solid;
 mod ties;
 mod user;
+mod walls;
 
 use std::rc::Rc;
 
@@ -20,6 +21,7 @@ use indexmap::IndexMap;
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
 use crate::effect::solid::body::{Given, NodeForce, Solid};
 use crate::effect::solid::equation::System;
+use crate::effect::solid::wall::Wall;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
 use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
@@ -73,6 +75,8 @@ pub struct StepPlan {
     pub node_forces: Vec<Box<dyn NodeForce>>,
     /// Motions that are given on nodes of what deforms.
     pub given: Vec<Given>,
+    /// Planes that nodes cannot pass.
+    pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom.
     pub equations: Vec<System>,
     /// User motions: asked once an increment.
@@ -173,6 +177,7 @@ impl Compiler<'_> {
             }
         }
         let given = if solid.is_some() { self.given(step) } else { Vec::new() };
+        let walls = self.walls(step, solid, &given);
         let equations = self.equations(step, solid, &given);
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
@@ -191,6 +196,7 @@ impl Compiler<'_> {
             motions,
             node_forces,
             given,
+            walls,
             equations,
             asking,
             outputs: self.outputs(step),

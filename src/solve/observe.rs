@@ -195,6 +195,7 @@ impl Run<'_> {
             Quantity::Strain => energy.strain,
             Quantity::Plastic => energy.plastic,
             Quantity::Viscous => energy.viscous,
+            Quantity::Contact => energy.contact,
             Quantity::Artificial => energy.artificial,
             Quantity::Zero => 0.0,
             Quantity::Kinetic => energy.kinetic,

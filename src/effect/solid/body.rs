@@ -8,6 +8,7 @@ use super::connector::{Bounds, Connector};
 use super::equation::System;
 use super::group::{Group, Totals};
 use super::tie::Tie;
+use super::wall::Wall;
 use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
 use crate::effect::{Cause, Halt, Magnitude};
@@ -64,6 +65,10 @@ pub struct Energies {
     pub artificial: f64,
     /// Work of forces and prescribed motions.
     pub external: f64,
+    /// Lost where nodes meet planes.
+    pub contact: f64,
+    /// Dissipated by friction on planes.
+    pub friction: f64,
 }
 
 /// Corner slots that most nodes of a mesh of quadrilaterals have at most.
@@ -148,6 +153,8 @@ pub struct Solid {
     /// Springs and dashpots, and what they allow.
     pub(super) connectors: Vec<Connector>,
     pub(super) bounds: Bounds,
+    /// Planes that nodes cannot pass, those of the step.
+    pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom, those of the step.
     pub equations: Vec<System>,
     /// One over the mass; 0 where a rigid body carries the node.
@@ -163,6 +170,8 @@ pub struct Solid {
     parallel: bool,
     /// Increment behind, and whether its strains are still to come.
     pub(super) behind: f64,
+    /// Time over which accelerations acted on the velocities last.
+    pub(super) half: f64,
     pending: bool,
     pub(super) moved: bool,
 }
@@ -194,6 +203,8 @@ impl Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
             ties: Vec::new(),
+            walls: Vec::new(),
+            half: 0.0,
             connectors: Vec::new(),
             bounds: Bounds::default(),
             equations: Vec::new(),
@@ -396,7 +407,7 @@ impl Solid {
             self.reactions[i].travel = dt * velocity;
         }
         self.constrain_velocities(dt, half);
-        self.behind = dt;
+        (self.behind, self.half) = (dt, half);
         self.pending = true;
         self.moved = true;
     }

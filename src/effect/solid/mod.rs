@@ -10,6 +10,7 @@ pub mod group;
 pub mod law;
 pub mod loads;
 pub mod tie;
+pub mod wall;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;
