@@ -50,7 +50,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "TWO STEP": "Bias applied to every second interval",
     }, ["First node set, second node set, number of intervals, increment of node numbers"]),
     row!(Used, "ELEMENT", "Defines elements", {
-        "TYPE": "Element type (RAX2, CAX3, CAX4R, MASS)",
+        "TYPE": "Element type (RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1)",
         "ELSET": "Element set to put them in",
         "INPUT": "File with the data lines",
         "OFFSET": "Added to node numbers",
@@ -79,7 +79,7 @@ pub static KEYWORDS: &[Keyword] = &[
     }, ["Element numbers and names of element sets, or first, last, increment (1) with GENERATE"]),
     row!(Used, "SURFACE", "Defines a surface", {
         "NAME": "Name of the surface",
-        "TYPE": "ELEMENT (default) or NODE",
+        "TYPE": "ELEMENT (default), NODE, or SEGMENTS for a plane z = const",
         "INTERNAL": "Written by CAE; no meaning",
         "COMBINE": "UNION, INTERSECTION or DIFFERENCE of surfaces",
         "CROP": "Not supported",
@@ -93,7 +93,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "TRIM": "Whether open ends are trimmed",
         "SCALE THICK": "Not supported",
         "DISCRETIZATION": "Written by some preprocessors; no meaning",
-    }, ["Element set or number, face (S1 ... S4, SPOS, SNEG); node set or number for TYPE=NODE"]),
+    }, ["Element set or number, face (S1 ... S4, SPOS, SNEG); node set or number for TYPE=NODE; START, r, z and LINE, r, z for TYPE=SEGMENTS"]),
     row!(Used, "PART", "Begins a part", { "NAME": "Name of the part", "INTERNAL": "Written by CAE; no meaning" }, []),
     row!(Used, "END PART", "Ends a part"),
     row!(Used, "ASSEMBLY", "Begins the assembly", { "NAME": "Name of the assembly" }, []),
@@ -217,12 +217,27 @@ pub static KEYWORDS: &[Keyword] = &[
         "COMPOSITE": "Not supported",
         "ORIENTATION": "Not supported",
     }, ["Mass"]),
+    row!(Used, "SPRING", "Springs of SPRINGA and SPRING1 elements", {
+        "ELSET": "Elements",
+        "NONLINEAR": "Rows of force and relative displacement",
+        "COMPLEX STIFFNESS": "Not supported: harmonic procedures",
+        "DEPENDENCIES": "Not supported",
+        "ORIENTATION": "Not supported",
+        "RTOL": "Not supported",
+    }, ["Degree of freedom of SPRING1 (empty for SPRINGA)", "Stiffness; or force, relative displacement with NONLINEAR"]),
+    row!(Used, "DASHPOT", "Dashpots of DASHPOTA and DASHPOT1 elements", {
+        "ELSET": "Elements",
+        "NONLINEAR": "Not supported: rows of force and velocity",
+        "DEPENDENCIES": "Not supported",
+        "ORIENTATION": "Not supported",
+        "RTOL": "Not supported",
+    }, ["Degree of freedom of DASHPOT1 (empty for DASHPOTA)", "Coefficient, force a velocity"]),
     row!(Used, "RIGID BODY", "Makes a set of elements or nodes a rigid body", {
         "REF NODE": "Reference node or a set of one",
         "ELSET": "Elements",
         "PIN NSET": "Nodes pinned to it",
         "TIE NSET": "Nodes tied to it",
-        "ANALYTICAL SURFACE": "Not supported",
+        "ANALYTICAL SURFACE": "Analytical plane that it carries",
         "POSITION": "INPUT (default) or CENTER OF MASS",
         "DENSITY": "Mass per volume",
         "ISOTHERMAL": "No meaning here",
@@ -543,22 +558,22 @@ pub static KEYWORDS: &[Keyword] = &[
         "ELEMENT SHIFT": "Added to element numbers", "SHIFT NODES": "Added to node numbers", "OLD SET": "Elements to copy", "NEW SET": "Set of the copies",
         "REFLECT": "Node order is turned round",
     }, []),
-    row!(Parsed, "CONTACT PAIR", "Contact between two surfaces", {
+    row!(Used, "CONTACT PAIR", "Contact between two surfaces", {
         "INTERACTION": "Surface interaction", "TYPE": "SURFACE TO SURFACE or NODE TO SURFACE", "MECHANICAL CONSTRAINT": "KINEMATIC or PENALTY",
         "CPSET": "Name of the pair", "WEIGHT": "Balance between the surfaces", "SMALL SLIDING": "Form", "OP": "ADD or DELETE", "ADJUST": "Initial gaps",
         "NO THICKNESS": "Shells only", "GEOMETRIC CORRECTION": "Form", "EXTENSION ZONE": "Implicit analyses", "HCRIT": "Implicit analyses",
         "SMOOTH": "Implicit analyses", "TIED": "Implicit analyses", "TRACKING": "Implicit analyses", "SUPPLEMENTARY CONSTRAINTS": "Implicit analyses",
         "SLIDING TRANSITION": "Implicit analyses", "MINIMUM DISTANCE": "Implicit analyses",
     }, ["First surface, second surface"]),
-    row!(Parsed, "SURFACE INTERACTION", "Begins an interaction of surfaces", {
+    row!(Used, "SURFACE INTERACTION", "Begins an interaction of surfaces", {
         "NAME": "Name", "PAD THICKNESS": "Layer between", "USER": "Not supported", "PROPERTIES": "Not supported", "DEPVAR": "Not supported",
         "UNSYMM": "Not supported", "TRACKING THICKNESS": "Not supported", "INTERNAL": "Written by CAE; no meaning",
     }, ["Out-of-plane thickness"]),
-    row!(Parsed, "SURFACE BEHAVIOR", "Pressure against closure", {
+    row!(Used, "SURFACE BEHAVIOR", "Pressure against closure", {
         "PRESSURE-OVERCLOSURE": "HARD, LINEAR, EXPONENTIAL, TABULAR or SCALE FACTOR", "NO SEPARATION": "Surfaces stay together", "AUGMENTED LAGRANGE": "Implicit analyses",
         "PENALTY": "Form", "DIRECT": "Form", "FACTOR": "Of SCALE FACTOR",
     }, ["Stiffness data"]),
-    row!(Parsed, "FRICTION", "Friction between surfaces", {
+    row!(Used, "FRICTION", "Friction between surfaces", {
         "SLIP TOLERANCE": "Implicit analyses", "TAUMAX": "Largest shear stress", "ROUGH": "No slip", "EXPONENTIAL DECAY": "Static and kinetic coefficients",
         "ANISOTROPIC": "Two coefficients", "DEPENDENCIES": "Number of field variables", "ELASTIC SLIP": "Implicit analyses", "LAGRANGE": "Implicit analyses",
         "SHEAR TRACTION SLOPE": "Softened", "USER": "Not supported: user routine", "DEPVAR": "Of USER", "PROPERTIES": "Of USER", "TEST DATA": "Of EXPONENTIAL DECAY",
@@ -644,7 +659,6 @@ pub static KEYWORDS: &[Keyword] = &[
     row!(UnsupportedPhysics, "CYCLIC HARDENING", "Cyclic hardening"),
     row!(UnsupportedPhysics, "DAMPING", "Rayleigh damping of a material"),
     row!(UnsupportedPhysics, "DAMAGE STABILIZATION", "Viscous regularisation of damage"),
-    row!(UnsupportedPhysics, "DASHPOT", "Dashpots"),
     row!(UnsupportedPhysics, "DEFORMATION PLASTICITY", "Deformation theory of plasticity"),
     row!(UnsupportedPhysics, "DETONATION POINT", "Detonation of explosives"),
     row!(UnsupportedPhysics, "DFLUX", "Heat into elements"),
@@ -723,7 +737,6 @@ pub static KEYWORDS: &[Keyword] = &[
     row!(UnsupportedPhysics, "SHELL GENERAL SECTION", "Shells"),
     row!(UnsupportedPhysics, "SHELL TO SOLID COUPLING", "Shells"),
     row!(UnsupportedPhysics, "SOILS", "Soils procedure"),
-    row!(UnsupportedPhysics, "SPRING", "Springs"),
     row!(UnsupportedPhysics, "SRADIATE", "Radiation"),
     row!(UnsupportedPhysics, "STATIC", "Static procedure"),
     row!(UnsupportedPhysics, "STEADY STATE DYNAMICS", "Harmonic procedure"),

@@ -21,6 +21,9 @@ impl Builder<'_> {
             self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
             return;
         };
+        if let Some(word) = card.value("ANALYTICAL SURFACE") {
+            self.carry_plane(word, reference);
+        }
         let elements = card.value("ELSET").and_then(|w| self.element_members(w)).unwrap_or_default();
         let mut tied = Vec::new();
         for name in ["PIN NSET", "TIE NSET"] {

@@ -104,6 +104,11 @@ impl<'a> Builder<'a> {
             "SECTION CONTROLS" => self.section_controls(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
+            "CONTACT PAIR" => self.contact_pair(card),
+            "SURFACE INTERACTION" => self.surface_interaction(card),
+            "SURFACE BEHAVIOR" => self.surface_behavior(card),
+            "FRICTION" => self.friction(card),
+            "SPRING" | "DASHPOT" => self.connector(card),
             "EQUATION" => self.equation(card),
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
@@ -143,7 +148,6 @@ impl<'a> Builder<'a> {
         let why = match card.keyword.name {
             "CONDUCTIVITY" => inert("no step here conducts heat"),
             "EXPANSION" => inert("no step here computes thermal strain: temperature changes by adiabatic heating only"),
-            "SURFACE INTERACTION" | "SURFACE BEHAVIOR" | "FRICTION" => inert("it serves contact only"),
             "ORIENTATION" => inert("nothing here is anisotropic"),
             _ => None,
         };

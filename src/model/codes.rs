@@ -38,7 +38,7 @@ pub const CODES: &[Code] = &[
     code(
         "M121",
         "element type not supported",
-        "The type is known, but this code is axisymmetric and supports RAX2, CAX3, CAX4R and MASS.",
+        "The type is known, but this code is axisymmetric and supports RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1.",
     ),
     code(
         "M122",

@@ -13,6 +13,10 @@ const SUPPORTED: &[(&str, ElementKind)] = &[
     ("CAX3", ElementKind::Cax3),
     ("CAX4R", ElementKind::Cax4r),
     ("MASS", ElementKind::Mass),
+    ("SPRINGA", ElementKind::SpringA),
+    ("SPRING1", ElementKind::Spring1),
+    ("DASHPOTA", ElementKind::DashpotA),
+    ("DASHPOT1", ElementKind::Dashpot1),
 ];
 
 /// Axisymmetric types of ABAQUS that are not simulated, with what to use instead.
@@ -35,11 +39,8 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("MAX1", "membranes are not simulated"),
     ("SFMAX1", "surface elements on solids are not simulated"),
     ("COHAX4", "cohesive elements are not simulated"),
-    ("SPRINGA", "springs are not simulated yet"),
-    ("SPRING1", "springs are not simulated yet"),
-    ("SPRING2", "springs are not simulated yet"),
-    ("DASHPOTA", "dashpots are not simulated yet"),
-    ("DASHPOT1", "dashpots are not simulated yet"),
+    ("SPRING2", "SPRINGA and SPRING1 are"),
+    ("DASHPOT2", "DASHPOTA and DASHPOT1 are"),
     ("ROTARYI", "a body of revolution does not turn"),
     ("CONN2D2", "connectors are not simulated"),
 ];
@@ -75,11 +76,22 @@ impl ElementKind {
     /// How many nodes it has.
     pub fn node_count(self) -> usize {
         match self {
-            ElementKind::Mass => 1,
-            ElementKind::Rax2 => 2,
+            ElementKind::Mass | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
+            ElementKind::Rax2 | ElementKind::SpringA | ElementKind::DashpotA => 2,
             ElementKind::Cax3 => 3,
             ElementKind::Cax4r => 4,
         }
+    }
+
+    /// Whether it is a spring or a dashpot.
+    pub fn is_connector(self) -> bool {
+        use ElementKind::{Dashpot1, DashpotA, Spring1, SpringA};
+        matches!(self, Dashpot1 | DashpotA | Spring1 | SpringA)
+    }
+
+    /// Whether it has no volume and no surface: a point mass, a spring, a dashpot.
+    pub fn is_discrete(self) -> bool {
+        self == ElementKind::Mass || self.is_connector()
     }
 
     /// ABAQUS's name of the type.
@@ -114,7 +126,7 @@ impl Builder<'_> {
         if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
             return Some(found.1);
         }
-        let supported = "supported are RAX2, CAX3, CAX4R and MASS";
+        let supported = "supported are RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
         let finding = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
             Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
         } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
@@ -180,7 +192,7 @@ impl Builder<'_> {
 
     fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<&'static str> {
         let points: Vec<[f64; 2]> = nodes.iter().map(|&n| self.model.mesh.points[n]).collect();
-        if kind == ElementKind::Mass {
+        if kind.is_discrete() {
             return None;
         }
         let extent = points.iter().fold(0.0, |m: f64, p| m.max(p[0].abs()));

@@ -22,7 +22,10 @@ impl Builder<'_> {
                 self.out_of_range(line.span, format!("an equation has two terms or more, not {count}"));
                 return;
             }
-            let (words, next) = super::elements::joined(card, at + 1, 3 * count as usize);
+            let (words, next) = match at + 1 < card.lines.len() {
+                true => super::elements::joined(card, at + 1, 3 * count as usize),
+                false => (Vec::new(), at + 1),
+            };
             if words.len() != 3 * count as usize {
                 let message = format!("{count} terms have {} values; {} are given", 3 * count, words.len());
                 self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "this equation"));

@@ -5,6 +5,8 @@ mod amplitudes;
 mod bodies;
 mod builder;
 pub mod codes;
+mod connectors;
+mod contact;
 mod elements;
 mod eos;
 mod equations;

@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{Boundary, IncrementControl, Load, LoadVelocity, Motion, OutputRequest, Step};
+use super::types::{Boundary, Contact, IncrementControl, Load, LoadVelocity, Motion, OutputRequest, Step};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Relative error aimed at where the deck says nothing.
@@ -17,6 +17,7 @@ pub(super) struct StepState {
     pub procedure: Option<Procedure>,
     pub boundaries: Vec<Boundary>,
     pub loads: Vec<Load>,
+    pub contacts: Vec<Contact>,
     pub outputs: Vec<OutputRequest>,
     /// Families of which an OP=NEW card has cleared what came from earlier steps.
     pub cleared: Vec<&'static str>,
@@ -79,6 +80,7 @@ impl Builder<'_> {
             adiabatic: procedure.adiabatic,
             boundaries: state.boundaries,
             loads: state.loads,
+            contacts: state.contacts,
             outputs: state.outputs,
         });
     }

@@ -13,11 +13,19 @@ impl Builder<'_> {
         let Some(name) = self.required(card, "NAME") else { return };
         self.refuse(card, &["COMBINE"]);
         if card.value("TYPE").is_some_and(|w| w.is("NODE")) {
-            self.inert(card, "a surface of nodes serves contact only".into());
+            self.node_surface(card, name);
+            return;
+        }
+        if card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
+            self.plane(card, name);
             return;
         }
         if let Some(kind) = card.value("TYPE").filter(|w| !w.is("ELEMENT")) {
-            self.unsupported(kind.span, format!("TYPE={} is not supported", kind.text), "surfaces of elements are");
+            self.unsupported(
+                kind.span,
+                format!("TYPE={} is not supported", kind.text),
+                "ELEMENT, NODE and SEGMENTS are",
+            );
             return;
         }
         let mut faces = Vec::new();

@@ -32,6 +32,14 @@ pub struct Model {
     pub point_masses: Vec<PointMass>,
     /// Absolute zero of temperature, of `*PHYSICAL CONSTANTS`; 0 if not given.
     pub absolute_zero: f64,
+    /// Analytical planes by upper-case name.
+    pub planes: IndexMap<String, Plane>,
+    /// Surfaces of nodes by upper-case name.
+    pub node_surfaces: IndexMap<String, Vec<usize>>,
+    /// `*SURFACE INTERACTION`s.
+    pub interactions: Vec<Interaction>,
+    /// `*SPRING` and `*DASHPOT`.
+    pub connectors: Vec<ConnectorProperty>,
     /// `*EQUATION`s, one node a term.
     pub equations: Vec<Equation>,
     /// `*INITIAL CONDITIONS`.
@@ -85,6 +93,14 @@ pub enum ElementKind {
     Cax4r,
     /// One-node point mass.
     Mass,
+    /// Spring along the line between two nodes.
+    SpringA,
+    /// Spring between a node and the ground.
+    Spring1,
+    /// Dashpot along the line between two nodes.
+    DashpotA,
+    /// Dashpot between a node and the ground.
+    Dashpot1,
 }
 
 /// One element.
@@ -378,6 +394,69 @@ pub struct PointMass {
     pub span: Span,
 }
 
+/// An analytical rigid plane z = const.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    /// z of the plane.
+    pub height: f64,
+    /// Radius of START.
+    pub from: f64,
+    /// Radius of the end of LINE.
+    pub to: f64,
+    /// Reference node of the rigid body that carries it.
+    pub reference: Option<usize>,
+    /// The card.
+    pub span: Span,
+}
+
+/// How surfaces interact.
+#[derive(Clone, Debug)]
+pub struct Interaction {
+    /// Upper-case name.
+    pub name: String,
+    /// Coulomb coefficient.
+    pub friction: f64,
+}
+
+/// Contact of a surface with a plane.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Upper-case name of the plane.
+    pub plane: String,
+    /// Nodes of the other surface, ascending.
+    pub nodes: Vec<usize>,
+    /// What the deck called it.
+    pub set: String,
+    /// Coulomb coefficient.
+    pub friction: f64,
+    /// The data line.
+    pub span: Span,
+}
+
+/// What springs or dashpots of a set do.
+#[derive(Clone, Debug)]
+pub struct ConnectorProperty {
+    /// Element indices.
+    pub elements: Vec<usize>,
+    /// 1 = r, 2 = z, for those between a node and the ground.
+    pub dof: u8,
+    /// Law.
+    pub law: ConnectorLaw,
+    /// The card.
+    pub span: Span,
+}
+
+/// Law of a spring or a dashpot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ConnectorLaw {
+    /// Force a length.
+    Spring(f64),
+    /// Rows of relative displacement and force.
+    Table(Vec<[f64; 2]>),
+    /// Force a velocity.
+    Dashpot(f64),
+}
+
 /// A linear equation, sum of coefficient times displacement = 0.
 #[derive(Clone, Debug)]
 pub struct Equation {
@@ -460,6 +539,8 @@ pub struct Step {
     pub boundaries: Vec<Boundary>,
     /// Loads in force.
     pub loads: Vec<Load>,
+    /// Contact in force.
+    pub contacts: Vec<Contact>,
     /// Output requests in force.
     pub outputs: Vec<OutputRequest>,
 }

@@ -184,7 +184,7 @@ impl Compiler<'_> {
     fn refuse_stray_elements(&mut self) {
         let free = |e: &usize| !self.body_of_element.contains_key(e) && !self.places.elements.contains_key(e);
         let mesh = &self.model.mesh;
-        let first = (0..mesh.elements.len()).find(|e| mesh.elements[*e].kind != ElementKind::Mass && free(e));
+        let first = (0..mesh.elements.len()).find(|e| !mesh.elements[*e].kind.is_discrete() && free(e));
         let Some(first) = first else { return };
         let element = &mesh.elements[first];
         let (message, help) = if element.kind == ElementKind::Rax2 {

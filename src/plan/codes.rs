@@ -106,6 +106,16 @@ pub const CODES: &[Code] = &[
         text: "A *USER MATERIAL gives all of the stress: *ELASTIC and *PLASTIC of the same material would be read and ignored. Hand their values over as constants.",
     },
     Code {
+        code: "P020",
+        title: "spring or dashpot that cannot be",
+        text: "A spring or dashpot element needs its property (*SPRING, *DASHPOT), ends on nodes of deformable elements (a rigid body can share them), and for SPRINGA and DASHPOTA ends that do not coincide.",
+    },
+    Code {
+        code: "P021",
+        title: "contact that cannot be",
+        text: "A *CONTACT PAIR joins a surface of deformable nodes, all on one side, with an analytical plane z = const (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY whose reference node is held or moved by *BOUNDARY.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",

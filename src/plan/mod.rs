@@ -3,6 +3,7 @@
 
 mod bodies;
 pub mod codes;
+mod connectors;
 mod equations;
 pub mod ledger;
 mod loads;
@@ -13,6 +14,7 @@ mod solid_material;
 mod ties;
 mod user;
 mod user_material;
+mod walls;
 
 use std::rc::Rc;
 
@@ -22,6 +24,7 @@ use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
 use crate::effect::solid::body::{Given, NodeForce, Solid};
 use crate::effect::solid::equation::System;
 use crate::effect::solid::user_motion::NodeMotions;
+use crate::effect::solid::wall::Wall;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
 use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
@@ -75,6 +78,8 @@ pub struct StepPlan {
     pub node_forces: Vec<Box<dyn NodeForce>>,
     /// Motions that are given on nodes of what deforms.
     pub given: Vec<Given>,
+    /// Planes that nodes cannot pass.
+    pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom.
     pub equations: Vec<System>,
     /// User motions: asked once an increment.
@@ -124,6 +129,7 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
     };
     compiler.bodies();
     let mut solid = compiler.solids();
+    compiler.connect(solid.as_mut());
     compiler.finish_bodies();
     let (columns, fields) = compiler.variables(solid.as_mut());
     let steps = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
@@ -177,6 +183,7 @@ impl Compiler<'_> {
         }
         let mut node_asking = Vec::new();
         let given = if solid.is_some() { self.given(step, &mut node_asking) } else { Vec::new() };
+        let walls = self.walls(step, solid, &given);
         let equations = self.equations(step, solid, &given);
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
@@ -195,6 +202,7 @@ impl Compiler<'_> {
             motions,
             node_forces,
             given,
+            walls,
             equations,
             asking,
             node_asking,

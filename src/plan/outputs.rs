@@ -39,6 +39,8 @@ pub enum Quantity {
     Plastic,
     /// `ALLVD`.
     Viscous,
+    /// `ALLCW`.
+    Contact,
     /// `ALLAE`.
     Artificial,
     /// Something that axial symmetry keeps at zero (`U1` of a rigid body).
@@ -216,12 +218,13 @@ impl Schedule {
 }
 
 /// Energies that exist only where something deforms.
-const SOLID_ENERGIES: [(&str, Quantity); 5] = [
+const SOLID_ENERGIES: [(&str, Quantity); 6] = [
     ("ALLIE", Quantity::Internal),
     ("ALLSE", Quantity::Strain),
     ("ALLPD", Quantity::Plastic),
     ("ALLVD", Quantity::Viscous),
     ("ALLAE", Quantity::Artificial),
+    ("ALLCW", Quantity::Contact),
 ];
 
 const ENERGIES: [(&str, Quantity); 5] = [

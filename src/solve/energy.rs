@@ -8,7 +8,7 @@ use crate::effect::solid::body::Energies;
 use crate::effect::{Account, Slot};
 use crate::state::BodyState;
 
-/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCAV - ALLWK` is constant.
+/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy.
@@ -35,6 +35,9 @@ pub struct Energy {
     /// Dissipated by bulk viscosity.
     #[serde(rename = "ALLVD")]
     pub viscous: f64,
+    /// Lost where nodes meet analytical planes.
+    #[serde(rename = "ALLCW")]
+    pub contact: f64,
     /// Artificial: taken by hourglass control.
     #[serde(rename = "ALLAE")]
     pub artificial: f64,
@@ -123,7 +126,8 @@ impl Balance {
     /// Books what deforms, after the bodies: what it passes on to them stays in the scene.
     pub fn book_solid(&mut self, solid: &Energies) {
         self.solid = *solid;
-        let sum = solid.kinetic + solid.internal + solid.artificial + solid.viscous + self.tied - solid.external;
+        let dissipated = solid.viscous + solid.contact + solid.friction;
+        let sum = solid.kinetic + solid.internal + solid.artificial + dissipated + self.tied - solid.external;
         let initial = *self.solid_initial.get_or_insert(sum);
         self.largest = self.largest.max(solid.kinetic).max(solid.internal).max(solid.external.abs());
         self.departure = self.departure.max((sum - initial).abs());
@@ -192,7 +196,9 @@ impl Balance {
         energy.artificial = solid.artificial;
         energy.internal = solid.internal + solid.artificial;
         energy.viscous = solid.viscous;
-        let dissipated = energy.friction + energy.cavity + energy.viscous;
+        energy.friction += solid.friction;
+        energy.contact = solid.contact;
+        let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact;
         energy.total = energy.kinetic + energy.internal + dissipated - energy.work;
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = if self.largest > 0.0 { self.departure / self.largest } else { 0.0 };

@@ -250,6 +250,7 @@ impl<'a> Run<'a> {
             LoadVelocity::Lagged => 0.0,
         };
         if let Some(solid) = &mut self.solid {
+            solid.walls.clone_from(&step.walls);
             solid.equations.clone_from(&step.equations);
             solid.begin(&step.given, step.node_forces.len());
         }
@@ -317,6 +318,9 @@ impl<'a> Run<'a> {
         if let Some(solid) = &mut self.solid {
             solid.accelerate(&step.given);
             solid.accelerate_ties(&self.bodies);
+            for wall in &solid.walls {
+                self.bodies[wall.body].reaction -= wall.force;
+            }
         }
         if finite { Ok(()) } else { Err(self.not_finite()) }
     }
@@ -391,6 +395,7 @@ impl<'a> Run<'a> {
         if let Some(solid) = &mut self.solid {
             solid.advance(&step.given, &self.now, dt);
             solid.follow(&self.bodies, |body| body.velocity_half);
+            solid.meet_walls(&self.bodies, dt);
         }
         self.complete = false;
         self.now_before = self.now;

@@ -4,7 +4,6 @@
 use super::{Energy, Run};
 use crate::effect::Halt;
 use crate::effect::solid::body::Solid;
-use crate::model::ElementKind;
 use crate::output::{Field, Frame};
 use crate::plan::{COMPONENTS, ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
 use crate::user::Wish;
@@ -206,6 +205,7 @@ impl Run<'_> {
             Quantity::Strain => energy.strain,
             Quantity::Plastic => energy.plastic,
             Quantity::Viscous => energy.viscous,
+            Quantity::Contact => energy.contact,
             Quantity::Artificial => energy.artificial,
             Quantity::Zero => 0.0,
             Quantity::Kinetic => energy.kinetic,
@@ -239,7 +239,7 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
             frame.points.push([r, z + run.bodies[b].displacement]);
             of_point.push(Owner::Body(b, node == body.reference));
         }
-        elements.extend(body.elements.iter().filter(|&&e| mesh.elements[e].kind != ElementKind::Mass));
+        elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
     }
     let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
     frame.cells = elements.iter().map(|&e| corners(e)).collect();

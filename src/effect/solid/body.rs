@@ -4,9 +4,11 @@
 use rayon::prelude::*;
 
 use super::block::is_larger;
+use super::connector::{Bounds, Connector};
 use super::equation::System;
 use super::group::{Group, Totals};
 use super::tie::Tie;
+use super::wall::Wall;
 use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
 use crate::effect::{Cause, Halt, Magnitude};
@@ -66,6 +68,10 @@ pub struct Energies {
     pub artificial: f64,
     /// Work of forces and prescribed motions.
     pub external: f64,
+    /// Lost where nodes meet planes.
+    pub contact: f64,
+    /// Dissipated by friction on planes.
+    pub friction: f64,
 }
 
 /// Corner slots that most nodes of a mesh of quadrilaterals have at most.
@@ -157,6 +163,11 @@ pub struct Solid {
     pub limit: (Totals, usize),
     /// Nodes that move with rigid bodies.
     pub ties: Vec<Tie>,
+    /// Springs and dashpots, and what they allow.
+    pub(super) connectors: Vec<Connector>,
+    pub(super) bounds: Bounds,
+    /// Planes that nodes cannot pass, those of the step.
+    pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom, those of the step.
     pub equations: Vec<System>,
     /// One over the mass; 0 where a rigid body carries the node.
@@ -171,9 +182,11 @@ pub struct Solid {
     /// Whether nodes are worth spreading over threads.
     parallel: bool,
     /// Increment behind, and whether its strains are still to come.
-    behind: f64,
+    pub(super) behind: f64,
+    /// Time over which accelerations acted on the velocities last.
+    pub(super) half: f64,
     pending: bool,
-    moved: bool,
+    pub(super) moved: bool,
     /// Corner nodes of deleted elements, and how many of them the forces of this step have been told.
     gone: (Vec<[u32; 4]>, usize),
 }
@@ -255,6 +268,10 @@ impl Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
             ties: Vec::new(),
+            walls: Vec::new(),
+            half: 0.0,
+            connectors: Vec::new(),
+            bounds: Bounds::default(),
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
@@ -286,7 +303,7 @@ impl Solid {
         };
         self.reactions = given.iter().map(reaction).collect();
         self.gone.1 = 0;
-        let count = if forces > 0 { self.nodes.len() } else { 0 };
+        let count = if forces > 0 || !self.connectors.is_empty() { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
         }
@@ -329,6 +346,7 @@ impl Solid {
         for force in forces {
             force.add(now, &self.nodes, external)?;
         }
+        self.add_connectors();
         if self.limit.0.rate.is_finite() {
             return Ok(());
         }
@@ -456,7 +474,7 @@ impl Solid {
             self.reactions[i].travel = dt * velocity;
         }
         self.constrain_velocities(dt, half);
-        self.behind = dt;
+        (self.behind, self.half) = (dt, half);
         self.pending = true;
         self.moved = true;
     }
@@ -491,6 +509,7 @@ impl Solid {
 
     /// The largest increment that is stable.
     pub fn stable_increment(&self) -> f64 {
-        1.0 / self.limit.0.rate
+        let elements = self.limit.0.rate;
+        1.0 / if self.connectors.is_empty() { elements } else { self.bounds.rate(elements) }
     }
 }

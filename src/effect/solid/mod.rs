@@ -3,6 +3,7 @@
 
 pub mod block;
 pub mod body;
+pub mod connector;
 pub mod eos;
 pub mod equation;
 pub mod failure;
@@ -18,6 +19,7 @@ pub mod user_body;
 pub mod user_material;
 pub mod user_motion;
 pub mod volumetric;
+pub mod wall;
 
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;

@@ -1,0 +1,81 @@
+//! `*SPRING` and `*DASHPOT`: properties of SPRINGA, SPRING1, DASHPOTA and DASHPOT1.
+//! Never here: forces.
+
+use super::builder::Builder;
+use super::types::{ConnectorLaw, ConnectorProperty, ElementKind};
+use crate::deck::{Card, DataLine};
+
+impl Builder<'_> {
+    pub(super) fn connector(&mut self, card: &Card) {
+        let Some(set) = self.required(card, "ELSET") else { return };
+        let Some(elements) = self.element_members(set) else { return };
+        let is_spring = card.keyword.name == "SPRING";
+        let kinds = if is_spring {
+            [ElementKind::SpringA, ElementKind::Spring1]
+        } else {
+            [ElementKind::DashpotA, ElementKind::Dashpot1]
+        };
+        let kind_of = |e: &usize| self.model.mesh.elements[*e].kind;
+        let first = elements.first().map_or(kinds[0], kind_of);
+        if !kinds.contains(&first) || elements.iter().any(|e| kind_of(e) != first) {
+            let message = format!("this set must hold {} elements, or {} elements", kinds[0].name(), kinds[1].name());
+            self.out_of_range(set.span, message);
+            return;
+        }
+        let along_line = first == kinds[0];
+        let filled: Vec<&DataLine> = card.lines.iter().filter(|l| l.field(0).is_some()).collect();
+        let mut lines = &filled[..];
+        let mut dof = 2;
+        if !along_line {
+            let Some(line) = self.first_line(card) else { return };
+            let Some(given) = self.integer(line, 0, "the degree of freedom") else { return };
+            if !(1..=2).contains(&given) {
+                self.out_of_range(line.span, format!("degree of freedom {given}: 1 is r, 2 is z"));
+                return;
+            }
+            dof = given as u8;
+            lines = &lines[1..];
+        }
+        let Some(law) = self.connector_law(card, lines, is_spring) else { return };
+        let property = ConnectorProperty { elements, dof, law, span: card.span };
+        self.model.connectors.push(property);
+    }
+
+    fn connector_law(&mut self, card: &Card, lines: &[&DataLine], is_spring: bool) -> Option<ConnectorLaw> {
+        if card.has("NONLINEAR") {
+            if !is_spring {
+                self.unsupported(card.span, "NONLINEAR on *DASHPOT is not supported", "linear dashpots are");
+                return None;
+            }
+            let row = |line: &&DataLine| {
+                Some([self.number(line, 1, "the relative displacement")?, self.number(line, 0, "the force")?])
+            };
+            let rows: Vec<[f64; 2]> = lines.iter().map(row).collect::<Option<_>>()?;
+            if rows.is_empty()
+                || rows.windows(2).any(|w| w[1][0].partial_cmp(&w[0][0]) != Some(std::cmp::Ordering::Greater))
+            {
+                self.out_of_range(card.span, "rows of force and relative displacement must ascend in the displacement");
+                return None;
+            }
+            return Some(ConnectorLaw::Table(rows));
+        }
+        // For those along a line the first data line may be there, without meaning.
+        let line = match lines {
+            [line] | [_, line] => line,
+            _ => {
+                self.out_of_range(card.span, "one value is needed; dependence on temperature is not supported");
+                return None;
+            }
+        };
+        if line.field(1).or(line.field(2)).is_some() {
+            self.unsupported(line.span, "dependence on frequency or temperature is not supported", "");
+            return None;
+        }
+        let value = self.number(line, 0, if is_spring { "the stiffness" } else { "the coefficient" })?;
+        if value < 0.0 || !value.is_finite() {
+            self.out_of_range(line.span, format!("it must not be {value}"));
+            return None;
+        }
+        Some(if is_spring { ConnectorLaw::Spring(value) } else { ConnectorLaw::Dashpot(value) })
+    }
+}

@@ -1,0 +1,74 @@
+//! Springs and dashpots of the plan.
+//! Never here: their forces.
+
+use super::Compiler;
+use crate::deck::{Diagnostic, Span};
+use crate::effect::solid::body::Solid;
+use crate::effect::solid::connector::{Connector, Law};
+use crate::model::{ConnectorLaw, ConnectorProperty, ElementKind};
+
+impl Compiler<'_> {
+    /// All springs and dashpots; those on nodes of nothing that deforms are refused.
+    pub(super) fn connectors(&mut self) -> Vec<Connector> {
+        let model = self.model;
+        let mut connectors = Vec::new();
+        let mut with_property = Vec::new();
+        for property in &model.connectors {
+            let before = connectors.len();
+            for &e in &property.elements {
+                with_property.push(e);
+                connectors.extend(self.connector(e, property));
+            }
+            let (effect, detail) = match &property.law {
+                ConnectorLaw::Spring(k) => ("springs", format!("stiffness {k}")),
+                ConnectorLaw::Table(rows) => ("springs", format!("table of {} rows", rows.len())),
+                ConnectorLaw::Dashpot(c) => ("dashpots", format!("coefficient {c}")),
+            };
+            self.cause(property.span, effect, connectors.len() - before, "elements", detail);
+        }
+        with_property.sort_unstable();
+        let mesh = &model.mesh;
+        let bare = |e: &usize| mesh.elements[*e].kind.is_connector() && with_property.binary_search(e).is_err();
+        if let Some(e) = (0..mesh.elements.len()).find(bare) {
+            let kind = mesh.elements[e].kind;
+            let card = if matches!(kind, ElementKind::SpringA | ElementKind::Spring1) { "*SPRING" } else { "*DASHPOT" };
+            self.refuse_connector(mesh.elements[e].span, format!("{} element without {card}", kind.name()));
+        }
+        connectors
+    }
+
+    fn connector(&mut self, element: usize, property: &ConnectorProperty) -> Option<Connector> {
+        let mesh = &self.model.mesh;
+        let element = &mesh.elements[element];
+        let ends: Vec<usize> = element.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
+        if ends.len() < element.nodes.len() {
+            let message = format!("element {} ends at a node of no deformable element", element.name);
+            self.refuse_connector(element.span, message);
+            return None;
+        }
+        let places: Vec<[f64; 2]> = element.nodes.iter().map(|&n| mesh.points[n]).collect();
+        if places.len() == 2 && places[0] == places[1] {
+            self.refuse_connector(element.span, format!("the ends of element {} coincide", element.name));
+            return None;
+        }
+        let law = match &property.law {
+            ConnectorLaw::Spring(k) => Law::Spring(*k),
+            ConnectorLaw::Table(rows) => Law::Table(rows.clone()),
+            ConnectorLaw::Dashpot(c) => Law::Dashpot(*c),
+        };
+        let axis = (ends.len() == 1).then_some(usize::from(property.dof) - 1);
+        Some(Connector::new([ends.first().copied(), ends.get(1).copied()], axis, law))
+    }
+
+    fn refuse_connector(&mut self, span: Span, message: String) {
+        self.diagnostics.push(Diagnostic::error("P020", message).at(span, "here"));
+    }
+
+    /// Puts them between the nodes of what deforms.
+    pub(super) fn connect(&mut self, solid: Option<&mut Solid>) {
+        let connectors = self.connectors();
+        if let Some(solid) = solid.filter(|_| !connectors.is_empty()) {
+            solid.connect(connectors);
+        }
+    }
+}
