@@ -7,6 +7,7 @@ use super::block::is_larger;
 use super::connector::{Bounds, Connector};
 use super::equation::System;
 use super::group::{Group, Totals};
+use super::rest::{Awake, FEW};
 use super::tie::Tie;
 use super::wall::Wall;
 use super::{Corners, LANES};
@@ -179,6 +180,7 @@ pub struct Solid {
     /// Forces against what is given, one entry a [`Given`].
     reactions: Vec<Reaction>,
     kinetic_parts: Vec<f64>,
+    awake: Awake,
     /// Whether nodes are worth spreading over threads.
     parallel: bool,
     /// Increment behind, and whether its strains are still to come.
@@ -199,6 +201,7 @@ struct NodePass<'a> {
     nodes: &'a [Node],
     mass: &'a [f64],
     inverse_mass: &'a [f64],
+    awake: &'a Awake,
     behind: f64,
 }
 
@@ -206,11 +209,13 @@ impl NodePass<'_> {
     /// Accelerations of nodes from `first` on, and their kinetic energy. A few nodes at a time: first all their forces,
     /// then arithmetic that vectors can do.
     fn accelerate(&self, first: usize, accelerations: &mut [[f64; 2]]) -> f64 {
-        const FEW: usize = 32;
         let mut parts = [0.0; 4];
         let (mut forces, mut energies) = ([[0.0; 2]; FEW], [0.0; FEW]);
         for (i, accelerations) in accelerations.chunks_mut(FEW).enumerate() {
             let (first, count) = (first + i * FEW, accelerations.len());
+            if !self.awake.has_work(first) {
+                continue;
+            }
             let forces = &mut forces[..count];
             self.gather.sum(first, self.corners, forces);
             if !self.external.is_empty() {
@@ -275,6 +280,7 @@ impl Solid {
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
+            awake: Awake::new(count, &groups),
             groups,
             cause: 0,
             element_names,
@@ -302,6 +308,10 @@ impl Solid {
             Reaction { place: (g.node, g.axis), origin, ..Reaction::default() }
         };
         self.reactions = given.iter().map(reaction).collect();
+        // These move nodes, or change their accelerations, behind the passes over nodes.
+        if !(self.ties.is_empty() && self.walls.is_empty() && self.equations.is_empty()) {
+            self.awake.wake();
+        }
         self.gone.1 = 0;
         let count = if forces > 0 || !self.connectors.is_empty() { self.nodes.len() } else { 0 };
         for list in &mut self.external {
@@ -347,6 +357,7 @@ impl Solid {
             force.add(now, &self.nodes, external)?;
         }
         self.add_connectors();
+        self.awake.update(&self.groups, &self.external[0]);
         if self.limit.0.rate.is_finite() {
             return Ok(());
         }
@@ -396,6 +407,7 @@ impl Solid {
             nodes: &self.nodes,
             mass: &self.mass,
             inverse_mass: &self.inverse_mass,
+            awake: &self.awake,
             behind: self.behind,
         };
         let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
@@ -444,18 +456,24 @@ impl Solid {
     /// Carries all nodes over an increment.
     pub fn advance(&mut self, given: &[Given], now: &Instant, dt: f64) {
         let half = 0.5 * (dt + self.behind);
-        let chunk = |(nodes, accelerations): (&mut [Node], &[[f64; 2]])| {
-            for (node, a) in nodes.iter_mut().zip(accelerations) {
-                node.v_r += half * a[0];
-                node.v_z += half * a[1];
-                node.r += dt * node.v_r;
-                node.z += dt * node.v_z;
+        let awake = &self.awake;
+        let chunk = |(index, (nodes, accelerations)): (usize, (&mut [Node], &[[f64; 2]]))| {
+            for (i, (nodes, accelerations)) in nodes.chunks_mut(FEW).zip(accelerations.chunks(FEW)).enumerate() {
+                if !awake.has_work(index * CHUNK + i * FEW) {
+                    continue;
+                }
+                for (node, a) in nodes.iter_mut().zip(accelerations) {
+                    node.v_r += half * a[0];
+                    node.v_z += half * a[1];
+                    node.r += dt * node.v_r;
+                    node.z += dt * node.v_z;
+                }
             }
         };
         if !self.parallel {
-            self.nodes.chunks_mut(CHUNK).zip(self.acceleration.chunks(CHUNK)).for_each(chunk);
+            self.nodes.chunks_mut(CHUNK).zip(self.acceleration.chunks(CHUNK)).enumerate().for_each(chunk);
         } else {
-            self.nodes.par_chunks_mut(CHUNK).zip(self.acceleration.par_chunks(CHUNK)).for_each(chunk);
+            self.nodes.par_chunks_mut(CHUNK).zip(self.acceleration.par_chunks(CHUNK)).enumerate().for_each(chunk);
         }
         for (i, g) in given.iter().enumerate() {
             let old = self.velocity(g);

@@ -9,6 +9,7 @@ use super::body::PARALLEL;
 use super::failure::Failure;
 use super::law::{Constants, Hardening};
 use super::record::{Followed, Record};
+use super::rest::Rest;
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
 use crate::effect::Halt;
@@ -17,7 +18,7 @@ use crate::state::Instant;
 use crate::state::nodes::Node;
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
-const TASK: usize = 64;
+pub(super) const TASK: usize = 64;
 
 /// What an increment of a group came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,6 +81,10 @@ pub trait Group {
     fn energy(&self, element: usize) -> Option<f64>;
     /// Sets the energy a mass of an element at the start.
     fn set_energy(&mut self, element: usize, energy: f64);
+    /// Whether a task of elements is passed over because all of it is at rest and free of stress.
+    fn sleeps(&self, _task: usize) -> bool {
+        false
+    }
     /// Corner nodes of an element.
     fn corners(&self, element: usize) -> [u32; 4];
     /// Bytes that the elements occupy.
@@ -103,6 +108,7 @@ pub struct Quads<H: Hardening, V: Volumetric, F: Failure> {
     parallel: bool,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
+    rests: Vec<Rest>,
 }
 
 impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
@@ -138,6 +144,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
             blocks,
             arch: Arch::new(),
             parallel,
+            rests: Rest::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
         }
     }
@@ -196,18 +203,34 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
         let laws = (&self.hardening, &self.volumetric, &self.failure);
         let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt };
         let arch = self.arch;
-        let run = |index, blocks: &mut [_], corners: &mut [_], stage: &mut _| {
-            arch.dispatch(Task { pass: &pass, index, blocks, corners, stage });
+        let run = |index, blocks: &mut [Block<_, _, _>], corners: &mut [Corners], stage: &mut _, rest: &mut Rest| {
+            if rest.asleep && rest.is_still(nodes) {
+                return;
+            }
+            arch.dispatch(Task { pass: &pass, index, blocks: &mut *blocks, corners: &mut *corners, stage });
+            // Without an increment behind nothing has been added to the sums, so they hold while the task sleeps. The
+            // pressure of an equation of state is not in the state looked at here.
+            let zero = |list: &[Lanes]| list.as_flattened().iter().all(|x| *x == 0.0);
+            rest.asleep = dt == 0.0
+                && !V::VARIES
+                && corners.iter().all(|c| zero(&c.0))
+                && blocks.iter().all(|b| zero(&b.stress))
+                && rest.is_still(nodes);
         };
         if !self.parallel {
-            let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK)).zip(&mut self.tasks).enumerate();
-            parts.for_each(|(i, ((blocks, corners), own))| run(i, blocks, corners, own));
+            let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK));
+            let parts = parts.zip(self.tasks.iter_mut().zip(&mut self.rests)).enumerate();
+            parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
         } else {
             let parts = self.blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK));
-            let parts = parts.zip(&mut self.tasks).enumerate();
-            parts.for_each(|(i, ((blocks, corners), own))| run(i, blocks, corners, own));
+            let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.rests)).enumerate();
+            parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
         }
         totals(&self.tasks)
+    }
+
+    fn sleeps(&self, task: usize) -> bool {
+        self.rests[task].asleep
     }
 
     fn bytes(&self) -> usize {
@@ -356,10 +379,13 @@ mod tests {
     use pulp::Arch;
 
     use super::{Group, Quads};
+    use crate::effect::solid::body::{Gather, Solid};
     use crate::effect::solid::failure::Intact;
-    use crate::effect::solid::law::{Constants, Lines};
+    use crate::effect::solid::law::{Constants, Elastic, Lines};
     use crate::effect::solid::volumetric::Linear;
     use crate::effect::solid::{Corners, LANES};
+    use crate::kernel::quad;
+    use crate::state::Instant;
     use crate::state::nodes::Node;
 
     #[test]
@@ -399,5 +425,59 @@ mod tests {
         if let Some(v3) = pulp::x86::V3::try_new() {
             assert_eq!(plain, run(Arch::V3(v3)));
         }
+    }
+
+    /// A wave that enters a long bar at rest: with sleeping elements and without, bit by bit.
+    #[test]
+    fn what_sleeps_changes_no_bit() {
+        let (columns, rows) = (2, 1500);
+        let at = |n: usize| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64];
+        let count = (columns + 1) * (rows + 1);
+        let mut nodes: Vec<Node> = (0..count).map(|n| Node { r: at(n)[0], z: at(n)[1], ..Node::default() }).collect();
+        nodes[..3].iter_mut().for_each(|n| n.v_z = 1e-3);
+        // A node without mass, of no element, that never rests: a task that counts it stays awake.
+        nodes.push(Node { v_r: 1.0, ..Node::default() });
+        let elements: Vec<[u32; 4]> = (0..columns * rows)
+            .map(|e| (e / columns * (columns + 1) + e % columns) as u32)
+            .map(|n| [n, n + 1, n + columns as u32 + 2, n + columns as u32 + 1])
+            .collect();
+        let mut mass = vec![0.0; count + 1];
+        for corners in &elements {
+            let places = corners.map(|n| nodes[n as usize].place());
+            for (n, m) in corners.iter().zip(quad::corner_masses(places, 1.0)) {
+                mass[*n as usize] += m;
+            }
+        }
+        let constants = Constants {
+            bulk: 3.0,
+            shear: 1.0,
+            hourglass_stiffness: 0.005,
+            hourglass_viscosity: 0.0,
+            bulk_viscosity: [0.06, 1.2],
+        };
+        let run = |sleepless: bool| {
+            let mut quads = Quads::new((Elastic, Linear, Intact), constants, 1.0, &elements, &nodes);
+            if sleepless {
+                quads.rests.iter_mut().for_each(|rest| rest.nodes.push(count as u32));
+            }
+            let gather = Gather::new(count + 1, &[&elements]);
+            let mut solid = Solid::new(nodes.clone(), mass.clone(), vec![Box::new(quads)], vec![vec![]], gather);
+            solid.begin(&[], 0);
+            let now = Instant::default();
+            let mut slept = Vec::new();
+            for _ in 0..600 {
+                solid.evaluate(&now, &mut []).expect("stresses");
+                slept.push((0..6).filter(|t| solid.groups[0].sleeps(*t)).count());
+                solid.accelerate(&[]);
+                let dt = 0.9 * solid.stable_increment();
+                solid.advance(&[], &now, dt);
+            }
+            (solid.nodes, solid.energies, slept)
+        };
+        let (asleep, awake) = (run(false), run(true));
+        assert_eq!((asleep.2[1], *asleep.2.last().expect("a count"), awake.2[1]), (5, 3, 0));
+        assert_eq!(asleep.1, awake.1);
+        let bits = |nodes: &[Node]| nodes.iter().flat_map(|n| n.as_array()).map(f64::to_bits).collect::<Vec<_>>();
+        assert_eq!(bits(&asleep.0[..count]), bits(&awake.0[..count]));
     }
 }

@@ -14,6 +14,7 @@ pub mod law;
 pub mod loads;
 pub mod points;
 pub mod record;
+mod rest;
 pub mod tie;
 pub mod user_body;
 pub mod user_material;
