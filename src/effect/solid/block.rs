@@ -63,8 +63,9 @@ impl Nodes {
     #[inline(always)]
     pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4]) {
         for (to, of) in self.0.iter_mut().zip(of) {
-            for (to, &node) in to.iter_mut().zip(of) {
-                *to = nodes[node as usize].as_array();
+            // Two at once, both read before either is written: one wide store, which the wide loads behind can take up.
+            for (to, two) in to.as_chunks_mut::<2>().0.iter_mut().zip(of.as_chunks::<2>().0) {
+                *to = two.map(|node| nodes[node as usize].as_array());
             }
         }
     }
