@@ -337,7 +337,17 @@ pub static KEYWORDS: &[Keyword] = &[
         "ELSET": "Elements; all if absent",
         "FACTOR": "Factor on the mass",
         "DT": "Stable increment aimed at",
-        "TYPE": "UNIFORM, BELOW MIN or SET EQUAL DT",
+        "TYPE": "BELOW MIN (default), UNIFORM or SET EQUAL DT",
+    }, []),
+    row!(Used, "VARIABLE MASS SCALING", "Scales masses during the step", {
+        "ELSET": "Elements; all if absent",
+        "DT": "Stable increment aimed at",
+        "TYPE": "BELOW MIN (default), UNIFORM or SET EQUAL DT",
+        "FREQUENCY": "Every so many increments",
+        "NUMBER INTERVAL": "So many times in the step, instead of FREQUENCY",
+        "CROSS SECTION NODES": "Not supported: rolling",
+        "EXTRUDED LENGTH": "Not supported: rolling",
+        "FEED RATE": "Not supported: rolling",
     }, []),
     row!(Used, "BOUNDARY", "Prescribed motion", {
         "OP": "MOD (default) or NEW",
@@ -530,11 +540,6 @@ pub static KEYWORDS: &[Keyword] = &[
         "USER": "Not supported: user routine", "PORE FLUID": "Not supported", "FIELD": "Field variable",
     }, ["Coefficient, temperature"]),
     row!(Parsed, "LATENT HEAT", "Heat of phase change", {}, ["Latent heat, solidus, liquidus"]),
-    row!(Parsed, "VARIABLE MASS SCALING", "Scales masses during the step", {
-        "ELSET": "Elements", "DT": "Stable increment aimed at", "TYPE": "BELOW MIN, UNIFORM, SET EQUAL DT or ROLLING",
-        "FREQUENCY": "Every so many increments", "NUMBER INTERVAL": "So many times in the step", "CROSS SECTION NODES": "Of ROLLING",
-        "EXTRUDED LENGTH": "Of ROLLING", "FEED RATE": "Of ROLLING",
-    }, []),
     row!(Used, "USER MATERIAL", "Material of a user routine", {
         "CONSTANTS": "Number of constants", "TYPE": "MECHANICAL or THERMAL", "UNSYMM": "Unsymmetric stiffness",
         "EFFMOD": "Not supported: moduli come from the call at time zero", "HYBRID FORMULATION": "Not supported: implicit analyses",

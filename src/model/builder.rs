@@ -113,7 +113,9 @@ impl<'a> Builder<'a> {
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
             "INITIAL CONDITIONS" => self.initial_conditions(card),
-            "STEP" | "END STEP" | "DYNAMIC" | "BULK VISCOSITY" | "FIXED MASS SCALING" => self.step_card(card),
+            "STEP" | "END STEP" | "DYNAMIC" | "BULK VISCOSITY" | "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => {
+                self.step_card(card);
+            }
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
             "OUTPUT"

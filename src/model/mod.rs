@@ -12,6 +12,7 @@ mod eos;
 mod equations;
 mod failure;
 mod loads;
+mod mass_scaling;
 mod materials;
 pub mod mesh_file;
 mod names;

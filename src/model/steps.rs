@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{Boundary, Contact, IncrementControl, Load, LoadVelocity, Motion, OutputRequest, Step};
+use super::types::{Boundary, Contact, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Step};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Relative error aimed at where the deck says nothing.
@@ -18,6 +18,7 @@ pub(super) struct StepState {
     pub boundaries: Vec<Boundary>,
     pub loads: Vec<Load>,
     pub contacts: Vec<Contact>,
+    pub mass_scalings: Vec<MassScaling>,
     pub outputs: Vec<OutputRequest>,
     /// Families of which an OP=NEW card has cleared what came from earlier steps.
     pub cleared: Vec<&'static str>,
@@ -45,6 +46,7 @@ impl Builder<'_> {
             }
             "DYNAMIC" => self.dynamic(card),
             "BULK VISCOSITY" => self.bulk_viscosity(card),
+            "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
             _ => self.not_yet(card),
         }
     }
@@ -81,6 +83,7 @@ impl Builder<'_> {
             boundaries: state.boundaries,
             loads: state.loads,
             contacts: state.contacts,
+            mass_scalings: state.mass_scalings,
             outputs: state.outputs,
         });
     }
@@ -121,7 +124,7 @@ impl Builder<'_> {
         }
     }
 
-    fn outside_step(&mut self, card: &Card) {
+    pub(super) fn outside_step(&mut self, card: &Card) {
         let message = format!("*{} belongs into a *STEP", card.keyword.name);
         self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no step is open"));
     }

@@ -541,8 +541,45 @@ pub struct Step {
     pub loads: Vec<Load>,
     /// Contact in force.
     pub contacts: Vec<Contact>,
+    /// Mass scaling in force, in the order of the deck.
+    pub mass_scalings: Vec<MassScaling>,
     /// Output requests in force.
     pub outputs: Vec<OutputRequest>,
+}
+
+/// `*FIXED MASS SCALING` or `*VARIABLE MASS SCALING`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MassScaling {
+    /// The card.
+    pub span: Span,
+    /// Elements; all if `None`.
+    pub elements: Option<Vec<usize>>,
+    /// Factor on the mass (1 if not given).
+    pub factor: f64,
+    /// Stable increment aimed at, time, and how.
+    pub target: Option<(ScalingType, f64)>,
+    /// When it is done again; `None` for a fixed one, which is done once.
+    pub rhythm: Option<ScalingRhythm>,
+}
+
+/// `TYPE` of mass scaling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalingType {
+    /// Elements below the target are brought up to it.
+    BelowMin,
+    /// One factor for all.
+    Uniform,
+    /// All are brought to it.
+    SetEqual,
+}
+
+/// How often `*VARIABLE MASS SCALING` is done again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalingRhythm {
+    /// `FREQUENCY`: every so many increments.
+    Increments(u64),
+    /// `NUMBER INTERVAL`: so many times in the step.
+    Intervals(u64),
 }
 
 /// How the increment is chosen.

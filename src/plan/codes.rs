@@ -116,6 +116,11 @@ pub const CODES: &[Code] = &[
         text: "A *CONTACT PAIR joins a surface of deformable nodes, all on one side, with an analytical plane z = const (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY whose reference node is held or moved by *BOUNDARY.",
     },
     Code {
+        code: "P022",
+        title: "mass scaling that cannot be",
+        text: "Masses are scaled of deformable elements with *ELASTIC. Where pressure follows from density or energy (*EOS), of rubber and of a *USER MATERIAL the mass is part of the state; nodes shared with a rigid body, an *EQUATION and gravity on an element set take masses once and would not follow.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",

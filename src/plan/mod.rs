@@ -7,6 +7,7 @@ mod connectors;
 mod equations;
 pub mod ledger;
 mod loads;
+mod mass_scaling;
 mod node_loads;
 mod outputs;
 mod solid;
@@ -23,6 +24,7 @@ use indexmap::IndexMap;
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
 use crate::effect::solid::body::{Given, NodeForce, Solid};
 use crate::effect::solid::equation::System;
+use crate::effect::solid::mass_scaling::Scaling;
 use crate::effect::solid::user_motion::NodeMotions;
 use crate::effect::solid::wall::Wall;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
@@ -82,6 +84,8 @@ pub struct StepPlan {
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom.
     pub equations: Vec<System>,
+    /// Mass scaling; `None` before a step asks for it.
+    pub scaling: Option<Scaling>,
     /// User motions: asked once an increment.
     pub asking: Vec<Box<dyn Asking>>,
     /// User motions of nodes of what deforms.
@@ -132,7 +136,10 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
     compiler.connect(solid.as_mut());
     compiler.finish_bodies();
     let (columns, fields) = compiler.variables(solid.as_mut());
-    let steps = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
+    let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
+    if let Some(solid) = solid.as_mut().filter(|_| model.steps.iter().any(|s| !s.mass_scalings.is_empty())) {
+        solid.remember_masses();
+    }
     compiler.check_complete(solid.is_some());
     compiler.list_inert();
     compiler.events_row();
@@ -185,6 +192,7 @@ impl Compiler<'_> {
         let given = if solid.is_some() { self.given(step, &mut node_asking) } else { Vec::new() };
         let walls = self.walls(step, solid, &given);
         let equations = self.equations(step, solid, &given);
+        let scaling = self.mass_scaling(index, solid);
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
         let motions = self.motions(step, &mut asking);
@@ -204,6 +212,7 @@ impl Compiler<'_> {
             given,
             walls,
             equations,
+            scaling,
             asking,
             node_asking,
             outputs: self.outputs(step),

@@ -147,7 +147,7 @@ impl Compiler<'_> {
         let detail = format!("a_z = {axial}{}", self.amplitude_name(load));
         self.cause(load.span, "gravity", masses.len(), "nodes", detail);
         let acceleration = self.magnitude(axial, load.amplitude);
-        Some(Box::new(NodeGravity { masses, acceleration }))
+        Some(Box::new(NodeGravity { masses, whole: elements.is_none(), acceleration }))
     }
 
     /// Masses that some elements put on their nodes.

@@ -61,6 +61,9 @@ pub struct StepSummary {
     /// Element that limited the smallest increment, if one did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limiting_element: Option<String>,
+    /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub added_mass: Option<f64>,
 }
 
 /// A body came to rest.
@@ -286,6 +289,12 @@ impl<'a> Run<'a> {
     fn evaluate_solid(&mut self, step: &mut StepPlan, timed: bool) -> Result<(), Halt> {
         let Some(solid) = &mut self.solid else { return Ok(()) };
         let clock = timed.then(Stopwatch::now);
+        if let Some(scaling) = &mut step.scaling {
+            let scaled = solid.scale_masses(scaling, &self.now, &mut step.node_forces);
+            if let Some(summary) = self.outcome.steps.last_mut().filter(|_| scaled) {
+                summary.added_mass = solid.added_mass();
+            }
+        }
         solid.evaluate(&self.now, &mut step.node_forces)?;
         solid.tie_forces(&mut self.forces);
         if let Some(clock) = clock {

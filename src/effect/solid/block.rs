@@ -116,6 +116,23 @@ pub struct Stage {
     pub(super) deaths: usize,
 }
 
+impl<S, Q, X> Block<S, Q, X> {
+    /// Masses of the corners of a lane.
+    pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
+        [0, 1, 2, 3].map(|c| 1.0 / self.inverse_mass[c][lane])
+    }
+
+    /// Gives the corners of a lane other masses.
+    pub(super) fn set_corner_masses(&mut self, lane: usize, masses: [f64; 4]) {
+        let total = (masses[0] + masses[1]) + (masses[2] + masses[3]);
+        self.mass[lane] = total;
+        self.inverse_total[lane] = 1.0 / total;
+        for (list, mass) in self.inverse_mass.iter_mut().zip(masses) {
+            list[lane] = 1.0 / mass;
+        }
+    }
+}
+
 impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]

@@ -7,6 +7,7 @@ use super::block::is_larger;
 use super::connector::{Bounds, Connector};
 use super::equation::System;
 use super::group::{Group, Totals};
+use super::mass_scaling::Masses;
 use super::rest::{Awake, FEW};
 use super::tie::Tie;
 use super::wall::Wall;
@@ -51,6 +52,9 @@ pub trait NodeForce {
 
     /// Elements with these corner nodes are no more: what acts on their faces ends.
     fn release(&mut self, _gone: &[[u32; 4]]) {}
+
+    /// The masses of nodes have changed.
+    fn weigh(&mut self, _mass: &[f64]) {}
 }
 
 /// Energies of the deformable part, summed over the run.
@@ -167,10 +171,14 @@ pub struct Solid {
     /// Springs and dashpots, and what they allow.
     pub(super) connectors: Vec<Connector>,
     pub(super) bounds: Bounds,
+    /// Stiffness and damping of connectors at each node; empty without any.
+    pub(super) sums: Vec<[f64; 2]>,
     /// Planes that nodes cannot pass, those of the step.
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom, those of the step.
     pub equations: Vec<System>,
+    /// Masses without scaling; `None` unless the deck scales masses.
+    pub(super) masses: Option<Box<Masses>>,
     /// One over the mass; 0 where a rigid body carries the node.
     pub(super) inverse_mass: Vec<f64>,
     pub(super) corners: Vec<Corners>,
@@ -272,11 +280,13 @@ impl Solid {
         Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
+            masses: None,
             ties: Vec::new(),
             walls: Vec::new(),
             half: 0.0,
             connectors: Vec::new(),
             bounds: Bounds::default(),
+            sums: Vec::new(),
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
@@ -495,6 +505,30 @@ impl Solid {
         (self.behind, self.half) = (dt, half);
         self.pending = true;
         self.moved = true;
+    }
+
+    /// Gives a node another mass at its velocity. The kinetic energy that comes with it is work from outside: with
+    /// half v(i-1/2) m v(i+1/2) it is exactly half the added mass times v(i-1/2)^2.
+    pub(super) fn change_mass(&mut self, n: usize, mass: f64) {
+        let (added, node) = (mass - self.mass[n], &self.nodes[n]);
+        if added == 0.0 {
+            return;
+        }
+        let by_axis = [0.5 * added * node.v_r * node.v_r, 0.5 * added * node.v_z * node.v_z];
+        self.energies.external += by_axis[0] + by_axis[1];
+        // What is given books gains of kinetic energy as its own work: not these.
+        for reaction in self.reactions.iter_mut().filter(|r| r.place.0 == n) {
+            reaction.kinetic += by_axis[reaction.place.1];
+        }
+        self.mass[n] = mass;
+        self.inverse_mass[n] = 1.0 / mass;
+    }
+
+    /// Lets an element limit the increment, until elements are updated next.
+    pub(super) fn raise_limit(&mut self, group: usize, element: usize, rate: f64) {
+        if rate > self.limit.0.rate {
+            (self.limit.0.rate, self.limit.0.limiting, self.limit.1) = (rate, element, group);
+        }
     }
 
     /// Velocity of a node at the instant's own time.

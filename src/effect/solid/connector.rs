@@ -97,12 +97,20 @@ impl Solid {
                 sums[n] = [sums[n][0] + bounds[0], sums[n][1] + bounds[1]];
             }
         }
-        for c in &connectors {
-            let row = |i: usize| c.ends.into_iter().flatten().map(|n| sums[n][i] * self.inverse_mass[n]).sum::<f64>();
+        self.sums = sums;
+        self.connectors = connectors;
+        self.bound_connectors();
+    }
+
+    /// What the connectors allow with the masses as they are.
+    pub(super) fn bound_connectors(&mut self) {
+        self.bounds = Bounds::default();
+        for c in &self.connectors {
+            let ends = || c.ends.into_iter().flatten();
+            let row = |i: usize| ends().map(|n| self.sums[n][i] * self.inverse_mass[n]).sum::<f64>();
             self.bounds.square = self.bounds.square.max(row(0));
             self.bounds.damping = self.bounds.damping.max(row(1));
         }
-        self.connectors = connectors;
     }
 
     /// Direction from the first to the second end, and the distance; `None` for one along an axis.

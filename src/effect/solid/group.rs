@@ -65,6 +65,15 @@ pub trait Group {
     fn follow(&mut self);
     /// What is followed of an element; `None` if nothing is.
     fn followed(&self, element: usize) -> Option<Followed>;
+    /// One over the stable increment of an element with these corner masses on the present nodes, by the bound of the inner
+    /// loop with linear bulk viscosity alone; `None` where masses cannot be scaled.
+    fn own_rate(&self, _element: usize, _masses: &[f64; 4], _nodes: &[Node]) -> Option<f64> {
+        None
+    }
+    /// Masses of the corners of an element.
+    fn corner_masses(&self, element: usize) -> [f64; 4];
+    /// Gives the corners of an element other masses.
+    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]);
     /// Mass of an element.
     fn mass(&self, element: usize) -> f64;
     /// Variable of an element that the user's routine keeps, counted from 0.
@@ -274,6 +283,30 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
     fn followed(&self, element: usize) -> Option<Followed> {
         let block = element / LANES;
         Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
+    }
+
+    fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
+        // Where the pressure follows from density or energy a mass, the mass is part of the state.
+        if V::VARIES {
+            return None;
+        }
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let g = quad::gradient(corners.map(|c| c[0]), corners.map(|c| c[1]));
+        let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
+        let modulus = self.constants.bulk + 4.0 / 3.0 * self.constants.shear;
+        let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+        let xi = self.constants.bulk_viscosity[0];
+        Some(0.5 * (sum / g.volume).sqrt() * (1.0 + xi * (1.0 + 0.5 * xi)))
+    }
+
+    fn corner_masses(&self, element: usize) -> [f64; 4] {
+        self.blocks[element / LANES].corner_masses(element % LANES)
+    }
+
+    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
+        // The increment that a sleeping task allows is no longer what it was.
+        self.rests[element / (TASK * LANES)].asleep = false;
+        self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
     }
 
     fn mass(&self, element: usize) -> f64 {

@@ -80,6 +80,8 @@ impl NodeForce for NodeConcentrated {
 pub struct NodeGravity {
     /// Nodes and the mass that feels it.
     pub masses: Vec<(usize, f64)>,
+    /// Whether it is all of their mass.
+    pub whole: bool,
     /// Acceleration along z.
     pub acceleration: Magnitude,
 }
@@ -89,6 +91,12 @@ impl NodeForce for NodeGravity {
         let acceleration = self.acceleration.at(now);
         self.masses.iter().for_each(|&(n, mass)| forces[n][1] += mass * acceleration);
         Ok(())
+    }
+
+    fn weigh(&mut self, mass: &[f64]) {
+        if self.whole {
+            self.masses.iter_mut().for_each(|m| m.1 = mass[m.0]);
+        }
     }
 }
 

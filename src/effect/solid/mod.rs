@@ -12,6 +12,7 @@ pub mod hyperelastic;
 pub mod kinematic;
 pub mod law;
 pub mod loads;
+pub mod mass_scaling;
 pub mod points;
 pub mod record;
 mod rest;

@@ -268,6 +268,14 @@ impl Group for UserQuads {
         Some(Followed { energy: [followed.energy[0] - dissipated, dissipated], ..followed })
     }
 
+    fn corner_masses(&self, element: usize) -> [f64; 4] {
+        self.blocks[element / LANES].corner_masses(element % LANES)
+    }
+
+    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
+        self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
+    }
+
     fn mass(&self, element: usize) -> f64 {
         self.blocks[element / LANES].mass[element % LANES]
     }

@@ -1,0 +1,113 @@
+//! Mass scaling of the plan: which elements of the solver a request means, and what cannot be scaled.
+//! Never here: factors, masses.
+
+use super::Compiler;
+use crate::deck::{Diagnostic, Span};
+use crate::effect::solid::body::Solid;
+use crate::effect::solid::mass_scaling::{Aim, Request, Rhythm, Scaling, Variable};
+use crate::model::{LoadKind, MassScaling, ScalingRhythm, ScalingType, Step};
+
+impl Compiler<'_> {
+    /// Mass scaling of a step. What goes on from an earlier step is fixed no more than once.
+    pub(super) fn mass_scaling(&mut self, index: usize, solid: Option<&Solid>) -> Option<Scaling> {
+        let model = self.model;
+        let step = &model.steps[index];
+        let first = step.mass_scalings.first()?;
+        let Some(solid) = solid else {
+            self.unused(first.span, "mass scaling", "nothing here deforms");
+            return None;
+        };
+        self.check_scalable_step(step, first.span);
+        let (mut fixed, mut variable) = (Vec::new(), Vec::new());
+        for scaling in &step.mass_scalings {
+            let Some(request) = self.scaling_request(scaling, solid) else { continue };
+            match scaling.rhythm {
+                None => fixed.push(request),
+                Some(rhythm) => variable.push(Variable::new(request, in_step(rhythm, step))),
+            }
+        }
+        let before = index.checked_sub(1).and_then(|i| model.steps[i].mass_scalings.first());
+        let goes_on = before.is_some_and(|b| b.span == first.span);
+        Some(Scaling::new((!goes_on).then_some(fixed), variable))
+    }
+
+    fn scaling_request(&mut self, scaling: &MassScaling, solid: &Solid) -> Option<Request> {
+        let places = &self.places.elements;
+        let elements: Vec<(usize, usize)> = match &scaling.elements {
+            None => places.values().copied().collect(),
+            Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
+        };
+        if elements.is_empty() {
+            self.unused(scaling.span, "mass scaling", "none of its elements deforms");
+            return None;
+        }
+        let tied = |n: u32| solid.ties.iter().any(|t| t.nodes.binary_search(&(n as usize)).is_ok());
+        let mut refusal = None;
+        for &(g, e) in &elements {
+            let (group, name) = (&solid.groups[g], &solid.element_names[g][e]);
+            if group.own_rate(e, &group.corner_masses(e), &solid.nodes).is_none() {
+                refusal = Some(format!("the mass of element {name} is part of the state of its material"));
+            } else if group.corners(e).into_iter().any(tied) {
+                refusal = Some(format!("element {name} shares nodes with a rigid body, which carries their mass"));
+            }
+            if refusal.is_some() {
+                break;
+            }
+        }
+        if let Some(message) = refusal {
+            self.refuse_scaling(scaling.span, message, "give the elements that can be scaled as ELSET");
+            return None;
+        }
+        self.cause(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling));
+        let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
+        Some(Request { elements, factor: scaling.factor, aim })
+    }
+
+    /// What takes masses once and would not follow.
+    fn check_scalable_step(&mut self, step: &Step, span: Span) {
+        if !self.model.equations.is_empty() {
+            self.refuse_scaling(span, "mass scaling beside *EQUATION".into(), "the equations take masses once");
+        }
+        for load in &step.loads {
+            if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
+                let help = "leave the element set of GRAV empty: it then acts on all that has mass";
+                self.refuse_scaling(load.span, "gravity on an element set beside mass scaling".into(), help);
+            }
+        }
+    }
+
+    fn refuse_scaling(&mut self, span: Span, message: String, help: &str) {
+        self.diagnostics.push(Diagnostic::error("P022", message).at(span, "here").help(help));
+    }
+}
+
+fn aim(kind: ScalingType) -> Aim {
+    match kind {
+        ScalingType::BelowMin => Aim::BelowMin,
+        ScalingType::Uniform => Aim::Uniform,
+        ScalingType::SetEqual => Aim::SetEqual,
+    }
+}
+
+fn in_step(rhythm: ScalingRhythm, step: &Step) -> Rhythm {
+    match rhythm {
+        ScalingRhythm::Increments(every) => Rhythm::Increments(every),
+        ScalingRhythm::Intervals(count) => Rhythm::Time(step.duration / count as f64),
+    }
+}
+
+fn detail(scaling: &MassScaling) -> String {
+    let mut parts = Vec::new();
+    if scaling.factor != 1.0 || scaling.target.is_none() {
+        parts.push(format!("factor {}", scaling.factor));
+    }
+    if let Some((kind, dt)) = scaling.target {
+        parts.push(format!("{kind:?} {dt:e}"));
+    }
+    parts.push(match scaling.rhythm {
+        None => "at the start of the step".into(),
+        Some(ScalingRhythm::Increments(n)) => format!("every {n} increments"),
+        Some(ScalingRhythm::Intervals(n)) => format!("{n} times in the step"),
+    });
+    parts.join(", ")
+}
