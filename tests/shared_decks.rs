@@ -15,7 +15,7 @@ const EXPECTED: &[(&str, &[&str])] = &[
     ("YB-LIM__Powder_Metal_CREEP/Indentation.inp", &["D201", "M104", "M106", "M121"]),
     ("calculix__CalculiX-Examples/solve_acd.inp", &["D002", "D201", "M110"]),
     ("hzhangolemiss__VUMAT-DSGZs/CubicElement-Radial_VUMAT_D.inp", &["M121"]),
-    ("mauroarcidiacono__Abaqus-VUMAT-Johnson-Cook/jc_ti64_abq_builtin.inp", &["M106", "M121"]),
+    ("mauroarcidiacono__Abaqus-VUMAT-Johnson-Cook/jc_ti64_abq_builtin.inp", &["M121"]),
     ("ngrilli__PyBristolFE/TwoPlainStrainTriangles.inp", &["D304", "M104", "M121"]),
     ("pantale__DynELA-v3.0/BarNecking.inp", &[]),
     ("pantale__DynELA-v3.0/Radial.inp", &[]),
