@@ -1,0 +1,34 @@
+//! `revolve check`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use revolve::job;
+
+use super::{REFUSED, UserFiles, accepted, pairs};
+
+/// Check a deck: diagnostics and the ledger of what it would simulate.
+#[derive(Args)]
+pub struct Check {
+    /// The input deck.
+    deck: PathBuf,
+    /// Replace the value of a *PARAMETER: NAME=VALUE.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    #[command(flatten)]
+    user: UserFiles,
+}
+
+impl Check {
+    /// Carries it out.
+    pub fn execute(self) -> Result<ExitCode, String> {
+        let Some(routines) = self.user.routines(false) else { return Ok(ExitCode::from(REFUSED)) };
+        let prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
+        if !accepted(&prepared, false) {
+            return Ok(ExitCode::from(REFUSED));
+        }
+        print!("{}", prepared.plan.ledger.render());
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,106 @@
+//! The commands, one file each: arguments, printing, exit status. Here: what several share.
+//! Never here: physics, files of results (`output`), anything a test would call without a command line.
+
+pub mod check;
+pub mod explain;
+pub mod run;
+pub mod sweep;
+
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use revolve::deck::{Diagnostics, Sources};
+use revolve::job::Prepared;
+use revolve::user::Routines;
+use revolve::user::compile::{Compiled, compile};
+
+/// Deck or arguments refused.
+pub const REFUSED: u8 = 2;
+/// Halted during the run, state saved.
+pub const HALTED: u8 = 1;
+
+/// Files with the user's routines.
+#[derive(Args)]
+pub struct UserFiles {
+    /// File with user subroutines (vdload, vuamp, vdisp, vumat, vexternaldb): Fortran, C or a shared library; may be given
+    /// several times.
+    #[arg(long = "user", value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Build them with bounds checks: slower, and an index out of bounds is told.
+    #[arg(long, requires = "files")]
+    check_user: bool,
+}
+
+impl UserFiles {
+    /// Compiles them, if there are any; `None` if they were refused (told).
+    pub fn compiled(&self, quiet: bool) -> Option<Option<Compiled>> {
+        if self.files.is_empty() {
+            return Some(None);
+        }
+        match compile(&self.files, self.check_user) {
+            Ok(compiled) => {
+                if !quiet {
+                    print_findings(&compiled.notes, &Sources::default());
+                }
+                Some(Some(compiled))
+            }
+            Err(faults) => {
+                print_findings(&faults, &Sources::default());
+                None
+            }
+        }
+    }
+
+    /// Compiles and opens them.
+    pub fn routines(&self, quiet: bool) -> Option<Routines> {
+        let Some(compiled) = self.compiled(quiet)? else { return Some(Routines::none()) };
+        match compiled.open() {
+            Ok(routines) => Some(routines),
+            Err(fault) => {
+                let mut faults = Diagnostics::default();
+                faults.push(fault);
+                print_findings(&faults, &Sources::default());
+                None
+            }
+        }
+    }
+}
+
+/// `--set NAME=VALUE` taken apart.
+pub fn pairs(settings: &[String]) -> Result<Vec<(String, String)>, String> {
+    let pair = |s: &String| {
+        let (name, value) = s.split_once('=').ok_or_else(|| format!("--set {s}: NAME=VALUE is the form"))?;
+        Ok((name.trim().to_owned(), value.trim().to_owned()))
+    };
+    settings.iter().map(pair).collect()
+}
+
+fn print_findings(found: &Diagnostics, sources: &Sources) {
+    if found.is_empty() {
+        return;
+    }
+    let styled = std::io::stderr().is_terminal();
+    let text = if styled { found.render_styled(sources) } else { found.render(sources) };
+    eprintln!("{}", text.trim_end());
+}
+
+/// Prints findings; whether the deck may run.
+pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
+    let errors = prepared.diagnostics.has_errors();
+    if errors || !quiet {
+        print_findings(&prepared.diagnostics, &prepared.deck.sources);
+    }
+    !errors
+}
+
+/// A bar on standard error; hidden where nobody watches.
+pub fn progress_bar(length: u64, quiet: bool) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent} % {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style)
+}
