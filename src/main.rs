@@ -5,7 +5,7 @@ mod command;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use command::{REFUSED, check, explain, report, run, sweep};
+use command::{REFUSED, chart, check, explain, report, run, sweep};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
 #[derive(Parser)]
@@ -22,6 +22,7 @@ enum Command {
     Explain(explain::Explain),
     Sweep(sweep::Sweep),
     Report(report::Report),
+    Chart(chart::Chart),
 }
 
 fn main() -> ExitCode {
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Command::Explain(explain) => explain.execute(),
         Command::Sweep(sweep) => sweep.execute(),
         Command::Report(report) => report.execute(),
+        Command::Chart(chart) => chart.execute(),
     };
     match result {
         Ok(code) => code,

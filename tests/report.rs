@@ -158,6 +158,44 @@ fn damaged_frames_are_refused_in_words() {
     assert!(!folder.path().join("report.html").exists());
 }
 
+#[test]
+fn charts_and_pictures_on_the_command_line() {
+    let (folder, out) = folder();
+    assert!(run("input/ogive.inp", &out, &[]).status.success());
+    let draw = |arguments: &[&str], file: &str| {
+        let file = folder.path().join(file);
+        let output = revolve(&[&["chart", &out][..], arguments, &["--out", file.to_str().expect("a name")]].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), message, std::fs::read(file).unwrap_or_default())
+    };
+    let svg = |arguments: &[&str]| {
+        let (status, message, bytes) = draw(arguments, "a.svg");
+        assert_eq!(status, Some(0), "{message}");
+        String::from_utf8(bytes).expect("text")
+    };
+    let columns = svg(&["--column", "u2@ref", "--column", "V2@REF"]);
+    assert!(columns.contains("U2@REF") && columns.contains("V2@REF"));
+    assert!(svg(&["--energy"]).contains("ALLCAV"));
+    // Twenty facets on both sides of the axis, and the axis.
+    let picture = svg(&["--field", "PRESSURE", "--frame", "3"]);
+    assert_eq!(picture.matches("<path").count(), 2 * 20 + 1);
+    assert!(picture.contains("BLOCK: AL6061") && picture.contains("frame 3 of 21"));
+    let (_, _, png) = draw(&["--field", "V2"], "a.png");
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{}", png.len());
+    for (arguments, file, word) in [
+        (&["--column", "U2@REFF"][..], "b.png", "did you mean `U2@REF`?"),
+        (&["--field", "MISES"], "b.png", "there is no field `MISES`"),
+        (&["--field", "V2", "--frame", "22"], "b.png", "the run has 21"),
+        (&["--energy"], "b.gif", ".png or .svg"),
+        (&["--energy", "--frame", "1"], "b.png", "--frame"),
+        (&[], "b.png", "--energy"),
+    ] {
+        let (status, message, bytes) = draw(arguments, file);
+        assert_eq!(status, Some(2), "{arguments:?}");
+        assert!(message.contains(word) && bytes.is_empty(), "{message}");
+    }
+}
+
 /// A browser without a window, or `None` after saying so. In CI it must be there.
 fn browser() -> Option<PathBuf> {
     let names = ["chromium", "google-chrome", "chromium-browser", "chrome"];

@@ -51,6 +51,28 @@ pub fn page(folder: &Path) -> Result<Page, String> {
     Ok(page)
 }
 
+/// The name of the one run in a folder.
+///
+/// # Errors
+/// In words: none, or several.
+pub fn only_run(folder: &Path) -> Result<String, String> {
+    let names = file_names(folder)?;
+    let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix("_history.csv")).collect();
+    let series: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(".pvd")).collect();
+    let all: BTreeSet<&str> = runs.into_iter().chain(series).collect();
+    let mut all = all.into_iter();
+    match (all.next(), all.next()) {
+        (Some(name), None) => Ok(name.to_owned()),
+        (None, _) => Err(format!("{} holds no run", folder.display())),
+        _ => Err(format!("{} holds several runs; give each a folder of its own", folder.display())),
+    }
+}
+
+/// Targets and planes as a run's summary tells them; nothing where there is none.
+pub fn scene(folder: &Path, name: &str) -> Value {
+    json(&folder.join(format!("{name}.json"))).ok().and_then(|s| s.get("scene").cloned()).unwrap_or_default()
+}
+
 fn file_names(folder: &Path) -> Result<Vec<String>, String> {
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     Ok(entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect())

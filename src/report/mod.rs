@@ -10,6 +10,7 @@ pub mod frames;
 pub mod history;
 mod html;
 mod mesh;
+pub mod picture;
 pub mod study;
 pub mod sweep;
 

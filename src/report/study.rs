@@ -9,6 +9,9 @@ use super::data::{Chart, Series, Study, Table};
 /// Rows that are shown.
 const ROWS: usize = 500;
 
+/// Names that the list of settings may have.
+const LISTS: [&str; 3] = ["runs", "levels", "combinations"];
+
 /// Reads a study.
 pub fn read(name: &str, file: &Value) -> Study {
     let mut study = Study { table: Table { name: name.to_owned(), ..Table::default() }, ..Study::default() };
@@ -16,13 +19,28 @@ pub fn read(name: &str, file: &Value) -> Study {
     for (key, value) in file {
         facts(key, value, &mut study.facts);
     }
-    let records = |v: &Value| v.as_array().map(|a| a.iter().filter_map(Value::as_object).cloned().collect::<Vec<_>>());
-    let lists = file.values().filter_map(records);
-    let Some(list) = lists.max_by_key(Vec::len).filter(|l| !l.is_empty()) else { return study };
+    study.facts.extend(prices(file));
+    let list = LISTS.iter().find_map(|key| file.get(*key)?.as_array());
+    let list: Vec<Map<String, Value>> = list.into_iter().flatten().filter_map(Value::as_object).cloned().collect();
+    let front: Vec<u64> =
+        file.get("front").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect();
+    let best = |(i, record): (usize, &Map<String, Value>)| {
+        front.contains(&(i as u64)) || record.get("pareto").and_then(Value::as_bool) == Some(true)
+    };
+    let best: Vec<bool> = list.iter().enumerate().map(best).collect();
     fill_table(&list, &mut study.table);
-    study.pareto = list.iter().take(ROWS).map(|r| r.get("pareto").and_then(Value::as_bool).unwrap_or(false)).collect();
-    study.table.charts.extend(price(&list));
+    study.table.charts.extend(price(&list, &best));
+    study.pareto = best.into_iter().take(ROWS).collect();
     study
+}
+
+/// What an accuracy costs, as the study says it.
+fn prices(file: &Map<String, Value>) -> Vec<(String, String)> {
+    let price = |p: &Value| {
+        let (tolerance, seconds) = (p.get("tolerance")?.as_f64()?, p.get("seconds")?.as_f64()?);
+        Some((format!("error below {tolerance:e}"), format!("{} s", super::shorten(seconds))))
+    };
+    file.get("prices").and_then(Value::as_array).into_iter().flatten().filter_map(price).collect()
 }
 
 /// Single values, and those of a record one level down.
@@ -38,11 +56,19 @@ fn facts(key: &str, value: &Value, into: &mut Vec<(String, String)>) {
     }
 }
 
-/// A record's values by column; records within it bring their own columns.
+/// A record's values by column; of a spread the median counts, other records within it bring their own columns. The order
+/// observed stands in the first estimate.
 fn flat(record: &Map<String, Value>) -> Vec<(String, Value)> {
     let mut columns = Vec::new();
     for (key, value) in record {
         match value {
+            Value::Object(inner) if inner.contains_key("median") => {
+                columns.push((key.clone(), inner["median"].clone()))
+            }
+            Value::Array(inner) if key == "estimates" => {
+                let order = inner.first().and_then(|e| e.get("order")).cloned();
+                columns.push(("order".into(), order.unwrap_or_default()));
+            }
             Value::Object(inner) => columns.extend(inner.iter().map(|(k, v)| (k.clone(), v.clone()))),
             Value::Array(_) => {}
             value => columns.push((key.clone(), value.clone())),
@@ -80,25 +106,23 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// Error against seconds on logarithmic axes; what nothing beats is joined.
-fn price(list: &[Map<String, Value>]) -> Option<Chart> {
-    let number = |r: &Map<String, Value>, keys: &[&str]| keys.iter().find_map(|k| r.get(*k)?.as_f64()).map(f64::abs);
-    let mut all = Series { name: "combinations".into(), ..Series::default() };
+/// Error against seconds on logarithmic axes; what nothing beats is joined. Where a bound of the error is told, it counts.
+fn price(list: &[Map<String, Value>], best: &[bool]) -> Option<Chart> {
+    let mut all = Series { name: "all settings".into(), ..Series::default() };
     let mut front: Vec<(f64, f64)> = Vec::new();
-    for record in list {
-        let (Some(x), Some(y)) =
-            (number(record, &["seconds", "cost", "time"]), number(record, &["error", "relative_error"]))
-        else {
-            continue;
+    for (record, best) in list.iter().zip(best) {
+        let columns = flat(record);
+        let number = |keys: &[&str]| {
+            let of = |key: &&str| columns.iter().find(|c| c.0 == *key)?.1.as_f64().map(f64::abs);
+            keys.iter().find_map(of).filter(|v| *v > 0.0)
         };
-        if x > 0.0 && y > 0.0 {
-            all.x.push(x);
-            all.y.push(y);
-            let words = flat(record).into_iter().filter(|c| c.0 != "pareto");
-            all.words.push(words.map(|(k, v)| format!("{k} {}", cell(&v))).collect::<Vec<_>>().join(", "));
-            if record.get("pareto").and_then(Value::as_bool) == Some(true) {
-                front.push((x, y));
-            }
+        let (Some(x), Some(y)) = (number(&["seconds"]), number(&["bound", "error"])) else { continue };
+        all.x.push(x);
+        all.y.push(y);
+        let words = columns.iter().filter(|c| c.0 != "pareto" && !c.1.is_null());
+        all.words.push(words.take(6).map(|(k, v)| format!("{k} {}", cell(v))).collect::<Vec<_>>().join(", "));
+        if *best {
+            front.push((x, y));
         }
     }
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -134,6 +158,15 @@ mod tests {
         assert_eq!(study.pareto, [true, true, false]);
         assert_eq!(study.table.charts[0].series[0].x.len(), 3);
         assert_eq!(study.table.charts[0].series[1].y, [0.1, 0.02]);
+        let file = serde_json::json!({
+            "runs": [{"setting": {"n": "10"}, "value": 1.0, "bound": 0.2, "seconds": {"median": 0.5, "min": 0.4, "max": 0.6},
+                "estimates": [{"order": 1.98}]}],
+            "front": [0], "prices": [{"tolerance": 0.2, "run": 0, "seconds": 0.5}],
+        });
+        let other = read("job", &file);
+        assert_eq!(other.table.header, ["n", "value", "bound", "seconds", "order"]);
+        assert_eq!((&other.table.charts[0].series[1].x, &other.pareto), (&vec![0.5], &vec![true]));
+        assert_eq!(other.facts, [("error below 2e-1".to_owned(), "0.5 s".to_owned())]);
         assert!(study.facts.contains(&("order, observed".into(), "2.01".into())));
     }
 }

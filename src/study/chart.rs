@@ -95,7 +95,9 @@ impl Chart {
             if joined {
                 chart.draw_series(LineSeries::new(series.points.iter().copied(), colour.stroke_width(2)))?;
             }
-            let marks = series.points.iter().map(|&p| Circle::new(p, 5, colour.filled()));
+            // Marks on a long line would hide it.
+            let marked = if joined && series.points.len() > 60 { &[][..] } else { &series.points };
+            let marks = marked.iter().map(|&p| Circle::new(p, 5, colour.filled()));
             chart.draw_series(marks)?.label(&series.name).legend(move |(x, y)| {
                 let line = if joined { vec![(x, y), (x + 24, y)] } else { vec![] };
                 EmptyElement::at((0, 0))
