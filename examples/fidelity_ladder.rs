@@ -117,7 +117,7 @@ fn table(shots: &[(f64, f64)], climbed: &[Climbed]) -> String {
         let mean = differences.iter().sum::<f64>() / differences.len() as f64;
         let _ = write!(text, "| {} |", rung.name);
         climbed.depths.iter().for_each(|d| text += &format!(" {d:.1} |"));
-        let _ = writeln!(text, " {mean:+.1} | {:.1} | {:.2} |", rms(&differences).unwrap_or(f64::NAN), climbed.seconds);
+        let _ = writeln!(text, " {mean:+.1} | {:.1} | {:.3} |", rms(&differences).unwrap_or(f64::NAN), climbed.seconds);
     }
     text
 }

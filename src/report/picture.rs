@@ -55,7 +55,12 @@ pub fn energies(folder: &Path) -> Result<Chart, String> {
     let (name, path) = history_file(folder)?;
     let choice = history::choose(&history::names(&path)?, &[]);
     match choice.charts.into_iter().find(|c| c.0 == "Energy") {
-        Some((_, columns)) => chart(&name, &path, &columns),
+        Some((_, columns)) => {
+            let mut chart = chart(&name, &path, &columns)?;
+            // Energies that stay zero need no line.
+            chart.series.retain(|s| s.points.iter().any(|p| p.1 != 0.0));
+            Ok(chart)
+        }
         None => Err(format!("{} holds no energies: the deck asks for none (*ENERGY OUTPUT)", path.display())),
     }
 }

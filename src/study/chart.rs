@@ -32,14 +32,16 @@ pub struct Series {
 }
 
 const SIZE: (u32, u32) = (960, 640);
-/// Okabe and Ito's palette, safe for colour-blind readers.
-const PALETTE: [RGBColor; 6] = [
+/// Okabe and Ito's palette, safe for colour-blind readers, with a violet and a grey after it.
+const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
+    RGBColor(140, 107, 177),
+    RGBColor(90, 90, 90),
 ];
 
 impl Chart {
