@@ -80,7 +80,7 @@ fn unescape(text: &str) -> String {
 /// The scalars of an array: a vector in the plane gives its magnitude and two components, a stress its components and the
 /// Mises stress.
 fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, Vec<f64>)> {
-    let parts = if count == 0 { 0 } else { values.len() / count };
+    let parts = values.len().checked_div(count).unwrap_or(0);
     if parts == 0 || values.len() != parts * count {
         return Vec::new();
     }
