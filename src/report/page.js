@@ -46,7 +46,9 @@ function ticks(low, high, count) {
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) list.push(i * step);
   return list;
 }
+/** Powers of ten between two logarithms, with what lies between them where there are few. */
 function decades(low, high) {
+  if (high - low < 1) return ticks(10 ** low, 10 ** high, 4).filter(v => v > 0).map(Math.log10);
   const list = [];
   for (let p = Math.floor(low); p <= Math.ceil(high); p++) {
     for (const f of high - low < 3 ? [1, 2, 5] : [1]) {

@@ -79,8 +79,8 @@ fn flat(record: &Map<String, Value>) -> Vec<(String, Value)> {
 
 fn fill_table(list: &[Map<String, Value>], table: &mut Table) {
     for record in list {
-        for (key, _) in flat(record) {
-            if key != "pareto" && !table.header.contains(&key) {
+        for (key, value) in flat(record) {
+            if key != "pareto" && !value.is_null() && !table.header.contains(&key) {
                 table.header.push(key);
             }
         }
