@@ -114,6 +114,11 @@ pub struct Stage {
     pub(super) records: Vec<Record>,
     /// Elements that failure deleted in this pass.
     pub(super) deaths: usize,
+    /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
+    pub(super) cap: f64,
+    /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
+    /// under a cap.
+    pub(super) deformed: [Lanes; 2],
 }
 
 impl<S, Q, X> Block<S, Q, X> {
@@ -149,6 +154,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             self.bury(failure, nodes, stage);
         }
         self.strain::<H, V>(constants, dt, nodes, stage);
+        if stage.cap < f64::INFINITY {
+            stage.measure();
+        }
         if H::SHIFTS {
             stage.back = hardening.back_stress(&self.state);
             stage.shift();
@@ -348,7 +356,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let xi = linear - quadratic2 * length_per_wave * compression;
             // In a cold gas, where xi has no bound, the root itself.
             let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
-            let rate = stage.weight[l] * omega * damped;
+            let highest = if omega > stage.cap { stage.cap } else { omega };
+            let rate = stage.weight[l] * highest * damped;
             // Not a number counts as the largest: it must be found.
             let best = stage.sums.rate[l];
             let larger = is_larger(rate, best);
@@ -383,6 +392,11 @@ pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
 }
 
 impl Stage {
+    /// Scratch memory of a task whose frequencies are not capped.
+    pub fn new() -> Self {
+        Stage { cap: f64::INFINITY, ..Stage::default() }
+    }
+
     /// A lane whose element is not there weighs nothing.
     pub(super) fn park(&mut self, lane: usize) {
         self.weight[lane] = 0.0;
@@ -406,6 +420,19 @@ impl Stage {
         let mut record = self.records[index];
         record.follow(block, flows, nodes, dt, self);
         self.records[index] = record;
+    }
+
+    /// Follows the largest strain increment.
+    #[inline(always)]
+    fn measure(&mut self) {
+        for l in 0..LANES {
+            let [rr, zz, hoop, rz] = column(&self.strain, l);
+            let square = self.weight[l] * ((rr * rr + zz * zz) + (hoop * hoop + 2.0 * rz * rz));
+            let dilation = self.weight[l] * (rr + zz + hoop);
+            let larger = |a: f64, b: f64| if a > b { a } else { b };
+            self.deformed[0][l] = larger(square, self.deformed[0][l]);
+            self.deformed[1][l] = larger(dilation * dilation, self.deformed[1][l]);
+        }
     }
 
     /// Prepares for a block of which the first `count` lanes hold elements; the others weigh nothing.
