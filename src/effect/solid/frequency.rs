@@ -11,6 +11,7 @@ use nalgebra::SMatrix;
 use sprs::CsMatI;
 
 use super::body::{Given, Solid};
+use super::group::Group;
 
 /// Steps of Lanczos' method.
 const STEPS: usize = 40;
@@ -268,11 +269,17 @@ impl Solid {
     /// Begins a step in which the highest frequency of the whole bounds the increment, or not.
     pub fn begin_frequency(&mut self, asked: bool, given: &[Given]) {
         self.frequency_asked = asked;
-        self.groups.iter_mut().for_each(|g| g.cap(f64::INFINITY));
+        let mut cap = f64::INFINITY;
         if let Some(mut frequency) = self.frequency.take() {
             frequency.begin(self, given);
+            if asked {
+                // At once: an increment that jumps would jump the energy of the highest modes.
+                frequency.renew(self);
+                cap = frequency.standing.cap(0.0);
+            }
             self.frequency = Some(frequency);
         }
+        self.groups.iter_mut().for_each(|g| g.cap(cap));
     }
 
     /// After a pass over the elements: the bound for the next.
@@ -314,6 +321,17 @@ impl Solid {
         masses
     }
 
+    /// One over the increment that single elements allow.
+    fn rate_by_elements(&self) -> f64 {
+        let alive = |group: &dyn Group, e: &usize| group.status(*e) != Some(0.0);
+        let of_group = |group: &dyn Group| {
+            let elements = (0..group.len()).filter(|e| alive(group, e));
+            let rate = |e| group.own_rate(e, &group.corner_masses(e), &self.nodes).unwrap_or(0.0);
+            elements.map(rate).fold(0.0, f64::max)
+        };
+        self.groups.iter().map(|group| of_group(&**group)).fold(0.0, f64::max)
+    }
+
     /// Estimates of the highest frequency so far; `None` where none is made.
     pub fn estimates(&self) -> Option<u64> {
         self.frequency.as_ref().map(|f| f.standing.count)
@@ -327,7 +345,7 @@ impl HighestFrequency {
         let found = self.find();
         let standing = &mut self.standing;
         standing.count += 1;
-        (standing.age, standing.grown, standing.by_elements) = (0, 0.0, solid.limit.0.rate);
+        (standing.age, standing.grown, standing.by_elements) = (0, 0.0, solid.rate_by_elements());
         standing.found = if found.is_finite() { found } else { 0.0 };
     }
 }

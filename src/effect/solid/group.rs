@@ -196,7 +196,7 @@ pub(super) fn block<S, Q, X>(
         stress: [[0.0; LANES]; 4],
         hourglass: [[0.0; LANES]; 2],
         mass: [0.0; LANES],
-        inverse_total: [0.0; LANES],
+        viscous: [0.0; LANES],
         inverse_mass: [[0.0; LANES]; 4],
         state,
         volumetric,
@@ -211,7 +211,6 @@ pub(super) fn block<S, Q, X>(
             block.inverse_mass[corner][l] = 1.0 / mass;
         }
         block.mass[l] = density * quad::volume(corners);
-        block.inverse_total[l] = 1.0 / block.mass[l];
     }
     block
 }
@@ -248,8 +247,9 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
             let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.rests)).enumerate();
             parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
         }
-        let linear = self.constants.bulk_viscosity[0];
-        let still = self.cap * (1.0 + linear * (1.0 + 0.5 * linear));
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
+        let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
         totals(&self.tasks, |task| if self.rests[task].asleep { still } else { f64::INFINITY })
     }
 
