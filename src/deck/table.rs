@@ -202,6 +202,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "RAMP INITIAL STRESS": "YES or NO",
         "VISCOSITY": "Damage regularisation",
         "WEIGHT FACTOR": "Of hourglass stiffness and viscosity",
+        "WEIGHTING": "+VOLUME (default) or AREA: the equation of motion integrated over the plane section",
         "CONVERSION CRITERION": "Not supported: conversion to particles",
         "CONVERSION": "Not supported: conversion to particles",
         "KERNEL": "Not supported: particles",

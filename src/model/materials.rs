@@ -269,7 +269,16 @@ impl Builder<'_> {
             self.out_of_range(card.span, "WEIGHT FACTOR must lie between 0 and 1, the hourglass factor not below 0");
             return;
         }
-        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor });
+        let by_area = match card.value("WEIGHTING") {
+            None => false,
+            Some(word) if word.is("VOLUME") => false,
+            Some(word) if word.is("AREA") => true,
+            Some(word) => {
+                self.out_of_range(word.span, format!("WEIGHTING is VOLUME or AREA, not {}", word.text));
+                return;
+            }
+        };
+        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor, by_area });
     }
 
     /// Names of all materials of the deck, in order, whether read yet or not.

@@ -317,6 +317,8 @@ pub struct SectionControls {
     pub hourglass: Hourglass,
     /// Factor on it.
     pub factor: f64,
+    /// Whether the equation of motion is weighted by area instead of by volume.
+    pub by_area: bool,
 }
 
 /// What resists hourglassing.

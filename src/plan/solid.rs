@@ -5,6 +5,7 @@ use indexmap::IndexMap;
 
 use super::{Compiler, owned};
 use crate::deck::Diagnostic;
+use crate::effect::solid::area::Rings;
 use crate::effect::solid::body::{Gather, Solid};
 use crate::effect::solid::frequency::HighestFrequency;
 use crate::effect::solid::group::Group;
@@ -75,6 +76,9 @@ impl Compiler<'_> {
         let mut solid = Solid::new(nodes, mass, groups, names, gather);
         solid.ties = ties;
         solid.cause = self.causes.get(&(sections[0].0.span, "deformable elements")).copied().unwrap_or_default();
+        if sections.iter().any(|(s, _)| self.is_by_area(s)) {
+            solid.rings = Some(Box::new(Rings::new(&solid)));
+        }
         self.start_solid(&mut solid);
         Some(solid)
     }

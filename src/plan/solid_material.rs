@@ -40,14 +40,14 @@ enum Equation {
 
 /// What every group needs beside its laws.
 #[derive(Clone, Copy)]
-struct Make<'a> {
+struct Make<'a, const AREA: bool> {
     constants: Constants,
     density: f64,
     corners: &'a [[u32; 4]],
     nodes: &'a [Node],
 }
 
-impl Make<'_> {
+impl<'a, const AREA: bool> Make<'a, AREA> {
     fn quads<H: Hardening + 'static, V: Volumetric + 'static>(self, hardening: H, volumetric: V) -> Box<dyn Group> {
         self.failing(hardening, volumetric, Intact)
     }
@@ -59,7 +59,13 @@ impl Make<'_> {
         failure: F,
     ) -> Box<dyn Group> {
         let laws = (hardening, volumetric, failure);
-        Box::new(Quads::new(laws, self.constants, self.density, self.corners, self.nodes))
+        Box::new(Quads::<_, _, _, AREA>::weighted(laws, self.constants, self.density, self.corners, self.nodes))
+    }
+
+    /// The same, weighted by area.
+    fn by_area(self) -> Make<'a, true> {
+        let Make { constants, density, corners, nodes } = self;
+        Make { constants, density, corners, nodes }
     }
 }
 
@@ -74,6 +80,11 @@ impl Compiler<'_> {
     ) -> Option<Box<dyn Group>> {
         let material = &self.model.materials[section.material];
         if let Some(properties) = &material.user {
+            if self.is_by_area(section) {
+                let message = "WEIGHTING=AREA with a *USER MATERIAL is not supported";
+                self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
+                return None;
+            }
             return self.user_group(section, material, properties, elements, corners, nodes, mass);
         }
         let moduli = self.moduli(material, section.span)?;
@@ -89,7 +100,10 @@ impl Compiler<'_> {
             bulk_viscosity,
         };
         self.solid_rows(section, elements.len(), &constants, material);
-        let make = Make { constants, density, corners, nodes };
+        let make = Make::<false> { constants, density, corners, nodes };
+        if self.is_by_area(section) {
+            return self.by_area(section, material, make.by_area());
+        }
         if let Some(([c10, d1], _)) = material.neo_hooke {
             return Some(make.quads(Elastic, NeoHooke { c10, d1 }));
         }
@@ -163,12 +177,12 @@ impl Compiler<'_> {
     }
 
     /// The group of a volumetric law, with the yield stress of the material.
-    fn with_volumetric<V: Volumetric + 'static>(
+    fn with_volumetric<V: Volumetric + 'static, const AREA: bool>(
         &mut self,
         material: &Material,
         span: Span,
         volumetric: V,
-        make: Make<'_>,
+        make: Make<'_, AREA>,
     ) -> Option<Box<dyn Group>> {
         let heating = if self.adiabatic() { heating(material, make.density) } else { 0.0 };
         let failing = self.failing(material)?;
@@ -201,6 +215,35 @@ impl Compiler<'_> {
             }
         }
         Some(make.quads(General { law, heating }, volumetric))
+    }
+
+    /// Whether the controls of a section weight its elements by area.
+    pub(super) fn is_by_area(&self, section: &SolidSection) -> bool {
+        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
+        section.controls.as_ref().and_then(named).is_some_and(|c| c.by_area)
+    }
+
+    /// The group of a section that is weighted by area, where that can be.
+    fn by_area(&mut self, section: &SolidSection, material: &Material, make: Make<'_, true>) -> Option<Box<dyn Group>> {
+        let model = self.model;
+        let refusal = if material.eos.is_some() || material.neo_hooke.is_some() {
+            Some("WEIGHTING=AREA needs *ELASTIC")
+        } else if model.steps.iter().any(|s| s.bulk_viscosity[0] <= 0.0) {
+            Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
+        } else if model.sections.iter().any(|s| !self.is_by_area(s)) {
+            Some("WEIGHTING=AREA in one section needs it in all")
+        } else if !self.places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+            Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
+        } else {
+            None
+        };
+        if let Some(message) = refusal {
+            self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
+            return None;
+        }
+        let detail = "the equation of motion over the plane section; energy is not conserved to the last digit";
+        self.cause(section.span, "area weighting", make.corners.len(), "elements", detail.into());
+        self.with_volumetric(material, section.span, Linear, make)
     }
 
     /// Hourglass stiffness and viscosity of a section. What has no shear modulus is controlled by viscosity.

@@ -8,7 +8,7 @@ use super::law::{Constants, Flow, Hardening};
 use super::record::Record;
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
-use crate::kernel::quad::{UNIT, gradient};
+use crate::kernel::quad::{UNIT, operators};
 use crate::state::nodes::Node;
 
 /// Elements side by side, each quantity an array over lanes.
@@ -139,7 +139,7 @@ impl<S, Q, X> Block<S, Q, X> {
 impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]
-    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>>(
+    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>, const AREA: bool>(
         &mut self,
         (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
@@ -151,7 +151,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.bury(failure, nodes, stage);
         }
-        self.strain::<H, V>(constants, dt, nodes, stage);
+        self.strain::<H, V, AREA>(constants, dt, nodes, stage);
         if stage.cap < f64::INFINITY {
             stage.measure();
         }
@@ -168,13 +168,13 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             hardening.follow(&mut self.state, &stage.back, &stage.deviator, &stage.trial, &stage.flow);
         }
         if V::VARIES {
-            self.respond::<H, V>(volumetric, 3.0 * constants.shear, nodes, stage);
+            self.respond::<H, V, AREA>(volumetric, 3.0 * constants.shear, nodes, stage);
         }
         self.stress::<H>(constants, stage);
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, stage);
         }
-        self.forces::<V>(constants, dt, stage, corners);
+        self.forces::<V, AREA>(constants, dt, stage, corners);
         if F::FAILS {
             self.silence(failure, corners);
         }
@@ -185,7 +185,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
-    pub(super) fn strain<H: Hardening, V: Volumetric>(
+    pub(super) fn strain<H: Hardening, V: Volumetric, const AREA: bool>(
         &mut self,
         constants: &Constants,
         dt: f64,
@@ -203,7 +203,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 stage.v_z[i][l] = v_z[i];
             }
             let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
-            let g = gradient(middle(r, v_r), middle(z, v_z));
+            let g = operators::<AREA>(middle(r, v_r), middle(z, v_z));
             let per = dt / g.volume;
             let (d_rr, d_zz, d_hoop) = (per * dot(g.r, v_r), per * dot(g.z, v_z), per * dot(g.hoop, v_r));
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
@@ -270,7 +270,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    pub(super) fn forces<V: Volumetric>(
+    pub(super) fn forces<V: Volumetric, const AREA: bool>(
         &mut self,
         constants: &Constants,
         dt: f64,
@@ -292,7 +292,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let modulus = if V::VARIES { stage.bulk[l] + shear43 } else { modulus };
             let (r, z) = (column(&stage.r, l), column(&stage.z, l));
             let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
-            let g = gradient(r, z);
+            let g = operators::<AREA>(r, z);
             // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
             let corner =
                 |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) * self.inverse_mass[i][l];
@@ -305,7 +305,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
             // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
             // of a flat element: then rho c times the length is 2 (K + 4/3 G)/omega.
-            let period = g.volume * g.volume * inverse;
+            let mut period = g.volume * g.volume * inverse;
+            if AREA {
+                // Of the section alone: the ring would show in what is spherical.
+                let (square, mass) = (dot(g.r, g.r) + dot(g.z, g.z), self.inverse_mass[0][l]);
+                period = g.volume / (modulus * UNIT * square * mass * g.volume).sqrt();
+            }
             let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
             let mut dilation_rate = dilation * per_dt;
             if starts {
@@ -341,9 +346,15 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let s_zz = UNIT * (self.stress[1][l] + damping);
             let s_hoop = UNIT * (self.stress[2][l] + damping);
             let s_rz = UNIT * self.stress[3][l];
+            // Weighted by area the equation of motion itself is integrated over the section, its terms with 1/r included; the
+            // ring is put back node by node (area.rs).
+            let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
+            let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, 0.0) };
             for i in 0..4 {
-                corners.0[2 * i][l] = -((s_rr * g.r[i] + s_rz * g.z[i]) + (s_hoop * g.hoop[i] + f_r * shape[i]));
-                corners.0[2 * i + 1][l] = -((s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i]);
+                let along_r = (s_rr * g.r[i] + s_rz * g.z[i]) + (hoop_r * g.hoop[i] + f_r * shape[i]);
+                let along_z = (s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i];
+                corners.0[2 * i][l] = if AREA { -flat * along_r } else { -along_r };
+                corners.0[2 * i + 1][l] = if AREA { -flat * (along_z + hoop_z * g.hoop[i]) } else { -along_z };
             }
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.

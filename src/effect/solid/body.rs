@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::area::Rings;
 use super::block::is_larger;
 use super::connector::{Bounds, Connector};
 use super::equation::System;
@@ -173,6 +174,8 @@ pub struct Solid {
     pub frequency: Option<Box<HighestFrequency>>,
     /// Whether this step wants it.
     pub(super) frequency_asked: bool,
+    /// Rings of nodes under area weighting.
+    pub rings: Option<Box<Rings>>,
     /// Nodes that move with rigid bodies.
     pub ties: Vec<Tie>,
     /// Springs and dashpots, and what they allow.
@@ -213,6 +216,8 @@ struct NodePass<'a> {
     gather: &'a Gather,
     corners: &'a [Corners],
     external: &'a [[f64; 2]],
+    /// Factors on forces of elements; empty for none.
+    rings: &'a [f64],
     nodes: &'a [Node],
     mass: &'a [f64],
     inverse_mass: &'a [f64],
@@ -233,6 +238,11 @@ impl NodePass<'_> {
             }
             let forces = &mut forces[..count];
             self.gather.sum(first, self.corners, forces);
+            if !self.rings.is_empty() {
+                for (force, ring) in forces.iter_mut().zip(&self.rings[first..first + count]) {
+                    *force = [ring * force[0], ring * force[1]];
+                }
+            }
             if !self.external.is_empty() {
                 for (force, more) in forces.iter_mut().zip(&self.external[first..first + count]) {
                     *force = [force[0] + more[0], force[1] + more[1]];
@@ -291,6 +301,7 @@ impl Solid {
             deformed: 0.0,
             frequency: None,
             frequency_asked: false,
+            rings: None,
             ties: Vec::new(),
             walls: Vec::new(),
             half: 0.0,
@@ -364,6 +375,7 @@ impl Solid {
     pub fn evaluate(&mut self, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> Result<(), Halt> {
         if self.pending {
             self.update_elements(now);
+            self.measure_rings();
             self.bound_frequency();
             self.pending = false;
         }
@@ -427,6 +439,7 @@ impl Solid {
             gather: &self.gather,
             corners: &self.corners,
             external: &self.external[0],
+            rings: self.rings.as_ref().map_or(&[], |r| &r.factors),
             nodes: &self.nodes,
             mass: &self.mass,
             inverse_mass: &self.inverse_mass,

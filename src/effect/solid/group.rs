@@ -114,8 +114,8 @@ pub trait Group {
     }
 }
 
-/// Quadrilaterals with a hardening law, a volumetric law, and what fails.
-pub struct Quads<H: Hardening, V: Volumetric, F: Failure> {
+/// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area.
+pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false> {
     hardening: H,
     volumetric: V,
     failure: F,
@@ -133,6 +133,13 @@ pub struct Quads<H: Hardening, V: Volumetric, F: Failure> {
 }
 
 impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
+    /// Elements by their corner nodes, at their places now.
+    pub fn new(laws: (H, V, F), constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        Quads::weighted(laws, constants, density, elements, nodes)
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
     /// The same on another instruction set, which gives the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -140,8 +147,8 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
         self
     }
 
-    /// Elements by their corner nodes, at their places now.
-    pub fn new(
+    /// The same, weighted by volume or by area.
+    pub fn weighted(
         (hardening, volumetric, failure): (H, V, F),
         constants: Constants,
         density: f64,
@@ -151,7 +158,11 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
         let fresh = |part: &[_]| {
             let [area, volume] = sizes(part, nodes);
             let states = (hardening.fresh(), volumetric.fresh(), failure.fresh(&area, &volume));
-            block(states, density, part, nodes)
+            let mut block = block(states, density, part, nodes);
+            if AREA {
+                block.inverse_mass = [block.mass.map(|mass| 4.0 / mass); 4];
+            }
+            block
         };
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
@@ -215,7 +226,7 @@ pub(super) fn block<S, Q, X>(
     block
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<H, V, F, AREA> {
     fn len(&self) -> usize {
         self.count
     }
@@ -228,7 +239,13 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
             if rest.asleep && rest.is_still(nodes) {
                 return;
             }
-            arch.dispatch(Task { pass: &pass, index, blocks: &mut *blocks, corners: &mut *corners, stage });
+            arch.dispatch(Task::<_, _, _, AREA> {
+                pass: &pass,
+                index,
+                blocks: &mut *blocks,
+                corners: &mut *corners,
+                stage,
+            });
             // Without an increment behind nothing has been added to the sums, so they hold while the task sleeps. The
             // pressure of an equation of state is not in the state looked at here.
             let zero = |list: &[Lanes]| list.as_flattened().iter().all(|x| *x == 0.0);
@@ -302,7 +319,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
 
     fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
         // Where the pressure follows from density or energy a mass, the mass is part of the state.
-        if V::VARIES {
+        if V::VARIES || AREA {
             return None;
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -315,7 +332,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
     }
 
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
-        if V::VARIES || V::TOTAL {
+        if V::VARIES || V::TOTAL || AREA {
             return None;
         }
         if self.status(element) == Some(0.0) {
@@ -391,7 +408,7 @@ struct Pass<'a, H, V, F> {
 }
 
 /// The blocks that a thread takes at once.
-struct Task<'a, H: Hardening, V: Volumetric, F: Failure> {
+struct Task<'a, H: Hardening, V: Volumetric, F: Failure, const AREA: bool> {
     pass: &'a Pass<'a, H, V, F>,
     index: usize,
     blocks: &'a mut [Block<H::State, V::State, F::State>],
@@ -399,7 +416,7 @@ struct Task<'a, H: Hardening, V: Volumetric, F: Failure> {
     stage: &'a mut Stage,
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce for Task<'_, H, V, F, AREA> {
     type Output = ();
 
     /// Inlined into a function of the machine's instruction set.
@@ -415,7 +432,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
-            block.update(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
+            block.update::<H, V, F, AREA>(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
             if !stage.records.is_empty() {
                 stage.follow(i, block, H::FLOWS, &places, pass.dt);
             }

@@ -1,6 +1,7 @@
 //! Deformable bodies: groups of elements of one kind and one material.
 //! Never here: nodes' motion, deck words.
 
+pub mod area;
 pub mod block;
 pub mod body;
 pub mod connector;

@@ -5,7 +5,7 @@
 use super::block::{Block, Nodes, Stage};
 use super::law::Hardening;
 use super::{LANES, Lanes};
-use crate::kernel::quad::{UNIT, gradient};
+use crate::kernel::quad::{UNIT, operators};
 
 /// The volumetric part of a material. A constant bulk modulus is a type without state, and costs nothing.
 pub trait Volumetric: Send + Sync {
@@ -103,7 +103,7 @@ impl Volumetric for Linear {
 impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// Mean stress by the volumetric law, with the work of the deviator that the yield surface left.
     #[inline(always)]
-    pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>>(
+    pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>, const AREA: bool>(
         &mut self,
         law: &V,
         shear3: f64,
@@ -134,7 +134,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let shear = 2.0 * stage.strain[3][l] * (stage.carried[3][l] + factor * stage.deviator[3][l]);
             work[l] = 0.5 * stage.volume[l] * ((normal(0) + normal(1)) + (normal(2) + shear));
             dilation[l] = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
-            volume[l] = UNIT * gradient(nodes.of(l, 0), nodes.of(l, 1)).volume;
+            volume[l] = UNIT * operators::<AREA>(nodes.of(l, 0), nodes.of(l, 1)).volume;
         }
         let ask = Squeeze {
             mean: &mut stage.mean,
