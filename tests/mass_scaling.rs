@@ -22,7 +22,7 @@ fn body(cards: &str) -> String {
 }
 
 fn step(cards: &str) -> String {
-    format!("*Step\n*Dynamic, Explicit\n , 3.\n{cards}*End Step\n")
+    format!("*Step\n*Dynamic, Explicit, element by element\n , 3.\n{cards}*End Step\n")
 }
 
 fn largest(outcome: &Outcome) -> f64 {

@@ -68,7 +68,7 @@ fn a_rigid_mass_on_an_elastic_column_has_its_period() {
 fn a_rigid_mass_and_a_free_column_keep_their_momentum_and_energy() {
     let mass = 0.02;
     let deck = column_with_mass(mass, "*Initial Conditions, type=VELOCITY\n 900, 2, -1.e-3\n")
-        + "*Step\n*Dynamic, Explicit\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=50\n\
+        + "*Step\n*Dynamic, Explicit, element by element\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=50\n\
            *Node Output, nset=REF\n V2\n*Node Output, nset=ALL\n V2\n*Energy Output\n ETOTAL\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
@@ -150,7 +150,7 @@ fn an_equation_follows_a_motion_that_is_given() {
             1.0,
             "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 1., 1.\n*Nset, nset=LEADER\n 1\n*Nset, nset=FOLLOWER\n 15\n*Nset, nset=OTHER\n 14\n",
         )
-        + "*Equation\n 2\n 15, 2, 1., 1, 2, -2.\n3\n14, 2, 1., 15, 2, -0.5, 13, 2, -0.5\n*Step\n*Dynamic, Explicit\n , 1.\n\
+        + "*Equation\n 2\n 15, 2, 1., 1, 2, -2.\n3\n14, 2, 1., 15, 2, -0.5, 13, 2, -0.5\n*Step\n*Dynamic, Explicit, element by element\n , 1.\n\
            *Boundary, amplitude=RAMP\n 1, 2, 2, 0.01\n*Output, history, number interval=20\n\
            *Node Output, nset=LEADER\n U2, RF2\n*Node Output, nset=FOLLOWER\n U2\n*Node Output, nset=OTHER\n U2\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLWK\n*End Step\n";
     let (outcome, memory) = run(&deck);
@@ -246,7 +246,11 @@ fn a_line_spring_between_two_blocks_limits_the_increment() {
             "{other}{elements}*Element, type=SPRINGA, elset=K\n 301, 7, 201\n*Spring, elset=K{spring}\n\
              *Initial Conditions, type=VELOCITY\n UP, 2, 0.001\n"
         );
-        run(&block_on(1e3, &links, &format!("*Step\n*Dynamic, Explicit, scale factor={factor}\n , 20.\n")))
+        run(&block_on(
+            1e3,
+            &links,
+            &format!("*Step\n*Dynamic, Explicit, element by element, scale factor={factor}\n , 20.\n"),
+        ))
     };
     let (soft, _) = run_with("\n\n 0.1", "1.");
     let (stiff, _) = run_with("\n\n 100000.", "0.98");

@@ -77,7 +77,7 @@ fn a_distorted_patch_stretches_uniformly() {
 fn a_displacement_counts_from_the_start_of_its_step() {
     let step = |cards: &str| {
         format!(
-            "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary, {cards}\n*Output, history, frequency=1\n\
+            "*Step\n*Dynamic, Explicit, element by element\n , 1.\n*Boundary, {cards}\n*Output, history, frequency=1\n\
              *Node Output, nset=ONE\n U2\n*End Step\n"
         )
     };
@@ -245,6 +245,38 @@ fn the_copper_taylor_bar_is_that_of_other_codes() {
         let element = outcome.steps[0].limiting_element.as_deref().expect("an element limits the increment");
         assert!(element.parse::<u32>().is_ok());
     }
+}
+
+/// ABAQUS's default, the global estimate, takes fewer increments than going element by element and comes to the same bar.
+/// Elastic vibration, in which an estimate holds for good, needs one.
+#[test]
+fn the_global_estimate_saves_increments_and_changes_no_answer() {
+    let deck = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
+    let by_elements = deck.replace("*Dynamic, Explicit", "*Dynamic, Explicit, element by element");
+    let [(global, a), (local, b)] = [&deck, &by_elements].map(|text| common::run(text, &[], &Routines::none()));
+    assert_eq!((&global.halt, &local.halt), (&None, &None));
+    let ratio = global.increments as f64 / local.increments as f64;
+    let estimates = global.steps[0].global_estimates.expect("a count");
+    println!("Taylor 10x50: {ratio:.3} of the increments, {estimates} estimates");
+    // sqrt(1/2) would be squares at all times; elements start twice as long as wide and end flattened.
+    assert!((0.71..0.93).contains(&ratio), "{ratio}");
+    assert!((2..100).contains(&estimates) && local.steps[0].global_estimates.is_none());
+    for name in ["COOR2@TIP", "COOR1@CORNER"] {
+        let [x, y] = [(&by_elements, &b), (&deck, &a)].map(|(deck, memory)| last(deck, memory, name));
+        // The error of the increments, second order, of a flow that is smooth in time.
+        assert!((x / y - 1.0).abs() < 1e-3, "{name}: {x} {y}");
+    }
+    let elastic = grid(6, 6, false, |i, j| [1.0 + i as f64, j as f64])
+        + &material(1.0, 0.3, 1.0, "")
+        + "*Initial Conditions, type=VELOCITY\n J0, 2, 1.e-6\n";
+    let run = |option: &str| run(&format!("{elastic}*Step\n*Dynamic, Explicit{option}\n , 500.\n*End Step\n")).0;
+    let (global, local) = (run(""), run(", element by element"));
+    assert_eq!((global.halt, global.steps[0].global_estimates), (None, Some(1)));
+    let ratio = global.increments as f64 / local.increments as f64;
+    println!("elastic squares: {ratio:.3} of the increments, drift {:.1e}", global.energy.drift);
+    // sqrt(1/2) for the squares of a plane.
+    assert!((0.7..0.76).contains(&ratio), "{ratio}");
+    assert!(global.energy.drift < 2e-3, "{:e}", global.energy.drift);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::block::is_larger;
 use super::connector::{Bounds, Connector};
 use super::equation::System;
+use super::frequency::HighestFrequency;
 use super::group::{Group, Totals};
 use super::mass_scaling::Masses;
 use super::rest::{Awake, FEW};
@@ -198,6 +199,12 @@ pub struct Solid {
     pub energies: Energies,
     /// What the last pass over the elements came to, and the group that limits the increment.
     pub limit: (Totals, usize),
+    /// By how much that pass can have raised a frequency, where it is followed.
+    pub(super) deformed: f64,
+    /// Estimate of the highest frequency of the whole; `None` where none is wanted or none can be made.
+    pub frequency: Option<Box<HighestFrequency>>,
+    /// Whether this step wants it.
+    pub(super) frequency_asked: bool,
     /// Nodes that move with rigid bodies.
     pub ties: Vec<Tie>,
     /// Springs and dashpots, and what they allow.
@@ -313,6 +320,9 @@ impl Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
             masses: None,
+            deformed: 0.0,
+            frequency: None,
+            frequency_asked: false,
             ties: Vec::new(),
             walls: Vec::new(),
             half: 0.0,
@@ -386,6 +396,7 @@ impl Solid {
     pub fn evaluate(&mut self, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> Result<(), Halt> {
         if self.pending {
             self.update_elements(now);
+            self.bound_frequency();
             self.pending = false;
         }
         let [external, before] = &mut self.external;
@@ -417,12 +428,14 @@ impl Solid {
     fn update_elements(&mut self, now: &Instant) {
         let mut first = 0;
         self.limit = (Totals::default(), 0);
+        self.deformed = 0.0;
         for (i, group) in self.groups.iter_mut().enumerate() {
             let blocks = group.len().div_ceil(LANES);
             group.tell(now);
             let totals = group.update(&self.nodes, self.behind, &mut self.corners[first..first + blocks]);
             first += blocks;
             group.deleted(&mut self.gone.0);
+            self.deformed = self.deformed.max(totals.deformed);
             self.energies.internal += totals.internal;
             self.energies.plastic += totals.plastic;
             self.energies.viscous += totals.viscous;

@@ -35,6 +35,9 @@ pub struct Totals {
     pub rate: f64,
     /// Element (of the group) that limits it.
     pub limiting: usize,
+    /// By how much what deformed in this increment can raise a frequency, relative: gradients by the largest strain (the norm
+    /// of the tensor), the root of the volume by half its largest change. 0 unless frequencies are capped.
+    pub deformed: f64,
 }
 
 /// Elements of one kind and one material.
@@ -70,6 +73,13 @@ pub trait Group {
     fn own_rate(&self, _element: usize, _masses: &[f64; 4], _nodes: &[Node]) -> Option<f64> {
         None
     }
+    /// Elastic stiffness of an element on the present nodes, `[r, z]` of each corner in turn; `None` where it is not linear,
+    /// so that no highest frequency can be told from it.
+    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
+        None
+    }
+    /// Says that no mode of the whole scene has a higher frequency, angle over time; infinite if it is not known.
+    fn cap(&mut self, _frequency: f64) {}
     /// Masses of the corners of an element.
     fn corner_masses(&self, element: usize) -> [f64; 4];
     /// Gives the corners of an element other masses.
@@ -118,6 +128,8 @@ pub struct Quads<H: Hardening, V: Volumetric, F: Failure> {
     /// Elements whose deletion has been told.
     told: Vec<bool>,
     rests: Vec<Rest>,
+    /// Highest frequency that counts.
+    cap: f64,
 }
 
 impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
@@ -149,12 +161,13 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
             failure,
             constants,
             count: elements.len(),
-            tasks: vec![Stage::default(); blocks.len().div_ceil(TASK)],
+            tasks: vec![Stage::new(); blocks.len().div_ceil(TASK)],
             blocks,
             arch: Arch::new(),
             parallel,
             rests: Rest::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            cap: f64::INFINITY,
         }
     }
 }
@@ -183,7 +196,7 @@ pub(super) fn block<S, Q, X>(
         stress: [[0.0; LANES]; 4],
         hourglass: [[0.0; LANES]; 2],
         mass: [0.0; LANES],
-        inverse_total: [0.0; LANES],
+        viscous: [0.0; LANES],
         inverse_mass: [[0.0; LANES]; 4],
         state,
         volumetric,
@@ -198,7 +211,6 @@ pub(super) fn block<S, Q, X>(
             block.inverse_mass[corner][l] = 1.0 / mass;
         }
         block.mass[l] = density * quad::volume(corners);
-        block.inverse_total[l] = 1.0 / block.mass[l];
     }
     block
 }
@@ -210,7 +222,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
 
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
         let laws = (&self.hardening, &self.volumetric, &self.failure);
-        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt };
+        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
         let arch = self.arch;
         let run = |index, blocks: &mut [Block<_, _, _>], corners: &mut [Corners], stage: &mut _, rest: &mut Rest| {
             if rest.asleep && rest.is_still(nodes) {
@@ -235,7 +247,10 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
             let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.rests)).enumerate();
             parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
         }
-        totals(&self.tasks)
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
+        let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
+        totals(&self.tasks, |task| if self.rests[task].asleep { still } else { f64::INFINITY })
     }
 
     fn sleeps(&self, task: usize) -> bool {
@@ -299,6 +314,24 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
         Some(0.5 * (sum / g.volume).sqrt() * (1.0 + xi * (1.0 + 0.5 * xi)))
     }
 
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
+        if V::VARIES || V::TOTAL {
+            return None;
+        }
+        if self.status(element) == Some(0.0) {
+            return Some([[0.0; 8]; 8]);
+        }
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let Constants { bulk, shear, hourglass_stiffness, .. } = self.constants;
+        Some(quad::stiffness(corners, [bulk, shear], hourglass_stiffness))
+    }
+
+    fn cap(&mut self, frequency: f64) {
+        // The hourglass control damps the highest modes too.
+        let xi = self.constants.hourglass_viscosity;
+        self.cap = frequency * (1.0 + xi * (1.0 + 0.5 * xi));
+    }
+
     fn corner_masses(&self, element: usize) -> [f64; 4] {
         self.blocks[element / LANES].corner_masses(element % LANES)
     }
@@ -354,6 +387,7 @@ struct Pass<'a, H, V, F> {
     count: usize,
     nodes: &'a [Node],
     dt: f64,
+    cap: f64,
 }
 
 /// The blocks that a thread takes at once.
@@ -375,6 +409,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F
         let pass = self.pass;
         stage.sums = Sums::default();
         stage.deaths = 0;
+        (stage.cap, stage.deformed) = (pass.cap, [[0.0; LANES]; 2]);
         let mut places = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
@@ -388,16 +423,20 @@ impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F
     }
 }
 
-/// Folds the tasks in their order.
-pub(super) fn totals(tasks: &[Stage]) -> Totals {
+/// Folds the tasks in their order; no rate of a task is larger than `most` says.
+pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
     let mut totals = Totals::default();
     let mut largest = 0.0;
-    for Stage { sums, .. } in tasks {
+    for (task, Stage { sums, deformed, .. }) in tasks.iter().enumerate() {
+        let most = most(task);
+        let [strain, dilation] = deformed.map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
+        totals.deformed = totals.deformed.max(strain + 0.5 * dilation);
         totals.internal += across(&sums.internal);
         totals.plastic += across(&sums.plastic);
         totals.viscous += across(&sums.viscous);
         totals.artificial += across(&sums.artificial);
         for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
+            let rate = if rate > most { most } else { rate };
             if is_larger(rate, largest) {
                 largest = rate;
                 totals.limiting = block as usize * LANES + l;

@@ -7,6 +7,7 @@ pub mod connector;
 pub mod eos;
 pub mod equation;
 pub mod failure;
+pub mod frequency;
 pub mod group;
 pub mod hyperelastic;
 pub mod kinematic;

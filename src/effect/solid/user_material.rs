@@ -85,7 +85,7 @@ impl UserQuads {
             count: elements.len(),
             names,
             blocks,
-            stages: vec![Stage::default(); BLOCKS],
+            stages: vec![Stage::new(); BLOCKS],
             nodes: vec![Nodes::default(); BLOCKS],
             now: Instant::default(),
             failure: None,
@@ -230,7 +230,7 @@ impl Group for UserQuads {
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
         self.stages.iter_mut().for_each(|s| s.sums = Sums::default());
         self.failure = self.pass(nodes, dt, corners).err();
-        let totals = totals(&self.stages);
+        let totals = totals(&self.stages, |_| f64::INFINITY);
         if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
     }
 

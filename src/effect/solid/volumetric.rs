@@ -28,9 +28,8 @@ pub trait Volumetric: Send + Sync {
     /// Mean stress, deviator and modulus at the end of an increment, by the whole deformation.
     fn stretch(&self, _state: &mut Self::State, _ask: Stretch<'_>) {}
 
-    /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy), and the stress of the bulk viscosity that made
-    /// it.
-    fn settle(&self, _state: &mut Self::State, _heat: &Lanes, _viscous: &Lanes, _mass: &Lanes) {}
+    /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy).
+    fn settle(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
 
     /// Energy a mass of a lane, where it is followed.
     fn energy(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
@@ -55,8 +54,8 @@ pub struct Squeeze<'a> {
     pub mean: &'a mut Lanes,
     /// Answer: isentropic bulk modulus.
     pub bulk: &'a mut Lanes,
-    /// Answer: stress of the bulk viscosity an increment before.
-    pub viscous: &'a mut Lanes,
+    /// Stress of the bulk viscosity an increment before.
+    pub viscous: &'a Lanes,
     /// Answer: work of the bulk viscosity that was expected.
     pub heat: &'a mut Lanes,
     /// Increment of the volumetric strain.
@@ -83,8 +82,6 @@ pub struct Stretch<'a> {
     pub deviator: &'a mut [Lanes; 4],
     /// Answer: modulus of a wave less 4/3 of the shear modulus.
     pub bulk: &'a mut Lanes,
-    /// Answer: stress of the bulk viscosity an increment before.
-    pub viscous: &'a mut Lanes,
     /// Answer: zero.
     pub heat: &'a mut Lanes,
 }
@@ -120,7 +117,6 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 mean: &mut stage.mean,
                 deviator: &mut stage.deviator,
                 bulk: &mut stage.bulk,
-                viscous: &mut stage.viscous,
                 heat: &mut stage.heat,
             };
             law.stretch(&mut self.volumetric, ask);
@@ -143,7 +139,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let ask = Squeeze {
             mean: &mut stage.mean,
             bulk: &mut stage.bulk,
-            viscous: &mut stage.viscous,
+            viscous: &self.viscous,
             heat: &mut stage.heat,
             dilation: &dilation,
             work: &work,
