@@ -31,8 +31,9 @@ fn blake(per_radius: usize, around: usize) -> [f64; 2] {
            *Output, history, frequency=1\n*Node Output, nset=WALL\n U1\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
-    // The load starts at once and the motion with half an increment: a share of the first layer's energy is not booked.
-    assert!(outcome.energy.drift < 2e-3 * 100.0 / per_radius as f64, "drift {:e}", outcome.energy.drift);
+    // The load starts at once and the motion with half an increment, which the work of that half reckons with.
+    println!("Blake, {per_radius} shells a radius: drift {:.1e}", outcome.energy.drift);
+    assert!(outcome.energy.drift < 1e-3, "drift {:e}", outcome.energy.drift);
     let u = column(&deck, &memory, "U1@WALL");
     let at = |time: f64| {
         let after = u.partition_point(|row| row.0 < time - 1e-15);

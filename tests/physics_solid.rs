@@ -99,6 +99,7 @@ fn a_displacement_counts_from_the_start_of_its_step() {
         assert!((at - expected).abs() < 1e-12, "U2 = {at} at {time}, not {expected}");
     }
     let energy = outcome.energy;
+    // Four elements under ramps of some ten increments: the balance is of second order.
     assert!(energy.drift < 2e-2, "drift {:e}", energy.drift);
 }
 
@@ -377,6 +378,41 @@ fn a_deformable_projectile_enters_the_same_target() {
     // The speed of the whole, from its kinetic energy; the disc rings a little.
     let got = (2.0 * last(&deck, &memory, "ALLKE") / (PI * a * a * m)).sqrt();
     assert!((got - expected).abs() < 0.01 * (v - expected), "{got} {expected}");
+    // Nothing is done from outside: what is lost opens the cavity, but for what the disc stores.
+    let energy = outcome.energy;
+    let lost = 0.5 * PI * a * a * m * (v * v - expected * expected);
+    assert_eq!(energy.friction, 0.0);
+    assert!(energy.work.abs() < 1e-6 * lost, "{energy:?}");
+    assert!((energy.cavity / lost - 1.0).abs() < 0.01 && energy.drift < 2e-3, "{energy:?} {lost}");
+}
+
+/// A cone that deforms, driven by a given velocity into a target with friction: the work of the cavity and of friction
+/// are those of the pressure and of mu times it along the sides, F_n V and F_t V with F_t / F_n = mu / tan(half angle).
+#[test]
+fn friction_in_a_target_is_booked_as_friction() {
+    let (n, mu, v) = (8, 0.3, 300e3);
+    // A frustum of the half angle 45 degrees, its flat faces loaded by nothing.
+    let deck = grid(n, n, false, |i, j| {
+        let z = 10.0 * j as f64 / n as f64;
+        [(2.0 + z) * i as f64 / n as f64, z]
+    }) + &material(200e3, 0.3, 7.85e-9, "")
+        + &format!(
+            "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n*Target, name=WALL, front=11., direction=-1\n ROCK, 900.\n\
+             *Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit\n , 4.e-6\n*Dsload, target=WALL, friction={mu}\n I1, CAVITY\n\
+             *Boundary, type=VELOCITY\n ALL, 2, 2, {:e}\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n",
+            -v, -v
+        );
+    let (outcome, _) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    // Moved without a change of shape: sigma = 4 Y + rho (V/sqrt 2)^2 on the sides, whose projected area is pi (12^2 - 2^2).
+    let sigma = 400.0 + 2.7e-9 * 0.5 * v * v;
+    let cavity = sigma * PI * (144.0 - 4.0) * v * 4e-6;
+    let energy = outcome.energy;
+    println!("cone: ALLCAV {:e} of {cavity:e}, ALLFD over it {:.6}", energy.cavity, energy.friction / energy.cavity);
+    assert!((energy.cavity / cavity - 1.0).abs() < 1e-6, "{energy:?} {cavity}");
+    assert!((energy.friction / energy.cavity / mu - 1.0).abs() < 1e-6, "{energy:?}");
+    // What moves the cone does all of it.
+    assert!((energy.work / (energy.cavity + energy.friction) - 1.0).abs() < 1e-6 && energy.drift < 1e-6, "{energy:?}");
 }
 
 #[test]

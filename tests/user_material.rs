@@ -77,7 +77,7 @@ fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
     assert_eq!((&expected.halt, &got.halt), (&None, &None));
     assert_eq!(expected.increments, got.increments);
     assert!(
-        got.energy.drift < 5e-3 && (got.energy.drift / expected.energy.drift - 1.0).abs() < 1e-3,
+        got.energy.drift < 2e-3 && (got.energy.drift / expected.energy.drift - 1.0).abs() < 1e-3,
         "{:?}",
         got.energy
     );
@@ -100,6 +100,9 @@ fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
     let state = here.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "SDV1").expect("SDV1");
     let strain = there.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "PEEQ").expect("PEEQ");
     assert_eq!(state.values.len(), 125);
+    // Of a routine's material nobody but the routine knows a plastic strain.
+    let fields = &here.frames.last().expect("a frame").cell_fields;
+    assert!(fields.iter().all(|f| f.name != "PEEQ" && f.name != "PE"));
     assert!(state.values.iter().zip(&strain.values).all(|(a, b)| (a - b).abs() < 1e-11));
 }
 
@@ -225,7 +228,7 @@ fn the_variable_that_deletes_takes_an_element_away_for_good() {
     // The work that broke it stays in the books; forces vanish at once, between two increments of 1e-3.
     let internal = rows("ALLIE");
     assert!(internal[3..].iter().all(|e| *e == internal[3]) && internal[3] > 0.0, "{internal:?}");
-    assert!(outcome.energy.drift < 1e-2, "{:?}", outcome.energy);
+    assert!(outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
 }
 
 /// A run with another material in Fortran, which halts.

@@ -73,7 +73,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P014",
         title: "yield stress that cannot be used",
-        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. With temperatures, rows of one temperature follow each other, and the temperatures ascend. Kinematic hardening knows neither rate nor heat.",
+        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. With temperatures, rows of one temperature follow each other, and the temperatures ascend. Two rows make a line of kinematic hardening, at each temperature; it is not simulated with failure, for what damage leaves of the work against the back stress is not defined.",
     },
     Code {
         code: "P015",
@@ -162,13 +162,13 @@ pub const CODES: &[Code] = &[
         text: "The increment no longer advances the clock. The last good state is in the last frame.",
     },
     Code {
-        code: "R206",
-        title: "an element failed",
-        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the frames written before are good. A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
-    },
-    Code {
         code: "R205",
         title: "output could not be written",
         text: "A result file could not be written: the folder vanished, is read-only, or the disk is full.",
+    },
+    Code {
+        code: "R206",
+        title: "an element failed",
+        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the frames written before are good. A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
     },
 ];

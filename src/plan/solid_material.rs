@@ -10,8 +10,10 @@ use crate::effect::solid::group::{Group, Quads};
 use crate::effect::solid::hyperelastic::NeoHooke;
 use crate::effect::solid::kinematic::Kinematic;
 use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
+use crate::effect::solid::moving::Moving;
 use crate::effect::solid::volumetric::{Linear, Volumetric};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
+use crate::kernel::levels::Levels;
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SolidSection,
     StrainAtFailure,
@@ -192,14 +194,17 @@ impl Compiler<'_> {
                 None => make.quads(Elastic, volumetric),
             });
         };
-        if let Plastic::Kinematic([yield_stress, slope]) = *plastic {
-            if material.rate.is_some() || heating > 0.0 || failing.is_some() {
-                let message =
-                    "kinematic hardening with a rate, with failure or heated by plastic work is not supported";
+        if let Plastic::Kinematic(lines) = plastic {
+            if failing.is_some() {
+                // What damage leaves of the work against a back stress is not defined.
+                let message = "kinematic hardening with failure is not supported";
                 self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
                 return None;
             }
-            return Some(make.quads(Kinematic { yield_stress, slope }, volumetric));
+            if let ([[yield_stress, slope, _]], None, 0.0) = (&lines[..], &material.rate, heating) {
+                return Some(make.quads(Kinematic { yield_stress: *yield_stress, slope: *slope }, volumetric));
+            }
+            return Some(make.quads(moving(lines, material.rate.as_ref(), heating), volumetric));
         }
         let law = self.yield_stress(plastic, material.rate.as_ref(), span)?;
         if let Some(failing) = failing {
@@ -351,7 +356,9 @@ impl Compiler<'_> {
     fn failure_strain(&mut self, material: &Material, criterion: &FailureCriterion) -> Option<FailureStrain> {
         Some(match &criterion.strain {
             StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
-            StrainAtFailure::Triaxiality(rows) => FailureStrain::Triaxiality(Table { rows: rows.clone() }),
+            // The model has made sure that they are tables.
+            StrainAtFailure::Ductile(rows) => FailureStrain::Ductile(Levels::new(rows)?),
+            StrainAtFailure::Shear(rows) => FailureStrain::Shear(Levels::new(rows)?),
             StrainAtFailure::JohnsonCook(d, Some([melt, transition, reference])) => {
                 FailureStrain::JohnsonCook { d: *d, melt: *melt, transition: *transition, reference: *reference }
             }
@@ -381,14 +388,7 @@ impl Compiler<'_> {
         rate: Option<&RateDependence>,
         span: Span,
     ) -> Option<Box<dyn YieldStress>> {
-        let factor = match rate {
-            None => None,
-            Some(RateDependence::JohnsonCook([c, reference])) => {
-                Some(RateFactor::JohnsonCook { c: *c, reference: *reference })
-            }
-            Some(RateDependence::PowerLaw(rows)) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
-            Some(RateDependence::YieldRatio(rows)) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
-        };
+        let factor = rate_factor(rate);
         match plastic {
             // It has a law of its own.
             Plastic::Kinematic(_) => None,
@@ -412,6 +412,22 @@ impl Compiler<'_> {
             }
         }
     }
+}
+
+fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
+    match rate? {
+        RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
+        RateDependence::PowerLaw(rows) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
+        RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
+    }
+}
+
+/// Kinematic hardening by lines of yield stress, slope and temperature.
+fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: f64) -> Moving {
+    let size = |line: &[f64; 3]| (line[2], Table { rows: vec![[line[0], 0.0]] });
+    let slope = Table { rows: lines.iter().map(|l| [l[1], l[2]]).collect() };
+    let size = with_rate(TableOverTemperature { tables: lines.iter().map(size).collect() }, rate_factor(rate));
+    Moving { size, slope, heating }
 }
 
 fn with_rate<Y: YieldStress + 'static>(base: Y, factor: Option<RateFactor>) -> Box<dyn YieldStress> {

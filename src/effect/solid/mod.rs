@@ -15,9 +15,12 @@ pub mod kinematic;
 pub mod law;
 pub mod loads;
 pub mod mass_scaling;
+pub mod moving;
 pub mod points;
 pub mod record;
 mod rest;
+#[cfg(test)]
+mod same_bits;
 pub mod tie;
 pub mod user_body;
 pub mod user_material;
