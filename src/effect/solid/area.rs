@@ -3,6 +3,7 @@
 //! Never here: the forces of elements.
 
 use super::body::Solid;
+use super::group::Group;
 
 /// Nodes of elements that are weighted by area.
 #[derive(Clone, Debug)]
@@ -17,8 +18,8 @@ impl Rings {
     /// For all elements of a body.
     pub fn new(solid: &Solid) -> Rings {
         let quarter = |mass: f64| 0.25 * mass / (2.0 * std::f64::consts::PI);
-        let of_group = |g: &Box<dyn super::group::Group>| (0..g.len()).map(|e| quarter(g.mass(e))).collect();
-        Rings { quarters: solid.groups.iter().map(of_group).collect(), factors: vec![0.0; solid.nodes.len()] }
+        let of_group = |g: &dyn Group| (0..g.len()).map(|e| quarter(g.mass(e))).collect();
+        Rings { quarters: solid.groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; solid.nodes.len()] }
     }
 
     /// Bytes of its arrays.
