@@ -126,7 +126,7 @@ impl Balance {
     /// Books what deforms, after the bodies: what it passes on to them stays in the scene.
     pub fn book_solid(&mut self, solid: &Energies) {
         self.solid = *solid;
-        let dissipated = solid.viscous + solid.contact + solid.friction;
+        let dissipated = solid.viscous + solid.contact + solid.friction + solid.cavity;
         let sum = solid.kinetic + solid.internal + solid.artificial + dissipated + self.tied - solid.external;
         let initial = *self.solid_initial.get_or_insert(sum);
         self.largest = self.largest.max(solid.kinetic).max(solid.internal).max(solid.external.abs());
@@ -197,6 +197,7 @@ impl Balance {
         energy.internal = solid.internal + solid.artificial;
         energy.viscous = solid.viscous;
         energy.friction += solid.friction;
+        energy.cavity += solid.cavity;
         energy.contact = solid.contact;
         let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact;
         energy.total = energy.kinetic + energy.internal + dissipated - energy.work;

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::effect::solid::body::Solid;
 use crate::effect::{Account, Asking, Halt, Slot};
-use crate::model::LoadVelocity;
+use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, StepPlan};
 use crate::state::{Before, BodyState, Instant, direction};
 use crate::user::Wish;
@@ -61,6 +61,9 @@ pub struct StepSummary {
     /// Element that limited the smallest increment, if one did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limiting_element: Option<String>,
+    /// How often the highest frequency of the whole was estimated; absent where increments go element by element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub global_estimates: Option<u64>,
     /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
@@ -204,6 +207,9 @@ impl<'a> Run<'a> {
     }
 
     fn name_limiting_element(&mut self) {
+        if let (Some(solid), Some(summary)) = (&self.solid, self.outcome.steps.last_mut()) {
+            summary.global_estimates = solid.estimates();
+        }
         if let (Some(solid), Some((group, element)), Some(summary)) =
             (&self.solid, self.limiting.take(), self.outcome.steps.last_mut())
         {
@@ -256,6 +262,8 @@ impl<'a> Run<'a> {
             solid.walls.clone_from(&step.walls);
             solid.equations.clone_from(&step.equations);
             solid.begin(&step.given, step.node_forces.len());
+            let global = matches!(step.control, IncrementControl::Automatic { element_by_element: false, .. });
+            solid.begin_frequency(global, &step.given);
         }
         self.now.step_time = 0.0;
         self.now.lost = 0.0;

@@ -20,8 +20,6 @@ pub struct NeoHooke {
 pub struct Deformed {
     /// Deformation gradient: rr, rz, zr, zz, and the hoop stretch r/R.
     gradient: [Lanes; 5],
-    /// Stress of the bulk viscosity.
-    viscous: Lanes,
 }
 
 impl Volumetric for NeoHooke {
@@ -31,7 +29,7 @@ impl Volumetric for NeoHooke {
 
     fn fresh(&self) -> Deformed {
         let (one, zero) = ([1.0; LANES], [0.0; LANES]);
-        Deformed { gradient: [one, zero, zero, one, one], viscous: zero }
+        Deformed { gradient: [one, zero, zero, one, one] }
     }
 
     #[inline(always)]
@@ -77,13 +75,7 @@ impl Volumetric for NeoHooke {
             let stiffer = 4.0 / 3.0 * (scale * trace - shear);
             ask.bulk[l] =
                 bulk * (if j > 1.0 { 2.0 * j - 1.0 } else { 1.0 }) + if stiffer < 0.0 { 0.0 } else { stiffer };
-            ask.viscous[l] = state.viscous[l];
             ask.heat[l] = 0.0;
         }
-    }
-
-    #[inline(always)]
-    fn settle(&self, state: &mut Deformed, _heat: &Lanes, viscous: &Lanes, _mass: &Lanes) {
-        state.viscous = *viscous;
     }
 }
