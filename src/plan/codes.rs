@@ -164,6 +164,11 @@ pub const CODES: &[Code] = &[
     Code {
         code: "R205",
         title: "output could not be written",
-        text: "A result file could not be written: the folder vanished, is read-only, or the disk is full.",
+        text: "A result file could not be written: the folder vanished, is read-only, or the disk is full. No file is half written. With a checkpoint `revolve run --resume` goes on once there is room.",
+    },
+    Code {
+        code: "R207",
+        title: "interrupted",
+        text: "SIGINT (Ctrl-C) or SIGTERM ended the run behind the increment it was in. Its state is in `<job>.checkpoint`, from which `revolve run --resume` goes on to the same bits; the last frame, the histories and the summary are written, too. A second signal ends the program at once.",
     },
 ];

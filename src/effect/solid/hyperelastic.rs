@@ -4,6 +4,7 @@
 
 use super::volumetric::{Squeeze, Stretch, Volumetric};
 use super::{LANES, Lanes};
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)^2 / D1, so the Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
 /// (ABAQUS Theory Guide, "Hyperelastic material behavior").
@@ -85,5 +86,12 @@ impl Volumetric for NeoHooke {
     #[inline(always)]
     fn settle(&self, state: &mut Deformed, _heat: &Lanes, viscous: &Lanes, _mass: &Lanes) {
         state.viscous = *viscous;
+    }
+}
+
+impl Persist for Deformed {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Deformed { gradient, viscous } = self;
+        persist_fields!(archive; gradient, viscous);
     }
 }

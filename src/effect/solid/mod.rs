@@ -9,6 +9,7 @@ pub mod equation;
 pub mod failure;
 pub mod group;
 pub mod hyperelastic;
+pub mod instructions;
 pub mod kinematic;
 pub mod law;
 pub mod loads;
