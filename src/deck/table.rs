@@ -479,7 +479,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "PARSUBSTITUTION": "YES or NO",
         "MASSPROP": "YES or NO",
     }, []),
-    row!(Used, "RESTART", "Keeps the state, from which `revolve run --resume` goes on", {
+    row!(Used, "RESTART", "States to go on from with `revolve run --resume`", {
         "WRITE": "Write <job>.checkpoint; it holds the last state, and goes when the run is complete",
         "READ": "Refused: use --resume",
         "FREQUENCY": "Every so many increments; 0 for never",

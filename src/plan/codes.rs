@@ -159,7 +159,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "R206",
         title: "an element failed",
-        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the frames written before are good. A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
+        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the last frame is that of the last good instant (with routines of the user, which would be called twice on the way back to it, the last frame that was due). A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
     },
     Code {
         code: "R205",

@@ -602,8 +602,7 @@ impl Persist for Solid {
             equations,
             masses,
             inverse_mass,
-            // Written by the elements before it is read; that of elements that sleep is zero, as at the start.
-            corners: _,
+            corners,
             gather: _,
             external,
             reactions,
@@ -628,5 +627,7 @@ impl Persist for Solid {
         }
         archive.mark("elements");
         persist_all(groups, archive);
+        // Of elements that sleep they are zero, but zeros have signs, which reach the accelerations.
+        corners.as_mut_slice().persist(archive);
     }
 }

@@ -24,6 +24,8 @@ pub mod user_motion;
 pub mod volumetric;
 pub mod wall;
 
+use crate::state::archive::{Archive, Persist};
+
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 8;
 
@@ -35,3 +37,9 @@ pub type Lanes = [f64; LANES];
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Corners(pub [Lanes; 8]);
+
+impl Persist for Corners {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        self.0.persist(archive);
+    }
+}
