@@ -127,6 +127,7 @@ impl<'a> Builder<'a> {
             | "ENERGY OUTPUT"
             | "INCREMENTATION OUTPUT"
             | "CONTACT OUTPUT" => self.output_card(card),
+            "RESTART" => self.restart_card(card),
             _ => self.parsed_card(card),
         }
     }

@@ -3,7 +3,9 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{Boundary, Contact, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Step};
+use super::types::{
+    Boundary, Contact, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Restart, Step,
+};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Relative error aimed at where the deck says nothing.
@@ -20,6 +22,7 @@ pub(super) struct StepState {
     pub contacts: Vec<Contact>,
     pub mass_scalings: Vec<MassScaling>,
     pub outputs: Vec<OutputRequest>,
+    pub restart: Option<Restart>,
     /// Families of which an OP=NEW card has cleared what came from earlier steps.
     pub cleared: Vec<&'static str>,
 }
@@ -85,6 +88,7 @@ impl Builder<'_> {
             contacts: state.contacts,
             mass_scalings: state.mass_scalings,
             outputs: state.outputs,
+            restart: state.restart,
         });
     }
 

@@ -553,6 +553,17 @@ pub struct Step {
     pub mass_scalings: Vec<MassScaling>,
     /// Output requests in force.
     pub outputs: Vec<OutputRequest>,
+    /// When the state is kept, if the deck asks.
+    pub restart: Option<Restart>,
+}
+
+/// `*RESTART, WRITE`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restart {
+    /// How often.
+    pub interval: Interval,
+    /// The card.
+    pub span: Span,
 }
 
 /// `*FIXED MASS SCALING` or `*VARIABLE MASS SCALING`.

@@ -58,6 +58,8 @@ pub struct Plan {
     pub asking: Vec<Box<dyn Asking>>,
     /// The user's routine that is told how the analysis goes.
     pub events: Option<SharedEvents>,
+    /// Whether there are routines of the user, whose own memory no state of the run holds.
+    pub asks_user: bool,
 }
 
 /// One step.
@@ -153,7 +155,10 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
     }
     let events = routines.events.clone();
     let mesh = model.mesh.clone();
-    (Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events }, diagnostics)
+    (
+        Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events, asks_user: routines.any() },
+        diagnostics,
+    )
 }
 
 impl Compiler<'_> {

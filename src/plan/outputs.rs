@@ -209,6 +209,8 @@ pub struct Outputs {
     pub field: Vec<Schedule>,
     /// History rows.
     pub history: Vec<Schedule>,
+    /// States to go on from (`*RESTART, WRITE`).
+    pub restart: Vec<Schedule>,
 }
 
 /// One rhythm, relative to the start of a step.
@@ -328,6 +330,11 @@ impl Compiler<'_> {
         if step.outputs.is_empty() {
             outputs.field.push(Schedule::new(Interval::Default, step.duration, 20));
             outputs.history.push(Schedule::new(Interval::Default, step.duration, 200));
+        }
+        outputs.restart.extend(step.restart.map(|r| Schedule::new(r.interval, step.duration, 1)));
+        if let Some(restart) = step.restart {
+            let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
+            self.cause(restart.span, "checkpoint", 1, "step", detail);
         }
         outputs.field.dedup();
         outputs.history.dedup();

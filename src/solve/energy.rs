@@ -7,6 +7,7 @@ use crate::effect::motion::Motion;
 use crate::effect::solid::body::Energies;
 use crate::effect::{Account, Slot};
 use crate::state::BodyState;
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -204,5 +205,49 @@ impl Balance {
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = if self.largest > 0.0 { self.departure / self.largest } else { 0.0 };
         energy
+    }
+}
+
+impl Persist for Energy {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Energy { kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, .. } = self;
+        persist_fields!(archive; kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact);
+        let Energy { artificial, total, initial, drift, .. } = self;
+        persist_fields!(archive; artificial, total, initial, drift);
+    }
+}
+
+impl Persist for Entry {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Entry { body: _, account: _, external: _, tied: _, force, last, work } = self;
+        persist_fields!(archive; force, last, work);
+    }
+}
+
+impl Persist for Prescribed {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Prescribed { body: _, kinetic } = self;
+        kinetic.persist(archive);
+    }
+}
+
+impl Persist for Balance {
+    /// In a step that has begun: it has the entries of the step.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Balance {
+            entries,
+            prescribed,
+            settled,
+            kinetic,
+            done,
+            external,
+            tied,
+            largest,
+            departure,
+            solid,
+            solid_initial,
+        } = self;
+        persist_fields!(archive; entries.as_mut_slice(), prescribed.as_mut_slice(), settled, kinetic, done, external);
+        persist_fields!(archive; tied, largest, departure, solid, solid_initial);
     }
 }

@@ -9,6 +9,7 @@ use super::record::Record;
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
 use crate::kernel::quad::{UNIT, operators};
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 
 /// Elements side by side, each quantity an array over lanes.
@@ -473,4 +474,26 @@ pub fn across(list: &Lanes) -> f64 {
         width /= 2;
     }
     sums[0]
+}
+
+impl<S: Persist, Q: Persist, X: Persist> Persist for Block<S, Q, X> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Block { nodes: _, stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure } = self;
+        persist_fields!(archive; stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure);
+    }
+}
+
+impl Persist for Sums {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Sums { internal, plastic, viscous, artificial, rate, limiting } = self;
+        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting);
+    }
+}
+
+impl Persist for Stage {
+    /// The rest of it is scratch memory of one pass; the sums hold while a task sleeps.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Stage { sums, records, .. } = self;
+        persist_fields!(archive; sums, records.as_mut_slice());
+    }
 }

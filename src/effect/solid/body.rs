@@ -17,6 +17,7 @@ use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
 use crate::effect::{Cause, Halt, Magnitude};
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::nodes::Node;
 
 /// Nodes, and elements of a group, from which on it pays to wake other threads every increment.
@@ -45,7 +46,7 @@ impl Given {
 }
 
 /// A force on nodes.
-pub trait NodeForce {
+pub trait NodeForce: Persist {
     /// Adds its forces, `[r, z]` of each node.
     ///
     /// # Errors
@@ -641,5 +642,81 @@ impl Solid {
     pub fn stable_increment(&self) -> f64 {
         let elements = self.limit.0.rate;
         1.0 / if self.connectors.is_empty() { elements } else { self.bounds.rate(elements) }
+    }
+}
+
+impl Persist for Energies {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Energies { kinetic, internal, plastic, viscous, artificial, external, contact, friction, cavity } = self;
+        persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction, cavity);
+    }
+}
+
+impl Persist for Reaction {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Reaction { place: _, origin, force, kinetic, travel } = self;
+        persist_fields!(archive; origin, force, kinetic, travel);
+    }
+}
+
+impl Persist for Solid {
+    /// In a step that has begun: what the step gives has its length.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Solid {
+            nodes,
+            start: _,
+            mass,
+            acceleration,
+            groups,
+            cause: _,
+            element_names: _,
+            energies,
+            limit,
+            deformed: _,
+            frequency,
+            frequency_asked,
+            rings,
+            ties: _,
+            connectors,
+            bounds,
+            sums: _,
+            walls,
+            equations,
+            masses,
+            inverse_mass,
+            corners,
+            gather: _,
+            external,
+            reactions,
+            kinetic_parts: _,
+            awake,
+            parallel: _,
+            behind,
+            half,
+            pending,
+            moved,
+            gone,
+        } = self;
+        archive.mark("nodes");
+        persist_fields!(archive; nodes.as_mut_slice(), mass.as_mut_slice(), inverse_mass.as_mut_slice());
+        persist_fields!(archive; acceleration.as_mut_slice(), energies, limit, awake, behind, half, pending, moved);
+        archive.mark("links");
+        persist_fields!(archive; connectors.as_mut_slice(), bounds, walls.as_mut_slice(), equations.as_mut_slice());
+        // The forces of the instant before are written over.
+        persist_fields!(archive; external[0].as_mut_slice(), reactions.as_mut_slice(), gone);
+        if let Some(masses) = masses {
+            masses.persist(archive);
+        }
+        frequency_asked.persist(archive);
+        if let Some(frequency) = frequency {
+            frequency.persist(archive);
+        }
+        if let Some(rings) = rings {
+            rings.persist(archive);
+        }
+        archive.mark("elements");
+        persist_all(groups, archive);
+        // Of elements that sleep they are zero, but zeros have signs, which reach the accelerations.
+        corners.as_mut_slice().persist(archive);
     }
 }
