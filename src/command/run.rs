@@ -48,6 +48,7 @@ impl Run {
         let summary = job::run_to_files(&mut prepared, &job, &mut progress).map_err(|e| e.to_string())?;
         bar.finish_and_clear();
         print_messages(&summary.messages, self.quiet);
+        summary.warnings.iter().filter(|_| !self.quiet).for_each(|w| eprintln!("warning: {w}"));
         if !self.quiet {
             print_outcome(&summary, &job);
         }

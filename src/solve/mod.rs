@@ -2,6 +2,7 @@
 //! Never here: deck words, files.
 
 mod energy;
+mod guard;
 mod increment;
 mod observe;
 mod routines;
@@ -11,6 +12,7 @@ use std::time::Instant as Stopwatch;
 use serde::Serialize;
 
 use crate::effect::solid::body::Solid;
+use crate::effect::solid::guard::STARTING;
 use crate::effect::{Account, Asking, Halt, Slot};
 use crate::model::LoadVelocity;
 use crate::plan::{Plan, StepPlan};
@@ -36,6 +38,8 @@ pub struct Outcome {
     pub energy: Energy,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// What the run warns of.
+    pub warnings: Vec<String>,
     /// Increments over all steps.
     pub increments: u64,
     /// Seconds in the time loop.
@@ -145,6 +149,8 @@ struct Run<'a> {
     /// Group and element that limited the smallest increment of the step.
     limiting: Option<(usize, usize)>,
     balance: Balance,
+    /// Which limits on energies have been told in this step.
+    told: [bool; 2],
     outcome: Outcome,
 }
 
@@ -173,6 +179,7 @@ impl<'a> Run<'a> {
             solid,
             wish: Wish::Continue,
             limiting: None,
+            told: [false; 2],
             balance,
             outcome,
         }
@@ -189,10 +196,12 @@ impl<'a> Run<'a> {
             self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
             self.correct_velocity(step); //           3. velocity at the increment's own time
             self.book(); //                           4. energy balance
+            self.guard_energy(step)?;
             observing.show(self, step, sink)?; //     5. output that is due
             if self.is_over(step) {
                 break;
             }
+            self.guard_increment(step)?;
             let next = pace.choose(self, step); //    6. length of the next increment
             next.check(&self.now, self.now.increment)?;
             self.ask_routines(step, next)?;
@@ -257,6 +266,7 @@ impl<'a> Run<'a> {
             solid.equations.clone_from(&step.equations);
             solid.begin(&step.given, step.node_forces.len());
         }
+        self.told = [false; 2];
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
@@ -323,10 +333,14 @@ impl<'a> Run<'a> {
             let body = &mut self.bodies[motion.body];
             body.acceleration = motion.rates(&self.now, body.velocity)[1];
             body.reaction = body.mass * body.acceleration - body.force;
+            finite &= body.acceleration.is_finite();
         }
         if let Some(solid) = &mut self.solid {
             solid.accelerate(&step.given);
             solid.accelerate_ties(&self.bodies);
+            if self.now.increment < STARTING {
+                solid.guard_start();
+            }
             for wall in &solid.walls {
                 self.bodies[wall.body].reaction -= wall.force;
             }
@@ -353,7 +367,7 @@ impl<'a> Run<'a> {
     }
 
     fn not_finite(&self) -> Halt {
-        let b = self.bodies.iter().position(|b| !b.prescribed && !b.acceleration.is_finite()).unwrap_or_default();
+        let b = self.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.bodies[b]);
         let reason = format!(
             "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::block::is_larger;
 use super::connector::{Bounds, Connector};
+use super::distortion::Controlled;
 use super::equation::System;
 use super::group::{Group, Totals};
 use super::mass_scaling::Masses;
@@ -71,6 +72,8 @@ pub struct Energies {
     pub viscous: f64,
     /// Work of the hourglass control.
     pub artificial: f64,
+    /// Work of distortion control.
+    pub distortion: f64,
     /// Work of forces and prescribed motions.
     pub external: f64,
     /// Lost where nodes meet planes.
@@ -173,6 +176,10 @@ pub struct Solid {
     pub(super) bounds: Bounds,
     /// Stiffness and damping of connectors at each node; empty without any.
     pub(super) sums: Vec<[f64; 2]>,
+    /// Elements under distortion control.
+    pub(super) distortion: Vec<Controlled>,
+    /// Stable increment at the start, by which distortion control leads back.
+    pub(super) distortion_time: f64,
     /// Planes that nodes cannot pass, those of the step.
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom, those of the step.
@@ -287,6 +294,8 @@ impl Solid {
             connectors: Vec::new(),
             bounds: Bounds::default(),
             sums: Vec::new(),
+            distortion: Vec::new(),
+            distortion_time: 0.0,
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
@@ -323,7 +332,8 @@ impl Solid {
             self.awake.wake();
         }
         self.gone.1 = 0;
-        let count = if forces > 0 || !self.connectors.is_empty() { self.nodes.len() } else { 0 };
+        let pushed = forces > 0 || !self.connectors.is_empty() || !self.distortion.is_empty();
+        let count = if pushed { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
         }
@@ -367,6 +377,7 @@ impl Solid {
             force.add(now, &self.nodes, external)?;
         }
         self.add_connectors();
+        self.resist_distortion();
         self.awake.update(&self.groups, &self.external[0]);
         if self.limit.0.rate.is_finite() {
             return Ok(());

@@ -4,10 +4,12 @@
 pub mod block;
 pub mod body;
 pub mod connector;
+pub mod distortion;
 pub mod eos;
 pub mod equation;
 pub mod failure;
 pub mod group;
+pub mod guard;
 pub mod hyperelastic;
 pub mod kinematic;
 pub mod law;
