@@ -100,6 +100,9 @@ pub struct Summary {
     /// Whether a user's routine ended the analysis.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ended_by_user: bool,
+    /// What the run warns of.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Messages of the user's routines.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub messages: Vec<host::Message>,
@@ -405,6 +408,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),
         ended_by_user: outcome.ended_by_user,
+        warnings: outcome.warnings,
         messages: host::take_messages(),
         steps: outcome.steps,
         history,

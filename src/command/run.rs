@@ -112,6 +112,7 @@ impl Run {
             Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
         };
         print_messages(&summary.messages, self.quiet);
+        summary.warnings.iter().filter(|_| !self.quiet).for_each(|w| eprintln!("warning: {w}"));
         if !self.quiet {
             print_outcome(&summary, &job);
         }

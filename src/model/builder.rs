@@ -116,7 +116,13 @@ impl<'a> Builder<'a> {
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
             "INITIAL CONDITIONS" => self.initial_conditions(card),
-            "STEP" | "END STEP" | "DYNAMIC" | "BULK VISCOSITY" | "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => {
+            "STEP"
+            | "END STEP"
+            | "DYNAMIC"
+            | "BULK VISCOSITY"
+            | "FIXED MASS SCALING"
+            | "VARIABLE MASS SCALING"
+            | "ENERGY LIMIT" => {
                 self.step_card(card);
             }
             "BOUNDARY" => self.boundary(card),

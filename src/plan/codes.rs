@@ -162,6 +162,16 @@ pub const CODES: &[Code] = &[
         text: "The increment no longer advances the clock. The last good state is in the last frame.",
     },
     Code {
+        code: "R209",
+        title: "an element collapsed",
+        text: "An element is so small that the step would need more than 1e10 increments. The message names it; the last good state is in the last frame. DISTORTION CONTROL=YES on *SECTION CONTROLS, a coarser mesh there, or *SHEAR FAILURE help.",
+    },
+    Code {
+        code: "R208",
+        title: "an energy limit was passed",
+        text: "*ENERGY LIMIT, ACTION=HALT: the drift of ETOTAL or the share of ALLAE in ALLIE is above what the deck allows. The last good state is in the last frame.",
+    },
+    Code {
         code: "R205",
         title: "output could not be written",
         text: "A result file could not be written: the folder vanished, is read-only, or the disk is full. No file is half written. With a checkpoint `revolve run --resume` goes on once there is room.",

@@ -44,6 +44,8 @@ pub enum Quantity {
     Contact,
     /// `ALLAE`.
     Artificial,
+    /// `ALLDC`.
+    Distortion,
     /// Something that axial symmetry keeps at zero (`U1` of a rigid body).
     Zero,
     /// `ALLKE`.
@@ -234,13 +236,14 @@ impl Schedule {
 }
 
 /// Energies that exist only where something deforms.
-const SOLID_ENERGIES: [(&str, Quantity); 6] = [
+const SOLID_ENERGIES: [(&str, Quantity); 7] = [
     ("ALLIE", Quantity::Internal),
     ("ALLSE", Quantity::Strain),
     ("ALLPD", Quantity::Plastic),
     ("ALLVD", Quantity::Viscous),
     ("ALLAE", Quantity::Artificial),
     ("ALLCW", Quantity::Contact),
+    ("ALLDC", Quantity::Distortion),
 ];
 
 const ENERGIES: [(&str, Quantity); 5] = [

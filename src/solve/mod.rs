@@ -3,6 +3,7 @@
 
 mod digest;
 mod energy;
+mod guard;
 mod increment;
 mod observe;
 mod restart;
@@ -13,6 +14,7 @@ use std::time::Instant as Stopwatch;
 use serde::Serialize;
 
 use crate::effect::solid::body::Solid;
+use crate::effect::solid::guard::STARTING;
 use crate::effect::{Account, Asking, Halt, Slot};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, StepPlan};
@@ -40,6 +42,8 @@ pub struct Outcome {
     pub energy: Energy,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// What the run warns of.
+    pub warnings: Vec<String>,
     /// Increments over all steps.
     pub increments: u64,
     /// Seconds in the time loop.
@@ -173,6 +177,8 @@ struct Run<'a> {
     /// Group and element that limited the smallest increment of the step.
     limiting: Option<(usize, usize)>,
     balance: Balance,
+    /// Which limits on energies have been told in this step.
+    warned: [bool; 2],
     outcome: Outcome,
 }
 
@@ -202,6 +208,7 @@ impl<'a> Run<'a> {
             wish: Wish::Continue,
             told: false,
             limiting: None,
+            warned: [false; 2],
             balance,
             outcome,
         }
@@ -266,12 +273,14 @@ impl<'a> Run<'a> {
         self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
         self.correct_velocity(step); //           3. velocity at the increment's own time
         self.book(); //                           4. energy balance
+        self.guard_energy(step)?;
         observing.show(self, step, sink) //       5. output that is due
     }
 
     /// From one instant to the next.
     #[inline]
     fn go(&mut self, step: &mut StepPlan, pace: &mut Pace) -> Result<(), Halt> {
+        self.guard_increment(step)?;
         let next = pace.choose(self, step); //    6. length of the next increment
         next.check(&self.now, self.now.increment)?;
         self.ask_routines(step, next)?;
@@ -339,6 +348,7 @@ impl<'a> Run<'a> {
             let global = matches!(step.control, IncrementControl::Automatic { element_by_element: false, .. });
             solid.begin_frequency(global, &step.given);
         }
+        self.warned = [false; 2];
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
@@ -405,10 +415,14 @@ impl<'a> Run<'a> {
             let body = &mut self.bodies[motion.body];
             body.acceleration = motion.rates(&self.now, body.velocity)[1];
             body.reaction = body.mass * body.acceleration - body.force;
+            finite &= body.acceleration.is_finite();
         }
         if let Some(solid) = &mut self.solid {
             solid.accelerate(&step.given);
             solid.accelerate_ties(&self.bodies);
+            if self.now.increment < STARTING {
+                solid.guard_start();
+            }
             for wall in &solid.walls {
                 self.bodies[wall.body].reaction -= wall.force;
             }
@@ -435,7 +449,7 @@ impl<'a> Run<'a> {
     }
 
     fn not_finite(&self) -> Halt {
-        let b = self.bodies.iter().position(|b| !b.prescribed && !b.acceleration.is_finite()).unwrap_or_default();
+        let b = self.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.bodies[b]);
         let reason = format!(
             "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",

@@ -235,6 +235,7 @@ impl Run<'_> {
             Quantity::Viscous => energy.viscous,
             Quantity::Contact => energy.contact,
             Quantity::Artificial => energy.artificial,
+            Quantity::Distortion => energy.distortion,
             Quantity::Zero => 0.0,
             Quantity::Kinetic => energy.kinetic,
             Quantity::Work => energy.work,

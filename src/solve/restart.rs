@@ -259,6 +259,7 @@ impl StepPlan {
             scaling,
             asking,
             node_asking,
+            energy_limit: _,
             outputs: _,
         } = self;
         archive.mark("forces");
@@ -297,19 +298,20 @@ impl Persist for Run<'_> {
             wish,
             told,
             limiting,
+            warned,
             balance,
             outcome,
         } = self;
         persist_fields!(archive; bodies.as_mut_slice(), now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told, limiting, balance);
+        persist_fields!(archive; complete, wish, told, limiting, warned, balance);
         persist_all(asking, archive);
         if let Some(solid) = solid {
             solid.persist(archive);
         }
         archive.mark("outcome");
         // Halts and what is reckoned at the end are not there yet; times are those of this process.
-        let super::Outcome { steps, rests, increments, .. } = outcome;
-        persist_fields!(archive; steps, rests, increments);
+        let super::Outcome { steps, rests, increments, warnings, .. } = outcome;
+        persist_fields!(archive; steps, rests, increments, warnings);
     }
 }
 

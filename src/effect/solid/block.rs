@@ -4,6 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::failure::Failure;
+use super::guard::CHANGE;
 use super::law::{Constants, Flow, Hardening};
 use super::record::Record;
 use super::volumetric::Volumetric;
@@ -366,7 +367,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             // In a cold gas, where xi has no bound, the root itself.
             let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
             let highest = if capped { stage.cap } else { omega };
-            let rate = stage.weight[l] * highest * damped;
+            // Two over the increment in which the element would lose or gain as much of its volume as it may.
+            let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
+            let rate = stage.weight[l] * if changing > stable { changing } else { stable };
             // Not a number counts as the largest: it must be found.
             let best = stage.sums.rate[l];
             let larger = is_larger(rate, best);

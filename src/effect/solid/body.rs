@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::area::Rings;
 use super::block::is_larger;
 use super::connector::{Bounds, Connector};
+use super::distortion::Controlled;
 use super::equation::System;
 use super::frequency::HighestFrequency;
 use super::group::{Group, Totals};
@@ -104,6 +105,8 @@ pub struct Energies {
     pub viscous: f64,
     /// Work of the hourglass control.
     pub artificial: f64,
+    /// Work of distortion control.
+    pub distortion: f64,
     /// Work of forces and prescribed motions.
     pub external: f64,
     /// Lost where nodes meet planes.
@@ -216,6 +219,10 @@ pub struct Solid {
     pub(super) bounds: Bounds,
     /// Stiffness and damping of connectors at each node; empty without any.
     pub(super) sums: Vec<[f64; 2]>,
+    /// Elements under distortion control.
+    pub(super) distortion: Vec<Controlled>,
+    /// Stable increment at the start, by which distortion control leads back.
+    pub(super) distortion_time: f64,
     /// Planes that nodes cannot pass, those of the step.
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom, those of the step.
@@ -341,6 +348,8 @@ impl Solid {
             connectors: Vec::new(),
             bounds: Bounds::default(),
             sums: Vec::new(),
+            distortion: Vec::new(),
+            distortion_time: 0.0,
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
@@ -377,7 +386,8 @@ impl Solid {
             self.awake.wake();
         }
         self.gone.1 = 0;
-        let count = if forces > 0 || !self.connectors.is_empty() { self.nodes.len() } else { 0 };
+        let pushed = forces > 0 || !self.connectors.is_empty() || !self.distortion.is_empty();
+        let count = if pushed { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
         }
@@ -431,6 +441,7 @@ impl Solid {
             self.energies.external += cavity + friction;
         }
         self.add_connectors();
+        self.resist_distortion();
         self.awake.update(&self.groups, &self.external[0]);
         if self.limit.0.rate.is_finite() {
             return Ok(());
@@ -647,8 +658,20 @@ impl Solid {
 
 impl Persist for Energies {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Energies { kinetic, internal, plastic, viscous, artificial, external, contact, friction, cavity } = self;
-        persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction, cavity);
+        let Energies {
+            kinetic,
+            internal,
+            plastic,
+            viscous,
+            artificial,
+            external,
+            contact,
+            friction,
+            cavity,
+            distortion,
+        } = self;
+        persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction);
+        persist_fields!(archive; cavity, distortion);
     }
 }
 
@@ -672,6 +695,8 @@ impl Persist for Solid {
             element_names: _,
             energies,
             limit,
+            distortion,
+            distortion_time,
             deformed: _,
             frequency,
             frequency_asked,
@@ -707,7 +732,7 @@ impl Persist for Solid {
         if let Some(masses) = masses {
             masses.persist(archive);
         }
-        frequency_asked.persist(archive);
+        persist_fields!(archive; distortion.as_mut_slice(), distortion_time, frequency_asked);
         if let Some(frequency) = frequency {
             frequency.persist(archive);
         }
