@@ -57,9 +57,14 @@ impl UserFiles {
 
     /// Compiles and opens them.
     pub fn routines(&self, quiet: bool) -> Option<Routines> {
-        let Some(compiled) = self.compiled(quiet)? else { return Some(Routines::none()) };
+        self.opened(quiet).map(|opened| opened.0)
+    }
+
+    /// The same, and what tells them from others; `None` if they were refused (told).
+    pub fn opened(&self, quiet: bool) -> Option<(Routines, String)> {
+        let Some(compiled) = self.compiled(quiet)? else { return Some((Routines::none(), String::new())) };
         match compiled.open() {
-            Ok(routines) => Some(routines),
+            Ok(routines) => Some((routines, compiled.identity())),
             Err(fault) => {
                 let mut faults = Diagnostics::default();
                 faults.push(fault);

@@ -193,7 +193,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "NAME": "Name of the controls",
         "HOURGLASS": "ENHANCED, RELAX STIFFNESS, STIFFNESS, VISCOUS or COMBINED",
         "DISTORTION CONTROL": "YES or NO",
-        "LENGTH RATIO": "Of distortion control",
+        "LENGTH RATIO": "Of distortion control (0.1): distance from the line between its neighbours, over that at the start, below which a corner is pushed",
         "ELEMENT DELETION": "YES or NO",
         "MAX DEGRADATION": "Damage at which an element goes",
         "SECOND ORDER ACCURACY": "YES or NO",
@@ -334,6 +334,11 @@ pub static KEYWORDS: &[Keyword] = &[
         {},
         ["Linear factor (0.06), quadratic factor (1.2)"]
     ),
+    row!(extension "ENERGY LIMIT", "Warns or halts where the energy balance or hourglass control goes wrong", {
+        "ERROR": "Largest drift of ETOTAL over the largest energy met",
+        "ARTIFICIAL": "Largest ALLAE over ALLIE, from the time that ALLIE is 1 % of the largest energy",
+        "ACTION": "WARN (default) once a step, or HALT",
+    }, []),
     row!(Used, "FIXED MASS SCALING", "Scales masses at the start of the step", {
         "ELSET": "Elements; all if absent",
         "FACTOR": "Factor on the mass",
@@ -480,13 +485,13 @@ pub static KEYWORDS: &[Keyword] = &[
         "PARSUBSTITUTION": "YES or NO",
         "MASSPROP": "YES or NO",
     }, []),
-    row!(OutputOnly, "RESTART", "Restart files", {
-        "WRITE": "Write them",
-        "READ": "Not supported: use --resume",
-        "FREQUENCY": "Every so many increments",
-        "NUMBER INTERVAL": "So many times in the step",
-        "TIME MARKS": "YES or NO",
-        "OVERLAY": "Keep only the last",
+    row!(Used, "RESTART", "States to go on from with `revolve run --resume`", {
+        "WRITE": "Write <job>.checkpoint; it holds the last state, and goes when the run is complete",
+        "READ": "Refused: use --resume",
+        "FREQUENCY": "Every so many increments; 0 for never",
+        "NUMBER INTERVAL": "So many times in the step (default 1)",
+        "TIME MARKS": "Output does not change increments: it comes with the first one at or past the mark",
+        "OVERLAY": "Only the last state is ever kept",
         "SINGLE": "Of READ",
         "STEP": "Of READ",
         "INC": "Of READ",

@@ -116,7 +116,13 @@ impl<'a> Builder<'a> {
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
             "INITIAL CONDITIONS" => self.initial_conditions(card),
-            "STEP" | "END STEP" | "DYNAMIC" | "BULK VISCOSITY" | "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => {
+            "STEP"
+            | "END STEP"
+            | "DYNAMIC"
+            | "BULK VISCOSITY"
+            | "FIXED MASS SCALING"
+            | "VARIABLE MASS SCALING"
+            | "ENERGY LIMIT" => {
                 self.step_card(card);
             }
             "BOUNDARY" => self.boundary(card),
@@ -127,6 +133,7 @@ impl<'a> Builder<'a> {
             | "ENERGY OUTPUT"
             | "INCREMENTATION OUTPUT"
             | "CONTACT OUTPUT" => self.output_card(card),
+            "RESTART" => self.restart_card(card),
             _ => self.parsed_card(card),
         }
     }

@@ -247,7 +247,7 @@ impl Builder<'_> {
     /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
     pub(super) fn section_controls(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        let refused = ["DISTORTION CONTROL", "LENGTH RATIO", "MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
+        let refused = ["MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
         self.refuse(card, &refused);
         // The second and third factor are of shells.
         for word in card.lines.first().into_iter().flat_map(|l| [l.field(3), l.field(4)]).flatten() {
@@ -257,6 +257,7 @@ impl Builder<'_> {
             }
         }
         let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
+        let Ok(distortion) = self.distortion_control(card) else { return };
         let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
         let factor = card.lines.first().map_or(Some(1.0), |l| self.number_or(l, 0, 1.0)).unwrap_or(1.0);
         let hourglass = match kind.as_str() {
@@ -283,7 +284,30 @@ impl Builder<'_> {
                 return;
             }
         };
-        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor, by_area });
+        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor, by_area, distortion });
+    }
+
+    /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.
+    fn distortion_control(&mut self, card: &Card) -> Result<Option<f64>, ()> {
+        let wanted = match card.value("DISTORTION CONTROL").map(|w| upper(&w.text)).as_deref() {
+            None if card.has("DISTORTION CONTROL") => true,
+            Some("YES") => true,
+            None | Some("NO") => false,
+            Some(other) => {
+                self.out_of_range(card.span, format!("DISTORTION CONTROL is YES or NO, not {other}"));
+                return Err(());
+            }
+        };
+        let ratio = card.value("LENGTH RATIO").map_or(Some(0.1), |w| w.number(&mut self.diagnostics)).ok_or(())?;
+        if !(ratio > 0.0 && ratio < 1.0) {
+            self.out_of_range(card.span, format!("LENGTH RATIO must lie between 0 and 1, not {ratio}"));
+            return Err(());
+        }
+        if card.has("LENGTH RATIO") && !wanted {
+            self.out_of_range(card.span, "LENGTH RATIO is of DISTORTION CONTROL=YES");
+            return Err(());
+        }
+        Ok(wanted.then_some(ratio))
     }
 
     /// Names of all materials of the deck, in order, whether read yet or not.

@@ -8,6 +8,7 @@ pub mod codes;
 mod connectors;
 mod contact;
 mod elements;
+mod energy_limit;
 mod eos;
 mod equations;
 mod failure;

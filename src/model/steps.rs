@@ -3,7 +3,10 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{Boundary, Contact, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Step};
+use super::types::{
+    Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Restart,
+    Step,
+};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Relative error aimed at where the deck says nothing.
@@ -19,7 +22,9 @@ pub(super) struct StepState {
     pub loads: Vec<Load>,
     pub contacts: Vec<Contact>,
     pub mass_scalings: Vec<MassScaling>,
+    pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
+    pub restart: Option<Restart>,
     /// Families of which an OP=NEW card has cleared what came from earlier steps.
     pub cleared: Vec<&'static str>,
 }
@@ -47,6 +52,7 @@ impl Builder<'_> {
             "DYNAMIC" => self.dynamic(card),
             "BULK VISCOSITY" => self.bulk_viscosity(card),
             "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
+            "ENERGY LIMIT" => self.energy_limit(card),
             _ => self.not_yet(card),
         }
     }
@@ -84,7 +90,9 @@ impl Builder<'_> {
             loads: state.loads,
             contacts: state.contacts,
             mass_scalings: state.mass_scalings,
+            energy_limit: state.energy_limit,
             outputs: state.outputs,
+            restart: state.restart,
         });
     }
 

@@ -321,6 +321,8 @@ pub struct SectionControls {
     pub factor: f64,
     /// Whether the equation of motion is weighted by area instead of by volume.
     pub by_area: bool,
+    /// LENGTH RATIO of distortion control; `None` without it.
+    pub distortion: Option<f64>,
 }
 
 /// What resists hourglassing.
@@ -551,8 +553,34 @@ pub struct Step {
     pub contacts: Vec<Contact>,
     /// Mass scaling in force, in the order of the deck.
     pub mass_scalings: Vec<MassScaling>,
+    /// Limits on energies in force.
+    pub energy_limit: Option<EnergyLimit>,
     /// Output requests in force.
     pub outputs: Vec<OutputRequest>,
+    /// When the state is kept, if the deck asks.
+    pub restart: Option<Restart>,
+}
+
+/// `*RESTART, WRITE`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restart {
+    /// How often.
+    pub interval: Interval,
+    /// The card.
+    pub span: Span,
+}
+
+/// `*ENERGY LIMIT`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyLimit {
+    /// The card.
+    pub span: Span,
+    /// Of the drift of ETOTAL over the largest energy.
+    pub error: Option<f64>,
+    /// Of ALLAE over ALLIE.
+    pub artificial: Option<f64>,
+    /// Whether the run halts; otherwise it warns.
+    pub halts: bool,
 }
 
 /// `*FIXED MASS SCALING` or `*VARIABLE MASS SCALING`.

@@ -162,13 +162,28 @@ pub const CODES: &[Code] = &[
         text: "The increment no longer advances the clock. The last good state is in the last frame.",
     },
     Code {
+        code: "R209",
+        title: "an element collapsed",
+        text: "An element is so small that the step would need more than 1e10 increments. The message names it; the last good state is in the last frame. DISTORTION CONTROL=YES on *SECTION CONTROLS, a coarser mesh there, or *SHEAR FAILURE help.",
+    },
+    Code {
+        code: "R208",
+        title: "an energy limit was passed",
+        text: "*ENERGY LIMIT, ACTION=HALT: the drift of ETOTAL or the share of ALLAE in ALLIE is above what the deck allows. The last good state is in the last frame.",
+    },
+    Code {
         code: "R205",
         title: "output could not be written",
-        text: "A result file could not be written: the folder vanished, is read-only, or the disk is full.",
+        text: "A result file could not be written: the folder vanished, is read-only, or the disk is full. No file is half written. With a checkpoint `revolve run --resume` goes on once there is room.",
+    },
+    Code {
+        code: "R207",
+        title: "interrupted",
+        text: "SIGINT (Ctrl-C) or SIGTERM ended the run behind the increment it was in. Its state is in `<job>.checkpoint`, from which `revolve run --resume` goes on to the same bits; the last frame, the histories and the summary are written, too. A second signal ends the program at once.",
     },
     Code {
         code: "R206",
         title: "an element failed",
-        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the frames written before are good. A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
+        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the last frame is that of the last good instant (with routines of the user, which would be called twice on the way back to it, the last frame that was due). A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
     },
 ];

@@ -29,7 +29,7 @@ use crate::effect::solid::user_motion::NodeMotions;
 use crate::effect::solid::wall::Wall;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
-use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
+use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
 use crate::user::{Routines, SharedEvents};
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
@@ -58,6 +58,8 @@ pub struct Plan {
     pub asking: Vec<Box<dyn Asking>>,
     /// The user's routine that is told how the analysis goes.
     pub events: Option<SharedEvents>,
+    /// Whether there are routines of the user, whose own memory no state of the run holds.
+    pub asks_user: bool,
 }
 
 /// One step.
@@ -84,6 +86,8 @@ pub struct StepPlan {
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom.
     pub equations: Vec<System>,
+    /// Limits on energies; `None` without any.
+    pub energy_limit: Option<EnergyLimit>,
     /// Mass scaling; `None` before a step asks for it.
     pub scaling: Option<Scaling>,
     /// User motions: asked once an increment.
@@ -153,7 +157,10 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
     }
     let events = routines.events.clone();
     let mesh = model.mesh.clone();
-    (Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events }, diagnostics)
+    (
+        Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events, asks_user: routines.any() },
+        diagnostics,
+    )
 }
 
 impl Compiler<'_> {
@@ -196,6 +203,7 @@ impl Compiler<'_> {
         let walls = self.walls(step, solid, &given);
         let equations = self.equations(step, solid, &given);
         let scaling = self.mass_scaling(index, solid);
+        let energy_limit = self.energy_limit(step);
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
         let motions = self.motions(step, &mut asking);
@@ -215,11 +223,22 @@ impl Compiler<'_> {
             given,
             walls,
             equations,
+            energy_limit,
             scaling,
             asking,
             node_asking,
             outputs: self.outputs(step),
         }
+    }
+
+    fn energy_limit(&mut self, step: &crate::model::Step) -> Option<EnergyLimit> {
+        let limit = step.energy_limit?;
+        let part = |name: &str, value: Option<f64>| value.map(|v| format!("{name} {v:e}"));
+        let parts: Vec<String> =
+            [part("error", limit.error), part("artificial", limit.artificial)].into_iter().flatten().collect();
+        let detail = format!("{}, {}", parts.join(", "), if limit.halts { "halt" } else { "warn" });
+        self.cause(limit.span, "energy limit", 1, "step", detail);
+        Some(limit)
     }
 
     fn increment_rows(&mut self, step: &crate::model::Step, forces: &[Box<dyn Force>]) {

@@ -44,6 +44,8 @@ pub enum Quantity {
     Contact,
     /// `ALLAE`.
     Artificial,
+    /// `ALLDC`.
+    Distortion,
     /// Something that axial symmetry keeps at zero (`U1` of a rigid body).
     Zero,
     /// `ALLKE`.
@@ -209,6 +211,8 @@ pub struct Outputs {
     pub field: Vec<Schedule>,
     /// History rows.
     pub history: Vec<Schedule>,
+    /// States to go on from (`*RESTART, WRITE`).
+    pub restart: Vec<Schedule>,
 }
 
 /// One rhythm, relative to the start of a step.
@@ -232,13 +236,14 @@ impl Schedule {
 }
 
 /// Energies that exist only where something deforms.
-const SOLID_ENERGIES: [(&str, Quantity); 6] = [
+const SOLID_ENERGIES: [(&str, Quantity); 7] = [
     ("ALLIE", Quantity::Internal),
     ("ALLSE", Quantity::Strain),
     ("ALLPD", Quantity::Plastic),
     ("ALLVD", Quantity::Viscous),
     ("ALLAE", Quantity::Artificial),
     ("ALLCW", Quantity::Contact),
+    ("ALLDC", Quantity::Distortion),
 ];
 
 const ENERGIES: [(&str, Quantity); 5] = [
@@ -328,6 +333,11 @@ impl Compiler<'_> {
         if step.outputs.is_empty() {
             outputs.field.push(Schedule::new(Interval::Default, step.duration, 20));
             outputs.history.push(Schedule::new(Interval::Default, step.duration, 200));
+        }
+        outputs.restart.extend(step.restart.map(|r| Schedule::new(r.interval, step.duration, 1)));
+        if let Some(restart) = step.restart {
+            let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
+            self.cause(restart.span, "checkpoint", 1, "step", detail);
         }
         outputs.field.dedup();
         outputs.history.dedup();

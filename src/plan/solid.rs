@@ -56,6 +56,7 @@ impl Compiler<'_> {
             used.iter().map(|&n| Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() }).collect();
         let mut mass = vec![0.0; nodes.len()];
         let (mut groups, mut corners, mut names): (Vec<Box<dyn Group>>, Vec<_>, Vec<_>) = Default::default();
+        let mut controlled = Vec::new();
         for (section, elements) in &sections {
             let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
             let Some(group) = self.group(section, elements, &list, &nodes, &mut mass) else { continue };
@@ -65,6 +66,7 @@ impl Compiler<'_> {
             let cause = self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default();
             self.ledger.effects[cause].arrays = vec![("element state".into(), group.bytes())];
             names.push(elements.iter().map(|&e| mesh.elements[e].name.clone()).collect());
+            controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             groups.push(group);
             corners.push(list);
         }
@@ -75,12 +77,21 @@ impl Compiler<'_> {
         let gather = Gather::new(nodes.len(), &lists);
         let mut solid = Solid::new(nodes, mass, groups, names, gather);
         solid.ties = ties;
+        controlled.iter().for_each(|&(group, ratio)| solid.control_distortion(group, ratio));
         solid.cause = self.causes.get(&(sections[0].0.span, "deformable elements")).copied().unwrap_or_default();
         if sections.iter().any(|(s, _)| self.is_by_area(s)) {
             solid.rings = Some(Box::new(Rings::new(&solid)));
         }
         self.start_solid(&mut solid);
         Some(solid)
+    }
+
+    /// LENGTH RATIO of a section under distortion control.
+    fn distortion_control(&mut self, section: &SolidSection, count: usize) -> Option<f64> {
+        let name = section.controls.as_ref()?;
+        let ratio = self.model.controls.iter().find(|c| c.name == *name)?.distortion?;
+        self.cause(section.span, "distortion control", count, "elements", format!("length ratio {ratio}"));
+        Some(ratio)
     }
 
     /// Whether plastic work heats: the first step says so, and all others alike.

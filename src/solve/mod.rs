@@ -1,9 +1,12 @@
 //! The time loop: central differences, one increment as a numbered recipe.
 //! Never here: deck words, files.
 
+mod digest;
 mod energy;
+mod guard;
 mod increment;
 mod observe;
+mod restart;
 mod routines;
 
 use std::time::Instant as Stopwatch;
@@ -11,6 +14,7 @@ use std::time::Instant as Stopwatch;
 use serde::Serialize;
 
 use crate::effect::solid::body::Solid;
+use crate::effect::solid::guard::STARTING;
 use crate::effect::{Account, Asking, Halt, Slot};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, StepPlan};
@@ -21,6 +25,8 @@ pub use energy::Energy;
 use increment::{End, Increment, Pace};
 use observe::Observing;
 pub use observe::Sink;
+use restart::{At, Keeping};
+pub use restart::{Control, Every};
 
 /// How a run ended and what it cost.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -36,10 +42,15 @@ pub struct Outcome {
     pub energy: Energy,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// What the run warns of.
+    pub warnings: Vec<String>,
     /// Increments over all steps.
     pub increments: u64,
     /// Seconds in the time loop.
     pub seconds: f64,
+    /// SHA-256 over the bits of the state at the end, hexadecimal: the same on any machine, number of threads and
+    /// instruction set.
+    pub digest: String,
     /// Seconds sampled in each effect, by its row of the ledger.
     #[serde(skip)]
     pub effect_seconds: Vec<f64>,
@@ -70,7 +81,7 @@ pub struct StepSummary {
 }
 
 /// A body came to rest.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Rest {
     /// Name of the body.
     pub body: String,
@@ -85,14 +96,29 @@ const TIMED_EVERY: u64 = 64;
 
 /// Runs a plan from its start to its end, showing every due instant to `sink`.
 pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
+    // Without a state to go on from there is none that could be refused.
+    run_with(plan, sink, Control::default()).unwrap_or_default()
+}
+
+/// The same, keeping the state now and then, from the start or from a state that was kept.
+///
+/// # Errors
+/// Why a state is not one of this plan. The plan must then not be run.
+pub fn run_with(plan: &mut Plan, sink: &mut dyn Sink, control: Control<'_>) -> Result<Outcome, String> {
     let begin = Stopwatch::now();
     let mut steps = std::mem::take(&mut plan.steps);
     let asking = std::mem::take(&mut plan.asking);
     let solid = plan.solid.take();
     let mut run = Run::new(plan, steps.len(), asking, solid);
     let mut observing = Observing::new(plan);
-    for step in &mut steps {
-        if let Err(halt) = run.step(step, &mut observing, sink) {
+    let (mut first, mut pace) = (0, None);
+    if let Some(state) = control.state {
+        let (index, taken_up) = run.take_up(&mut steps, &mut observing, state)?;
+        (first, pace) = (index, Some(taken_up));
+    }
+    let mut keeping = Keeping::new(control, run.solid.is_some() && sink.wants_frames() && !plan.asks_user);
+    for step in steps.iter_mut().skip(first) {
+        if let Err(halt) = run.step(step, pace.take(), &mut observing, &mut keeping, sink) {
             run.step_back();
             let written = observing.last(&run, step, sink);
             run.outcome.halt = Some(written.err().unwrap_or(halt));
@@ -103,13 +129,14 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
             break;
         }
     }
+    run.outcome.digest = run.digest();
     let Run { mut outcome, balance, asking, solid, .. } = run;
     outcome.energy = balance.energy();
     outcome.seconds = begin.elapsed().as_secs_f64();
     plan.steps = steps;
     plan.asking = asking;
     plan.solid = solid;
-    outcome
+    Ok(outcome)
 }
 
 /// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
@@ -145,9 +172,13 @@ struct Run<'a> {
     solid: Option<Solid>,
     /// What the user's routines want.
     wish: Wish,
+    /// Whether they know already that the increment is complete.
+    told: bool,
     /// Group and element that limited the smallest increment of the step.
     limiting: Option<(usize, usize)>,
     balance: Balance,
+    /// Which limits on energies have been told in this step.
+    warned: [bool; 2],
     outcome: Outcome,
 }
 
@@ -175,35 +206,87 @@ impl<'a> Run<'a> {
             asking,
             solid,
             wish: Wish::Continue,
+            told: false,
             limiting: None,
+            warned: [false; 2],
             balance,
             outcome,
         }
     }
 
-    /// One step. The recipe of an increment, as in ABAQUS Theory Guide 2.4.5 with the half-step start, is the loop's body.
-    fn step(&mut self, step: &mut StepPlan, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
-        self.begin(step);
-        self.begin_routines(step)?;
-        observing.begin(step, self.now.increment == 0, self.now.increment);
-        let mut pace = Pace::new(step, &self.bodies);
-        loop {
-            self.evaluate_forces(step)?; //           1. forces, resistances last
-            self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
-            self.correct_velocity(step); //           3. velocity at the increment's own time
-            self.book(); //                           4. energy balance
-            observing.show(self, step, sink)?; //     5. output that is due
-            if self.is_over(step) {
-                break;
-            }
-            let next = pace.choose(self, step); //    6. length of the next increment
-            next.check(&self.now, self.now.increment)?;
-            self.ask_routines(step, next)?;
-            self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
-            self.record(next.length);
+    /// One step, from its beginning or from the pace at which a state was taken up. The recipe of an increment, as in ABAQUS
+    /// Theory Guide 2.4.5 with the half-step start, is what [`Run::arrive`] and [`Run::go`] do in turn.
+    fn step(
+        &mut self,
+        step: &mut StepPlan,
+        taken_up: Option<Pace>,
+        observing: &mut Observing,
+        keeping: &mut Keeping<'_>,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Halt> {
+        let goes_on = taken_up.is_some();
+        let mut pace = taken_up.unwrap_or_else(|| self.begin_step(step, observing));
+        keeping.begin(step, &self.now);
+        let end = self.increments(step, &mut pace, goes_on, observing, keeping, sink);
+        if end.is_err() {
+            keeping.way_back(&mut At { run: self, step, observing, pace: &mut pace });
         }
         self.name_limiting_element();
-        self.end_routines()
+        end
+    }
+
+    fn begin_step(&mut self, step: &mut StepPlan, observing: &mut Observing) -> Pace {
+        self.begin(step);
+        observing.begin(step, self.now.increment == 0, self.now.increment);
+        Pace::new(step, &self.bodies)
+    }
+
+    fn increments(
+        &mut self,
+        step: &mut StepPlan,
+        pace: &mut Pace,
+        goes_on: bool,
+        observing: &mut Observing,
+        keeping: &mut Keeping<'_>,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Halt> {
+        if goes_on {
+            self.resume_routines()?;
+            self.go(step, pace)?;
+        } else {
+            self.begin_routines(step)?;
+        }
+        loop {
+            self.arrive(step, observing, sink)?;
+            if self.is_over(step) {
+                return self.end_routines();
+            }
+            keeping.look(&mut At { run: self, step, observing, pace }, sink)?;
+            self.go(step, pace)?;
+        }
+    }
+
+    /// What an instant is made of.
+    #[inline]
+    fn arrive(&mut self, step: &mut StepPlan, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
+        self.evaluate_forces(step)?; //           1. forces, resistances last
+        self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
+        self.correct_velocity(step); //           3. velocity at the increment's own time
+        self.book(); //                           4. energy balance
+        self.guard_energy(step)?;
+        observing.show(self, step, sink) //       5. output that is due
+    }
+
+    /// From one instant to the next.
+    #[inline]
+    fn go(&mut self, step: &mut StepPlan, pace: &mut Pace) -> Result<(), Halt> {
+        self.guard_increment(step)?;
+        let next = pace.choose(self, step); //    6. length of the next increment
+        next.check(&self.now, self.now.increment)?;
+        self.ask_routines(step, next)?;
+        self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
+        self.record(next.length);
+        Ok(())
     }
 
     fn name_limiting_element(&mut self) {
@@ -265,6 +348,7 @@ impl<'a> Run<'a> {
             let global = matches!(step.control, IncrementControl::Automatic { element_by_element: false, .. });
             solid.begin_frequency(global, &step.given);
         }
+        self.warned = [false; 2];
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
@@ -331,10 +415,14 @@ impl<'a> Run<'a> {
             let body = &mut self.bodies[motion.body];
             body.acceleration = motion.rates(&self.now, body.velocity)[1];
             body.reaction = body.mass * body.acceleration - body.force;
+            finite &= body.acceleration.is_finite();
         }
         if let Some(solid) = &mut self.solid {
             solid.accelerate(&step.given);
             solid.accelerate_ties(&self.bodies);
+            if self.now.increment < STARTING {
+                solid.guard_start();
+            }
             for wall in &solid.walls {
                 self.bodies[wall.body].reaction -= wall.force;
             }
@@ -361,7 +449,7 @@ impl<'a> Run<'a> {
     }
 
     fn not_finite(&self) -> Halt {
-        let b = self.bodies.iter().position(|b| !b.prescribed && !b.acceleration.is_finite()).unwrap_or_default();
+        let b = self.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.bodies[b]);
         let reason = format!(
             "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",

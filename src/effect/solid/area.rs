@@ -4,6 +4,7 @@
 
 use super::body::Solid;
 use super::group::Group;
+use crate::state::archive::{Archive, Persist};
 
 /// Nodes of elements that are weighted by area.
 #[derive(Clone, Debug)]
@@ -43,5 +44,12 @@ impl Solid {
         for (factor, mass) in rings.factors.iter_mut().zip(&self.mass) {
             *factor = if *factor > 0.0 { mass / *factor } else { 0.0 };
         }
+    }
+}
+
+impl Persist for Rings {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Rings { quarters: _, factors } = self;
+        factors.as_mut_slice().persist(archive);
     }
 }

@@ -4,11 +4,13 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::failure::Failure;
+use super::guard::CHANGE;
 use super::law::{Constants, Flow, Hardening};
 use super::record::Record;
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
 use crate::kernel::quad::{UNIT, operators};
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 
 /// Elements side by side, each quantity an array over lanes.
@@ -365,7 +367,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             // In a cold gas, where xi has no bound, the root itself.
             let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
             let highest = if capped { stage.cap } else { omega };
-            let rate = stage.weight[l] * highest * damped;
+            // Two over the increment in which the element would lose or gain as much of its volume as it may.
+            let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
+            let rate = stage.weight[l] * if changing > stable { changing } else { stable };
             // Not a number counts as the largest: it must be found.
             let best = stage.sums.rate[l];
             let larger = is_larger(rate, best);
@@ -473,4 +477,26 @@ pub fn across(list: &Lanes) -> f64 {
         width /= 2;
     }
     sums[0]
+}
+
+impl<S: Persist, Q: Persist, X: Persist> Persist for Block<S, Q, X> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Block { nodes: _, stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure } = self;
+        persist_fields!(archive; stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure);
+    }
+}
+
+impl Persist for Sums {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Sums { internal, plastic, viscous, artificial, rate, limiting } = self;
+        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting);
+    }
+}
+
+impl Persist for Stage {
+    /// The rest of it is scratch memory of one pass; the sums hold while a task sleeps.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Stage { sums, records, .. } = self;
+        persist_fields!(archive; sums, records.as_mut_slice());
+    }
 }

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::area::Rings;
 use super::block::is_larger;
 use super::connector::{Bounds, Connector};
+use super::distortion::Controlled;
 use super::equation::System;
 use super::frequency::HighestFrequency;
 use super::group::{Group, Totals};
@@ -17,6 +18,7 @@ use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
 use crate::effect::{Cause, Halt, Magnitude};
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::nodes::Node;
 
 /// Nodes, and elements of a group, from which on it pays to wake other threads every increment.
@@ -45,7 +47,7 @@ impl Given {
 }
 
 /// A force on nodes.
-pub trait NodeForce {
+pub trait NodeForce: Persist {
     /// Adds its forces, `[r, z]` of each node.
     ///
     /// # Errors
@@ -103,6 +105,8 @@ pub struct Energies {
     pub viscous: f64,
     /// Work of the hourglass control.
     pub artificial: f64,
+    /// Work of distortion control.
+    pub distortion: f64,
     /// Work of forces and prescribed motions.
     pub external: f64,
     /// Lost where nodes meet planes.
@@ -215,6 +219,10 @@ pub struct Solid {
     pub(super) bounds: Bounds,
     /// Stiffness and damping of connectors at each node; empty without any.
     pub(super) sums: Vec<[f64; 2]>,
+    /// Elements under distortion control.
+    pub(super) distortion: Vec<Controlled>,
+    /// Stable increment at the start, by which distortion control leads back.
+    pub(super) distortion_time: f64,
     /// Planes that nodes cannot pass, those of the step.
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom, those of the step.
@@ -340,6 +348,8 @@ impl Solid {
             connectors: Vec::new(),
             bounds: Bounds::default(),
             sums: Vec::new(),
+            distortion: Vec::new(),
+            distortion_time: 0.0,
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
@@ -376,7 +386,8 @@ impl Solid {
             self.awake.wake();
         }
         self.gone.1 = 0;
-        let count = if forces > 0 || !self.connectors.is_empty() { self.nodes.len() } else { 0 };
+        let pushed = forces > 0 || !self.connectors.is_empty() || !self.distortion.is_empty();
+        let count = if pushed { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
         }
@@ -430,6 +441,7 @@ impl Solid {
             self.energies.external += cavity + friction;
         }
         self.add_connectors();
+        self.resist_distortion();
         self.awake.update(&self.groups, &self.external[0]);
         if self.limit.0.rate.is_finite() {
             return Ok(());
@@ -641,5 +653,95 @@ impl Solid {
     pub fn stable_increment(&self) -> f64 {
         let elements = self.limit.0.rate;
         1.0 / if self.connectors.is_empty() { elements } else { self.bounds.rate(elements) }
+    }
+}
+
+impl Persist for Energies {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Energies {
+            kinetic,
+            internal,
+            plastic,
+            viscous,
+            artificial,
+            external,
+            contact,
+            friction,
+            cavity,
+            distortion,
+        } = self;
+        persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction);
+        persist_fields!(archive; cavity, distortion);
+    }
+}
+
+impl Persist for Reaction {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Reaction { place: _, origin, force, kinetic, travel } = self;
+        persist_fields!(archive; origin, force, kinetic, travel);
+    }
+}
+
+impl Persist for Solid {
+    /// In a step that has begun: what the step gives has its length.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Solid {
+            nodes,
+            start: _,
+            mass,
+            acceleration,
+            groups,
+            cause: _,
+            element_names: _,
+            energies,
+            limit,
+            distortion,
+            distortion_time,
+            deformed: _,
+            frequency,
+            frequency_asked,
+            rings,
+            ties: _,
+            connectors,
+            bounds,
+            sums: _,
+            walls,
+            equations,
+            masses,
+            inverse_mass,
+            corners,
+            gather: _,
+            external,
+            reactions,
+            kinetic_parts: _,
+            awake,
+            parallel: _,
+            behind,
+            half,
+            pending,
+            moved,
+            gone,
+        } = self;
+        archive.mark("nodes");
+        persist_fields!(archive; nodes.as_mut_slice(), mass.as_mut_slice(), inverse_mass.as_mut_slice());
+        persist_fields!(archive; acceleration.as_mut_slice(), energies, limit, awake, behind, half, pending, moved);
+        archive.mark("links");
+        persist_fields!(archive; connectors.as_mut_slice(), bounds, walls.as_mut_slice(), equations.as_mut_slice());
+        // The forces of the instant before are written over.
+        persist_fields!(archive; external[0].as_mut_slice(), reactions.as_mut_slice(), gone);
+        if let Some(masses) = masses {
+            masses.persist(archive);
+        }
+        persist_fields!(archive; distortion.as_mut_slice(), distortion_time, frequency_asked);
+        if let Some(frequency) = frequency {
+            frequency.persist(archive);
+        }
+        if let Some(rings) = rings {
+            rings.persist(archive);
+        }
+        archive.mark("elements");
+        persist_all(groups, archive);
+        // Of elements that sleep they are zero, but zeros have signs, which reach the accelerations.
+        corners.as_mut_slice().persist(archive);
     }
 }

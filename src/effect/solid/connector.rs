@@ -3,6 +3,7 @@
 //! Never here: deck words, elements of a continuum.
 
 use super::body::Solid;
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// What a connector answers with.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,5 +180,19 @@ impl Solid {
             }
             self.connectors[i].force = force;
         }
+    }
+}
+
+impl Persist for Connector {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Connector { ends: _, axis: _, law: _, force } = self;
+        force.persist(archive);
+    }
+}
+
+impl Persist for Bounds {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Bounds { square, damping } = self;
+        persist_fields!(archive; square, damping);
     }
 }

@@ -4,6 +4,7 @@
 
 use super::volumetric::{Squeeze, Volumetric};
 use super::{LANES, Lanes};
+use crate::state::archive::{Archive, Persist};
 
 /// Pressure at one density, linear in the energy a mass: p = cold + per_energy e.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -176,6 +177,13 @@ impl<P: Pressure> Volumetric for Eos<P> {
         if let Some([heat, zero]) = self.law.thermal() {
             state.energy[lane] = heat * (temperature - zero);
         }
+    }
+}
+
+impl Persist for Heat {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Heat { energy } = self;
+        energy.persist(archive);
     }
 }
 

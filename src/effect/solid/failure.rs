@@ -8,11 +8,12 @@ use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
 use crate::kernel::levels::Levels;
 use crate::kernel::quad::UNIT;
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Whether and how elements fail. An absent one is a type without state, and costs nothing.
 pub trait Failure: Send + Sync {
     /// What a block of elements keeps.
-    type State: Clone + Send + Sync;
+    type State: Clone + Send + Sync + Persist;
     /// Whether anything fails at all.
     const FAILS: bool;
     /// State of a block: the areas of its elements' sections, whose roots are their lengths, and their volumes.
@@ -342,4 +343,11 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 fn invariants([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 2] {
     let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
     [(rr + zz + hoop) / 3.0, (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()]
+}
+
+impl Persist for Damaged {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Damaged { alive, begun, damage, at_failure, length: _, volume: _, share } = self;
+        persist_fields!(archive; alive, begun, damage, at_failure, share);
+    }
 }

@@ -12,6 +12,7 @@ use sprs::CsMatI;
 
 use super::body::{Given, Solid};
 use super::group::Group;
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Steps of Lanczos' method.
 const STEPS: usize = 40;
@@ -347,6 +348,21 @@ impl HighestFrequency {
         standing.count += 1;
         (standing.age, standing.grown, standing.by_elements) = (0, 0.0, solid.rate_by_elements());
         standing.found = if found.is_finite() { found } else { 0.0 };
+    }
+}
+
+impl Persist for HighestFrequency {
+    /// The operator is made anew with each estimate.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let HighestFrequency { operator: _, roots, vectors: _, standing } = self;
+        persist_fields!(archive; roots.as_mut_slice(), standing);
+    }
+}
+
+impl Persist for Standing {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Standing { found, grown, foreseen, age, pause, by_elements, gain, count } = self;
+        persist_fields!(archive; found, grown, foreseen, age, pause, by_elements, gain, count);
     }
 }
 

@@ -15,6 +15,7 @@ use super::{Corners, LANES, Lanes};
 use crate::effect::Halt;
 use crate::kernel::quad;
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
@@ -41,7 +42,7 @@ pub struct Totals {
 }
 
 /// Elements of one kind and one material.
-pub trait Group {
+pub trait Group: Persist {
     /// Number of elements.
     fn len(&self) -> usize;
     /// Whether there is none.
@@ -106,6 +107,8 @@ pub trait Group {
     }
     /// Corner nodes of an element.
     fn corners(&self, element: usize) -> [u32; 4];
+    /// Uses another instruction set from now on; the bits stay the same. What calls the user's routine has none.
+    fn use_arch(&mut self, _arch: Arch) {}
     /// Bytes that the elements occupy.
     fn bytes(&self) -> usize;
     /// Volume of an element now.
@@ -229,6 +232,10 @@ pub(super) fn block<S, Q, X>(
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<H, V, F, AREA> {
     fn len(&self) -> usize {
         self.count
+    }
+
+    fn use_arch(&mut self, arch: Arch) {
+        self.arch = arch;
     }
 
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
@@ -463,6 +470,34 @@ pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
     totals.rate = 0.5 * largest;
     totals
 }
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Quads {
+            hardening: _,
+            volumetric: _,
+            failure: _,
+            constants: _,
+            count: _,
+            blocks,
+            tasks,
+            arch: _,
+            parallel: _,
+            told,
+            rests,
+            cap,
+        } = self;
+        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), rests.as_mut_slice());
+    }
+}
+
+impl Persist for Totals {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Totals { internal, plastic, viscous, artificial, rate, limiting, deformed } = self;
+        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting, deformed);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use pulp::Arch;

@@ -4,6 +4,7 @@
 
 use super::volumetric::{Squeeze, Stretch, Volumetric};
 use super::{LANES, Lanes};
+use crate::state::archive::{Archive, Persist};
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)^2 / D1, so the Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
 /// (ABAQUS Theory Guide, "Hyperelastic material behavior").
@@ -77,5 +78,12 @@ impl Volumetric for NeoHooke {
                 bulk * (if j > 1.0 { 2.0 * j - 1.0 } else { 1.0 }) + if stiffer < 0.0 { 0.0 } else { stiffer };
             ask.heat[l] = 0.0;
         }
+    }
+}
+
+impl Persist for Deformed {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Deformed { gradient } = self;
+        gradient.persist(archive);
     }
 }

@@ -9,6 +9,7 @@ use crate::effect::user_load::{Shown, UserLoad};
 use crate::effect::{Halt, Magnitude};
 use crate::kernel::facet::Facet;
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 use crate::user::{LoadFailure, MAX_BLOCK};
 
@@ -290,5 +291,53 @@ impl NodeForce for FaceCavity {
 
     fn release(&mut self, gone: &[[u32; 4]]) {
         self.faces.iter_mut().for_each(|f| f.carries &= !is_of(f.face, gone));
+    }
+}
+
+impl Persist for FacePressure {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let FacePressure { faces, magnitude: _ } = self;
+        faces.persist(archive);
+    }
+}
+
+impl Persist for NodeConcentrated {
+    fn persist(&mut self, _archive: &mut Archive<'_>) {
+        let NodeConcentrated { nodes: _, axis: _, magnitude: _ } = self;
+    }
+}
+
+impl Persist for NodeGravity {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let NodeGravity { masses, whole: _, acceleration: _ } = self;
+        masses.as_mut_slice().persist(archive);
+    }
+}
+
+impl Persist for FaceBlock {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let FaceBlock { faces: _, start: _, carries, shown } = self;
+        persist_fields!(archive; carries.as_mut_slice(), shown);
+    }
+}
+
+impl Persist for FaceUser {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let FaceUser { load: _, blocks } = self;
+        blocks.as_mut_slice().persist(archive);
+    }
+}
+
+impl Persist for FaceCavity {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let FaceCavity { faces, stack: _, friction: _ } = self;
+        faces.as_mut_slice().persist(archive);
+    }
+}
+
+impl Persist for Resisted {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Resisted { face: _, carries, now, before } = self;
+        persist_fields!(archive; carries, now, before);
     }
 }

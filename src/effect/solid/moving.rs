@@ -4,6 +4,7 @@
 use super::law::{Flow, Hardening};
 use super::{LANES, Lanes};
 use crate::kernel::hardening::{Table, YieldStress, plastic_increment};
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Linear kinematic hardening over rate and temperature (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
 /// loading"): the yield surface has the size that rate and temperature give it; the back stress grows by 2/3 C times the
@@ -83,5 +84,12 @@ impl Hardening for Moving {
 
     fn heat(&self, state: &mut Moved, lane: usize, temperature: f64) {
         state.temperature[lane] = temperature;
+    }
+}
+
+impl Persist for Moved {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Moved { strain, temperature, slope, back } = self;
+        persist_fields!(archive; strain, temperature, slope, back);
     }
 }

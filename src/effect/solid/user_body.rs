@@ -6,6 +6,7 @@ use crate::effect::Halt;
 use crate::effect::user_load::{Shown, UserLoad};
 use crate::kernel::quad::corner_masses;
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Node;
 use crate::user::{LoadFailure, MAX_BLOCK};
 
@@ -88,5 +89,19 @@ impl NodeForce for BodyUser {
             }
         }
         Ok(())
+    }
+}
+
+impl Persist for BodyBlock {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let BodyBlock { elements: _, start: _, shown } = self;
+        shown.persist(archive);
+    }
+}
+
+impl Persist for BodyUser {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let BodyUser { load: _, axis: _, blocks } = self;
+        blocks.as_mut_slice().persist(archive);
     }
 }

@@ -12,6 +12,7 @@ use super::{Corners, LANES};
 use crate::effect::Halt;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, SharedMaterial};
 
@@ -356,4 +357,33 @@ fn components([rr, zz, hoop, rz]: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4
 fn deformation(start: &Gradient, r: [f64; 4], z: [f64; 4]) -> [f64; 5] {
     let per = 1.0 / start.volume;
     [dot(start.r, r), dot(start.z, z), dot(start.hoop, r), dot(start.z, r), dot(start.r, z)].map(|x| per * x)
+}
+
+impl Persist for Chunk {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Chunk { points, start: _, turn, deleted } = self;
+        persist_fields!(archive; points, turn.as_mut_slice(), deleted.as_mut_slice());
+    }
+}
+
+impl Persist for UserQuads {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserQuads {
+            description: _,
+            constants,
+            count: _,
+            names: _,
+            blocks,
+            chunks,
+            stages,
+            nodes: _,
+            now: _,
+            failure: _,
+            told,
+        } = self;
+        // The moduli are those of the routine's answer at time zero, which is not asked for again.
+        persist_fields!(archive; &mut constants.bulk, &mut constants.shear);
+        persist_fields!(archive; blocks.as_mut_slice(), chunks.as_mut_slice(), stages.as_mut_slice());
+        told.as_mut_slice().persist(archive);
+    }
 }

@@ -6,11 +6,12 @@ use super::block::{Block, Nodes, Stage};
 use super::law::Hardening;
 use super::{LANES, Lanes};
 use crate::kernel::quad::{UNIT, operators};
+use crate::state::archive::Persist;
 
 /// The volumetric part of a material. A constant bulk modulus is a type without state, and costs nothing.
 pub trait Volumetric: Send + Sync {
     /// What a block of elements keeps.
-    type State: Clone + Send + Sync;
+    type State: Clone + Send + Sync + Persist;
 
     /// Whether the pressure is other than a constant bulk modulus times the dilation.
     const VARIES: bool;
