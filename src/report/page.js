@@ -442,6 +442,7 @@ function drawRun(run) {
     s.timing ? make('span', { class: 'soft' }, `${s.timing.increments} increments in ${show(s.timing.seconds, 3)} s`) : null));
   if (s.reason) section.append(make('div', { class: 'card reason' }, make('h3', {}, 'Halted'), s.reason));
   if (s.ended_by_user) section.append(make('div', { class: 'card' }, 'The user\'s routine ended the analysis.'));
+  if (s.warnings && s.warnings.length) section.append(card('Warnings', make('ul', { class: 'warning' }, ...s.warnings.map(w => make('li', {}, w)))));
   section.append(outcome(run, s));
   const charts = run.charts.map(drawChart);
   const setTime = time => charts.forEach(c => c.setTime(time));
@@ -460,7 +461,8 @@ function outcome(run, s) {
   for (const rest of s.rests || []) facts.push([`${rest.body} at rest`, `time ${show(rest.time)}, displacement ${show(rest.displacement)}`]);
   if (s.energy) facts.push(['energy drift', show(s.energy.drift, 2)]);
   for (const [name, value] of Object.entries((s.deck && s.deck.parameters) || {}).slice(0, 40)) facts.push([name, show(value)]);
-  const files = s.deck && s.deck.files ? make('p', { class: 'soft' }, `Deck ${s.deck.files.join(', ')}`) : null;
+  const digest = s.digest ? `. Digest of the final state ${s.digest.slice(0, 16)}…` : '';
+  const files = s.deck && s.deck.files ? make('p', { class: 'soft', title: s.digest }, `Deck ${s.deck.files.join(', ')}${digest}`) : null;
   return facts.length || files ? card('', factList(facts), files) : '';
 }
 function energies(s) {
