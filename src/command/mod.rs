@@ -4,6 +4,7 @@
 pub mod check;
 pub mod explain;
 pub mod run;
+pub mod study;
 pub mod sweep;
 
 use std::io::IsTerminal as _;

@@ -20,7 +20,7 @@ use energy::Balance;
 pub use energy::Energy;
 use increment::{End, Increment, Pace};
 use observe::Observing;
-pub use observe::Sink;
+pub use observe::{Sink, element_value};
 
 /// How a run ended and what it cost.
 #[derive(Clone, Debug, Default, Serialize)]

@@ -154,7 +154,7 @@ fn show_frame(run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(),
 }
 
 /// A number of an element.
-fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
+pub fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
     let (group, nodes) = (&*solid.groups[group], &solid.nodes);
     let followed = || group.followed(e).unwrap_or_default();
     // Strains are told with the engineering shear, as ABAQUS does.
