@@ -8,6 +8,7 @@ use clap::Args;
 use revolve::deck::expression::Expression;
 use revolve::study::bench::Bench;
 use revolve::study::chart::{Chart, Scale};
+use revolve::study::effects::{self, Effects};
 use revolve::study::measure::Measure;
 use revolve::study::record::{self, Timing};
 use revolve::study::refinement::{self, Study as Results};
@@ -38,6 +39,10 @@ pub struct Study {
     /// Error aimed at: refine until it is reached, such as 0.5% or 1e-6.
     #[arg(long, value_name = "ERROR")]
     target: Option<String>,
+    /// Leave out each effect in turn: which of them the scene calls for. --refine then says how the error is estimated
+    /// (default increment=1,0.5).
+    #[arg(long, conflicts_with_all = ["exact", "target"])]
+    ablate: bool,
     /// Replace the value of a *PARAMETER: NAME=VALUE.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -69,14 +74,22 @@ impl Study {
         }
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
+        let axes = if axes.is_empty() && self.ablate { effects::default_axes()? } else { axes };
         check_axes(&axes, exact)?;
-        settings::check(&axes, &model::build(&first.deck).0)?;
+        let model = model::build(&first.deck).0;
+        settings::check(&axes, &model)?;
         measure.check(&first.plan)?;
         let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress_bar(runs as u64, self.quiet);
         let done = || bar.inc(1);
         let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &measure, self.repeat as usize, &done);
+        let job = job::default_job(&self.deck, self.out.clone());
+        if self.ablate {
+            let effects = effects::leave_out(&mut bench, &axes, &model)?;
+            bar.finish_and_clear();
+            return write_effects(&job, &measure, &effects, self.quiet);
+        }
         let begin = Stopwatch::now();
         let (results, met) = match target {
             Some(target) => {
@@ -87,7 +100,6 @@ impl Study {
         };
         bar.finish_and_clear();
         let timing = Timing { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
-        let job = job::default_job(&self.deck, self.out.clone());
         write(&job, &measure, exact, &results, met.clone(), timing)?;
         if !self.quiet {
             print(&results, met.as_ref(), timing, &job);
@@ -121,6 +133,28 @@ fn check_axes(axes: &[Axis], exact: Option<f64>) -> Result<(), String> {
     Ok(())
 }
 
+/// Table and JSON of effects left out.
+fn write_effects(job: &output::Job, measure: &Measure, effects: &Effects, quiet: bool) -> Result<ExitCode, String> {
+    make_folder(job)?;
+    let write =
+        |ending: &str, text: &str| output::write_whole(&job.path(ending), text.as_bytes()).map_err(|e| e.to_string());
+    let (header, rows) = effects.sheet(true);
+    write("_study.csv", &table::csv(&header, &rows))?;
+    let record = record::ablation(&measure.text, effects);
+    write("_study.json", &(serde_json::to_string_pretty(&record).map_err(|e| e.to_string())? + "\n"))?;
+    if !quiet {
+        let (header, rows) = effects.sheet(false);
+        print!("{}", table::terminal(&header, &rows));
+        effects.conclusions().iter().for_each(|line| println!("{line}"));
+        println!("table {}", job.path("_study.csv").display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn make_folder(job: &output::Job) -> Result<(), String> {
+    std::fs::create_dir_all(&job.folder).map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))
+}
+
 /// Files of a study.
 fn write(
     job: &output::Job,
@@ -130,8 +164,7 @@ fn write(
     met: Option<Met>,
     timing: Timing,
 ) -> Result<(), String> {
-    std::fs::create_dir_all(&job.folder)
-        .map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))?;
+    make_folder(job)?;
     let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
     let (header, rows) = record::sheet(results, true);
     write("_study.csv", table::csv(&header, &rows).as_bytes())?;

@@ -1,9 +1,11 @@
 //! What runs a deck many times: sweeps, refinement and its price, effects left out, comparison with references, charts.
 //! Never here: a solver of its own.
 
+pub mod ablation;
 pub mod bench;
 pub mod chart;
 pub mod compare;
+pub mod effects;
 pub mod field;
 pub mod grid;
 pub mod measure;

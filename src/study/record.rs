@@ -6,10 +6,11 @@ use serde::Serialize;
 
 use super::bench::Spread;
 use super::chart::{Chart, Series};
+use super::effects::Effects;
 use super::price::{self, Price, digits, setting, short};
 use super::refinement::{Reference, Row, Study};
 use super::richardson::Estimate;
-use super::target::Met;
+use super::target::{BEYOND, MOST_CYCLES, Met};
 
 /// What `<job>_study.json` holds. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
@@ -40,6 +41,22 @@ pub struct Record<'a> {
     pub timing: Timing,
     /// The program's version.
     pub version: &'static str,
+}
+
+/// What `<job>_study.json` holds after `--ablate`. The keys are stable.
+#[derive(Clone, Debug, Serialize)]
+pub struct AblationRecord<'a> {
+    /// The quantity as written.
+    pub quantity: &'a str,
+    /// Each effect left out.
+    pub ablation: &'a Effects,
+    /// The program's version.
+    pub version: &'static str,
+}
+
+/// The record of effects left out.
+pub fn ablation<'a>(quantity: &'a str, effects: &'a Effects) -> AblationRecord<'a> {
+    AblationRecord { quantity, ablation: effects, version: env!("CARGO_PKG_VERSION") }
 }
 
 /// What a study took.
@@ -294,6 +311,9 @@ fn of_target(study: &Study, met: &Met) -> String {
         Some((row, run)) => {
             format!("target {target}: held by {} in {}", setting(study, row), price::duration(run.seconds.median))
         }
-        None => format!("target {target}: not reached by the levels given and four more"),
+        None => format!(
+            "target {target}: not reached by the levels given and at most {BEYOND} more of at most {MOST_CYCLES:e} \
+             element-cycles each"
+        ),
     }
 }

@@ -176,16 +176,24 @@ pub fn judge(study: &mut Study, exact: Option<f64>, norm: bool) {
 fn find_values(study: &mut Study) {
     let finest: Vec<Option<usize>> = (0..study.rows.len()).map(|i| finest_of(study, study.rows[i].family)).collect();
     for (i, finest) in finest.into_iter().enumerate() {
-        let value = match &study.rows[i].run {
-            Err(_) => None,
-            Ok(run) => match (&run.found, finest.and_then(|f| study.rows[f].run.as_ref().ok()).map(|r| &r.found)) {
-                (Found::Number(value), _) => Some(*value),
-                (Found::Field(_), _) if finest == Some(i) => Some(0.0),
-                (Found::Field(field), Some(Found::Field(fine))) => field.relative_norm_against(fine).ok(),
-                _ => None,
-            },
-        };
-        study.rows[i].value = value;
+        let value = value_against(study, i, finest);
+        let row = &mut study.rows[i];
+        row.value = value.as_ref().ok().copied();
+        if let (Err(reason), Ok(_)) = (value, &row.run) {
+            row.run = Err(reason);
+        }
+    }
+}
+
+/// The value of a row, where fields are compared with the finest row's.
+fn value_against(study: &Study, row: usize, finest: Option<usize>) -> Result<f64, String> {
+    let run = study.rows[row].run.as_ref().map_err(String::clone)?;
+    let fine = finest.and_then(|f| study.rows[f].run.as_ref().ok()).map(|r| &r.found);
+    match (&run.found, fine) {
+        (Found::Number(value), _) => Ok(*value),
+        (Found::Field(_), _) if finest == Some(row) => Ok(0.0),
+        (Found::Field(field), Some(Found::Field(fine))) => field.relative_norm_against(fine),
+        (Found::Field(_), _) => Err("there is no finest level to compare with".into()),
     }
 }
 

@@ -118,10 +118,15 @@ fn of_three(coarse: Level, middle: Level, fine: Level) -> Estimate {
         return unextrapolated(Some(order), Behaviour::Slow, ASSUMED * widest.max(slow));
     }
     let error = last / gain(middle, fine, order.min(FORMAL_ORDER));
-    let (behaviour, factor) =
-        if order > CREDIBLE[1] { (Behaviour::Fast, ASSUMED) } else { (Behaviour::Asymptotic, OBSERVED) };
     let limit = fine.value + error;
-    Estimate { order: Some(order), behaviour, limit, uncertainty: factor * error.abs() + floor(fine), factor }
+    if order > CREDIBLE[1] {
+        // The last difference may be small by chance: what the one before leaves with the formal order bounds it, too.
+        let left = before / gain(coarse, middle, FORMAL_ORDER) / libm::pow(middle.size / fine.size, FORMAL_ORDER);
+        let uncertainty = ASSUMED * error.abs().max(left.abs()) + floor(fine);
+        return Estimate { order: Some(order), behaviour: Behaviour::Fast, limit, uncertainty, factor: ASSUMED };
+    }
+    let uncertainty = OBSERVED * error.abs() + floor(fine);
+    Estimate { order: Some(order), behaviour: Behaviour::Asymptotic, limit, uncertainty, factor: OBSERVED }
 }
 
 /// r^p - 1: how much larger the coarser error's excess is than the finer error.

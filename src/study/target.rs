@@ -10,7 +10,9 @@ use super::richardson::{Behaviour, FORMAL_ORDER};
 use super::settings::Axis;
 
 /// Levels beyond those given.
-const BEYOND: usize = 4;
+pub const BEYOND: usize = 4;
+/// A level beyond those given is not begun if it is expected to take more element-cycles: some minutes.
+pub const MOST_CYCLES: f64 = 1e10;
 /// Fraction of the target that a setting between two levels is aimed at.
 const MARGIN: f64 = 0.9;
 
@@ -138,6 +140,9 @@ fn climb(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target:
         bound.zip(target.bound(study)).is_some_and(|(found, allowed)| found <= allowed)
     };
     for level in 0..ladder.given() + BEYOND {
+        if level >= ladder.given() && next_cycles(&study).is_some_and(|c| c > MOST_CYCLES) {
+            break;
+        }
         let values = ladder.values(level, 1.0);
         let run = bench.at(ladder.axes, &values, None);
         let failed = run.is_err();
@@ -152,6 +157,15 @@ fn climb(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target:
     look_between(bench, ladder, exact, target, &mut study);
     study.rows.iter_mut().for_each(|r| r.family = family);
     study
+}
+
+/// Element-cycles of the next level by the ratio of the last two.
+fn next_cycles(study: &Study) -> Option<f64> {
+    let cycles = |row: &Row| row.run.as_ref().ok().map(|r| r.element_cycles());
+    match &study.rows[..] {
+        [.., a, b] => Some(cycles(b)? * cycles(b)? / cycles(a)?),
+        _ => None,
+    }
 }
 
 /// The coarsest setting that the observed power lets hold the target, tried where it is coarser than the level that does.
