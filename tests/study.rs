@@ -55,7 +55,7 @@ fn the_true_error_lies_within_the_uncertainty() {
     let cases = cases::all();
     assert!(cases.len() >= 20);
     let mut outside = Vec::new();
-    println!("{:<32} {:>10} {:>10} {:>10} {:>6}  {}", "case", "value", "error", "GCI", "order", "behaviour");
+    println!("{:<32} {:>10} {:>10} {:>10} {:>6}  behaviour", "case", "value", "error", "GCI", "order");
     for case in &cases {
         let study = study(case, false);
         let row = study.rows.last().expect("rows");
