@@ -43,7 +43,7 @@ fn orders_are_those_of_the_methods() {
         .collect();
     for (case, order) in expected {
         let study = study(&case, true);
-        let found = study.rows.last().and_then(|r| r.exact_orders.last()).copied().expect("an order");
+        let found = study.rows.last().and_then(|r| r.exact_orders.last()).copied().flatten().expect("an order");
         println!("{}: order {found:.3}", case.name);
         assert!((found - order).abs() < 0.1, "{}: {found}", case.name);
     }
@@ -59,7 +59,8 @@ fn the_true_error_lies_within_the_uncertainty() {
     for case in &cases {
         let study = study(case, false);
         let row = study.rows.last().expect("rows");
-        let (value, estimate) = (row.value.expect("a value"), row.estimates.last().expect("an estimate"));
+        let (value, estimate) =
+            (row.value.expect("a value"), row.estimates.last().copied().flatten().expect("an estimate"));
         let (error, uncertainty) = (value - case.exact, row.uncertainty.expect("an uncertainty"));
         let order = estimate.order.map_or(String::new(), |o| format!("{o:.2}"));
         println!(
@@ -123,7 +124,8 @@ fn a_target_is_met_and_not_overpaid() {
             cycles / least
         );
         assert!(error <= aim, "{}: {error:e} above {aim:e}", case.name);
-        let behaviours: Vec<Behaviour> = reached.rows.iter().flat_map(|r| &r.estimates).map(|e| e.behaviour).collect();
+        let behaviours: Vec<Behaviour> =
+            reached.rows.iter().flat_map(|r| &r.estimates).flatten().map(|e| e.behaviour).collect();
         let doubtful = |b: &Behaviour| matches!(b, Behaviour::Slow | Behaviour::Oscillating | Behaviour::Fast);
         let allowed = cycles <= 2.0 * least || behaviours.iter().any(doubtful);
         assert!(allowed, "{}: {cycles} against {least}, {behaviours:?}", case.name);
@@ -140,7 +142,7 @@ fn fields_converge_against_the_finest_mesh() {
         let case = Case { quantity: quantity.into(), refine: "n=10,20,40,80", ..cases::wave_in_space() };
         let study = study(&case, false);
         let row = study.rows.last().expect("rows");
-        let order = row.estimates.last().and_then(|e| e.order).expect("an order");
+        let order = row.estimates.last().copied().flatten().and_then(|e| e.order).expect("an order");
         let error = row.error.expect("an error").abs();
         println!("{quantity}: order {order:.3}, error of the finest {error:.2e}");
         assert!((order - 2.0).abs() < 0.1, "{quantity}: {order}");
@@ -167,4 +169,42 @@ fn a_study_costs_little_beside_its_runs() {
     let best = (0..5).map(|_| ratio()).fold(f64::INFINITY, f64::min);
     println!("a study takes {best:.4} of its runs");
     assert!(best < 1.05, "{best}");
+}
+
+/// The files of a study, their keys, and the exit status where a target is out of reach.
+#[test]
+fn the_command_writes_table_record_and_pictures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = |more: &[&str]| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_revolve"))
+            .args(["study", "input/ogive.inp", "--refine", "n=10,20", "--repeat", "1"])
+            .args(["--quantity", "-1000*final(U2@REF)", "--out", folder.path().to_str().expect("a name")])
+            .args(more)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .expect("the program runs");
+        (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let keys = || -> Vec<String> {
+        let text = std::fs::read_to_string(folder.path().join("ogive_study.json")).expect("a record");
+        let record: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        record.as_object().expect("an object").keys().cloned().collect()
+    };
+    let (status, printed) = study(&["--refine", "load-velocity=predicted,lagged"]);
+    assert_eq!(status, Some(0));
+    assert!(printed.contains(" costs ") && printed.contains("limit "), "{printed}");
+    let expected = ["quantity", "reference", "scale", "runs", "front", "prices", "sentence", "timing", "version"];
+    assert_eq!(keys(), expected);
+    let csv = std::fs::read_to_string(folder.path().join("ogive_study.csv")).expect("a table");
+    assert!(csv.starts_with("n,load-velocity,value,error %,error below %,order,limit,GCI %,increments,"), "{csv}");
+    assert_eq!(csv.lines().count(), 5);
+    for picture in ["ogive_study.png", "ogive_study.svg", "ogive_study_order.png", "ogive_study_order.svg"] {
+        assert!(std::fs::metadata(folder.path().join(picture)).expect("a picture").len() > 4000, "{picture}");
+    }
+    assert_eq!(study(&["--target", "0.01%"]).0, Some(0));
+    assert!(keys().contains(&"target".to_owned()));
+    // Far below what the increments leave.
+    assert_eq!(study(&["--target", "1e-12%", "--quiet"]), (Some(1), String::new()));
+    assert_eq!(study(&["--ablate"]).0, Some(0));
+    assert_eq!(keys(), ["quantity", "ablation", "version"]);
 }

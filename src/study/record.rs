@@ -85,10 +85,10 @@ pub struct RunRecord<'a> {
     /// What its size is below.
     pub bound: Option<f64>,
     /// By each series: order, behaviour, limit, uncertainty and factor of safety.
-    pub estimates: &'a [Estimate],
+    pub estimates: &'a [Option<Estimate>],
     /// Order of the last two errors against the exact value, by series.
-    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
-    pub exact_orders: &'a [f64],
+    #[serde(skip_serializing_if = "<[Option<f64>]>::is_empty")]
+    pub exact_orders: &'a [Option<f64>],
     /// Grid convergence index of all series together.
     pub uncertainty: Option<f64>,
     /// Increments.
@@ -168,14 +168,17 @@ fn cells(study: &Study, row: &Row, on_front: bool, all_digits: bool) -> Vec<Stri
     };
     let factor = study.scale.map_or(1.0, |s| 100.0 / s);
     let relative = |value: Option<f64>| number(value.map(|v| factor * v), 3);
-    let estimate = row.estimates.last();
+    let in_words = |order: Option<f64>| order.map_or("-".into(), |o| format!("{o:.2}"));
     let orders: Vec<String> = if row.exact_orders.is_empty() {
-        row.estimates.iter().filter_map(|e| e.order).map(|o| format!("{o:.2}")).collect()
+        row.estimates.iter().map(|e| in_words(e.and_then(|e| e.order))).collect()
     } else {
-        row.exact_orders.iter().map(|o| format!("{o:.2}")).collect()
+        row.exact_orders.iter().map(|o| in_words(*o)).collect()
     };
     let run = row.run.as_ref().ok();
-    let limit = if row.estimates.len() == 1 { estimate.map(|e| e.limit) } else { None };
+    let limit = match &row.estimates[..] {
+        [Some(estimate)] => Some(estimate.limit),
+        _ => None,
+    };
     let mut cells = row.values.clone();
     cells.extend([number(row.value, 7), relative(row.error), relative(row.bound)]);
     cells.extend([orders.join(" / "), number(limit, 7), relative(row.uncertainty)]);
@@ -192,7 +195,8 @@ fn note(row: &Row, on_front: bool) -> String {
     if row.run.is_err() {
         return "no result".into();
     }
-    let mut words: Vec<&str> = row.estimates.iter().map(|e| e.behaviour.word()).filter(|w| !w.is_empty()).collect();
+    let mut words: Vec<&str> =
+        row.estimates.iter().flatten().map(|e| e.behaviour.word()).filter(|w| !w.is_empty()).collect();
     words.dedup();
     if on_front {
         words.insert(0, "front");
@@ -228,8 +232,7 @@ pub fn order_chart(study: &Study, title: &str) -> Chart {
         let error = |row: &usize| study.rows[*row].error.map(|e| factor * e.abs());
         let points = s.rows.iter().zip(&s.sizes).filter_map(|(row, size)| Some((size / finest, error(row)?)));
         let points: Vec<(f64, f64)> = points.filter(|p| p.1 > 0.0).collect();
-        let order = s.rows.last().and_then(|r| study.rows[*r].estimates.last()).and_then(|e| e.order);
-        let order = order.map(|o| format!(", order {o:.2}")).unwrap_or_default();
+        let order = s.estimate.and_then(|e| e.order).map(|o| format!(", order {o:.2}")).unwrap_or_default();
         let others = s.rows.first().map_or(String::new(), |&r| setting_but(study, r, &s.along));
         Series { name: format!("{}{others}{order}", s.along), points, joined: true }
     };

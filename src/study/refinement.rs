@@ -20,10 +20,10 @@ pub struct Row {
     pub family: usize,
     /// The quantity; for a field the relative norm of its difference from the finest of the family.
     pub value: Option<f64>,
-    /// By each series the row is in: observed order and Richardson's value up to it.
-    pub estimates: Vec<Estimate>,
-    /// Order observed on the last error against an exact value, by series.
-    pub exact_orders: Vec<f64>,
+    /// By each series the row is in: observed order and Richardson's value up to it; `None` where it has too few levels.
+    pub estimates: Vec<Option<Estimate>>,
+    /// Order of its error and the one before, against an exact value, by series.
+    pub exact_orders: Vec<Option<f64>>,
     /// Grid convergence index of all series together; `None` where one has too few levels.
     pub uncertainty: Option<f64>,
     /// Difference from the exact value or from the estimate of the limit.
@@ -41,6 +41,8 @@ pub struct Series {
     pub rows: Vec<usize>,
     /// Size of each.
     pub sizes: Vec<f64>,
+    /// What its finest levels say.
+    pub estimate: Option<Estimate>,
 }
 
 /// What errors are measured from.
@@ -144,7 +146,7 @@ fn series_of(axes: &[Axis], places: &[Vec<usize>]) -> Vec<Series> {
         for start in places.iter().filter(|p| p[k] == 0) {
             let alike = |p: &&Vec<usize>| p.iter().zip(start).enumerate().all(|(i, (a, b))| i == k || a == b);
             let rows: Vec<usize> = (0..places.len()).filter(|&i| alike(&&places[i])).collect();
-            all.push(Series { along: axis.name.clone(), rows, sizes: axis.sizes.clone() });
+            all.push(Series { along: axis.name.clone(), rows, sizes: axis.sizes.clone(), estimate: None });
         }
     }
     all
@@ -156,14 +158,12 @@ pub fn judge(study: &mut Study, exact: Option<f64>, norm: bool) {
     for row in &mut study.rows {
         (row.estimates, row.exact_orders, row.uncertainty) = (Vec::new(), Vec::new(), None);
     }
-    for series in &study.series.clone() {
+    for series in &mut study.series {
         estimate_along(&mut study.rows, series, exact);
     }
-    let needed = |row: usize| study.series.iter().filter(|s| s.rows.contains(&row)).count();
-    let counts: Vec<usize> = (0..study.rows.len()).map(needed).collect();
-    for (row, needed) in study.rows.iter_mut().zip(counts) {
-        let whole = needed > 0 && row.estimates.len() == needed;
-        row.uncertainty = whole.then(|| row.estimates.iter().map(|e| e.uncertainty).sum());
+    for row in &mut study.rows {
+        let each: Option<Vec<f64>> = row.estimates.iter().map(|e| e.map(|e| e.uncertainty)).collect();
+        row.uncertainty = each.filter(|e| !e.is_empty()).map(|e| e.iter().sum());
     }
     study.reference = match exact {
         Some(value) => Some(Reference { value, uncertainty: 0.0, row: None }),
@@ -205,15 +205,20 @@ fn finest_of(study: &Study, family: usize) -> Option<usize> {
     in_series.max_by_key(|&i| place(i))
 }
 
-fn estimate_along(rows: &mut [Row], series: &Series, exact: Option<f64>) {
+fn estimate_along(rows: &mut [Row], series: &mut Series, exact: Option<f64>) {
     let mut levels: Vec<Level> = Vec::new();
     for (&row, &size) in series.rows.iter().zip(&series.sizes) {
         let Some(value) = rows[row].value else { continue };
         levels.push(Level { size, value });
-        rows[row].estimates.extend(estimate(&levels));
-        if let (Some(exact), [.., a, b]) = (exact, &levels[..]) {
+        series.estimate = estimate(&levels);
+        rows[row].estimates.push(series.estimate);
+        if let Some(exact) = exact {
             let error = |l: &Level| Level { size: l.size, value: l.value - exact };
-            rows[row].exact_orders.extend(order_of_errors(error(a), error(b)));
+            let order = match &levels[..] {
+                [.., a, b] => order_of_errors(error(a), error(b)),
+                _ => None,
+            };
+            rows[row].exact_orders.push(order);
         }
     }
 }
@@ -229,7 +234,7 @@ fn limit(study: &Study) -> Option<Reference> {
     let known: Vec<(usize, f64, f64)> = known.collect();
     let least = known.iter().fold(f64::INFINITY, |least, k| least.min(k.1));
     let (row, uncertainty, value) = known.into_iter().find(|k| k.1 <= SURER * least)?;
-    let corrections: f64 = study.rows[row].estimates.iter().map(|e| e.limit - value).sum();
+    let corrections: f64 = study.rows[row].estimates.iter().flatten().map(|e| e.limit - value).sum();
     Some(Reference { value: value + corrections, uncertainty, row: Some(row) })
 }
 

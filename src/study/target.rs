@@ -132,7 +132,7 @@ pub fn reach(bench: &mut Bench<'_>, axes: &[Axis], exact: Option<f64>, target: T
 /// One family: up the ladder, then a look between its levels.
 fn climb(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target: Target, family: usize) -> Study {
     let along: Vec<&str> = ladder.axes.iter().filter(|a| a.is_refinement()).map(|a| a.name.as_str()).collect();
-    let series = Series { along: along.join(" and "), rows: Vec::new(), sizes: Vec::new() };
+    let series = Series { along: along.join(" and "), rows: Vec::new(), sizes: Vec::new(), estimate: None };
     let mut study = Study { series: vec![series], ..Study::default() };
     let norm = bench.measure().is_norm();
     let inside = |study: &Study, row: usize| {
@@ -187,11 +187,10 @@ fn coarser(study: &Study, exact: Option<f64>, target: Target) -> Option<f64> {
     let finest = *series.rows.last()?;
     let allowed = target.bound(study)?;
     let row = &study.rows[finest];
-    let estimate = row.estimates.last();
     let (error, doubt, order) = match exact {
-        Some(_) => (row.error?.abs(), 0.0, row.exact_orders.last().copied().unwrap_or(FORMAL_ORDER)),
+        Some(_) => (row.error?.abs(), 0.0, row.exact_orders.last().copied().flatten().unwrap_or(FORMAL_ORDER)),
         None => {
-            let estimate = estimate.filter(|e| e.behaviour != Behaviour::Oscillating)?;
+            let estimate = series.estimate.filter(|e| e.behaviour != Behaviour::Oscillating)?;
             let error = (row.value? - estimate.limit).abs();
             (error, estimate.uncertainty - error, estimate.order.unwrap_or(FORMAL_ORDER))
         }
