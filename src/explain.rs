@@ -2,7 +2,7 @@
 //! Never here: the tables themselves.
 
 use crate::deck::{self, Code, manual};
-use crate::{model, plan, user};
+use crate::{model, output, plan, user};
 
 /// What is to be said of a word, if it is a keyword, a code, or `keywords`.
 pub fn explain(word: &str) -> Option<String> {
@@ -15,5 +15,10 @@ pub fn explain(word: &str) -> Option<String> {
 
 /// All diagnostic codes of all rooms.
 pub fn codes() -> impl Iterator<Item = &'static Code> {
-    deck::CODES.iter().chain(model::codes::CODES).chain(plan::codes::CODES).chain(user::codes::CODES)
+    deck::CODES
+        .iter()
+        .chain(model::codes::CODES)
+        .chain(plan::codes::CODES)
+        .chain(user::codes::CODES)
+        .chain(output::codes::CODES)
 }

@@ -2,17 +2,23 @@
 //! Never here: printing, arguments.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+use std::time::{Duration, Instant as Stopwatch};
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::deck::{self, Deck, Diagnostics};
-use crate::model;
+use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
+use crate::effect::solid::instructions::Instructions;
+use crate::model::{self, Model, scene::Scene};
+use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::pvd::FrameWriter;
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan};
-use crate::solve::{self, Energy, Outcome, Rest, Sink, StepSummary};
+use crate::solve::{self, Control, Energy, Every, Outcome, Rest, Sink, StepSummary};
+use crate::state::Instant;
+use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
 
 /// `--set NAME=VALUE` pairs.
@@ -26,6 +32,8 @@ pub struct Prepared {
     pub plan: Plan,
     /// Findings of all rooms.
     pub diagnostics: Diagnostics,
+    /// What no mesh shows.
+    scene: Scene,
     /// Whether routines of the user take part.
     has_routines: bool,
 }
@@ -40,15 +48,57 @@ pub fn prepare_text(name: &str, text: &str, overrides: &Overrides, routines: &Ro
     resolve(deck::read_text(name, text, overrides), routines)
 }
 
-fn resolve((deck, mut diagnostics): (Deck, Diagnostics), routines: &Routines) -> Prepared {
-    let (model, found) = model::build(&deck);
+impl Prepared {
+    /// Lets elements use an instruction set other than the machine's best; the bits stay the same.
+    ///
+    /// # Errors
+    /// Where the machine does not have it.
+    pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), String> {
+        let arch = instructions.arch().ok_or_else(|| format!("this machine does not have {instructions:?}"))?;
+        if let Some(solid) = &mut self.plan.solid {
+            solid.use_arch(arch);
+        }
+        Ok(())
+    }
+
+    /// What tells a checkpoint of this job from others; `user` is that of the user's routines.
+    pub fn identity(&self, user: &str) -> Identity {
+        let files = self.deck.sources.files().iter().map(|f| f.text.as_bytes());
+        let parameters = self.deck.parameters.iter().map(|(name, value)| format!("{name} = {value:?}"));
+        let mesh = &self.plan.mesh;
+        let points: Vec<u8> = mesh.points.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let corners = mesh.elements.iter().flat_map(|e| [e.nodes.len()].into_iter().chain(e.nodes.iter().copied()));
+        let corners: Vec<u8> = corners.flat_map(usize::to_le_bytes).collect();
+        Identity {
+            deck: hash(files),
+            parameters: parameters.collect::<Vec<_>>().join(", "),
+            mesh: hash([&points[..], &corners[..]]),
+            user: user.into(),
+        }
+    }
+}
+
+fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> Prepared {
+    prepare_edited(read, &mut |_| {}, routines)
+}
+
+/// The same from a deck that has been read, with a change of the model before it is planned.
+pub fn prepare_edited(
+    (deck, mut diagnostics): (Deck, Diagnostics),
+    edit: &mut dyn FnMut(&mut Model),
+    routines: &Routines,
+) -> Prepared {
+    let (mut model, found) = model::build(&deck);
     diagnostics.append(found);
+    if !diagnostics.has_errors() {
+        edit(&mut model);
+    }
     let (plan, found) = plan::compile(&deck, &model, routines);
     // What follows from a fault already told would only hide it.
     if !diagnostics.has_errors() {
         diagnostics.append(found);
     }
-    Prepared { deck, plan, diagnostics, has_routines: routines.any() }
+    Prepared { scene: Scene::of(&model), deck, plan, diagnostics, has_routines: routines.any() }
 }
 
 /// What `<job>.json` holds. The keys are stable.
@@ -74,16 +124,27 @@ pub struct Summary {
     pub history: HistorySummary,
     /// Energies at the end.
     pub energy: Energy,
+    /// SHA-256 over the bits of the state at the end.
+    pub digest: String,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
     /// What was simulated.
     pub ledger: Ledger,
+    /// Notes and warnings on the deck.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub diagnostics: Vec<Finding>,
+    /// Targets that are not meshed and analytical planes, for pictures.
+    #[serde(skip_serializing_if = "Scene::is_empty")]
+    pub scene: Scene,
     /// What it took.
     pub timing: Timing,
     /// The deck and its parameters.
     pub deck: DeckSummary,
     /// The program's version.
     pub version: &'static str,
+    /// Whether a signal ended it.
+    #[serde(skip)]
+    pub interrupted: bool,
 }
 
 /// What a run took.
@@ -91,8 +152,14 @@ pub struct Summary {
 pub struct Timing {
     /// Increments over all steps.
     pub increments: u64,
-    /// Seconds in the time loop, output included.
+    /// Seconds in the time loop, output included; of a run that went on, since it did.
     pub seconds: f64,
+    /// Increment from which a run went on that had been interrupted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resumed_at: Option<u64>,
+    /// Seconds that keeping the state took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checkpoint_seconds: Option<f64>,
 }
 
 /// The deck and its parameters.
@@ -131,12 +198,80 @@ impl Sink for HistoryOnly {
 /// Called with the step's name, the fraction done and the increment.
 pub type Progress<'a> = dyn FnMut(&str, f64, u64) + 'a;
 
-/// Writes frames as they come and keeps histories for the end.
+/// How a job runs, beside its deck.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// When the state is kept, beside what the deck asks.
+    pub every: Option<Every>,
+    /// Number of a signal as soon as one has come, else 0.
+    pub interrupt: Option<&'a AtomicUsize>,
+    /// State to go on from, as [`find_checkpoint`] gives it.
+    pub from: Option<Checkpoint>,
+    /// What the user's routines are ([`crate::user::compile::Compiled::identity`]); empty without any.
+    pub user: String,
+}
+
+/// Why a job does not begin.
+#[derive(Debug)]
+pub enum Refusal {
+    /// Its folder cannot be made, cleared or read.
+    Folder(std::io::Error),
+    /// Its checkpoint is not one of this job.
+    Checkpoint(Box<Diagnostic>),
+}
+
+/// The checkpoint of a job, if there is one, and what is to be noted.
+///
+/// # Errors
+/// Why it is not one of this job.
+pub fn find_checkpoint(
+    prepared: &Prepared,
+    job: &Job,
+    user: &str,
+) -> Result<(Option<Checkpoint>, Diagnostics), Box<Diagnostic>> {
+    let mut notes = Diagnostics::default();
+    let path = job.path(CHECKPOINT);
+    let Some(checkpoint) = Checkpoint::read(&path)? else {
+        let message = format!("there is no checkpoint {}: the run starts at its beginning", path.display());
+        notes.push(Diagnostic::note("K101", message));
+        return Ok((None, notes));
+    };
+    checkpoint.accept(&prepared.identity(user))?;
+    if prepared.has_routines {
+        let message = "what the user's routines keep to themselves (SAVE, COMMON, open files) starts anew";
+        notes.push(Diagnostic::note("K102", message));
+    }
+    Ok((Some(checkpoint), notes))
+}
+
+/// Histories are written with a frame if they are older than this: a killed process then loses little of them.
+const STALE: Duration = Duration::from_secs(1);
+
+/// Writes frames as they come, and histories and states now and then.
 struct Files<'a> {
+    job: &'a Job,
     frames: FrameWriter,
     history: History,
     summary: HistorySummary,
+    identity: Identity,
     progress: &'a mut Progress<'a>,
+    history_written: Stopwatch,
+    kept: Duration,
+}
+
+impl Files<'_> {
+    fn write_history(&mut self) -> Result<(), String> {
+        self.history_written = Stopwatch::now();
+        write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes()).map_err(|e| e.to_string())
+    }
+}
+
+/// What has been shown so far: times of frames, histories, messages.
+fn persist_shown(times: &mut Vec<f64>, history: &mut History, summary: &mut HistorySummary, archive: &mut Archive<'_>) {
+    times.persist(archive);
+    history.persist(archive);
+    summary.persist(&history.columns, archive);
+    host::persist_messages(archive);
 }
 
 impl Sink for Files<'_> {
@@ -145,7 +280,8 @@ impl Sink for Files<'_> {
     }
 
     fn frame(&mut self, frame: &Frame) -> Result<(), String> {
-        self.frames.write(frame).map_err(|e| e.to_string())
+        self.frames.write(frame).map_err(|e| e.to_string())?;
+        if self.history_written.elapsed() < STALE { Ok(()) } else { self.write_history() }
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
@@ -157,36 +293,111 @@ impl Sink for Files<'_> {
     fn progress(&mut self, step: &str, fraction: f64, increment: u64) {
         (self.progress)(step, fraction, increment);
     }
+
+    fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), String> {
+        let begin = Stopwatch::now();
+        self.write_history()?;
+        let mut shown = Vec::new();
+        let mut times = self.frames.times().to_vec();
+        persist_shown(&mut times, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
+        let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
+        let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
+        let written = checkpoint.write(&self.job.path(CHECKPOINT)).map_err(|e| e.to_string());
+        self.kept += begin.elapsed();
+        written
+    }
 }
 
 /// Runs a prepared deck and keeps only what its histories came to.
 pub fn run_in_memory(prepared: &mut Prepared) -> (Outcome, HistorySummary) {
-    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
     let mut sink = HistoryOnly { columns: column_names(&prepared.plan), ..HistoryOnly::default() };
-    let outcome = solve::run(&mut prepared.plan, &mut sink);
+    let outcome = run_into(prepared, &mut sink);
     (outcome, sink.summary)
+}
+
+/// Runs a prepared deck into a sink of the caller's; no file is written.
+pub fn run_into(prepared: &mut Prepared, sink: &mut dyn Sink) -> Outcome {
+    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
+    solve::run(&mut prepared.plan, sink)
 }
 
 /// Runs a prepared deck and writes its files.
 ///
 /// # Errors
-/// Where the folder or the final files cannot be written; a frame that cannot be written halts the run instead.
+/// Where the folder cannot be written; a file that cannot be written later halts the run instead.
 pub fn run_to_files<'a>(
     prepared: &mut Prepared,
-    job: &Job,
+    job: &'a Job,
     progress: &'a mut Progress<'a>,
 ) -> std::io::Result<Summary> {
-    let frames = FrameWriter::new(job.clone())?;
+    run_with(prepared, job, Options::default(), progress).map_err(|refusal| match refusal {
+        Refusal::Folder(e) => e,
+        Refusal::Checkpoint(finding) => std::io::Error::other(finding.message),
+    })
+}
+
+/// The same with options.
+///
+/// # Errors
+/// Where the folder cannot be written, or a state does not fit.
+pub fn run_with<'a>(
+    prepared: &mut Prepared,
+    job: &'a Job,
+    options: Options<'_>,
+    progress: &'a mut Progress<'a>,
+) -> Result<Summary, Refusal> {
+    let identity = prepared.identity(&options.user);
     announce(prepared, job);
-    let history = History { columns: column_names(&prepared.plan), ..History::default() };
-    let mut files = Files { frames, history, summary: HistorySummary::default(), progress };
-    let outcome = solve::run(&mut prepared.plan, &mut files);
+    let mut history = History { columns: column_names(&prepared.plan), ..History::default() };
+    let mut summary = HistorySummary::default();
+    let frames = match &options.from {
+        None => FrameWriter::new(job.clone()),
+        Some(checkpoint) => {
+            let (mut times, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
+            persist_shown(&mut times, &mut history, &mut summary, &mut archive);
+            archive.finish().map_err(unfit)?;
+            FrameWriter::go_on(job.clone(), times)
+        }
+    };
+    let frames = frames.map_err(Refusal::Folder)?;
+    let (history_written, kept) = (Stopwatch::now(), Duration::ZERO);
+    let mut files = Files { job, frames, history, summary, identity, progress, history_written, kept };
+    let state = options.from.as_ref().map(|c| &c.state[..]);
+    let control = Control { every: options.every, interrupt: options.interrupt, state };
+    let outcome = solve::run_with(&mut prepared.plan, &mut files, control).map_err(unfit)?;
     prepared.plan.ledger.share(&outcome.effect_seconds, outcome.seconds);
-    let Files { history, summary, .. } = files;
-    let summary = summarise(prepared, outcome, summary);
-    write_whole(&job.path("_history.csv"), history.csv().as_bytes())?;
-    write_summary(job, &summary)?;
+    let kept = files.kept;
+    let history_failed = files.write_history().err();
+    let mut summary = summarise(prepared, outcome, files.summary);
+    summary.timing.resumed_at = options.from.map(|c| c.now.increment);
+    summary.timing.checkpoint_seconds = (kept > Duration::ZERO).then_some(kept.as_secs_f64());
+    history_failed.into_iter().for_each(|why| summary.unwritten(why));
+    finish_files(job, &mut summary);
     Ok(summary)
+}
+
+/// The summary; then the checkpoint of a run that is complete has served its purpose.
+fn finish_files(job: &Job, summary: &mut Summary) {
+    if let Err(e) = write_summary(job, summary) {
+        summary.unwritten(e.to_string());
+    }
+    if summary.reason.is_none() {
+        // One that cannot be removed is of no harm: it leads to the same results again.
+        let _ = std::fs::remove_file(job.path(CHECKPOINT));
+    }
+}
+
+impl Summary {
+    /// A final file could not be written: nobody shall take the run for complete.
+    fn unwritten(&mut self, why: String) {
+        self.status = "halted";
+        self.reason.get_or_insert_with(|| format!("R205: {why}"));
+    }
+}
+
+fn unfit(why: String) -> Refusal {
+    let message = format!("the checkpoint does not fit the deck: {why}");
+    Refusal::Checkpoint(Box::new(Diagnostic::error("K006", message).help("run without --resume to start anew")))
 }
 
 /// What the user's routines may ask of the job; nothing is made for a job without them.
@@ -210,6 +421,7 @@ fn column_names(plan: &Plan) -> Vec<String> {
 fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> Summary {
     let deck = &prepared.deck;
     Summary {
+        interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),
         ended_by_user: outcome.ended_by_user,
@@ -218,9 +430,17 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         steps: outcome.steps,
         history,
         energy: outcome.energy,
+        digest: outcome.digest,
         rests: outcome.rests,
         ledger: prepared.plan.ledger.clone(),
-        timing: Timing { increments: outcome.increments, seconds: outcome.seconds },
+        diagnostics: prepared.diagnostics.findings(&deck.sources),
+        scene: prepared.scene.clone(),
+        timing: Timing {
+            increments: outcome.increments,
+            seconds: outcome.seconds,
+            resumed_at: None,
+            checkpoint_seconds: None,
+        },
         deck: DeckSummary {
             files: deck.sources.files().iter().map(|f| f.name.clone()).collect(),
             parameters: deck.parameters.iter().cloned().collect(),

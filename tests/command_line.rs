@@ -27,7 +27,8 @@ fn run_writes_whole_files_with_stable_keys() {
     let summary = std::fs::read_to_string(folder.path().join("ogive.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     let keys: Vec<_> = summary.as_object().expect("an object").keys().cloned().collect();
-    let expected = ["status", "steps", "history", "energy", "rests", "ledger", "timing", "deck", "version"];
+    let expected =
+        ["status", "steps", "history", "energy", "digest", "rests", "ledger", "scene", "timing", "deck", "version"];
     assert_eq!(keys, expected);
     assert_eq!(summary["status"], "completed");
     assert_eq!(summary["deck"]["parameters"]["V"], 600.0);
@@ -72,6 +73,19 @@ fn arguments_are_refused_with_words() {
         &["explain", "NOSUCHWORD"],
         &["sweep", "input/ogive.inp", "--set", "V=1:2", "--quantity", "final(U2@REF)"],
         &["sweep", "input/ogive.inp", "--set", "V=600", "--quantity", "final("],
+        &["study", "input/ogive.inp", "--refine", "m=10,20", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=10", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=20,40,10", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@RFE)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "norm(S22, r)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "3"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@REF)", "--target", "0"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@REF)", "--exact", "1+"],
+        &["study", "input/ogive.inp", "--refine", "hourglass=enhanced", "--quantity", "final(U2@REF)", "--exact", "1"],
+        &["study", "input/ogive.inp", "--refine", "load-velocity=lagged", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "increment=1000,1", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--ablate", "--quantity", "final(U2@REF)", "--exact", "1"],
     ] {
         let output = revolve(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));

@@ -1,9 +1,12 @@
 //! The commands, one file each: arguments, printing, exit status. Here: what several share.
 //! Never here: physics, files of results (`output`), anything a test would call without a command line.
 
+pub mod chart;
 pub mod check;
 pub mod explain;
+pub mod report;
 pub mod run;
+pub mod study;
 pub mod sweep;
 
 use std::io::IsTerminal as _;
@@ -55,9 +58,14 @@ impl UserFiles {
 
     /// Compiles and opens them.
     pub fn routines(&self, quiet: bool) -> Option<Routines> {
-        let Some(compiled) = self.compiled(quiet)? else { return Some(Routines::none()) };
+        self.opened(quiet).map(|opened| opened.0)
+    }
+
+    /// The same, and what tells them from others; `None` if they were refused (told).
+    pub fn opened(&self, quiet: bool) -> Option<(Routines, String)> {
+        let Some(compiled) = self.compiled(quiet)? else { return Some((Routines::none(), String::new())) };
         match compiled.open() {
-            Ok(routines) => Some(routines),
+            Ok(routines) => Some((routines, compiled.identity())),
             Err(fault) => {
                 let mut faults = Diagnostics::default();
                 faults.push(fault);

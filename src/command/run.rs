@@ -2,13 +2,22 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
+use std::time::Duration;
 
 use clap::Args;
-use revolve::job::{self, Summary};
+use revolve::deck::{Diagnostic, Diagnostics};
+use revolve::effect::solid::instructions::Instructions;
+use revolve::job::{self, Options, Prepared, Refusal, Summary};
 use revolve::output;
+use revolve::output::checkpoint::Checkpoint;
+use revolve::solve::Every;
 use revolve::user::host;
+use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
+use signal_hook::flag;
 
-use super::{HALTED, REFUSED, UserFiles, accepted, pairs, progress_bar};
+use super::{HALTED, REFUSED, UserFiles, accepted, pairs, print_findings, progress_bar};
 
 /// Run a deck and write frames, histories and a summary.
 #[derive(Args)]
@@ -23,43 +32,139 @@ pub struct Run {
     /// Folder for the results (default out/<deck name>).
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Go on from the checkpoint in the folder of the results, to the same bits; without one start at the beginning.
+    #[arg(long)]
+    resume: bool,
+    /// Keep the state every so often: 10s, 5m or 1h on the clock, or a number of increments.
+    #[arg(long, value_name = "TIME|INCREMENTS", value_parser = every)]
+    checkpoint_every: Option<Every>,
+    /// Threads (default: all cores); results have the same bits on any number.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Instruction set for deformable elements: scalar, avx2 or avx512 (default: the machine's best); results have the same
+    /// bits on all.
+    #[arg(long, value_name = "SET")]
+    instructions: Option<Instructions>,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
 }
 
+/// Seconds, minutes, hours or increments.
+fn every(text: &str) -> Result<Every, String> {
+    let wrong = || "10s, 5m, 1h or a number of increments above zero".to_owned();
+    if let Ok(increments) = text.parse::<u64>() {
+        return if increments > 0 { Ok(Every::Increments(increments)) } else { Err(wrong()) };
+    }
+    let unit =
+        text.chars().last().and_then(|unit| [('s', 1.0), ('m', 60.0), ('h', 3600.0)].into_iter().find(|u| u.0 == unit));
+    let (unit, factor) = unit.ok_or_else(wrong)?;
+    let seconds: f64 = text.trim_end_matches(unit).parse().map_err(|_| wrong())?;
+    let time = Duration::try_from_secs_f64(factor * seconds).map_err(|_| wrong())?;
+    if time > Duration::ZERO { Ok(Every::Elapsed(time)) } else { Err(wrong()) }
+}
+
+/// The first SIGINT or SIGTERM is told to the run, the second ends the program. A file that grows beyond a limit is an
+/// error like a full disk, and no reason to die.
+fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
+    let (signal, again) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
+    let watch = || -> std::io::Result<()> {
+        for number in [SIGINT, SIGTERM] {
+            flag::register_conditional_shutdown(number, 128 + number, again.clone())?;
+            flag::register(number, again.clone())?;
+            flag::register_usize(number, signal.clone(), number as usize)?;
+        }
+        flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
+        Ok(())
+    };
+    watch().map_err(|e| format!("cannot watch for signals: {e}"))?;
+    Ok(signal)
+}
+
 impl Run {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, String> {
-        let Some(routines) = self.user.routines(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+            pool.build_global().map_err(|e| format!("cannot start {threads} threads: {e}"))?;
+        }
+        let Some((routines, user)) = self.user.opened(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
         let mut prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
         }
+        if let Some(instructions) = self.instructions {
+            prepared.use_instructions(instructions)?;
+        }
         if !self.quiet {
             println!("{}", prepared.plan.ledger.render());
         }
-        let job = job::default_job(&self.deck, self.out);
-        let bar = progress_bar(1000, self.quiet);
-        let mut progress = |step: &str, fraction: f64, increment: u64| {
-            bar.set_position((1000.0 * fraction) as u64);
-            bar.set_message(format!("{step}, increment {increment}"));
+        let job = job::default_job(&self.deck, self.out.clone());
+        let from = match self.checkpoint(&prepared, &job, &user) {
+            Ok(from) => from,
+            Err(finding) => return Ok(refused(*finding)),
         };
-        let summary = job::run_to_files(&mut prepared, &job, &mut progress).map_err(|e| e.to_string())?;
-        bar.finish_and_clear();
+        let signal = watch_signals()?;
+        let options = Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, user };
+        let summary = match run(&mut prepared, &job, options, self.quiet) {
+            Ok(summary) => summary,
+            Err(Refusal::Folder(e)) => return Err(e.to_string()),
+            Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
+        };
         print_messages(&summary.messages, self.quiet);
         summary.warnings.iter().filter(|_| !self.quiet).for_each(|w| eprintln!("warning: {w}"));
         if !self.quiet {
             print_outcome(&summary, &job);
         }
-        match &summary.reason {
-            Some(reason) => {
-                eprintln!("halted: {reason}\nthe last good state is in {}", job.path(".pvd").display());
-                Ok(ExitCode::from(HALTED))
-            }
-            None => Ok(ExitCode::SUCCESS),
-        }
+        let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
+        Ok(print_end(&summary, &job, signal))
     }
+
+    /// The checkpoint to go on from, if there is one and it is asked for; notes are printed.
+    fn checkpoint(
+        &self,
+        prepared: &Prepared,
+        job: &output::Job,
+        user: &str,
+    ) -> Result<Option<Checkpoint>, Box<Diagnostic>> {
+        if !self.resume {
+            return Ok(None);
+        }
+        let (checkpoint, notes) = job::find_checkpoint(prepared, job, user)?;
+        if !self.quiet {
+            print_findings(&notes, &prepared.deck.sources);
+        }
+        Ok(checkpoint)
+    }
+}
+
+fn refused(finding: Diagnostic) -> ExitCode {
+    let mut faults = Diagnostics::default();
+    faults.push(finding);
+    print_findings(&faults, &revolve::deck::Sources::default());
+    ExitCode::from(REFUSED)
+}
+
+fn run(prepared: &mut Prepared, job: &output::Job, options: Options<'_>, quiet: bool) -> Result<Summary, Refusal> {
+    let bar = progress_bar(1000, quiet);
+    let mut progress = |step: &str, fraction: f64, increment: u64| {
+        bar.set_position((1000.0 * fraction) as u64);
+        bar.set_message(format!("{step}, increment {increment}"));
+    };
+    let summary = job::run_with(prepared, job, options, &mut progress);
+    bar.finish_and_clear();
+    summary
+}
+
+/// Says how it ended; the exit status is 0, that of a halt, or that of a signal as shells have it.
+fn print_end(summary: &Summary, job: &output::Job, signal: usize) -> ExitCode {
+    let Some(reason) = &summary.reason else { return ExitCode::SUCCESS };
+    eprintln!("halted: {reason}\nthe last good state is in {}", job.path(".pvd").display());
+    if !summary.interrupted {
+        return ExitCode::from(HALTED);
+    }
+    eprintln!("go on with --resume");
+    ExitCode::from(128 + signal as u8)
 }
 
 /// What the user's routines had to say.
@@ -89,9 +194,20 @@ fn print_outcome(summary: &Summary, job: &output::Job) {
     }
     for step in summary.steps.iter().filter(|s| s.limiting_element.is_some()) {
         let element = step.limiting_element.as_deref().unwrap_or_default();
-        println!("{}: smallest increment {:.3e}, limited by element {element}", step.name, step.smallest_increment);
+        let by = match step.global_estimates {
+            Some(count) => format!(", global estimate made {count} times"),
+            None => String::new(),
+        };
+        println!("{}: smallest increment {:.3e}, limited by element {element}{by}", step.name, step.smallest_increment);
     }
     println!("energy drift {:.1e} of the largest energy", summary.energy.drift);
+    if let Some(increment) = summary.timing.resumed_at {
+        println!("went on from increment {increment}");
+    }
+    if let Some(seconds) = summary.timing.checkpoint_seconds {
+        println!("checkpoints: {:.2} % of the time", 100.0 * seconds / summary.timing.seconds);
+    }
+    println!("digest {}", summary.digest);
     for row in summary.ledger.effects.iter().filter(|r| r.share.is_some()) {
         println!("{}: {:.0} % of the time", row.effect, 100.0 * row.share.unwrap_or(0.0));
     }

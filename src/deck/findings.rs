@@ -69,7 +69,7 @@ fn instead(name: &str) -> &'static str {
 
 fn output_only(deck: &Deck, diagnostics: &mut Diagnostics) {
     let mut where_from: IndexMap<&str, Vec<Span>> = IndexMap::new();
-    for card in deck.cards.iter().filter(|c| c.keyword.tier == Tier::OutputOnly && !reads_restart(c)) {
+    for card in deck.cards.iter().filter(|c| c.keyword.tier == Tier::OutputOnly) {
         where_from.entry(card.keyword.name).or_default().push(card.span);
     }
     let Some(first) = where_from.values().flatten().next() else { return };

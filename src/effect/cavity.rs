@@ -5,6 +5,7 @@
 use super::{Account, Cause, FacetFields, Force, Halt, Limit, Slot};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
+use crate::state::archive::{Archive, Persist};
 use crate::state::{BodyState, Instant};
 
 /// A stack of layers between planes of constant z.
@@ -354,5 +355,22 @@ impl Force for CavityExpansion {
         let facets = self.fronts.iter().map(|f| size_of_val(&f.facets[..])).sum();
         let stack = size_of_val(&self.stack.planes[..]) + size_of_val(&self.stack.laws[..]);
         vec![("facets", facets), ("layers", stack)]
+    }
+}
+
+impl Persist for CavityExpansion {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let CavityExpansion {
+            cause: _,
+            body: _,
+            friction: _,
+            stack: _,
+            fronts: _,
+            idle: _,
+            travel: _,
+            rounding: _,
+            last_layer,
+        } = self;
+        last_layer.persist(archive);
     }
 }

@@ -2,6 +2,7 @@
 //! Never here: distributed loads.
 
 use super::{Account, Cause, Force, Halt, Limit, Magnitude, Slot};
+use crate::state::archive::{Archive, Persist};
 use crate::state::{BodyState, Instant};
 
 /// The same force along z on each of some bodies.
@@ -31,5 +32,11 @@ impl Force for Concentrated {
 
     fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
         self.magnitude.limit(now)
+    }
+}
+
+impl Persist for Concentrated {
+    fn persist(&mut self, _archive: &mut Archive<'_>) {
+        let Concentrated { cause: _, bodies: _, magnitude: _ } = self;
     }
 }

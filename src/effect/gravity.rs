@@ -2,6 +2,7 @@
 //! Never here: forces that do not scale with mass.
 
 use super::{Account, Cause, Force, Halt, Limit, Magnitude, Slot};
+use crate::state::archive::{Archive, Persist};
 use crate::state::{BodyState, Instant};
 
 /// Gravity along z on some bodies.
@@ -34,5 +35,11 @@ impl Force for Gravity {
 
     fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
         self.acceleration.limit(now)
+    }
+}
+
+impl Persist for Gravity {
+    fn persist(&mut self, _archive: &mut Archive<'_>) {
+        let Gravity { cause: _, masses: _, acceleration: _ } = self;
     }
 }

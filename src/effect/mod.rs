@@ -14,6 +14,7 @@ pub mod user_motion;
 use std::rc::Rc;
 
 use crate::kernel::amplitude::{Curve, Track};
+use crate::state::archive::{Archive, Persist};
 use crate::state::{BodyState, Instant};
 use crate::user::{LoadFailure, Wish};
 
@@ -96,7 +97,7 @@ pub struct FacetFields {
 }
 
 /// A force of the scene.
-pub trait Force {
+pub trait Force: Persist {
     /// What asked for it.
     fn cause(&self) -> Cause;
 
@@ -193,10 +194,17 @@ fn curves_time(curve: &Curve, now: &Instant) -> f64 {
 }
 
 /// Something that a user's routine is asked once an increment, before the motion arrives at its end.
-pub trait Asking {
+pub trait Asking: Persist {
     /// Asks for the value at `arrival`, an increment away (0 at the start of a step).
     ///
     /// # Errors
     /// Where the routine fails or gives no finite value; the run halts.
     fn ask(&mut self, arrival: &Instant, increment: f64, bodies: &[BodyState]) -> Result<Wish, Halt>;
+}
+
+/// What a track was told, by the effect that tells it.
+fn persist_track(track: &Track, archive: &mut Archive<'_>) {
+    let mut points = track.points();
+    points.persist(archive);
+    track.restore(points);
 }

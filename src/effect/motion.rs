@@ -3,6 +3,7 @@
 
 use super::{Cause, Magnitude};
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist};
 
 /// What is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,5 +64,12 @@ impl Prescribed {
             Prescribed::Velocity => magnitude.at(&later(0.5 * increment)),
             Prescribed::Acceleration => velocity + time * magnitude.at(now),
         }
+    }
+}
+
+impl Persist for Motion {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Motion { cause: _, body: _, kind: _, magnitude: _, start } = self;
+        start.persist(archive);
     }
 }

@@ -2,6 +2,7 @@
 //! Never here: pressures that depend on motion.
 
 use super::{Account, Cause, FacetFields, Force, Halt, Limit, Magnitude, Slot};
+use crate::state::archive::{Archive, Persist};
 use crate::state::{BodyState, Instant};
 
 /// A pressure on facets of bodies; positive pushes against the outward normal. On a body that only shifts along z the
@@ -52,5 +53,12 @@ impl Force for Pressure {
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         vec![("facets", size_of_val(&self.facets[..]))]
+    }
+}
+
+impl Persist for Pressure {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Pressure { cause: _, axial_areas: _, facets: _, magnitude: _, current } = self;
+        current.persist(archive);
     }
 }

@@ -3,8 +3,9 @@
 
 use std::rc::Rc;
 
-use super::{Asking, Halt};
+use super::{Asking, Halt, persist_track};
 use crate::kernel::amplitude::Track;
+use crate::state::archive::{Archive, Persist};
 use crate::state::{BodyState, Instant};
 use crate::user::{AmplitudeCall, LoadFailure, SharedAmplitude, Wish};
 
@@ -71,5 +72,23 @@ impl Asking for UserAmplitude {
             (_, true) => Wish::EndStep,
             _ => Wish::Continue,
         })
+    }
+}
+
+impl Persist for UserAmplitude {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserAmplitude {
+            name: _,
+            routine: _,
+            properties: _,
+            variables,
+            sensor_names: _,
+            sensors: _,
+            // Read anew before each question.
+            sensor_values: _,
+            track,
+        } = self;
+        variables.as_mut_slice().persist(archive);
+        persist_track(track, archive);
     }
 }

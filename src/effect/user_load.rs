@@ -2,6 +2,7 @@
 //! Never here: how the routine was made or loaded.
 
 use super::{Account, Cause, FacetFields, Force, Halt, Limit, Magnitude, Slot};
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::{BodyState, Instant};
 use crate::user::{LoadFailure, LoadPoints, MAX_BLOCK, SharedLoad};
 
@@ -332,4 +333,27 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+}
+
+impl Persist for Shown {
+    /// Motion, too, of which a routine that does not ask for all has only a part kept up.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Shown { count: _, coordinates, motion, directions: _, normal_r: _, normal_z: _, pressure } = self;
+        persist_fields!(archive; coordinates.as_mut_slice(), motion.as_mut_slice(), pressure.as_mut_slice());
+    }
+}
+
+impl Persist for Block {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        // The pressures before are those of the instant that is kept, once the next evaluation has begun.
+        let Block { elements: _, weight: _, z_start: _, shown, pressure_before: _ } = self;
+        shown.persist(archive);
+    }
+}
+
+impl Persist for UserPressure {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserPressure { load: _, body: _, blocks, shows_motion: _ } = self;
+        blocks.as_mut_slice().persist(archive);
+    }
 }

@@ -4,8 +4,9 @@
 use std::rc::Rc;
 
 use super::motion::Prescribed;
-use super::{Asking, Halt, Magnitude};
+use super::{Asking, Halt, Magnitude, persist_track};
 use crate::kernel::amplitude::Track;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::{BodyState, Instant};
 use crate::user::{LoadFailure, MotionCall, SharedMotion, Wish};
 
@@ -67,5 +68,24 @@ impl Asking for UserMotion {
         let base = if self.kind == Prescribed::Displacement { self.offset } else { 0.0 };
         self.track.tell(arrival.total_time, value - base);
         Ok(Wish::Continue)
+    }
+}
+
+impl Persist for UserMotion {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserMotion {
+            set: _,
+            node: _,
+            body: _,
+            kind: _,
+            amplitude: _,
+            start: _,
+            offset,
+            routine: _,
+            track,
+            increment_before,
+        } = self;
+        persist_fields!(archive; offset, increment_before);
+        persist_track(track, archive);
     }
 }

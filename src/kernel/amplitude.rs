@@ -78,6 +78,17 @@ impl Track {
         self.last.get()[1]
     }
 
+    /// Time and value of the last two, the earlier first.
+    pub fn points(&self) -> [[f64; 2]; 2] {
+        [self.before.get(), self.last.get()]
+    }
+
+    /// Takes what [`Track::points`] gave.
+    pub fn restore(&self, [before, last]: [[f64; 2]; 2]) {
+        self.before.set(before);
+        self.last.set(last);
+    }
+
     /// Value at a total time.
     pub fn value(&self, time: f64) -> f64 {
         let (before, last) = (self.before.get(), self.last.get());

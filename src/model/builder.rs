@@ -40,6 +40,8 @@ pub(super) struct Builder<'a> {
     pub output: Option<super::types::OutputRequest>,
     /// Whether elements were refused for their type: what then misses them has been explained already.
     pub elements_refused: bool,
+    /// Surface interactions that contact pairs name.
+    pub interactions_used: Vec<Word>,
 }
 
 impl<'a> Builder<'a> {
@@ -59,6 +61,7 @@ impl<'a> Builder<'a> {
             carried: StepState::default(),
             output: None,
             elements_refused: false,
+            interactions_used: Vec::new(),
         }
     }
 
@@ -130,6 +133,7 @@ impl<'a> Builder<'a> {
             | "ENERGY OUTPUT"
             | "INCREMENTATION OUTPUT"
             | "CONTACT OUTPUT" => self.output_card(card),
+            "RESTART" => self.restart_card(card),
             _ => self.parsed_card(card),
         }
     }
@@ -142,6 +146,7 @@ impl<'a> Builder<'a> {
         }
         self.close_step();
         self.apply_masses();
+        self.apply_interactions();
         (self.model, self.diagnostics)
     }
 

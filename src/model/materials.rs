@@ -147,30 +147,35 @@ impl Builder<'_> {
         }
     }
 
-    /// Linear kinematic hardening: two rows give its line.
+    /// Linear kinematic hardening: two rows give its line, at each temperature where there are some.
     fn kinematic(&mut self, card: &Card) {
         let rows: Vec<[f64; 3]> =
             card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0, 0.0, f64::NAN])).collect();
-        let [first, second] = rows[..] else {
+        let cold = rows.iter().all(|r| r[2].is_nan());
+        let (pairs, rest) = rows.as_chunks::<2>();
+        let matched = pairs.iter().all(|[a, b]| cold || a[2] == b[2]) && (pairs.len() == 1 || !cold);
+        if pairs.is_empty() || !rest.is_empty() || !matched {
             self.unsupported(
                 card.span,
-                format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len()),
-                "give two rows: the yield stress without plastic strain, and another point of the line",
+                format!("HARDENING=KINEMATIC with these {} rows is not supported", rows.len()),
+                "give two rows, at each temperature: the yield stress without plastic strain, and another point of the line",
             );
             return;
+        }
+        let line = |[first, second]: &[[f64; 3]; 2]| {
+            let slope = (second[0] - first[0]) / (second[1] - first[1]);
+            let good = first[0] > 0.0 && first[1] == 0.0 && slope.is_finite() && slope >= 0.0 && second[1] > 0.0;
+            good.then_some([first[0], slope, first[2]])
         };
-        if rows.iter().any(|r| !r[2].is_nan()) {
-            let help = "give one line, without temperature";
-            self.unsupported(card.span, "kinematic hardening that depends on temperature is not supported", help);
-            return;
+        let lines: Option<Vec<[f64; 3]>> = pairs.iter().map(line).collect();
+        match lines.filter(|l| cold || l.windows(2).all(|w| w[0][2] < w[1][2])) {
+            Some(lines) => self.last_material().plastic = Some(Plastic::Kinematic(lines)),
+            None => {
+                let message = "the first row gives the yield stress at no plastic strain, the second one that is not below it \
+                               at more; temperatures ascend";
+                self.out_of_range(card.span, message);
+            }
         }
-        let slope = (second[0] - first[0]) / (second[1] - first[1]);
-        if first[0] <= 0.0 || first[1] != 0.0 || !slope.is_finite() || slope < 0.0 || second[1] <= 0.0 {
-            let message = "the first row gives the yield stress at no plastic strain, the second one that is not below it at more";
-            self.out_of_range(card.span, message);
-            return;
-        }
-        self.last_material().plastic = Some(Plastic::Kinematic([first[0], slope]));
     }
 
     pub(super) fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
@@ -270,7 +275,16 @@ impl Builder<'_> {
             self.out_of_range(card.span, "WEIGHT FACTOR must lie between 0 and 1, the hourglass factor not below 0");
             return;
         }
-        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor, distortion });
+        let by_area = match card.value("WEIGHTING") {
+            None => false,
+            Some(word) if word.is("VOLUME") => false,
+            Some(word) if word.is("AREA") => true,
+            Some(word) => {
+                self.out_of_range(word.span, format!("WEIGHTING is VOLUME or AREA, not {}", word.text));
+                return;
+            }
+        };
+        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor, by_area, distortion });
     }
 
     /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.

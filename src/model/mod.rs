@@ -20,6 +20,7 @@ mod names;
 mod nodes;
 mod outputs;
 mod parts;
+pub mod scene;
 mod sets;
 mod steps;
 mod surfaces;

@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Interval, OutputKind, OutputRequest, Region};
+use super::types::{Interval, OutputKind, OutputRequest, Region, Restart};
 use crate::deck::names::nearest;
 use crate::deck::{Card, Diagnostic, Word};
 
@@ -129,11 +129,7 @@ impl Builder<'_> {
             self.state().outputs.retain(|o| o.kind != kind);
         }
         let Some(interval) = self.interval(card) else { return };
-        if card.value("TIME MARKS").is_some_and(|w| w.is("YES")) {
-            let message = "with TIME MARKS=YES output is written at the first increment at or past the mark";
-            self.diagnostics
-                .push(Diagnostic::note("M142", message).at(card.span, "looking does not change increments"));
-        }
+        self.note_time_marks(card);
         let variables: Vec<String> = card.value("VARIABLE").map(preselected).into_iter().collect();
         let Some(sensor) = self.sensor(card) else { return };
         let request = OutputRequest { kind, interval, variables, region: Region::Whole, sensor, span: card.span };
@@ -141,6 +137,35 @@ impl Builder<'_> {
             self.state().outputs.push(request.clone());
         }
         self.output = Some(request);
+    }
+
+    /// `*RESTART, WRITE`, in force until another takes its place; without an interval once a step, FREQUENCY=0 never.
+    /// READ has been refused already: going on is asked of the program and not of the deck.
+    pub(super) fn restart_card(&mut self, card: &Card) {
+        if card.has("READ") {
+            return;
+        }
+        if !card.has("WRITE") {
+            let finding = Diagnostic::error("M101", "*RESTART needs WRITE").at(card.span, "WRITE is missing");
+            self.diagnostics.push(finding);
+            return;
+        }
+        if card.value("FREQUENCY").is_some_and(|w| w.is("0")) {
+            self.state().restart = None;
+            return;
+        }
+        let Some(interval) = self.interval(card) else { return };
+        self.note_time_marks(card);
+        let interval = if interval == Interval::Default { Interval::Number(1) } else { interval };
+        self.state().restart = Some(Restart { interval, span: card.span });
+    }
+
+    fn note_time_marks(&mut self, card: &Card) {
+        if card.value("TIME MARKS").is_some_and(|w| w.is("YES")) {
+            let message = "with TIME MARKS=YES output is written at the first increment at or past the mark";
+            self.diagnostics
+                .push(Diagnostic::note("M142", message).at(card.span, "looking does not change increments"));
+        }
     }
 
     /// Name of the sensor that a request is; `None` if it lacks one (reported).

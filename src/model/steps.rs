@@ -4,7 +4,8 @@
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{
-    Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Step,
+    Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Restart,
+    Step,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
@@ -23,6 +24,7 @@ pub(super) struct StepState {
     pub mass_scalings: Vec<MassScaling>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
+    pub restart: Option<Restart>,
     /// Families of which an OP=NEW card has cleared what came from earlier steps.
     pub cleared: Vec<&'static str>,
 }
@@ -90,6 +92,7 @@ impl Builder<'_> {
             mass_scalings: state.mass_scalings,
             energy_limit: state.energy_limit,
             outputs: state.outputs,
+            restart: state.restart,
         });
     }
 

@@ -6,6 +6,8 @@ use std::fmt::Write as _;
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use crate::state::archive::{Archive, Persist, persist_fields};
+
 /// History samples: one row a time.
 #[derive(Clone, Debug, Default)]
 pub struct History {
@@ -41,7 +43,7 @@ impl History {
 }
 
 /// What a column came to over the rows shown.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ColumnSummary {
     /// Value of the last row.
     #[serde(rename = "final")]
@@ -80,5 +82,35 @@ impl HistorySummary {
                 (summary.max, summary.time_max) = (value, time);
             }
         }
+    }
+}
+
+impl Persist for History {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let History { columns: _, times, values } = self;
+        persist_fields!(archive; times, values);
+        let rows = values.len().checked_div(self.columns.len());
+        if rows.is_some_and(|rows| rows != self.times.len()) {
+            archive.refuse(|| "its histories have other columns".into());
+        }
+    }
+}
+
+impl Persist for ColumnSummary {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let ColumnSummary { last, min, max, time_min, time_max } = self;
+        persist_fields!(archive; last, min, max, time_min, time_max);
+    }
+}
+
+impl HistorySummary {
+    /// Visits what the columns came to, which are those of the plan once a row has been seen.
+    pub fn persist(&mut self, columns: &[String], archive: &mut Archive<'_>) {
+        let mut seen = !self.0.is_empty();
+        seen.persist(archive);
+        if seen && self.0.is_empty() {
+            self.0 = columns.iter().map(|name| (name.clone(), ColumnSummary::default())).collect();
+        }
+        self.0.values_mut().for_each(|column| column.persist(archive));
     }
 }

@@ -1,6 +1,8 @@
 //! Files: VTU frames in a PVD series, history CSV, summary JSON. One file per format; each appears whole or not at all.
 //! Never here: decisions about physics.
 
+pub mod checkpoint;
+pub mod codes;
 pub mod history;
 pub mod pvd;
 pub mod vtu;
@@ -12,7 +14,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 pub use history::{ColumnSummary, History, HistorySummary};
-pub use whole::write_whole;
+pub use whole::{write_durable, write_whole};
 
 /// An array over points or cells.
 #[derive(Clone, Debug)]

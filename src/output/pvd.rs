@@ -2,9 +2,12 @@
 //! Never here: what a frame holds.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::{fs, io};
 
+use super::checkpoint::CHECKPOINT;
 use super::vtu::{VtuWriter, escape};
+use super::whole::unfinished;
 use super::{Frame, Job, write_whole};
 
 /// Writes frames one after the other; the list is whole after each.
@@ -16,20 +19,60 @@ pub struct FrameWriter {
 }
 
 impl FrameWriter {
-    /// Begins a series and removes frames that an earlier run of the job left.
+    /// Begins a series and removes what an earlier run of the job left.
     ///
     /// # Errors
     /// Where the folder cannot be made or cleared.
     pub fn new(job: Job) -> io::Result<Self> {
         fs::create_dir_all(&job.folder)
             .map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))?;
-        for entry in fs::read_dir(&job.folder)? {
-            let name = entry?.file_name().to_string_lossy().into_owned();
-            if is_frame(&name, &job.name) {
-                fs::remove_file(job.folder.join(name))?;
+        // The lists first: none shall name a frame that is gone.
+        for ending in [".pvd", ".json", "_history.csv", CHECKPOINT] {
+            remove(&job.path(ending))?;
+        }
+        let writer = FrameWriter { job, times: Vec::new(), vtu: VtuWriter::default() };
+        writer.clear_from(0)?;
+        Ok(writer)
+    }
+
+    /// Goes on with a series behind the frames of these times; frames behind them are removed.
+    ///
+    /// # Errors
+    /// Where the folder cannot be cleared.
+    pub fn go_on(job: Job, times: Vec<f64>) -> io::Result<Self> {
+        let writer = FrameWriter { job, times, vtu: VtuWriter::default() };
+        remove(&writer.job.path(".json"))?;
+        write_whole(&writer.job.path(".pvd"), writer.list().as_bytes())?;
+        writer.clear_from(writer.times.len())?;
+        Ok(writer)
+    }
+
+    /// Times of the frames so far.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Names of frames of the series that are not in the folder.
+    pub fn missing(&self) -> Vec<String> {
+        let names = (0..self.times.len()).map(|i| format!("{}_{i:04}.vtu", self.job.name));
+        names.filter(|name| !self.job.folder.join(name).is_file()).collect()
+    }
+
+    /// Removes frames from this one on, and what a killed process has not finished.
+    fn clear_from(&self, first: usize) -> io::Result<()> {
+        for entry in fs::read_dir(&self.job.folder)? {
+            let name = entry?.file_name();
+            let old = name.to_str().and_then(|n| frame_number(n, &self.job.name)).is_some_and(|n| n >= first);
+            let is_own = |n: &str| {
+                let listed = [".pvd", ".json", "_history.csv", CHECKPOINT].iter();
+                frame_number(n, &self.job.name).is_some()
+                    || listed.copied().any(|e| n == format!("{}{e}", self.job.name))
+            };
+            if old || unfinished(&name).is_some_and(is_own) {
+                remove(&self.job.folder.join(name))?;
             }
         }
-        Ok(FrameWriter { job, times: Vec::new(), vtu: VtuWriter::default() })
+        Ok(())
     }
 
     /// Writes the next frame and the list.
@@ -53,7 +96,16 @@ impl FrameWriter {
     }
 }
 
-fn is_frame(file: &str, job: &str) -> bool {
-    let number = file.strip_prefix(job).and_then(|r| r.strip_prefix('_')).and_then(|r| r.strip_suffix(".vtu"));
-    number.is_some_and(|n| !n.is_empty() && n.chars().all(|c| c.is_ascii_digit()))
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => {
+            Err(io::Error::new(e.kind(), format!("cannot remove {}: {e}", path.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn frame_number(file: &str, job: &str) -> Option<usize> {
+    let number = file.strip_prefix(job)?.strip_prefix('_')?.strip_suffix(".vtu")?;
+    if number.bytes().all(|b| b.is_ascii_digit()) { number.parse().ok() } else { None }
 }

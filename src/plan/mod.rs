@@ -58,6 +58,8 @@ pub struct Plan {
     pub asking: Vec<Box<dyn Asking>>,
     /// The user's routine that is told how the analysis goes.
     pub events: Option<SharedEvents>,
+    /// Whether there are routines of the user, whose own memory no state of the run holds.
+    pub asks_user: bool,
 }
 
 /// One step.
@@ -139,8 +141,11 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
     compiler.finish_bodies();
     let (columns, fields) = compiler.variables(solid.as_mut());
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
-    if let Some(solid) = solid.as_mut().filter(|_| model.steps.iter().any(|s| !s.mass_scalings.is_empty())) {
-        solid.remember_masses();
+    if let Some(solid) = solid.as_mut() {
+        if model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+            solid.remember_masses();
+        }
+        compiler.highest_frequency(solid);
     }
     compiler.check_complete(solid.is_some());
     compiler.list_inert();
@@ -152,7 +157,10 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
     }
     let events = routines.events.clone();
     let mesh = model.mesh.clone();
-    (Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events }, diagnostics)
+    (
+        Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events, asks_user: routines.any() },
+        diagnostics,
+    )
 }
 
 impl Compiler<'_> {
@@ -236,7 +244,7 @@ impl Compiler<'_> {
     fn increment_rows(&mut self, step: &crate::model::Step, forces: &[Box<dyn Force>]) {
         let detail = match step.increment {
             IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
-                format!("stable increment, element by element, times {}", step.scale_factor)
+                format!("stable increment times {}", step.scale_factor)
             }
             IncrementControl::Fixed(dt) => format!("fixed increment {dt:e} (direct user control)"),
             IncrementControl::Automatic { accuracy, .. } => {

@@ -4,6 +4,7 @@
 use super::Compiler;
 use crate::deck::Span;
 use crate::effect::solid::body::Solid;
+use crate::effect::solid::group::Group;
 use crate::model::{Interval, OutputKind, OutputRequest, Region, Step};
 
 /// What a history column holds.
@@ -95,6 +96,19 @@ pub enum ElementVariable {
 }
 
 impl ElementVariable {
+    /// Whether an element of a group has it. Nothing that is elastic has a plastic strain, and of a user's material only the
+    /// routine would know one.
+    pub fn is_of(self, group: &dyn Group, element: usize) -> bool {
+        match self {
+            ElementVariable::PlasticStrain | ElementVariable::PlasticComponent(_) => {
+                group.plastic_strain(element).is_some()
+            }
+            ElementVariable::Temperature => group.temperature(element).is_some(),
+            ElementVariable::State(i) => group.state_variable(element, i).is_some(),
+            _ => true,
+        }
+    }
+
     /// Whether elements follow it only if an output asks.
     fn is_followed(self) -> bool {
         use ElementVariable::{LogarithmicStrain, PlasticComponent, PlasticEnergy, StrainEnergy, StrainRate};
@@ -197,6 +211,8 @@ pub struct Outputs {
     pub field: Vec<Schedule>,
     /// History rows.
     pub history: Vec<Schedule>,
+    /// States to go on from (`*RESTART, WRITE`).
+    pub restart: Vec<Schedule>,
 }
 
 /// One rhythm, relative to the start of a step.
@@ -272,8 +288,8 @@ impl Compiler<'_> {
         for step in &model.steps {
             for request in &step.outputs {
                 match request.kind {
-                    OutputKind::History => self.history_columns(request, &mut columns),
-                    OutputKind::Field => self.field_variables(request, &mut fields),
+                    OutputKind::History => self.history_columns(request, solid.as_deref(), &mut columns),
+                    OutputKind::Field => self.field_variables(request, solid.as_deref(), &mut fields),
                 }
             }
             if step.outputs.is_empty() {
@@ -281,6 +297,7 @@ impl Compiler<'_> {
                 fields.extend(self.preselected_fields());
             }
         }
+        fields.retain(|f| is_anywhere(*f, solid.as_deref()));
         dedup(&mut columns);
         dedup(&mut fields);
         let shown = fields.iter().flat_map(|f| f.parts());
@@ -317,16 +334,21 @@ impl Compiler<'_> {
             outputs.field.push(Schedule::new(Interval::Default, step.duration, 20));
             outputs.history.push(Schedule::new(Interval::Default, step.duration, 200));
         }
+        outputs.restart.extend(step.restart.map(|r| Schedule::new(r.interval, step.duration, 1)));
+        if let Some(restart) = step.restart {
+            let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
+            self.cause(restart.span, "checkpoint", 1, "step", detail);
+        }
         outputs.field.dedup();
         outputs.history.dedup();
         outputs
     }
 
-    fn history_columns(&mut self, request: &OutputRequest, columns: &mut Vec<Column>) {
+    fn history_columns(&mut self, request: &OutputRequest, solid: Option<&Solid>, columns: &mut Vec<Column>) {
         let first = columns.len();
         for variable in &request.variables {
             match &request.region {
-                Region::Elements(set) => self.element_columns(variable, set, request.span, columns),
+                Region::Elements(set) => self.element_columns(variable, (set, request.span), solid, columns),
                 Region::Nodes(set) => self.node_columns(variable, set, request.span, columns),
                 _ => self.model_columns(variable, request.span, columns),
             }
@@ -374,7 +396,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn field_variables(&mut self, request: &OutputRequest, fields: &mut Vec<FieldVariable>) {
+    fn field_variables(&mut self, request: &OutputRequest, solid: Option<&Solid>, fields: &mut Vec<FieldVariable>) {
         for variable in &request.variables {
             match variable.as_str() {
                 "PRESELECT" => fields.extend(self.preselected_fields()),
@@ -385,8 +407,8 @@ impl Compiler<'_> {
                 }
                 name if FACET_VARIABLES.contains(&name) => {}
                 name => match self.fields_there_are().into_iter().find(|f| f.0 == name) {
-                    Some(field) => fields.push(field.1),
-                    None => self.absent(variable, request.span),
+                    Some(field) if is_anywhere(field.1, solid) => fields.push(field.1),
+                    _ => self.absent(variable, request.span),
                 },
             }
         }
@@ -394,7 +416,13 @@ impl Compiler<'_> {
         self.cause(request.span, "field output", request.variables.len(), "variables", detail);
     }
 
-    fn element_columns(&mut self, variable: &str, set: &str, span: Span, columns: &mut Vec<Column>) {
+    fn element_columns(
+        &mut self,
+        variable: &str,
+        (set, span): (&str, Span),
+        solid: Option<&Solid>,
+        columns: &mut Vec<Column>,
+    ) {
         let model = self.model;
         let Some(members) = model.element_sets.get(set).map(|s| &s.members) else { return };
         let before = columns.len();
@@ -402,6 +430,9 @@ impl Compiler<'_> {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
             let place = if members.len() == 1 { set.to_owned() } else { model.mesh.elements[element].name.clone() };
             for (name, variable) in self.element_quantities(variable) {
+                if solid.is_some_and(|s| !variable.is_of(&*s.groups[group], index)) {
+                    continue;
+                }
                 let quantity = Quantity::Element(group, index, variable);
                 columns.push(Column { name: format!("{name}@{place}"), quantity });
             }
@@ -465,6 +496,13 @@ impl Compiler<'_> {
         let why = format!("output variable {variable} has no value in this scene");
         self.unused(span, variable, why);
     }
+}
+
+/// Whether a variable of nodes, or one that some element has: of those that do not, frames hold NaN.
+fn is_anywhere(field: FieldVariable, solid: Option<&Solid>) -> bool {
+    let (parts, groups) = (field.parts(), solid.map_or(&[][..], |s| &s.groups));
+    let of = |part: &ElementVariable| groups.iter().any(|g| (0..g.len()).any(|e| part.is_of(&**g, e)));
+    parts.is_empty() || solid.is_none() || parts.iter().any(of)
 }
 
 fn energy_column((name, quantity): (&str, Quantity)) -> Column {

@@ -7,6 +7,7 @@ use crate::effect::motion::Motion;
 use crate::effect::solid::body::Energies;
 use crate::effect::{Account, Slot};
 use crate::state::BodyState;
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -129,7 +130,7 @@ impl Balance {
     /// Books what deforms, after the bodies: what it passes on to them stays in the scene.
     pub fn book_solid(&mut self, solid: &Energies) {
         self.solid = *solid;
-        let dissipated = (solid.viscous + solid.contact + solid.friction) + solid.distortion;
+        let dissipated = solid.viscous + solid.contact + solid.friction + solid.cavity + solid.distortion;
         let sum = solid.kinetic + solid.internal + solid.artificial + dissipated + self.tied - solid.external;
         let initial = *self.solid_initial.get_or_insert(sum);
         self.largest = self.largest.max(solid.kinetic).max(solid.internal).max(solid.external.abs());
@@ -217,12 +218,57 @@ impl Balance {
         energy.internal = solid.internal + solid.artificial;
         energy.viscous = solid.viscous;
         energy.friction += solid.friction;
+        energy.cavity += solid.cavity;
         energy.contact = solid.contact;
         let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion;
         energy.total = energy.kinetic + energy.internal + dissipated - energy.work;
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = self.drift();
         energy
+    }
+}
+
+impl Persist for Energy {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Energy { kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, .. } = self;
+        persist_fields!(archive; kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact);
+        let Energy { artificial, distortion, total, initial, drift, .. } = self;
+        persist_fields!(archive; artificial, distortion, total, initial, drift);
+    }
+}
+
+impl Persist for Entry {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Entry { body: _, account: _, external: _, tied: _, force, last, work } = self;
+        persist_fields!(archive; force, last, work);
+    }
+}
+
+impl Persist for Prescribed {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Prescribed { body: _, kinetic } = self;
+        kinetic.persist(archive);
+    }
+}
+
+impl Persist for Balance {
+    /// In a step that has begun: it has the entries of the step.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Balance {
+            entries,
+            prescribed,
+            settled,
+            kinetic,
+            done,
+            external,
+            tied,
+            largest,
+            departure,
+            solid,
+            solid_initial,
+        } = self;
+        persist_fields!(archive; entries.as_mut_slice(), prescribed.as_mut_slice(), settled, kinetic, done, external);
+        persist_fields!(archive; tied, largest, departure, solid, solid_initial);
     }
 }
 

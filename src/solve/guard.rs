@@ -33,7 +33,7 @@ impl Run<'_> {
         }
         let Some(limit) = &step.energy_limit else { return Ok(()) };
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
-        let Some((which, value, allowed)) = passed(values, [limit.error, limit.artificial], self.told) else {
+        let Some((which, value, allowed)) = passed(values, [limit.error, limit.artificial], self.warned) else {
             return Ok(());
         };
         let what = ["energy drift", "artificial over internal energy"][which];
@@ -44,7 +44,7 @@ impl Run<'_> {
         if limit.halts {
             return Err(Halt { code: "R208", reason });
         }
-        self.told[which] = true;
+        self.warned[which] = true;
         self.outcome.warnings.push(reason);
         Ok(())
     }
@@ -65,7 +65,7 @@ impl Run<'_> {
              would need more than 1e10 increments",
             solid.element_names[group][element], self.now.increment, self.now.total_time
         );
-        Err(Halt { code: "R207", reason })
+        Err(Halt { code: "R209", reason })
     }
 }
 

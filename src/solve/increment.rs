@@ -5,6 +5,7 @@ use super::Run;
 use crate::effect::{Halt, Limit};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::{BodyState, Instant};
 
 /// What an increment ends in.
@@ -174,5 +175,12 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
         } else {
             *next = Increment { length: 0.5 * rest, end: End::Plain };
         }
+    }
+}
+
+impl Persist for Pace {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Pace { fixed: _, factor: _, resolution: _, largest: _, free, speed } = self;
+        persist_fields!(archive; free, speed.as_mut_slice());
     }
 }

@@ -1,10 +1,12 @@
 //! The time loop: central differences, one increment as a numbered recipe.
 //! Never here: deck words, files.
 
+mod digest;
 mod energy;
 mod guard;
 mod increment;
 mod observe;
+mod restart;
 mod routines;
 
 use std::time::Instant as Stopwatch;
@@ -14,7 +16,7 @@ use serde::Serialize;
 use crate::effect::solid::body::Solid;
 use crate::effect::solid::guard::STARTING;
 use crate::effect::{Account, Asking, Halt, Slot};
-use crate::model::LoadVelocity;
+use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, StepPlan};
 use crate::state::{Before, BodyState, Instant, direction};
 use crate::user::Wish;
@@ -22,7 +24,9 @@ use energy::Balance;
 pub use energy::Energy;
 use increment::{End, Increment, Pace};
 use observe::Observing;
-pub use observe::Sink;
+pub use observe::{Sink, element_value};
+use restart::{At, Keeping};
+pub use restart::{Control, Every};
 
 /// How a run ended and what it cost.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -44,6 +48,9 @@ pub struct Outcome {
     pub increments: u64,
     /// Seconds in the time loop.
     pub seconds: f64,
+    /// SHA-256 over the bits of the state at the end, hexadecimal: the same on any machine, number of threads and
+    /// instruction set.
+    pub digest: String,
     /// Seconds sampled in each effect, by its row of the ledger.
     #[serde(skip)]
     pub effect_seconds: Vec<f64>,
@@ -65,13 +72,16 @@ pub struct StepSummary {
     /// Element that limited the smallest increment, if one did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limiting_element: Option<String>,
+    /// How often the highest frequency of the whole was estimated; absent where increments go element by element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub global_estimates: Option<u64>,
     /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
 }
 
 /// A body came to rest.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Rest {
     /// Name of the body.
     pub body: String,
@@ -86,14 +96,29 @@ const TIMED_EVERY: u64 = 64;
 
 /// Runs a plan from its start to its end, showing every due instant to `sink`.
 pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
+    // Without a state to go on from there is none that could be refused.
+    run_with(plan, sink, Control::default()).unwrap_or_default()
+}
+
+/// The same, keeping the state now and then, from the start or from a state that was kept.
+///
+/// # Errors
+/// Why a state is not one of this plan. The plan must then not be run.
+pub fn run_with(plan: &mut Plan, sink: &mut dyn Sink, control: Control<'_>) -> Result<Outcome, String> {
     let begin = Stopwatch::now();
     let mut steps = std::mem::take(&mut plan.steps);
     let asking = std::mem::take(&mut plan.asking);
     let solid = plan.solid.take();
     let mut run = Run::new(plan, steps.len(), asking, solid);
     let mut observing = Observing::new(plan);
-    for step in &mut steps {
-        if let Err(halt) = run.step(step, &mut observing, sink) {
+    let (mut first, mut pace) = (0, None);
+    if let Some(state) = control.state {
+        let (index, taken_up) = run.take_up(&mut steps, &mut observing, state)?;
+        (first, pace) = (index, Some(taken_up));
+    }
+    let mut keeping = Keeping::new(control, run.solid.is_some() && sink.wants_frames() && !plan.asks_user);
+    for step in steps.iter_mut().skip(first) {
+        if let Err(halt) = run.step(step, pace.take(), &mut observing, &mut keeping, sink) {
             run.step_back();
             let written = observing.last(&run, step, sink);
             run.outcome.halt = Some(written.err().unwrap_or(halt));
@@ -104,13 +129,14 @@ pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
             break;
         }
     }
+    run.outcome.digest = run.digest();
     let Run { mut outcome, balance, asking, solid, .. } = run;
     outcome.energy = balance.energy();
     outcome.seconds = begin.elapsed().as_secs_f64();
     plan.steps = steps;
     plan.asking = asking;
     plan.solid = solid;
-    outcome
+    Ok(outcome)
 }
 
 /// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
@@ -146,11 +172,13 @@ struct Run<'a> {
     solid: Option<Solid>,
     /// What the user's routines want.
     wish: Wish,
+    /// Whether they know already that the increment is complete.
+    told: bool,
     /// Group and element that limited the smallest increment of the step.
     limiting: Option<(usize, usize)>,
     balance: Balance,
     /// Which limits on energies have been told in this step.
-    told: [bool; 2],
+    warned: [bool; 2],
     outcome: Outcome,
 }
 
@@ -178,41 +206,93 @@ impl<'a> Run<'a> {
             asking,
             solid,
             wish: Wish::Continue,
+            told: false,
             limiting: None,
-            told: [false; 2],
+            warned: [false; 2],
             balance,
             outcome,
         }
     }
 
-    /// One step. The recipe of an increment, as in ABAQUS Theory Guide 2.4.5 with the half-step start, is the loop's body.
-    fn step(&mut self, step: &mut StepPlan, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
-        self.begin(step);
-        self.begin_routines(step)?;
-        observing.begin(step, self.now.increment == 0, self.now.increment);
-        let mut pace = Pace::new(step, &self.bodies);
-        loop {
-            self.evaluate_forces(step)?; //           1. forces, resistances last
-            self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
-            self.correct_velocity(step); //           3. velocity at the increment's own time
-            self.book(); //                           4. energy balance
-            self.guard_energy(step)?;
-            observing.show(self, step, sink)?; //     5. output that is due
-            if self.is_over(step) {
-                break;
-            }
-            self.guard_increment(step)?;
-            let next = pace.choose(self, step); //    6. length of the next increment
-            next.check(&self.now, self.now.increment)?;
-            self.ask_routines(step, next)?;
-            self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
-            self.record(next.length);
+    /// One step, from its beginning or from the pace at which a state was taken up. The recipe of an increment, as in ABAQUS
+    /// Theory Guide 2.4.5 with the half-step start, is what [`Run::arrive`] and [`Run::go`] do in turn.
+    fn step(
+        &mut self,
+        step: &mut StepPlan,
+        taken_up: Option<Pace>,
+        observing: &mut Observing,
+        keeping: &mut Keeping<'_>,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Halt> {
+        let goes_on = taken_up.is_some();
+        let mut pace = taken_up.unwrap_or_else(|| self.begin_step(step, observing));
+        keeping.begin(step, &self.now);
+        let end = self.increments(step, &mut pace, goes_on, observing, keeping, sink);
+        if end.is_err() {
+            keeping.way_back(&mut At { run: self, step, observing, pace: &mut pace });
         }
         self.name_limiting_element();
-        self.end_routines()
+        end
+    }
+
+    fn begin_step(&mut self, step: &mut StepPlan, observing: &mut Observing) -> Pace {
+        self.begin(step);
+        observing.begin(step, self.now.increment == 0, self.now.increment);
+        Pace::new(step, &self.bodies)
+    }
+
+    fn increments(
+        &mut self,
+        step: &mut StepPlan,
+        pace: &mut Pace,
+        goes_on: bool,
+        observing: &mut Observing,
+        keeping: &mut Keeping<'_>,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Halt> {
+        if goes_on {
+            self.resume_routines()?;
+            self.go(step, pace)?;
+        } else {
+            self.begin_routines(step)?;
+        }
+        loop {
+            self.arrive(step, observing, sink)?;
+            if self.is_over(step) {
+                return self.end_routines();
+            }
+            keeping.look(&mut At { run: self, step, observing, pace }, sink)?;
+            self.go(step, pace)?;
+        }
+    }
+
+    /// What an instant is made of.
+    #[inline]
+    fn arrive(&mut self, step: &mut StepPlan, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
+        self.evaluate_forces(step)?; //           1. forces, resistances last
+        self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
+        self.correct_velocity(step); //           3. velocity at the increment's own time
+        self.book(); //                           4. energy balance
+        self.guard_energy(step)?;
+        observing.show(self, step, sink) //       5. output that is due
+    }
+
+    /// From one instant to the next.
+    #[inline]
+    fn go(&mut self, step: &mut StepPlan, pace: &mut Pace) -> Result<(), Halt> {
+        self.guard_increment(step)?;
+        let next = pace.choose(self, step); //    6. length of the next increment
+        next.check(&self.now, self.now.increment)?;
+        self.ask_routines(step, next)?;
+        self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
+        self.record(next.length);
+        Ok(())
     }
 
     fn name_limiting_element(&mut self) {
+        if let (Some(solid), Some(summary)) = (&self.solid, self.outcome.steps.last_mut()) {
+            summary.global_estimates = solid.estimates();
+        }
         if let (Some(solid), Some((group, element)), Some(summary)) =
             (&self.solid, self.limiting.take(), self.outcome.steps.last_mut())
         {
@@ -265,8 +345,10 @@ impl<'a> Run<'a> {
             solid.walls.clone_from(&step.walls);
             solid.equations.clone_from(&step.equations);
             solid.begin(&step.given, step.node_forces.len());
+            let global = matches!(step.control, IncrementControl::Automatic { element_by_element: false, .. });
+            solid.begin_frequency(global, &step.given);
         }
-        self.told = [false; 2];
+        self.warned = [false; 2];
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;

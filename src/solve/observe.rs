@@ -6,6 +6,8 @@ use crate::effect::Halt;
 use crate::effect::solid::body::Solid;
 use crate::output::{Field, Frame};
 use crate::plan::{COMPONENTS, ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
+use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::user::Wish;
 
 /// Takes what a run shows.
@@ -24,28 +26,40 @@ pub trait Sink {
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String>;
     /// Fraction of the step done, called now and then.
     fn progress(&mut self, _step: &str, _fraction: f64, _increment: u64) {}
+    /// Keeps the state of a run, from which another can go on ([`super::Control::state`]).
+    ///
+    /// # Errors
+    /// In words, if it cannot be kept; the run halts.
+    fn keep(&mut self, _state: &[u8], _now: &Instant) -> Result<(), String> {
+        Ok(())
+    }
 }
 
 /// The next instants of one kind of output.
 #[derive(Debug, Default)]
-struct Rhythm {
+pub(super) struct Rhythm {
     schedules: Vec<Schedule>,
-    next_time: f64,
-    next_increment: u64,
+    pub(super) next_time: f64,
+    pub(super) next_increment: u64,
 }
 
 impl Rhythm {
-    fn begin(&mut self, schedules: &[Schedule], increment: u64) {
+    /// Whether nothing is ever due.
+    pub(super) fn is_empty(&self) -> bool {
+        self.schedules.is_empty()
+    }
+
+    pub(super) fn begin(&mut self, schedules: &[Schedule], increment: u64) {
         self.schedules = schedules.to_vec();
         self.advance(0.0, increment);
     }
 
-    fn due(&self, time: f64, increment: u64) -> bool {
+    pub(super) fn due(&self, time: f64, increment: u64) -> bool {
         time >= self.next_time || increment >= self.next_increment
     }
 
     /// Sets the next marks after this instant. Marks are multiples of the interval; an instant within rounding counts.
-    fn advance(&mut self, time: f64, increment: u64) {
+    pub(super) fn advance(&mut self, time: f64, increment: u64) {
         self.next_time = f64::INFINITY;
         self.next_increment = u64::MAX;
         for schedule in &self.schedules {
@@ -72,6 +86,8 @@ pub(super) struct Observing {
     next_time: f64,
     next_increment: u64,
     first: bool,
+    /// Increments at which the last row and frame were shown.
+    shown: [Option<u64>; 2],
 }
 
 impl Observing {
@@ -84,6 +100,7 @@ impl Observing {
             next_time: 0.0,
             next_increment: 0,
             first: true,
+            shown: [None; 2],
         }
     }
 
@@ -116,21 +133,35 @@ impl Observing {
         }
         if self.field.due(time, increment) || edge && !step.outputs.field.is_empty() {
             self.field.advance(time, increment);
-            show_frame(run, step, sink)?;
+            self.show_frame(run, step, sink)?;
         }
         self.next_time = self.field.next_time.min(self.history.next_time).min(step.duration);
         self.next_increment = self.field.next_increment.min(self.history.next_increment).min(self.next_progress);
         Ok(())
     }
 
-    /// The last complete instant before a failure.
-    /// Of what deforms the frames and rows written before are the good ones.
+    /// The last complete instant before a halt, unless it has been shown. Of what deforms an instant that is not complete
+    /// is no good state.
     pub(super) fn last(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
-        if run.solid.is_some() {
+        if run.solid.is_some() && !run.complete {
             return Ok(());
         }
-        self.show_row(run, sink)?;
-        show_frame(run, step, sink)
+        let now = Some(run.now.increment);
+        if self.shown[0] != now {
+            self.show_row(run, sink)?;
+        }
+        if self.shown[1] != now {
+            self.show_frame(run, step, sink)?;
+        }
+        Ok(())
+    }
+
+    fn show_frame(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
+        if !sink.wants_frames() {
+            return Ok(());
+        }
+        self.shown[1] = Some(run.now.increment);
+        sink.frame(&frame(run, step)).map_err(unwritten)
     }
 
     fn show_row(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
@@ -138,24 +169,21 @@ impl Observing {
         for (value, column) in self.row.iter_mut().zip(&run.plan.columns) {
             *value = run.value(column.quantity, &energy);
         }
+        self.shown[0] = Some(run.now.increment);
         sink.row(run.now.total_time, &self.row).map_err(unwritten)
     }
 }
 
-fn unwritten(reason: String) -> Halt {
+pub(super) fn unwritten(reason: String) -> Halt {
     Halt { code: "R205", reason }
 }
 
-fn show_frame(run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
-    if !sink.wants_frames() {
-        return Ok(());
-    }
-    sink.frame(&frame(run, step)).map_err(unwritten)
-}
-
-/// A number of an element.
-fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
+/// A number of an element; not a number where its group does not have it.
+pub fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
     let (group, nodes) = (&*solid.groups[group], &solid.nodes);
+    if !variable.is_of(group, e) {
+        return f64::NAN;
+    }
     let followed = || group.followed(e).unwrap_or_default();
     // Strains are told with the engineering shear, as ABAQUS does.
     let strain = |tensor: [f64; 4], i: usize| if i == 3 { 2.0 * tensor[3] } else { tensor[i] };
@@ -168,8 +196,8 @@ fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariabl
             let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
             (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()
         }
-        ElementVariable::PlasticStrain => group.plastic_strain(e).unwrap_or(0.0),
-        ElementVariable::Temperature => group.temperature(e).unwrap_or(0.0),
+        ElementVariable::PlasticStrain => group.plastic_strain(e).unwrap_or(f64::NAN),
+        ElementVariable::Temperature => group.temperature(e).unwrap_or(f64::NAN),
         ElementVariable::LogarithmicStrain(i) => strain(followed().strain, i),
         ElementVariable::PlasticComponent(i) => strain(followed().plastic, i),
         ElementVariable::StrainRate(i) => strain(followed().rate, i),
@@ -178,7 +206,7 @@ fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariabl
         ElementVariable::Status => group.status(e).unwrap_or(1.0),
         ElementVariable::Volume => group.volume(e, nodes),
         ElementVariable::Density => group.mass(e) / group.volume(e, nodes),
-        ElementVariable::State(i) => group.state_variable(e, i).unwrap_or(0.0),
+        ElementVariable::State(i) => group.state_variable(e, i).unwrap_or(f64::NAN),
     }
 }
 
@@ -302,15 +330,16 @@ fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Op
     })
 }
 
-/// A field over cells: those of deformable elements (group and element) come first, those of rigid bodies have zero.
+/// A field over cells: those of deformable elements (group and element) come first. Cells that do not have it, as those of
+/// rigid bodies, hold NaN, which ParaView leaves out of ranges and draws in a colour of its own.
 fn element_field(run: &Run<'_>, variable: FieldVariable, solid: &[(usize, usize)], cells: usize) -> Field {
     let (name, parts) = (variable.name(), variable.parts());
     let value = |&(group, e): &(usize, usize), part: &ElementVariable| {
-        run.solid.as_ref().map_or(0.0, |s| element_value(s, group, e, *part))
+        run.solid.as_ref().map_or(f64::NAN, |s| element_value(s, group, e, *part))
     };
     let (value, parts) = (&value, &parts);
     let mut values: Vec<f64> = solid.iter().flat_map(|e| parts.iter().map(move |p| value(e, p))).collect();
-    values.resize(cells * parts.len(), 0.0);
+    values.resize(cells * parts.len(), f64::NAN);
     let names = COMPONENTS.map(|c| format!("{name}{c}"));
     Field {
         name,
@@ -342,4 +371,18 @@ fn facet_fields(run: &Run<'_>, step: &StepPlan, elements: &[usize]) -> Vec<Field
     }
     let scalar = |name: &str, values| Field { name: name.into(), components: 1, component_names: Vec::new(), values };
     vec![scalar("PRESSURE", pressure), scalar("NORMAL_VELOCITY", velocity), scalar("LAYER", layer)]
+}
+
+impl Persist for Rhythm {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Rhythm { schedules: _, next_time, next_increment } = self;
+        persist_fields!(archive; next_time, next_increment);
+    }
+}
+
+impl Persist for Observing {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Observing { field, history, row: _, next_progress, next_time, next_increment, first, shown } = self;
+        persist_fields!(archive; field, history, next_progress, next_time, next_increment, first, shown);
+    }
 }

@@ -24,7 +24,7 @@ impl Run<'_> {
     #[inline]
     pub(super) fn ask_routines(&mut self, step: &mut StepPlan, next: Increment) -> Result<(), Halt> {
         if self.plan.events.is_some() {
-            if self.now.step_time > 0.0 {
+            if self.now.step_time > 0.0 && !std::mem::take(&mut self.told) {
                 self.tell(Moment::EndIncrement, self.last_increment)?;
             }
             self.tell(Moment::SetupIncrement, next.length)?;
@@ -59,7 +59,15 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn tell(&mut self, moment: Moment, increment: f64) -> Result<(), Halt> {
+    /// Where the run goes on from a state that was kept: the analysis starts for the routine, in the middle.
+    pub(super) fn resume_routines(&mut self) -> Result<(), Halt> {
+        let wish = self.wish;
+        self.tell(Moment::StartAnalysis, 0.0)?;
+        self.wish = wish;
+        Ok(())
+    }
+
+    pub(super) fn tell(&mut self, moment: Moment, increment: f64) -> Result<(), Halt> {
         let Some(events) = &self.plan.events else { return Ok(()) };
         let wish = events.with(|e| e.moment(moment, &self.now, increment));
         let failed = |f| Halt::of_routine("the user's routine that is told of events", &self.now, &f);

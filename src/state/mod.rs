@@ -1,7 +1,10 @@
 //! The state: what moves, only what the plan declared.
 //! Never here: anything no effect asked for.
 
+pub mod archive;
 pub mod nodes;
+
+use archive::{Archive, Persist, persist_fields};
 
 /// Where the clock stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,4 +93,43 @@ impl BodyState {
 #[inline]
 pub fn direction(value: f64) -> f64 {
     f64::from(i8::from(value > 0.0) - i8::from(value < 0.0))
+}
+
+impl Persist for Instant {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Instant { step_time, total_time, step, increment, lost } = self;
+        persist_fields!(archive; step_time, total_time, step, increment, lost);
+    }
+}
+
+impl Persist for Before {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Before { velocity, acceleration, displacement } = self;
+        persist_fields!(archive; velocity, acceleration, displacement);
+    }
+}
+
+impl Persist for BodyState {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let BodyState {
+            // What the plan and the beginning of a step give.
+            mass: _,
+            inverse_mass: _,
+            slots: _,
+            reads_velocity: _,
+            prescribed: _,
+            tied: _,
+            displacement,
+            velocity_half,
+            acceleration,
+            velocity,
+            force,
+            velocity_load,
+            direction,
+            before,
+            reaction,
+        } = self;
+        persist_fields!(archive; displacement, velocity_half, acceleration, velocity, force, velocity_load);
+        persist_fields!(archive; direction, before, reaction);
+    }
 }

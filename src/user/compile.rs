@@ -54,6 +54,20 @@ enum Language {
 }
 
 impl Compiled {
+    /// What decides on the routines: of sources the key of the cache (texts, flags, compiler), of ready libraries a hash of
+    /// their bytes.
+    pub fn identity(&self) -> String {
+        let folder = cache_folder();
+        let one = |library: &PathBuf| {
+            if library.parent() == Some(folder.as_path()) {
+                return library.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            }
+            // A file that cannot be read cannot be opened either, and is refused there.
+            crate::output::checkpoint::hash([std::fs::read(library).unwrap_or_default().as_slice()])
+        };
+        self.libraries.iter().map(one).collect::<Vec<_>>().join(" ")
+    }
+
     /// Opens the libraries: routines with a state of their own, for one run.
     ///
     /// # Errors

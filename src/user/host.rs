@@ -6,11 +6,14 @@ use std::cell::RefCell;
 
 use serde::Serialize;
 
+use crate::state::archive::{Archive, Persist, persist_fields};
+
 /// How grave a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
     /// `LOP = 1`.
+    #[default]
     Note,
     /// `LOP = -1`.
     Warning,
@@ -19,7 +22,7 @@ pub enum Level {
 }
 
 /// A message of a routine (`xplb_abqerr`).
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Message {
     /// How grave.
     pub level: Level,
@@ -59,6 +62,20 @@ pub fn announce(job: JobInfo) {
 /// The messages that routines gave since the job was announced.
 pub fn take_messages() -> Vec<Message> {
     MESSAGES.take()
+}
+
+/// Visits the messages since the job was announced, which a run that goes on has given already.
+pub fn persist_messages(archive: &mut Archive<'_>) {
+    MESSAGES.with_borrow_mut(|list| list.persist(archive));
+}
+
+impl Persist for Message {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Message { level, text, times } = self;
+        let mut number = *level as u8;
+        persist_fields!(archive; &mut number, text, times);
+        *level = [Level::Note, Level::Warning].into_iter().find(|l| *l as u8 == number).unwrap_or(Level::Error);
+    }
 }
 
 pub(super) fn with_job<R>(ask: impl FnOnce(&JobInfo) -> R) -> R {

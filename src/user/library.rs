@@ -166,7 +166,7 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
             known = true;
         }
         if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb") {
-            routines = routines.with_events(CompiledEvents { call, _keep: libraries.clone() });
+            routines = routines.with_events(CompiledEvents { call, restart: false, _keep: libraries.clone() });
             known = true;
         }
     }
@@ -564,6 +564,8 @@ impl UserMaterial for CompiledMaterial {
 
 struct CompiledEvents {
     call: Vexternaldb,
+    /// Whether the state of the increment that ends will be kept.
+    restart: bool,
     _keep: Rc<[Library]>,
 }
 
@@ -573,7 +575,8 @@ impl UserEvents for CompiledEvents {
         let (nodes, elements) = host::with_job(|j| (j.nodes.len() as i32, j.elements.len() as i32));
         let count = i32::try_from(now.increment).unwrap_or(i32::MAX);
         // i_int_nTotalNodes, nTotalElements, kStep, kInc, iStatus, lWriteRestart; room for a routine that reads further.
-        let mut integers = [nodes, elements, now.step as i32, count, 0, 0, 0, 0];
+        let mut integers = [nodes, elements, now.step as i32, count, 0, i32::from(self.restart), 0, 0];
+        self.restart = false;
         let mut reals = [now.total_time, now.step_time, increment, 0.0];
         let (integer_count, real_count) = (6_i32, 3_i32);
         let call = Call { routine: "vexternaldb", name: "", now: *now, sensors: (&[], &[]) };
@@ -586,6 +589,10 @@ impl UserEvents for CompiledEvents {
             2 => Wish::EndAnalysis,
             _ => Wish::Continue,
         })
+    }
+
+    fn restart_follows(&mut self) {
+        self.restart = true;
     }
 }
 

@@ -207,6 +207,9 @@ pub trait UserEvents {
     /// # Errors
     /// Any reason; the run halts.
     fn moment(&mut self, moment: Moment, now: &Instant, increment: f64) -> Result<Wish, LoadFailure>;
+
+    /// Called before an [`Moment::EndIncrement`] whose state will be kept (`lWriteRestart`): the time to keep one's own.
+    fn restart_follows(&mut self) {}
 }
 
 /// Material points a routine is shown in one call at most.

@@ -8,7 +8,7 @@ use crate::{Verdict, cases};
 
 cases! { "Guard rails":
     a_face_that_passes_its_opposite, "an element pressed to nothing by a motion that is given",
-        "halted (R207 or R206) with element, increment and time, volume lost in steps of 20 %";
+        "halted (R209 or R206) with element, increment and time, volume lost in steps of 20 %";
     a_first_increment_faster_than_sound, "a block that meets a held face at 2.5 times its speed of sound: half of an element is lost before any rate is known",
         "completed or located halt; the first increment takes less than 20 % of any element";
     an_increment_beyond_stability, "a fixed increment twice the stable one: energy of nothing",
@@ -48,7 +48,7 @@ fn a_face_that_passes_its_opposite() -> Verdict {
     );
     let (code, reason) = halt(&scene);
     println!("{reason}");
-    let holds = ["R206", "R207"].contains(&code) && says(&reason, &["element", "increment", "time"]);
+    let holds = ["R206", "R209"].contains(&code) && says(&reason, &["element", "increment", "time"]);
     Verdict { figure: code.into(), holds }
 }
 

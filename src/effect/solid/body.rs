@@ -3,10 +3,12 @@
 
 use rayon::prelude::*;
 
+use super::area::Rings;
 use super::block::is_larger;
 use super::connector::{Bounds, Connector};
 use super::distortion::Controlled;
 use super::equation::System;
+use super::frequency::HighestFrequency;
 use super::group::{Group, Totals};
 use super::mass_scaling::Masses;
 use super::rest::{Awake, FEW};
@@ -16,6 +18,7 @@ use super::{Corners, LANES};
 use crate::effect::motion::Prescribed;
 use crate::effect::{Cause, Halt, Magnitude};
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::nodes::Node;
 
 /// Nodes, and elements of a group, from which on it pays to wake other threads every increment.
@@ -44,18 +47,48 @@ impl Given {
 }
 
 /// A force on nodes.
-pub trait NodeForce {
+pub trait NodeForce: Persist {
     /// Adds its forces, `[r, z]` of each node.
     ///
     /// # Errors
     /// Where no finite force can be given; the run halts.
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt>;
 
+    /// Shows the accelerations of nodes at the instant before, where the force passes them on.
+    fn see_accelerations(&mut self, _acceleration: &[[f64; 2]]) {}
+
+    /// Of the work that its forces did over the increment behind what is dissipated: by opening a cavity and by friction.
+    fn dissipated(&self, _behind: &Behind<'_>) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// Elements with these corner nodes are no more: what acts on their faces ends.
     fn release(&mut self, _gone: &[[u32; 4]]) {}
 
     /// The masses of nodes have changed.
     fn weigh(&mut self, _mass: &[f64]) {}
+}
+
+/// The increment behind, for the work of forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Behind<'a> {
+    /// Half its length; 0 where there is none.
+    pub half: f64,
+    /// An eighth of its square, where central differences started with it (see [`Solid::advance`]); else 0.
+    pub start: f64,
+    /// Nodes with the velocities of its middle.
+    pub nodes: &'a [Node],
+    /// Accelerations at its start.
+    pub acceleration: &'a [[f64; 2]],
+}
+
+impl Behind<'_> {
+    /// Work on a node of a force now and at the start of the increment, by the trapezoid.
+    pub fn work(&self, node: usize, now: [f64; 2], before: [f64; 2]) -> f64 {
+        let (n, a) = (&self.nodes[node], self.acceleration[node]);
+        self.half * ((now[0] + before[0]) * n.v_r + (now[1] + before[1]) * n.v_z)
+            - self.start * (before[0] * a[0] + before[1] * a[1])
+    }
 }
 
 /// Energies of the deformable part, summed over the run.
@@ -78,8 +111,10 @@ pub struct Energies {
     pub external: f64,
     /// Lost where nodes meet planes.
     pub contact: f64,
-    /// Dissipated by friction on planes.
+    /// Dissipated by friction, on planes and in a target that is not meshed.
     pub friction: f64,
+    /// Dissipated by opening the cavity in a target that is not meshed.
+    pub cavity: f64,
 }
 
 /// Corner slots that most nodes of a mesh of quadrilaterals have at most.
@@ -169,6 +204,14 @@ pub struct Solid {
     pub energies: Energies,
     /// What the last pass over the elements came to, and the group that limits the increment.
     pub limit: (Totals, usize),
+    /// By how much that pass can have raised a frequency, where it is followed.
+    pub(super) deformed: f64,
+    /// Estimate of the highest frequency of the whole; `None` where none is wanted or none can be made.
+    pub frequency: Option<Box<HighestFrequency>>,
+    /// Whether this step wants it.
+    pub(super) frequency_asked: bool,
+    /// Rings of nodes under area weighting.
+    pub rings: Option<Box<Rings>>,
     /// Nodes that move with rigid bodies.
     pub ties: Vec<Tie>,
     /// Springs and dashpots, and what they allow.
@@ -213,6 +256,8 @@ struct NodePass<'a> {
     gather: &'a Gather,
     corners: &'a [Corners],
     external: &'a [[f64; 2]],
+    /// Factors on forces of elements; empty for none.
+    rings: &'a [f64],
     nodes: &'a [Node],
     mass: &'a [f64],
     inverse_mass: &'a [f64],
@@ -233,6 +278,11 @@ impl NodePass<'_> {
             }
             let forces = &mut forces[..count];
             self.gather.sum(first, self.corners, forces);
+            if !self.rings.is_empty() {
+                for (force, ring) in forces.iter_mut().zip(&self.rings[first..first + count]) {
+                    *force = [ring * force[0], ring * force[1]];
+                }
+            }
             if !self.external.is_empty() {
                 for (force, more) in forces.iter_mut().zip(&self.external[first..first + count]) {
                     *force = [force[0] + more[0], force[1] + more[1]];
@@ -288,6 +338,10 @@ impl Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
             masses: None,
+            deformed: 0.0,
+            frequency: None,
+            frequency_asked: false,
+            rings: None,
             ties: Vec::new(),
             walls: Vec::new(),
             half: 0.0,
@@ -364,6 +418,8 @@ impl Solid {
     pub fn evaluate(&mut self, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> Result<(), Halt> {
         if self.pending {
             self.update_elements(now);
+            self.measure_rings();
+            self.bound_frequency();
             self.pending = false;
         }
         let [external, before] = &mut self.external;
@@ -373,8 +429,16 @@ impl Solid {
             forces.iter_mut().for_each(|force| force.release(&self.gone.0[self.gone.1..]));
             self.gone.1 = self.gone.0.len();
         }
+        let dt = if self.moved { self.behind } else { 0.0 };
+        let start = if self.half == 0.5 * dt { 0.125 * dt * dt } else { 0.0 };
+        let behind = Behind { half: 0.5 * dt, start, nodes: &self.nodes, acceleration: &self.acceleration };
         for force in forces {
+            force.see_accelerations(&self.acceleration);
             force.add(now, &self.nodes, external)?;
+            let [cavity, friction] = force.dissipated(&behind);
+            self.energies.cavity += cavity;
+            self.energies.friction += friction;
+            self.energies.external += cavity + friction;
         }
         self.add_connectors();
         self.resist_distortion();
@@ -388,12 +452,14 @@ impl Solid {
     fn update_elements(&mut self, now: &Instant) {
         let mut first = 0;
         self.limit = (Totals::default(), 0);
+        self.deformed = 0.0;
         for (i, group) in self.groups.iter_mut().enumerate() {
             let blocks = group.len().div_ceil(LANES);
             group.tell(now);
             let totals = group.update(&self.nodes, self.behind, &mut self.corners[first..first + blocks]);
             first += blocks;
             group.deleted(&mut self.gone.0);
+            self.deformed = self.deformed.max(totals.deformed);
             self.energies.internal += totals.internal;
             self.energies.plastic += totals.plastic;
             self.energies.viscous += totals.viscous;
@@ -425,6 +491,7 @@ impl Solid {
             gather: &self.gather,
             corners: &self.corners,
             external: &self.external[0],
+            rings: self.rings.as_ref().map_or(&[], |r| &r.factors),
             nodes: &self.nodes,
             mass: &self.mass,
             inverse_mass: &self.inverse_mass,
@@ -474,8 +541,20 @@ impl Solid {
         self.moved = false;
     }
 
-    /// Carries all nodes over an increment.
+    /// Where central differences start, forces act for half an increment alone and bring velocities from v to v + dt/2 a.
+    /// What they give in that half is their impulse times the mean of both, v + dt/4 a, while the trapezoid over the whole
+    /// increment reckons with the velocity at its end: too much by f a dt^2/8.
+    fn book_start(&mut self, dt: f64) {
+        let forces = self.external[0].iter().zip(&self.acceleration);
+        let power: f64 = forces.map(|(f, a)| f[0] * a[0] + f[1] * a[1]).sum();
+        self.energies.external -= 0.125 * dt * dt * power;
+    }
+
+    /// Carries all nodes over an increment. The first one starts central differences with half of it.
     pub fn advance(&mut self, given: &[Given], now: &Instant, dt: f64) {
+        if self.behind == 0.0 {
+            self.book_start(dt);
+        }
         let half = 0.5 * (dt + self.behind);
         let awake = &self.awake;
         let chunk = |(index, (nodes, accelerations)): (usize, (&mut [Node], &[[f64; 2]]))| {
@@ -574,5 +653,95 @@ impl Solid {
     pub fn stable_increment(&self) -> f64 {
         let elements = self.limit.0.rate;
         1.0 / if self.connectors.is_empty() { elements } else { self.bounds.rate(elements) }
+    }
+}
+
+impl Persist for Energies {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Energies {
+            kinetic,
+            internal,
+            plastic,
+            viscous,
+            artificial,
+            external,
+            contact,
+            friction,
+            cavity,
+            distortion,
+        } = self;
+        persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction);
+        persist_fields!(archive; cavity, distortion);
+    }
+}
+
+impl Persist for Reaction {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Reaction { place: _, origin, force, kinetic, travel } = self;
+        persist_fields!(archive; origin, force, kinetic, travel);
+    }
+}
+
+impl Persist for Solid {
+    /// In a step that has begun: what the step gives has its length.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Solid {
+            nodes,
+            start: _,
+            mass,
+            acceleration,
+            groups,
+            cause: _,
+            element_names: _,
+            energies,
+            limit,
+            distortion,
+            distortion_time,
+            deformed: _,
+            frequency,
+            frequency_asked,
+            rings,
+            ties: _,
+            connectors,
+            bounds,
+            sums: _,
+            walls,
+            equations,
+            masses,
+            inverse_mass,
+            corners,
+            gather: _,
+            external,
+            reactions,
+            kinetic_parts: _,
+            awake,
+            parallel: _,
+            behind,
+            half,
+            pending,
+            moved,
+            gone,
+        } = self;
+        archive.mark("nodes");
+        persist_fields!(archive; nodes.as_mut_slice(), mass.as_mut_slice(), inverse_mass.as_mut_slice());
+        persist_fields!(archive; acceleration.as_mut_slice(), energies, limit, awake, behind, half, pending, moved);
+        archive.mark("links");
+        persist_fields!(archive; connectors.as_mut_slice(), bounds, walls.as_mut_slice(), equations.as_mut_slice());
+        // The forces of the instant before are written over.
+        persist_fields!(archive; external[0].as_mut_slice(), reactions.as_mut_slice(), gone);
+        if let Some(masses) = masses {
+            masses.persist(archive);
+        }
+        persist_fields!(archive; distortion.as_mut_slice(), distortion_time, frequency_asked);
+        if let Some(frequency) = frequency {
+            frequency.persist(archive);
+        }
+        if let Some(rings) = rings {
+            rings.persist(archive);
+        }
+        archive.mark("elements");
+        persist_all(groups, archive);
+        // Of elements that sleep they are zero, but zeros have signs, which reach the accelerations.
+        corners.as_mut_slice().persist(archive);
     }
 }

@@ -3,6 +3,7 @@
 //! controls"). Never here: which elements are controlled, stress.
 
 use super::body::Solid;
+use crate::state::archive::{Archive, Persist};
 
 /// The share of a corner's velocity towards its line that one increment takes away; so small because four elements may act
 /// on a node at once, and two is where a dashpot no longer is stable.
@@ -148,6 +149,13 @@ impl Solid {
         if active {
             self.limit.0.rate *= CAUTION;
         }
+    }
+}
+
+impl Persist for Controlled {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Controlled { place: _, corners: _, masses: _, offset: _, force } = self;
+        force.persist(archive);
     }
 }
 

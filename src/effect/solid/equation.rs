@@ -7,6 +7,7 @@
 //! equations, which takes in motions that are given and change within the increment.
 
 use super::body::{Given, Solid};
+use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Node;
 
 /// One equation: node, axis (0 along r, 1 along z) and coefficient of each term.
@@ -193,6 +194,21 @@ impl Solid {
     pub(super) fn pull(&self, node: usize, axis: usize) -> f64 {
         let own = self.equations.iter().flat_map(|s| &s.freedoms).find(|f| (f.node, f.axis) == (node, axis));
         own.map_or(0.0, |f| f.pull)
+    }
+}
+
+impl Persist for Freedom {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Freedom { node: _, axis: _, softness: _, pull, change: _ } = self;
+        pull.persist(archive);
+    }
+}
+
+impl Persist for System {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        // The factor follows from masses at the start of the step; the multipliers are solved for anew.
+        let System { freedoms, rows: _, factor: _, lambda: _ } = self;
+        freedoms.as_mut_slice().persist(archive);
     }
 }
 

@@ -6,13 +6,14 @@ use super::block::{Block, Nodes, Stage};
 use super::law::{Constants, Hardening};
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
-use crate::kernel::hardening::Table;
+use crate::kernel::levels::Levels;
 use crate::kernel::quad::UNIT;
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Whether and how elements fail. An absent one is a type without state, and costs nothing.
 pub trait Failure: Send + Sync {
     /// What a block of elements keeps.
-    type State: Clone + Send + Sync;
+    type State: Clone + Send + Sync + Persist;
     /// Whether anything fails at all.
     const FAILS: bool;
     /// State of a block: the areas of its elements' sections, whose roots are their lengths, and their volumes.
@@ -40,6 +41,13 @@ pub struct Seen {
     pub temperature: f64,
     /// Length of the increment.
     pub dt: f64,
+}
+
+impl Seen {
+    /// Rate of the equivalent plastic strain.
+    fn rate(&self) -> f64 {
+        if self.dt > 0.0 { self.plastic / self.dt } else { 0.0 }
+    }
 }
 
 /// What an increment leaves of the stress.
@@ -95,8 +103,10 @@ pub enum FailureStrain {
         /// Reference rate.
         reference: f64,
     },
-    /// Over the triaxiality, mean stress over von Mises stress: linear between rows, constant beyond them.
-    Triaxiality(Table),
+    /// Over the triaxiality (mean stress over von Mises stress), the rate of the plastic strain, and the temperature.
+    Ductile(Levels),
+    /// Over the rate, pressure over von Mises stress, and the temperature.
+    Shear(Levels),
 }
 
 impl FailureStrain {
@@ -105,9 +115,10 @@ impl FailureStrain {
         let triaxiality = if seen.mises > 0.0 { seen.mean / seen.mises } else { 0.0 };
         match self {
             FailureStrain::Constant(strain) => *strain,
-            FailureStrain::Triaxiality(table) => table.value(triaxiality),
+            FailureStrain::Ductile(levels) => levels.at(&[triaxiality, seen.rate(), seen.temperature]),
+            FailureStrain::Shear(levels) => levels.at(&[seen.rate(), -triaxiality, seen.temperature]),
             FailureStrain::JohnsonCook { d, melt, transition, reference } => {
-                let rate = if seen.dt > 0.0 { seen.plastic / (seen.dt * reference) } else { 0.0 };
+                let rate = seen.rate() / reference;
                 let by_rate = if rate > 1.0 { 1.0 + d[3] * libm::log(rate) } else { 1.0 };
                 let theta = ((seen.temperature - transition) / (melt - transition)).clamp(0.0, 1.0);
                 let theta = if theta.is_nan() { 0.0 } else { theta };
@@ -332,4 +343,11 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 fn invariants([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 2] {
     let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
     [(rr + zz + hoop) / 3.0, (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()]
+}
+
+impl Persist for Damaged {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Damaged { alive, begun, damage, at_failure, length: _, volume: _, share } = self;
+        persist_fields!(archive; alive, begun, damage, at_failure, share);
+    }
 }

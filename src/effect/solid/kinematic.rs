@@ -5,6 +5,7 @@
 use super::block::{Stage, rotated};
 use super::law::{Flow, Hardening};
 use super::{LANES, Lanes};
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
 /// loading", linear kinematic hardening): the back stress grows by 2/3 C times the plastic strain and turns with the stress.
@@ -87,6 +88,13 @@ impl Stage {
         let part = |i: usize| self.back[i][l] * self.deviator[i][l];
         let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
         if self.flow[l] > 0.0 { 1.5 * self.volume[l] * self.flow[l] * along / self.trial[l] } else { 0.0 }
+    }
+}
+
+impl Persist for Shifted {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Shifted { strain, back } = self;
+        persist_fields!(archive; strain, back);
     }
 }
 

@@ -3,11 +3,12 @@
 
 use super::{LANES, Lanes};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// How the yield stress of von Mises plasticity develops. An absent one is a type without state.
 pub trait Hardening: Send + Sync {
     /// What a block of elements keeps.
-    type State: Clone + Send + Sync;
+    type State: Clone + Send + Sync + Persist;
 
     /// Whether anything flows at all.
     const FLOWS: bool;
@@ -205,6 +206,13 @@ pub struct Constants {
     pub hourglass_viscosity: f64,
     /// Linear and quadratic bulk viscosity.
     pub bulk_viscosity: [f64; 2],
+}
+
+impl Persist for History {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let History { strain, temperature } = self;
+        persist_fields!(archive; strain, temperature);
+    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 
 use super::body::{NodeForce, Solid};
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// How a stable increment that is aimed at decides on factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -212,6 +213,30 @@ impl Solid {
                     self.raise_limit(g, e, rate);
                 }
             }
+        }
+    }
+}
+
+impl Persist for Variable {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Variable { request: _, rhythm: _, due } = self;
+        due.persist(archive);
+    }
+}
+
+impl Persist for Scaling {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Scaling { fixed: _, variable, first } = self;
+        persist_fields!(archive; variable.as_mut_slice(), first);
+    }
+}
+
+impl Persist for Masses {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        // Of nodes and corners, masses without factors are those of the plan; the scaled ones are computed anew.
+        let Masses { nodes: _, corners: _, fixed, factors, carried, scaled: _ } = self;
+        for lists in [fixed, factors, carried] {
+            lists.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
         }
     }
 }

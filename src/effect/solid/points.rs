@@ -3,6 +3,7 @@
 
 use super::user_material::Description;
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist};
 use crate::user::{LoadFailure, MaterialAnswer, MaterialCall};
 
 /// Entries behind each answer that a routine must leave alone.
@@ -279,5 +280,33 @@ impl Points {
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         8 * self.count * (3 + 1 + 1 + 4 + 1 + 1 + 2 * (4 + 5 + 4 + self.variables + 2))
+    }
+}
+
+impl Persist for Points {
+    /// All of it: a deleted point goes on to be shown what it was shown last.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Points {
+            count: _,
+            variables: _,
+            coordinates,
+            length,
+            density,
+            strain,
+            spin,
+            temperature,
+            stretch,
+            gradient,
+            stress,
+            state,
+            internal,
+            inelastic,
+        } = self;
+        for list in [coordinates, length, density, strain, spin, temperature] {
+            list.as_mut_slice().persist(archive);
+        }
+        for pair in [stretch, gradient, stress, state, internal, inelastic] {
+            pair.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
+        }
     }
 }

@@ -5,6 +5,7 @@
 use super::block::{Block, Nodes, Stage, dot, rotated};
 use super::{LANES, Lanes};
 use crate::kernel::quad::{Gradient, gradient};
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Output variables of the eight elements of a block.
 #[derive(Clone, Copy, Debug, Default)]
@@ -92,5 +93,12 @@ impl Record {
             rate: tensor(&self.rate),
             energy: [work - dissipated, dissipated],
         }
+    }
+}
+
+impl Persist for Record {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Record { strain, plastic, rate, work } = self;
+        persist_fields!(archive; strain, plastic, rate, work);
     }
 }

@@ -4,6 +4,7 @@
 
 use super::LANES;
 use super::group::{Group, TASK};
+use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Node;
 
 /// Nodes that are passed over together.
@@ -88,5 +89,28 @@ impl Awake {
     #[inline(always)]
     pub fn has_work(&self, first: usize) -> bool {
         self.awake.is_empty() || self.awake[first / FEW]
+    }
+}
+
+impl Persist for Rest {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Rest { nodes: _, asleep } = self;
+        asleep.persist(archive);
+    }
+}
+
+impl Persist for Awake {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Awake { touching, awake } = self;
+        let mut for_good = touching.is_empty();
+        for_good.persist(archive);
+        if for_good {
+            touching.clear();
+        }
+        awake.persist(archive);
+        if !(awake.is_empty() || awake.len() == touching.len()) {
+            archive.refuse(|| format!("{} parts of the nodes, of which the deck has {}", awake.len(), touching.len()));
+            awake.clear();
+        }
     }
 }

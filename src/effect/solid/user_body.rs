@@ -6,6 +6,7 @@ use crate::effect::Halt;
 use crate::effect::user_load::{Shown, UserLoad};
 use crate::kernel::quad::corner_masses;
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Node;
 use crate::user::{LoadFailure, MAX_BLOCK};
 
@@ -61,6 +62,19 @@ impl BodyBlock {
 }
 
 impl NodeForce for BodyUser {
+    fn see_accelerations(&mut self, acceleration: &[[f64; 2]]) {
+        for block in &mut self.blocks {
+            let n = block.elements.len();
+            for (i, element) in block.elements.iter().enumerate() {
+                let [a, b, c, d] = element.map(|n| acceleration[n as usize]);
+                for axis in 0..2 {
+                    let mean = 0.25 * ((a[axis] + b[axis]) + (c[axis] + d[axis]));
+                    block.shown.motion[(4 + axis) * n + i] = mean;
+                }
+            }
+        }
+    }
+
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         let amplitude = self.load.magnitude.amplitude(now);
         for (i, block) in self.blocks.iter_mut().enumerate() {
@@ -75,5 +89,19 @@ impl NodeForce for BodyUser {
             }
         }
         Ok(())
+    }
+}
+
+impl Persist for BodyBlock {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let BodyBlock { elements: _, start: _, shown } = self;
+        shown.persist(archive);
+    }
+}
+
+impl Persist for BodyUser {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let BodyUser { load: _, axis: _, blocks } = self;
+        blocks.as_mut_slice().persist(archive);
     }
 }

@@ -12,6 +12,7 @@ use super::{Corners, LANES};
 use crate::effect::Halt;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, SharedMaterial};
 
@@ -85,7 +86,7 @@ impl UserQuads {
             count: elements.len(),
             names,
             blocks,
-            stages: vec![Stage::default(); BLOCKS],
+            stages: vec![Stage::new(); BLOCKS],
             nodes: vec![Nodes::default(); BLOCKS],
             now: Instant::default(),
             failure: None,
@@ -123,7 +124,7 @@ impl UserQuads {
                     stage.park(l);
                 }
             }
-            block.strain::<Elastic, Linear>(&self.constants, dt, corners, stage);
+            block.strain::<Elastic, Linear, false>(&self.constants, dt, corners, stage);
         }
         for i in 0..chunk.deleted.len() {
             let (s, l) = (i / LANES, i % LANES);
@@ -179,7 +180,7 @@ impl UserQuads {
         let deleted = &self.chunks[c].deleted;
         let blocks = self.blocks[first..].iter_mut().zip(&mut corners[first..]).take(BLOCKS);
         for (s, ((block, forces), (stage, nodes))) in blocks.zip(self.stages.iter_mut().zip(&self.nodes)).enumerate() {
-            block.forces::<Linear>(&self.constants, dt, stage, forces);
+            block.forces::<Linear, false>(&self.constants, dt, stage, forces);
             for l in (0..LANES).filter(|l| deleted.get(s * LANES + l).copied().unwrap_or(true)) {
                 forces.0.iter_mut().chain(&mut block.hourglass).for_each(|list| list[l] = 0.0);
             }
@@ -230,7 +231,7 @@ impl Group for UserQuads {
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
         self.stages.iter_mut().for_each(|s| s.sums = Sums::default());
         self.failure = self.pass(nodes, dt, corners).err();
-        let totals = totals(&self.stages);
+        let totals = totals(&self.stages, |_| f64::INFINITY);
         if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
     }
 
@@ -356,4 +357,33 @@ fn components([rr, zz, hoop, rz]: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4
 fn deformation(start: &Gradient, r: [f64; 4], z: [f64; 4]) -> [f64; 5] {
     let per = 1.0 / start.volume;
     [dot(start.r, r), dot(start.z, z), dot(start.hoop, r), dot(start.z, r), dot(start.r, z)].map(|x| per * x)
+}
+
+impl Persist for Chunk {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Chunk { points, start: _, turn, deleted } = self;
+        persist_fields!(archive; points, turn.as_mut_slice(), deleted.as_mut_slice());
+    }
+}
+
+impl Persist for UserQuads {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserQuads {
+            description: _,
+            constants,
+            count: _,
+            names: _,
+            blocks,
+            chunks,
+            stages,
+            nodes: _,
+            now: _,
+            failure: _,
+            told,
+        } = self;
+        // The moduli are those of the routine's answer at time zero, which is not asked for again.
+        persist_fields!(archive; &mut constants.bulk, &mut constants.shear);
+        persist_fields!(archive; blocks.as_mut_slice(), chunks.as_mut_slice(), stages.as_mut_slice());
+        told.as_mut_slice().persist(archive);
+    }
 }

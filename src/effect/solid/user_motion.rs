@@ -5,9 +5,10 @@ use std::rc::Rc;
 
 use super::body::Solid;
 use crate::effect::motion::Prescribed;
-use crate::effect::{Halt, Magnitude};
+use crate::effect::{Halt, Magnitude, persist_track};
 use crate::kernel::amplitude::Track;
 use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::user::{LoadFailure, MotionCall, SharedMotion};
 
 /// The routine asked for the motion of nodes along one axis, node by node.
@@ -87,5 +88,20 @@ impl NodeMotions {
         }
         self.increment_before = increment;
         Ok(())
+    }
+}
+
+impl Persist for Asked {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Asked { node: _, number: _, track, offset } = self;
+        persist_track(track, archive);
+        offset.persist(archive);
+    }
+}
+
+impl Persist for NodeMotions {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let NodeMotions { set: _, axis: _, kind: _, amplitude: _, routine: _, nodes, increment_before } = self;
+        persist_fields!(archive; nodes.as_mut_slice(), increment_before);
     }
 }

@@ -7,6 +7,7 @@
 
 use super::body::Solid;
 use crate::state::BodyState;
+use crate::state::archive::{Archive, Persist};
 
 /// A plane and the nodes that may meet it.
 #[derive(Clone, Debug)]
@@ -76,5 +77,12 @@ impl Solid {
                 }
             }
         }
+    }
+}
+
+impl Persist for Wall {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Wall { body: _, height: _, reach: _, side: _, friction: _, nodes: _, force } = self;
+        force.persist(archive);
     }
 }

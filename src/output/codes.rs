@@ -1,0 +1,53 @@
+//! Diagnostic codes of checkpoints (`K…`), for `revolve explain`.
+//! Never here: the checks.
+
+use crate::deck::Code;
+
+/// All codes of this room.
+pub const CODES: &[Code] = &[
+    Code {
+        code: "K001",
+        title: "damaged checkpoint",
+        text: "`--resume` reads `<job>.checkpoint` in the folder of the results. It is no checkpoint, cut off, or changed: its checksum (SHA-256) is not that of its content. The program itself never leaves half a checkpoint behind.",
+    },
+    Code {
+        code: "K002",
+        title: "checkpoint of another version",
+        text: "Versions may differ in what a state consists of and in the last bits of results: a run goes on with the version that it began with.",
+    },
+    Code {
+        code: "K003",
+        title: "checkpoint of another deck",
+        text: "The text of the deck, of a file that it includes, or its mesh is not what it was when the run began. What the state then means is not known.",
+    },
+    Code {
+        code: "K004",
+        title: "checkpoint of other parameters",
+        text: "The values of *PARAMETER, those of `--set` included, are not what they were. Give the same `--set` again.",
+    },
+    Code {
+        code: "K005",
+        title: "checkpoint of other user routines",
+        text: "The files of `--user`, the compiler or its flags (`--check-user`) are not what they were. Give the same again.",
+    },
+    Code {
+        code: "K006",
+        title: "checkpoint that does not fit",
+        text: "The content of the checkpoint has another shape than the plan of the deck. That should not happen with the same deck and version: please report it.",
+    },
+    Code {
+        code: "K101",
+        title: "no checkpoint",
+        text: "`--resume` found no `<job>.checkpoint` in the folder of the results, and the run starts at its beginning. A checkpoint is written if the deck has *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run; it is removed when the run is complete.",
+    },
+    Code {
+        code: "K102",
+        title: "the routine's own memory is not kept",
+        text: "A checkpoint holds state variables (`*DEPVAR`, variables of vuamp) and all that the program knows of a run. What a user routine keeps to itself (SAVE, COMMON, modules, open files) it cannot hold: a run that goes on starts with it as a new one does. A routine can keep it by its own means: vexternaldb is told by lWriteRestart = 1 that the state of the increment that ends will be kept, and by lOp = 0 with kInc above 0 that a run goes on.",
+    },
+    Code {
+        code: "K103",
+        title: "frames are missing",
+        text: "Frames that were written before the checkpoint are no longer in the folder. The run goes on; the series names them nevertheless.",
+    },
+];

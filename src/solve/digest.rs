@@ -1,0 +1,55 @@
+//! One number for all that a run came to: a hash over the bits of its state, in a fixed order.
+//! Never here: bookkeeping that another build of the program may do otherwise.
+
+use sha2::{Digest as _, Sha256};
+
+use super::Run;
+use crate::effect::solid::group::Group;
+
+/// Takes numbers in by their bits.
+struct Bits(Sha256);
+
+impl Bits {
+    fn add(&mut self, values: &[f64]) {
+        values.iter().for_each(|v| self.0.update(v.to_bits().to_le_bytes()));
+    }
+
+    /// What may not be there at all differs from zero.
+    fn add_if(&mut self, value: Option<f64>) {
+        self.0.update([u8::from(value.is_some())]);
+        self.add(value.as_slice());
+    }
+
+    fn element(&mut self, group: &dyn Group, e: usize) {
+        self.add(&group.stress(e));
+        self.add(&[group.mass(e)]);
+        for value in [group.plastic_strain(e), group.temperature(e), group.energy(e), group.status(e)] {
+            self.add_if(value);
+        }
+        let mut kept = (0..).map_while(|variable| group.state_variable(e, variable));
+        kept.by_ref().for_each(|value| self.add(&[value]));
+    }
+}
+
+impl Run<'_> {
+    /// SHA-256 in hexadecimal: time, increment, motion of bodies and nodes, what elements hold, energies.
+    pub(super) fn digest(&self) -> String {
+        let mut bits = Bits(Sha256::new());
+        bits.0.update(self.now.increment.to_le_bytes());
+        bits.add(&[self.now.step_time, self.now.total_time]);
+        for body in &self.bodies {
+            bits.add(&[body.displacement, body.velocity, body.acceleration]);
+        }
+        if let Some(solid) = &self.solid {
+            solid.nodes.iter().for_each(|n| bits.add(&n.as_array()));
+            solid.acceleration.iter().for_each(|a| bits.add(a));
+            for group in &solid.groups {
+                (0..group.len()).for_each(|e| bits.element(&**group, e));
+            }
+        }
+        let e = self.balance.energy();
+        bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);
+        bits.add(&[e.artificial, e.total, e.initial, e.drift]);
+        bits.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}

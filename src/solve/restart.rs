@@ -1,0 +1,375 @@
+//! When a run's state is kept, going on from it, and the way back to the last good instant before a halt.
+//! Never here: files (a [`Sink`] keeps the bytes), what single types consist of (`state::archive`).
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant as Stopwatch};
+
+use super::increment::Pace;
+use super::observe::{Observing, Rhythm, unwritten};
+use super::{Rest, Run, Sink, StepSummary};
+use crate::effect::Halt;
+use crate::output::Frame;
+use crate::plan::StepPlan;
+use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
+use crate::user::{Moment, Wish};
+
+/// How often the state is kept, beside what the deck's `*RESTART, WRITE` asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Every {
+    /// So much time on the clock of the wall.
+    Elapsed(Duration),
+    /// So many increments.
+    Increments(u64),
+}
+
+/// What a run is asked beside its plan.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Control<'a> {
+    /// When to keep the state.
+    pub every: Option<Every>,
+    /// Number of a signal as soon as one has come, else 0: the run then ends behind its increment.
+    pub interrupt: Option<&'a AtomicUsize>,
+    /// State to go on from.
+    pub state: Option<&'a [u8]>,
+}
+
+/// Increments between states that are held in memory for the way back: a state costs some ten increments.
+const HELD_EVERY: u64 = 4096;
+/// Looks at the clock are about this far apart: a look costs as much as an increment of a small scene.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// Keeps states over a run.
+pub(super) struct Keeping<'a> {
+    control: Control<'a>,
+    /// Of `*RESTART, WRITE`.
+    asked: Rhythm,
+    /// Whether the step before has asked for its end, which is where this one begins.
+    owed: bool,
+    /// When the state was kept last and when the clock was looked at last.
+    kept: Stopwatch,
+    looked: Stopwatch,
+    /// Increments until the next look at the clock, and when it comes.
+    stride: u64,
+    next_look: u64,
+    /// Whether states are held for the way back, and when the next is due.
+    holds: bool,
+    next_held: u64,
+    /// Nothing is due before these.
+    next_time: f64,
+    next_increment: u64,
+    state: Vec<u8>,
+    /// Whether the state held is one of this step.
+    has_state: bool,
+}
+
+impl<'a> Keeping<'a> {
+    /// `holds`: whether the way back is open, which needs frames and what deforms, and no routine of the user, which would
+    /// be called twice.
+    pub(super) fn new(control: Control<'a>, holds: bool) -> Self {
+        let now = Stopwatch::now();
+        Keeping {
+            control,
+            asked: Rhythm::default(),
+            owed: false,
+            kept: now,
+            looked: now,
+            stride: 1,
+            next_look: 0,
+            holds,
+            next_held: 0,
+            next_time: 0.0,
+            next_increment: 0,
+            state: Vec::new(),
+            has_state: false,
+        }
+    }
+
+    /// A step begins, or goes on, at this instant.
+    pub(super) fn begin(&mut self, step: &StepPlan, now: &Instant) {
+        self.owed = !self.asked.is_empty();
+        self.asked.begin(&step.outputs.restart, now.increment);
+        self.asked.advance(now.step_time, now.increment);
+        self.has_state = false;
+        self.next_held = 0;
+        self.plan_ahead(now);
+    }
+
+    fn plan_ahead(&mut self, now: &Instant) {
+        self.next_time = self.asked.next_time;
+        let every = match self.control.every {
+            None => u64::MAX,
+            Some(Every::Increments(n)) => (now.increment / n + 1) * n,
+            Some(Every::Elapsed(_)) => self.next_look,
+        };
+        let held = if self.holds { self.next_held } else { u64::MAX };
+        self.next_increment = if self.owed { 0 } else { self.asked.next_increment.min(every).min(held) };
+    }
+
+    /// Between two increments: keeps the state if that is due, and ends the run if a signal wants it.
+    #[inline]
+    pub(super) fn look(&mut self, at: &mut At<'_, '_>, sink: &mut dyn Sink) -> Result<(), Halt> {
+        let now = &at.run.now;
+        let signal = self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed));
+        if signal == 0 && now.increment < self.next_increment && now.step_time < self.next_time {
+            return Ok(());
+        }
+        self.look_closely(at, sink, signal)
+    }
+
+    #[cold]
+    fn look_closely(&mut self, at: &mut At<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), Halt> {
+        let now = at.run.now;
+        let due = self.is_due(&now) || signal != 0;
+        if due {
+            at.run.tell_restart()?;
+        }
+        if due || self.holds && now.increment >= self.next_held {
+            self.state.clear();
+            at.write(&mut self.state);
+            self.has_state = true;
+            self.next_held = now.increment + HELD_EVERY;
+        }
+        if due {
+            sink.keep(&self.state, &now).map_err(unwritten)?;
+            self.kept = Stopwatch::now();
+        }
+        self.plan_ahead(&now);
+        if signal == 0 { Ok(()) } else { Err(interrupted(signal, &now)) }
+    }
+
+    fn is_due(&mut self, now: &Instant) -> bool {
+        let asked = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.owed);
+        if asked {
+            self.asked.advance(now.step_time, now.increment);
+        }
+        asked
+            || match self.control.every {
+                None => false,
+                Some(Every::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),
+                Some(Every::Elapsed(time)) => self.clock_is_due(now, time),
+            }
+    }
+
+    /// Looks at the clock every so many increments, so that a look costs nothing beside them.
+    fn clock_is_due(&mut self, now: &Instant, time: Duration) -> bool {
+        if now.increment < self.next_look {
+            return false;
+        }
+        let passed = self.looked.elapsed();
+        self.looked = Stopwatch::now();
+        self.stride = if passed < LOOK { 2 * self.stride } else { (self.stride / 2).max(1) };
+        self.next_look = now.increment + self.stride;
+        self.kept.elapsed() >= time
+    }
+
+    /// After a halt within an increment: goes back to the last instant that was complete, from the state held and over the
+    /// same increments again.
+    pub(super) fn way_back(&mut self, at: &mut At<'_, '_>) {
+        if at.run.complete || !self.has_state || !self.holds {
+            return;
+        }
+        let last = at.run.now.increment - 1;
+        let mut archive = Archive::reader(&self.state[size_of::<u64>()..]);
+        at.visit(&mut archive);
+        // What this very run has written fits.
+        let mut fits = archive.finish().is_ok();
+        while fits && at.run.now.increment < last {
+            fits = at.repeat().is_ok();
+        }
+        at.run.complete = fits;
+    }
+}
+
+fn interrupted(signal: usize, now: &Instant) -> Halt {
+    let name = match signal {
+        2 => "SIGINT".into(),
+        15 => "SIGTERM".into(),
+        other => format!("signal {other}"),
+    };
+    let reason = format!("interrupted by {name} at increment {}, time {:e}", now.increment, now.total_time);
+    Halt { code: "R207", reason }
+}
+
+/// Shows nothing: what is gone over again has been shown.
+struct Nowhere;
+
+impl Sink for Nowhere {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
+        Ok(())
+    }
+    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// A place between the output of an instant and the choice of the next increment, in a step that has begun.
+pub(super) struct At<'r, 'p> {
+    pub run: &'r mut Run<'p>,
+    pub step: &'r mut StepPlan,
+    pub observing: &'r mut Observing,
+    pub pace: &'r mut Pace,
+}
+
+impl At<'_, '_> {
+    /// The state behind the index of its step.
+    fn write(&mut self, bytes: &mut Vec<u8>) {
+        let mut archive = Archive::writer(bytes);
+        (self.run.now.step as usize - 1).persist(&mut archive);
+        self.visit(&mut archive);
+    }
+
+    /// All that moves. What is not visited follows from the plan and the beginning of the step.
+    fn visit(&mut self, archive: &mut Archive<'_>) {
+        let At { run, step, observing, pace } = self;
+        archive.mark("run");
+        run.persist(archive);
+        archive.mark("step");
+        step.persist(archive);
+        persist_fields!(archive; &mut **observing, &mut **pace);
+        archive.mark("end");
+    }
+
+    /// The next increment, which is known to succeed, without showing anything.
+    fn repeat(&mut self) -> Result<(), Halt> {
+        let At { run, step, observing, pace } = self;
+        run.go(step, pace)?;
+        run.arrive(step, observing, &mut Nowhere)
+    }
+}
+
+impl StepPlan {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let StepPlan {
+            name: _,
+            duration: _,
+            control: _,
+            scale_factor: _,
+            load_velocity: _,
+            forces,
+            motions,
+            node_forces,
+            given: _,
+            // Those of the step are with what deforms.
+            walls: _,
+            equations: _,
+            scaling,
+            asking,
+            node_asking,
+            energy_limit: _,
+            outputs: _,
+        } = self;
+        archive.mark("forces");
+        persist_all(forces, archive);
+        motions.as_mut_slice().persist(archive);
+        persist_all(node_forces, archive);
+        if let Some(scaling) = scaling {
+            scaling.persist(archive);
+        }
+        archive.mark("routines");
+        persist_all(asking, archive);
+        node_asking.as_mut_slice().persist(archive);
+    }
+}
+
+impl Persist for Run<'_> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Run {
+            plan: _,
+            steps: _,
+            bodies,
+            now,
+            forces,
+            slots: _,
+            slots_by_body: _,
+            ends: _,
+            resistances: _,
+            ties: _,
+            now_before,
+            reach: _,
+            behind,
+            last_increment,
+            complete,
+            asking,
+            solid,
+            wish,
+            told,
+            limiting,
+            warned,
+            balance,
+            outcome,
+        } = self;
+        persist_fields!(archive; bodies.as_mut_slice(), now, forces.as_mut_slice(), now_before, behind, last_increment);
+        persist_fields!(archive; complete, wish, told, limiting, warned, balance);
+        persist_all(asking, archive);
+        if let Some(solid) = solid {
+            solid.persist(archive);
+        }
+        archive.mark("outcome");
+        // Halts and what is reckoned at the end are not there yet; times are those of this process.
+        let super::Outcome { steps, rests, increments, warnings, .. } = outcome;
+        persist_fields!(archive; steps, rests, increments, warnings);
+    }
+}
+
+impl Persist for Wish {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let mut number = *self as u8;
+        number.persist(archive);
+        *self = [Wish::Continue, Wish::EndStep, Wish::EndAnalysis]
+            .into_iter()
+            .find(|w| *w as u8 == number)
+            .unwrap_or_default();
+    }
+}
+
+impl Persist for StepSummary {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let StepSummary { name, increments, time, smallest_increment, largest_increment, .. } = self;
+        persist_fields!(archive; name, increments, time, smallest_increment, largest_increment);
+        let StepSummary { limiting_element, global_estimates, added_mass, .. } = self;
+        persist_fields!(archive; limiting_element, global_estimates, added_mass);
+    }
+}
+
+impl Persist for Rest {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Rest { body, time, displacement } = self;
+        persist_fields!(archive; body, time, displacement);
+    }
+}
+
+impl Run<'_> {
+    /// Takes up a state that was kept: the index of its step and the pace there.
+    ///
+    /// # Errors
+    /// Why it is not one of this plan.
+    pub(super) fn take_up(
+        &mut self,
+        steps: &mut [StepPlan],
+        observing: &mut Observing,
+        state: &[u8],
+    ) -> Result<(usize, Pace), String> {
+        let mut archive = Archive::reader(state);
+        let mut index = 0;
+        index.persist(&mut archive);
+        let Some(step) = steps.get_mut(index) else { return Err("it ends too early".into()) };
+        let mut pace = self.begin_step(step, observing);
+        At { run: self, step, observing, pace: &mut pace }.visit(&mut archive);
+        archive.finish()?;
+        Ok((index, pace))
+    }
+
+    /// Tells the user's routine that the increment is complete and that its state will be kept.
+    fn tell_restart(&mut self) -> Result<(), Halt> {
+        if let Some(events) = self.plan.events.as_ref().filter(|_| self.now.step_time > 0.0 && !self.told) {
+            events.with(|e| e.restart_follows());
+            self.tell(Moment::EndIncrement, self.last_increment)?;
+            self.told = true;
+        }
+        Ok(())
+    }
+}
