@@ -233,7 +233,6 @@ struct Files<'a> {
     identity: Identity,
     progress: &'a mut Progress<'a>,
     history_written: Stopwatch,
-    kept: Duration,
 }
 
 impl Files<'_> {
@@ -272,16 +271,13 @@ impl Sink for Files<'_> {
     }
 
     fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), String> {
-        let begin = Stopwatch::now();
         self.write_history()?;
         let mut shown = Vec::new();
         let mut times = self.frames.times().to_vec();
         persist_shown(&mut times, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
-        let written = checkpoint.write(&self.job.path(CHECKPOINT)).map_err(|e| e.to_string());
-        self.kept += begin.elapsed();
-        written
+        checkpoint.write(&self.job.path(CHECKPOINT)).map_err(|e| e.to_string())
     }
 }
 
@@ -332,17 +328,17 @@ pub fn run_with<'a>(
         }
     };
     let frames = frames.map_err(Refusal::Folder)?;
-    let (history_written, kept) = (Stopwatch::now(), Duration::ZERO);
-    let mut files = Files { job, frames, history, summary, identity, progress, history_written, kept };
+    let history_written = Stopwatch::now();
+    let mut files = Files { job, frames, history, summary, identity, progress, history_written };
     let state = options.from.as_ref().map(|c| &c.state[..]);
     let control = Control { every: options.every, interrupt: options.interrupt, state };
     let outcome = solve::run_with(&mut prepared.plan, &mut files, control).map_err(unfit)?;
     prepared.plan.ledger.share(&outcome.effect_seconds, outcome.seconds);
-    let kept = files.kept;
+    let kept = outcome.checkpoint_seconds;
     let history_failed = files.write_history().err();
     let mut summary = summarise(prepared, outcome, files.summary);
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
-    summary.timing.checkpoint_seconds = (kept > Duration::ZERO).then_some(kept.as_secs_f64());
+    summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
     history_failed.into_iter().for_each(|why| summary.unwritten(why));
     finish_files(job, &mut summary);
     Ok(summary)

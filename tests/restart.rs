@@ -337,6 +337,21 @@ fn the_last_good_instant_of_a_deformable_body_is_shown() {
     }
 }
 
+/// The way back starts where a part of the body was still at rest, and all of it moves when it fails.
+#[test]
+fn the_way_back_leads_over_what_has_slept() {
+    let deck = grid(4, 256, false, |i, j| [1.0 + i as f64, j as f64])
+        + &material(1000.0, 0.3, 1.0, "*Plastic\n 100., 0.\n")
+        + "*Step\n*Dynamic, Explicit, direct user control\n 0.01, 400.\n*Boundary, type=VELOCITY\n J1, 2, 2, -2.\n*Boundary\n J0, 2, 2\n\
+           *Output, field, number interval=1\n*Node Output\n U\n*End Step\n";
+    let (outcome, memory) = common::run(&deck, &[], &Routines::none());
+    let halt = outcome.halt.expect("a halt");
+    let increment = memory.frames.last().expect("a frame").increment;
+    // The wave needs some 700 increments from end to end.
+    assert!(halt.code == "R206" && increment > 1000 && memory.frames.len() == 2, "{halt:?} {increment}");
+    assert!(halt.reason.contains(&format!("increment {},", increment + 1)), "{} {increment}", halt.reason);
+}
+
 /// A run into files that is interrupted before its first increment.
 fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str) -> Job {
     let mut prepared = prepared(deck, settings, &Routines::none());
