@@ -12,7 +12,7 @@ use crate::deck::{self, Deck, Diagnostic, Diagnostics};
 use crate::effect::solid::instructions::Instructions;
 use crate::model;
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
-use crate::output::pvd::FrameWriter;
+use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan};
@@ -214,6 +214,13 @@ pub fn find_checkpoint(
         return Ok((None, notes));
     };
     checkpoint.accept(&prepared.identity(user))?;
+    let mut times: Vec<f64> = Vec::new();
+    times.persist(&mut Archive::reader(&checkpoint.shown));
+    if let [first, rest @ ..] = &missing_frames(job, times.len())[..] {
+        let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+        let message = format!("{}{more}, written before the checkpoint, is no longer there", first.display());
+        notes.push(Diagnostic::warning("K103", message));
+    }
     if prepared.has_routines {
         let message = "what the user's routines keep to themselves (SAVE, COMMON, open files) starts anew";
         notes.push(Diagnostic::note("K102", message));

@@ -375,6 +375,11 @@ fn a_checkpoint_of_something_else_is_refused() {
     assert_eq!(code(&deck, &[("V", "601")], "a"), "K004");
     assert_eq!(code(&deck, &[("V", "600")], "b"), "K005");
     assert_eq!(code(&deck.replace(", 1.e-3", ", 2.e-3"), &[("V", "600")], "a"), "K003");
+    // Its only frame is gone, and routines have a memory of their own: both is said.
+    fs::remove_file(job.path("_0000.vtu")).expect("removed");
+    let routines = Routines::none().with_load(Push);
+    let (_, notes) = job::find_checkpoint(&prepared(&deck, &[("V", "600")], &routines), &job, "a").expect("taken");
+    assert_eq!(notes.iter().map(|n| n.code).collect::<Vec<_>>(), ["K103", "K102"]);
     let path = job.path(".checkpoint");
     let bytes = fs::read(&path).expect("bytes");
     fs::write(&path, &bytes[..bytes.len() - 1]).expect("cut");

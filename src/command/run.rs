@@ -96,9 +96,6 @@ impl Run {
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
         }
-        if !self.quiet {
-            println!("{}", prepared.plan.ledger.render());
-        }
         let job = job::default_job(&self.deck, self.out.clone());
         if self.checkpoint_every.is_some() && !user.is_empty() && !self.quiet {
             let message =
@@ -109,6 +106,9 @@ impl Run {
             Ok(from) => from,
             Err(finding) => return Ok(refused(*finding)),
         };
+        if !self.quiet {
+            println!("{}", prepared.plan.ledger.render());
+        }
         let signal = watch_signals()?;
         let options = Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, user };
         let summary = match run(&mut prepared, &job, options, self.quiet) {
