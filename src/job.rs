@@ -277,6 +277,10 @@ impl Sink for Files<'_> {
         (self.progress)(step, fraction, increment);
     }
 
+    fn keeps(&self) -> bool {
+        true
+    }
+
     fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), String> {
         self.write_history()?;
         let mut shown = Vec::new();

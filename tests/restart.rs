@@ -38,6 +38,9 @@ impl Sink for Keeper {
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
         self.shown.row(time, values)
     }
+    fn keeps(&self) -> bool {
+        true
+    }
     fn keep(&mut self, state: &[u8], _now: &Instant) -> Result<(), String> {
         self.states.push((state.to_vec(), self.shown.rows.len(), self.shown.frames.len()));
         Ok(())

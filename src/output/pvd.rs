@@ -90,9 +90,10 @@ impl FrameWriter {
     }
 }
 
-/// Paths of the first so many frames of a job that are not there.
+/// Paths of the first so many frames of a job that are not there, or empty after a loss of power.
 pub fn missing_frames(job: &Job, count: usize) -> Vec<PathBuf> {
-    (0..count).map(|i| job.path(&format!("_{i:04}.vtu"))).filter(|path| !path.is_file()).collect()
+    let is_there = |path: &PathBuf| path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0);
+    (0..count).map(|i| job.path(&format!("_{i:04}.vtu"))).filter(|path| !is_there(path)).collect()
 }
 
 fn remove(path: &Path) -> io::Result<()> {

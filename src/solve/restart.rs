@@ -120,7 +120,7 @@ impl<'a> Keeping<'a> {
     #[cold]
     fn look_closely(&mut self, at: &mut At<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), Halt> {
         let now = at.run.now;
-        let due = self.is_due(&now) || signal != 0;
+        let due = (self.is_due(&now) || signal != 0) && sink.keeps();
         let begin = Stopwatch::now();
         if due {
             at.run.tell_restart()?;
