@@ -8,9 +8,9 @@ use std::time::{Duration, Instant as Stopwatch};
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::deck::{self, Deck, Diagnostic, Diagnostics};
+use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
 use crate::effect::solid::instructions::Instructions;
-use crate::model;
+use crate::model::{self, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
@@ -32,6 +32,8 @@ pub struct Prepared {
     pub plan: Plan,
     /// Findings of all rooms.
     pub diagnostics: Diagnostics,
+    /// What no mesh shows.
+    scene: Scene,
     /// Whether routines of the user take part.
     has_routines: bool,
 }
@@ -84,7 +86,7 @@ fn resolve((deck, mut diagnostics): (Deck, Diagnostics), routines: &Routines) ->
     if !diagnostics.has_errors() {
         diagnostics.append(found);
     }
-    Prepared { deck, plan, diagnostics, has_routines: routines.any() }
+    Prepared { scene: Scene::of(&model), deck, plan, diagnostics, has_routines: routines.any() }
 }
 
 /// What `<job>.json` holds. The keys are stable.
@@ -98,6 +100,9 @@ pub struct Summary {
     /// Whether a user's routine ended the analysis.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ended_by_user: bool,
+    /// What the run warns of.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Messages of the user's routines.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub messages: Vec<host::Message>,
@@ -113,6 +118,12 @@ pub struct Summary {
     pub rests: Vec<Rest>,
     /// What was simulated.
     pub ledger: Ledger,
+    /// Notes and warnings on the deck.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub diagnostics: Vec<Finding>,
+    /// Targets that are not meshed and analytical planes, for pictures.
+    #[serde(skip_serializing_if = "Scene::is_empty")]
+    pub scene: Scene,
     /// What it took.
     pub timing: Timing,
     /// The deck and its parameters.
@@ -404,6 +415,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),
         ended_by_user: outcome.ended_by_user,
+        warnings: outcome.warnings,
         messages: host::take_messages(),
         steps: outcome.steps,
         history,
@@ -411,6 +423,8 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         digest: outcome.digest,
         rests: outcome.rests,
         ledger: prepared.plan.ledger.clone(),
+        diagnostics: prepared.diagnostics.findings(&deck.sources),
+        scene: prepared.scene.clone(),
         timing: Timing {
             increments: outcome.increments,
             seconds: outcome.seconds,

@@ -8,6 +8,7 @@ pub mod kernel;
 pub mod model;
 pub mod output;
 pub mod plan;
+pub mod report;
 pub mod solve;
 pub mod state;
 pub mod study;

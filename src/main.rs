@@ -5,7 +5,7 @@ mod command;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use command::{REFUSED, check, explain, run, sweep};
+use command::{REFUSED, chart, check, explain, report, run, sweep};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
 #[derive(Parser)]
@@ -21,6 +21,8 @@ enum Command {
     Check(check::Check),
     Explain(explain::Explain),
     Sweep(sweep::Sweep),
+    Report(report::Report),
+    Chart(chart::Chart),
 }
 
 fn main() -> ExitCode {
@@ -29,6 +31,8 @@ fn main() -> ExitCode {
         Command::Check(check) => check.execute(),
         Command::Explain(explain) => explain.execute(),
         Command::Sweep(sweep) => sweep.execute(),
+        Command::Report(report) => report.execute(),
+        Command::Chart(chart) => chart.execute(),
     };
     match result {
         Ok(code) => code,

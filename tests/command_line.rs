@@ -27,7 +27,8 @@ fn run_writes_whole_files_with_stable_keys() {
     let summary = std::fs::read_to_string(folder.path().join("ogive.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     let keys: Vec<_> = summary.as_object().expect("an object").keys().cloned().collect();
-    let expected = ["status", "steps", "history", "energy", "digest", "rests", "ledger", "timing", "deck", "version"];
+    let expected =
+        ["status", "steps", "history", "energy", "digest", "rests", "ledger", "scene", "timing", "deck", "version"];
     assert_eq!(keys, expected);
     assert_eq!(summary["status"], "completed");
     assert_eq!(summary["deck"]["parameters"]["V"], 600.0);

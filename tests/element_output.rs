@@ -117,3 +117,33 @@ fn asking_for_strains_changes_no_bit_of_the_motion() {
         assert_eq!(column(&plain, &quiet, name), column(&asked, &told, name), "{name}");
     }
 }
+
+/// Of two materials one flows: the other has no plastic strain, and nothing here follows a temperature.
+#[test]
+fn what_a_group_does_not_have_is_not_shown() {
+    let outputs = "*Output, history, number interval=2\n*Element Output, elset=SOLID\n PEEQ, S22\n\
+                   *Output, field, number interval=2\n*Element Output\n PEEQ, PE, MISES, TEMP\n";
+    let flows = "*Plastic\n 10., 0.\n 30., 0.1\n";
+    let sets = "*Elset, elset=HARD\n 2, 4\n*Elset, elset=SOFT\n 1, 3\n*Solid Section, elset=SOFT";
+    let second = "*Solid Section, elset=HARD, material=E\n\
+                  *Material, name=E\n*Density\n 2.,\n*Elastic\n 1000., 0.3\n";
+    let deck = moving(|[_, z]| [0.0, 0.1 * z], 0.5, outputs, flows)
+        .replace("*Solid Section, elset=SOLID", sets)
+        .replace("*Step\n", &format!("{second}*Step\n"));
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let prepared = common::prepared(&deck, &[], &revolve::user::Routines::none());
+    let columns: Vec<&str> = prepared.plan.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(columns, ["PEEQ@1", "PEEQ@3", "S22@1", "S22@2", "S22@3", "S22@4"]);
+    assert!(prepared.plan.ledger.unused.iter().any(|u| u.what == "TEMP"), "{:?}", prepared.plan.ledger.unused);
+    let frame = memory.frames.last().expect("a frame");
+    let names: Vec<&str> = frame.cell_fields.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["PEEQ", "PE", "MISES"]);
+    for field in &frame.cell_fields {
+        let cells = field.values.chunks(field.components);
+        let absent: Vec<bool> = cells.map(|c| c.iter().all(|v| v.is_nan())).collect();
+        let flows = field.name != "MISES";
+        assert_eq!(absent.iter().filter(|a| **a).count(), if flows { 2 } else { 0 }, "{}", field.name);
+        assert!(field.values.iter().filter(|v| !v.is_nan()).all(|v| v.is_finite()));
+    }
+}

@@ -61,14 +61,14 @@ fn a_rigid_mass_on_an_elastic_column_has_its_period() {
     assert_eq!(last(&deck, &memory, &format!("U2@{}", 3 * ROWS + 3)), motion.last().expect("a row").1);
     let drift = outcome.energy.drift;
     println!("mass on a column: period off by {error:.1e}, drift {drift:.1e}");
-    assert!(drift < 3e-3, "{drift:e}");
+    assert!(drift < 2e-3, "{drift:e}");
 }
 
 #[test]
 fn a_rigid_mass_and_a_free_column_keep_their_momentum_and_energy() {
     let mass = 0.02;
     let deck = column_with_mass(mass, "*Initial Conditions, type=VELOCITY\n 900, 2, -1.e-3\n")
-        + "*Step\n*Dynamic, Explicit\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=50\n\
+        + "*Step\n*Dynamic, Explicit, element by element\n , 3.\n*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=50\n\
            *Node Output, nset=REF\n V2\n*Node Output, nset=ALL\n V2\n*Energy Output\n ETOTAL\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
@@ -86,7 +86,7 @@ fn a_rigid_mass_and_a_free_column_keep_their_momentum_and_energy() {
         assert!((momentum / start - 1.0).abs() < 1e-11, "{momentum:e} {start:e}");
     }
     println!("mass and free column: drift {:.1e}", outcome.energy.drift);
-    assert!(outcome.energy.drift < 3e-3, "{:e}", outcome.energy.drift);
+    assert!(outcome.energy.drift < 2e-3, "{:e}", outcome.energy.drift);
 }
 
 /// Gravity on everything and a force on a tied node reach the body; the whole falls as one.
@@ -150,7 +150,7 @@ fn an_equation_follows_a_motion_that_is_given() {
             1.0,
             "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 1., 1.\n*Nset, nset=LEADER\n 1\n*Nset, nset=FOLLOWER\n 15\n*Nset, nset=OTHER\n 14\n",
         )
-        + "*Equation\n 2\n 15, 2, 1., 1, 2, -2.\n3\n14, 2, 1., 15, 2, -0.5, 13, 2, -0.5\n*Step\n*Dynamic, Explicit\n , 1.\n\
+        + "*Equation\n 2\n 15, 2, 1., 1, 2, -2.\n3\n14, 2, 1., 15, 2, -0.5, 13, 2, -0.5\n*Step\n*Dynamic, Explicit, element by element\n , 1.\n\
            *Boundary, amplitude=RAMP\n 1, 2, 2, 0.01\n*Output, history, number interval=20\n\
            *Node Output, nset=LEADER\n U2, RF2\n*Node Output, nset=FOLLOWER\n U2\n*Node Output, nset=OTHER\n U2\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLWK\n*End Step\n";
     let (outcome, memory) = run(&deck);
@@ -161,7 +161,7 @@ fn an_equation_follows_a_motion_that_is_given() {
     assert!((last(&deck, &memory, "U2@OTHER") - mean).abs() < 1e-12);
     // What the given motion has done is all the work there is; the follower takes its part through the equation.
     println!("given motion through an equation: drift {:.1e}", outcome.energy.drift);
-    assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 5e-3, "{:?}", outcome.energy);
+    assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
 }
 
 #[test]
@@ -246,7 +246,11 @@ fn a_line_spring_between_two_blocks_limits_the_increment() {
             "{other}{elements}*Element, type=SPRINGA, elset=K\n 301, 7, 201\n*Spring, elset=K{spring}\n\
              *Initial Conditions, type=VELOCITY\n UP, 2, 0.001\n"
         );
-        run(&block_on(1e3, &links, &format!("*Step\n*Dynamic, Explicit, scale factor={factor}\n , 20.\n")))
+        run(&block_on(
+            1e3,
+            &links,
+            &format!("*Step\n*Dynamic, Explicit, element by element, scale factor={factor}\n , 20.\n"),
+        ))
     };
     let (soft, _) = run_with("\n\n 0.1", "1.");
     let (stiff, _) = run_with("\n\n 100000.", "0.98");
@@ -295,6 +299,28 @@ fn an_elastic_bar_rebounds_from_a_wall_after_its_contact_time() {
     assert!(energy.drift < 2e-3 && energy.contact > 0.0 && energy.contact < 0.02 * energy.initial, "{energy:?}");
 }
 
+/// A contact pair may name a surface interaction that comes later, and must name one that comes at all.
+#[test]
+fn a_surface_interaction_may_come_after_its_pair() {
+    let interaction = "*Surface Interaction, name=ROUGH\n*Friction\n 0.25\n";
+    let deck = |before: &str, after: &str| {
+        grid(2, 4, false, |i, j| [i as f64, j as f64])
+            + &material(MODULUS, 0.3, 1.0, WALL)
+            + before
+            + "*Initial Conditions, type=VELOCITY\n ALL, 2, -0.01\n ALL, 1, 0.01\n"
+            + "*Step\n*Dynamic, Explicit\n , 2.\n*Boundary\n 800, 2, 2\n*Contact Pair, interaction=ROUGH\n J0, WALL\n"
+            + "*End Step\n"
+            + after
+    };
+    let [early, late] = [deck(interaction, ""), deck("", interaction)].map(|text| run(&text).0.energy);
+    assert!(early.friction > 0.0);
+    assert_eq!(early.friction.to_bits(), late.friction.to_bits());
+    let none = deck("", "");
+    let prepared = revolve::job::prepare_text("bad.inp", &none, &[], &revolve::user::Routines::none());
+    let shown = prepared.diagnostics.render(&prepared.deck.sources);
+    assert!(prepared.diagnostics.has_errors() && shown.contains("M114") && shown.contains("ROUGH"), "{shown}");
+}
+
 /// The copper bar of Taylor's test against a wall is the one whose foot is held; friction keeps its foot narrower.
 #[test]
 fn a_taylor_bar_against_a_wall_is_the_one_whose_foot_is_held() {
@@ -317,7 +343,7 @@ fn a_taylor_bar_against_a_wall_is_the_one_whose_foot_is_held() {
             let (outcome, memory) = run(&deck);
             assert_eq!(outcome.halt, None);
             println!("Taylor bar: drift {:.1e}, contact {:.1e}", outcome.energy.drift, outcome.energy.contact);
-            assert!(outcome.energy.drift < 5e-3, "{:?}", outcome.energy);
+            assert!(outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
             (last(&deck, &memory, "U1@FOOT"), last(&deck, &memory, "U2@HEAD"), outcome.energy.friction)
         }
     };
@@ -349,7 +375,7 @@ fn a_moving_wall_does_its_work() {
     let work: f64 = force.windows(2).map(|w| w[1].1 * 0.001 * (w[1].0 - w[0].0)).sum();
     println!("moving wall: work {:.4e}, from its force {work:.4e}, drift {:.1e}", energy.work, energy.drift);
     assert!(energy.work > 0.0 && (work / energy.work - 1.0).abs() < 0.05, "{work} {energy:?}");
-    assert!(energy.drift < 5e-3, "{energy:?}");
+    assert!(energy.drift < 2e-3, "{energy:?}");
 }
 
 #[test]

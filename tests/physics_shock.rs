@@ -111,6 +111,30 @@ fn completed(name: &str, outcome: &Outcome, drift: f64) {
     assert!(outcome.energy.drift < drift, "{name}: drift {:e}", outcome.energy.drift);
 }
 
+/// A cone of 0.1 rad around z = 0 of `n` elements, a triangle at the centre first. A node on the upper ray keeps to it: an
+/// equation ties u_z to u_r tan(0.1). All nodes run towards the centre.
+fn wedge(n: usize) -> String {
+    let (angle, node) = (0.1_f64, |i: usize, j: usize| 2 * i + j);
+    let mut nodes = String::from("*Node, nset=ALL\n 1, 0., 0.\n");
+    let mut rest = String::from("*Element, type=CAX3, elset=SOLID\n 1, 1, 2, 3\n*Element, type=CAX4R, elset=SOLID\n");
+    let (mut equations, mut speeds) = (String::new(), String::from("*Initial Conditions, type=VELOCITY\n"));
+    for i in 1..=n {
+        for (j, [c, s]) in [[1.0, 0.0], [angle.cos(), angle.sin()]].into_iter().enumerate() {
+            let (k, radius) = (node(i, j), i as f64 / n as f64);
+            writeln!(nodes, " {k}, {:.17e}, {:.17e}", radius * c, radius * s).expect("text");
+            write!(speeds, " {k}, 1, {:.17e}\n {k}, 2, {:.17e}\n", -c, -s).expect("text");
+        }
+        let upper = node(i, 1);
+        writeln!(equations, "*Equation\n 2\n {upper}, 2, 1., {upper}, 1, {:.17e}", -angle.tan()).expect("text");
+        if i < n {
+            let corners = [node(i, 0), node(i + 1, 0), node(i + 1, 1), node(i, 1)].map(|n| n.to_string());
+            writeln!(rest, " {}, {}", i + 1, corners.join(", ")).expect("text");
+        }
+    }
+    let sets = format!("*Nset, nset=R0, generate\n 2, {}, 2\n*Nset, nset=R0\n 1,\n", node(n, 0));
+    nodes + &rest + &sets + &equations + &speeds
+}
+
 /// The cold gas of Noh (gamma = 5/3) that runs with the velocity 1 into a wall, the axis, the centre, for 0.6: `n`
 /// elements on the way.
 fn noh(symmetry: &str, n: usize) -> String {
@@ -124,26 +148,20 @@ fn noh(symmetry: &str, n: usize) -> String {
             let deck = grid(n, 1, false, |i, j| [line(i), j as f64 * 0.01]);
             (deck + "*Initial Conditions, type=VELOCITY\n ALL, 1, -1.\n", " ALL, 2, 2\n I0, 1, 1\n")
         }
-        // The centre in the corner of a square mesh, which keeps no symmetry but that of the answer.
-        _ => {
-            let mut deck = grid(n, n, false, |i, j| [line(i), line(j)]) + "*Initial Conditions, type=VELOCITY\n";
-            for (i, j) in (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))).skip(1) {
-                let (node, length) = (1 + i + j * (n + 1), (i as f64).hypot(j as f64));
-                let (r, z) = (-(i as f64) / length, -(j as f64) / length);
-                write!(deck, " {node}, 1, {r:e}\n {node}, 2, {z:e}\n").expect("text");
-            }
-            (deck, " J0, 2, 2\n I0, 1, 1\n")
-        }
+        // A cone around z = 0, one element wide: its upper ray is held by equations, so that all moves along rays.
+        _ => (wedge(n), " R0, 2, 2\n"),
     };
     deck += &gas(5.0 / 3.0, 1e-6);
-    deck + "*Step\n*Dynamic, Explicit\n , 0.6\n*Boundary\n" + held + FRAME
+    // The shock springs up at the wall within some increments whose lengths change: an error of their square in the energy.
+    let scale = if symmetry == "spherical" { 1.0 } else { 0.6 };
+    deck + &format!("*Step\n*Dynamic, Explicit, scale factor={scale}\n , 0.6\n*Boundary\n{held}") + FRAME
 }
 
 /// Density and pressure between the wall's heating and the shock, and the shock's place.
 fn plateau(symmetry: &str, n: usize, density: f64) -> [f64; 3] {
     let deck = noh(symmetry, n);
     let (outcome, memory) = run(&deck);
-    completed(symmetry, &outcome, 5e-3);
+    completed(symmetry, &outcome, 2e-3);
     let cells = cells(&deck, &memory, 1.0);
     let distance = |[r, z]: [f64; 2]| match symmetry {
         "planar" => z,
@@ -156,13 +174,12 @@ fn plateau(symmetry: &str, n: usize, density: f64) -> [f64; 3] {
 
 /// Noh: behind the shock the density is 4, 16, 64 and the pressure a third of it; the shock is at 0.2. The bulk viscosity
 /// heats a gas that converges ahead of the shock, so the error is of first order: both meshes and their limit are compared.
-/// In the corner of the square the elements are pressed to a hundredth of their volume; meshes much finer turn inside out.
 #[test]
 fn nohs_gas_piles_up_to_its_density() {
     for (symmetry, density, meshes, near, limits) in [
         ("planar", 4.0, [100, 200], 0.002, 0.006),
         ("cylindrical", 16.0, [100, 200], 0.04, 0.01),
-        ("spherical", 64.0, [40, 80], 0.16, 0.12),
+        ("spherical", 64.0, [200, 400], 0.075, 0.02),
     ] {
         let [coarse, fine] = meshes.map(|n| plateau(symmetry, n, density));
         let limit = [0, 1, 2].map(|i| 2.0 * fine[i] - coarse[i]);
@@ -179,6 +196,8 @@ fn nohs_gas_piles_up_to_its_density() {
 }
 
 /// Sedov's blast in a gas with gamma = 1.4: the energy 0.851072 in the middle of a ball brings the shock to r = 1 at t = 1.
+/// The core bursts at once, and central differences lose m a^2 dt^2/8 of what it does in the half increment at the start (at
+/// SCALE FACTOR=0.5 that is 0.5 % of the energy, here a quarter of it): no load does that work, so it is not booked.
 #[test]
 fn sedovs_blast_reaches_its_radius() {
     let (n, around) = (60, 12);
@@ -197,12 +216,12 @@ fn sedovs_blast_reaches_its_radius() {
     let energy = 0.5 * 0.851072 / volume;
     let deck = inside
         + &format!(
-            "*Initial Conditions, type=SPECIFIC ENERGY\n CORE, {energy:e}\n*Step\n*Dynamic, Explicit, scale factor=0.5\n , 1.\n\
+            "*Initial Conditions, type=SPECIFIC ENERGY\n CORE, {energy:e}\n*Step\n*Dynamic, Explicit, scale factor=0.25\n , 1.\n\
              *Boundary\n R0, 2, 2\n AXIS, 1, 1\n"
         )
         + FRAME;
     let (outcome, memory) = run(&deck);
-    completed("Sedov", &outcome, 1e-2);
+    completed("Sedov", &outcome, 2e-3);
     let cells = cells(&deck, &memory, 1.0);
     // Half of the greatest mean density of a shell, on the outside of its peak.
     let shell = |i: usize| {
@@ -304,7 +323,7 @@ fn air_is_pressed_along_its_isentrope() {
            *Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 2., 1.\n*Step\n*Dynamic, Explicit\n , 2.\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n\
            *Boundary, amplitude=A\n J1, 2, 2, -0.5\n*Output, history, number interval=20\n*Element Output, elset=SOLID\n PRESS, TEMP\n*End Step\n";
     let (outcome, memory) = run(&deck);
-    completed("air", &outcome, 5e-3);
+    completed("air", &outcome, 2e-3);
     let start = 1.2 * 287.0 * 293.15;
     let pressure = column(&deck, &memory, "PRESS@SOLID");
     assert!((pressure[0].1 - (start - 1e5)).abs() < 1e-6, "{}", pressure[0].1);

@@ -77,7 +77,7 @@ fn a_distorted_patch_stretches_uniformly() {
 fn a_displacement_counts_from_the_start_of_its_step() {
     let step = |cards: &str| {
         format!(
-            "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary, {cards}\n*Output, history, frequency=1\n\
+            "*Step\n*Dynamic, Explicit, element by element\n , 1.\n*Boundary, {cards}\n*Output, history, frequency=1\n\
              *Node Output, nset=ONE\n U2\n*End Step\n"
         )
     };
@@ -99,6 +99,7 @@ fn a_displacement_counts_from_the_start_of_its_step() {
         assert!((at - expected).abs() < 1e-12, "U2 = {at} at {time}, not {expected}");
     }
     let energy = outcome.energy;
+    // Four elements under ramps of some ten increments: the balance is of second order.
     assert!(energy.drift < 2e-2, "drift {:e}", energy.drift);
 }
 
@@ -246,6 +247,38 @@ fn the_copper_taylor_bar_is_that_of_other_codes() {
     }
 }
 
+/// ABAQUS's default, the global estimate, takes fewer increments than going element by element and comes to the same bar.
+/// Elastic vibration, in which an estimate holds for good, needs one.
+#[test]
+fn the_global_estimate_saves_increments_and_changes_no_answer() {
+    let deck = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
+    let by_elements = deck.replace("*Dynamic, Explicit", "*Dynamic, Explicit, element by element");
+    let [(global, a), (local, b)] = [&deck, &by_elements].map(|text| common::run(text, &[], &Routines::none()));
+    assert_eq!((&global.halt, &local.halt), (&None, &None));
+    let ratio = global.increments as f64 / local.increments as f64;
+    let estimates = global.steps[0].global_estimates.expect("a count");
+    println!("Taylor 10x50: {ratio:.3} of the increments, {estimates} estimates");
+    // sqrt(1/2) would be squares at all times; elements start twice as long as wide and end flattened.
+    assert!((0.71..0.93).contains(&ratio), "{ratio}");
+    assert!((2..100).contains(&estimates) && local.steps[0].global_estimates.is_none());
+    for name in ["COOR2@TIP", "COOR1@CORNER"] {
+        let [x, y] = [(&by_elements, &b), (&deck, &a)].map(|(deck, memory)| last(deck, memory, name));
+        // The error of the increments, second order, of a flow that is smooth in time.
+        assert!((x / y - 1.0).abs() < 1e-3, "{name}: {x} {y}");
+    }
+    let elastic = grid(6, 6, false, |i, j| [1.0 + i as f64, j as f64])
+        + &material(1.0, 0.3, 1.0, "")
+        + "*Initial Conditions, type=VELOCITY\n J0, 2, 1.e-6\n";
+    let run = |option: &str| run(&format!("{elastic}*Step\n*Dynamic, Explicit{option}\n , 500.\n*End Step\n")).0;
+    let (global, local) = (run(""), run(", element by element"));
+    assert_eq!((global.halt, global.steps[0].global_estimates), (None, Some(1)));
+    let ratio = global.increments as f64 / local.increments as f64;
+    println!("elastic squares: {ratio:.3} of the increments, drift {:.1e}", global.energy.drift);
+    // sqrt(1/2) for the squares of a plane.
+    assert!((0.7..0.76).contains(&ratio), "{ratio}");
+    assert!(global.energy.drift < 2e-3, "{:e}", global.energy.drift);
+}
+
 #[test]
 fn the_number_of_threads_changes_no_bit() {
     // More elements than it takes to spread them.
@@ -345,6 +378,41 @@ fn a_deformable_projectile_enters_the_same_target() {
     // The speed of the whole, from its kinetic energy; the disc rings a little.
     let got = (2.0 * last(&deck, &memory, "ALLKE") / (PI * a * a * m)).sqrt();
     assert!((got - expected).abs() < 0.01 * (v - expected), "{got} {expected}");
+    // Nothing is done from outside: what is lost opens the cavity, but for what the disc stores.
+    let energy = outcome.energy;
+    let lost = 0.5 * PI * a * a * m * (v * v - expected * expected);
+    assert_eq!(energy.friction, 0.0);
+    assert!(energy.work.abs() < 1e-6 * lost, "{energy:?}");
+    assert!((energy.cavity / lost - 1.0).abs() < 0.01 && energy.drift < 2e-3, "{energy:?} {lost}");
+}
+
+/// A cone that deforms, driven by a given velocity into a target with friction: the work of the cavity and of friction
+/// are those of the pressure and of mu times it along the sides, F_n V and F_t V with F_t / F_n = mu / tan(half angle).
+#[test]
+fn friction_in_a_target_is_booked_as_friction() {
+    let (n, mu, v) = (8, 0.3, 300e3);
+    // A frustum of the half angle 45 degrees, its flat faces loaded by nothing.
+    let deck = grid(n, n, false, |i, j| {
+        let z = 10.0 * j as f64 / n as f64;
+        [(2.0 + z) * i as f64 / n as f64, z]
+    }) + &material(200e3, 0.3, 7.85e-9, "")
+        + &format!(
+            "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n*Target, name=WALL, front=11., direction=-1\n ROCK, 900.\n\
+             *Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit\n , 4.e-6\n*Dsload, target=WALL, friction={mu}\n I1, CAVITY\n\
+             *Boundary, type=VELOCITY\n ALL, 2, 2, {:e}\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n",
+            -v, -v
+        );
+    let (outcome, _) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    // Moved without a change of shape: sigma = 4 Y + rho (V/sqrt 2)^2 on the sides, whose projected area is pi (12^2 - 2^2).
+    let sigma = 400.0 + 2.7e-9 * 0.5 * v * v;
+    let cavity = sigma * PI * (144.0 - 4.0) * v * 4e-6;
+    let energy = outcome.energy;
+    println!("cone: ALLCAV {:e} of {cavity:e}, ALLFD over it {:.6}", energy.cavity, energy.friction / energy.cavity);
+    assert!((energy.cavity / cavity - 1.0).abs() < 1e-6, "{energy:?} {cavity}");
+    assert!((energy.friction / energy.cavity / mu - 1.0).abs() < 1e-6, "{energy:?}");
+    // What moves the cone does all of it.
+    assert!((energy.work / (energy.cavity + energy.friction) - 1.0).abs() < 1e-6 && energy.drift < 1e-6, "{energy:?}");
 }
 
 #[test]

@@ -327,15 +327,17 @@ fn the_last_good_instant_of_a_deformable_body_is_shown() {
         let (outcome, memory) = common::run(&deck("number interval=1"), &[], &Routines::none());
         let (every, all) = common::run(&deck("frequency=1"), &[], &Routines::none());
         let halt = outcome.halt.as_ref().expect("a halt");
-        assert_eq!((halt.code, &every.halt), ("R206", &outcome.halt));
+        assert_eq!(every.halt, outcome.halt);
         // The first and the last, which are one where the first increment fails.
         let increment = memory.frames.last().expect("a frame").increment;
         let count = if increment == 0 { 1 } else { 2 };
         assert_eq!((memory.frames.len(), memory.rows.len()), (count, count));
         assert!(frames(&memory, count - 1) == frames(&all, all.frames.len() - 1));
         assert!(rows(&memory, count - 1) == rows(&all, all.rows.len() - 1));
-        assert!(halt.reason.contains(&format!("increment {},", increment + 1)), "{} {increment}", halt.reason);
-        assert!(control.is_empty() || increment > 5000, "{increment}");
+        // It collapses at an instant that is complete, or turns inside out in the increment behind the last good one.
+        let failed = if halt.code == "R209" { increment } else { increment + 1 };
+        assert!(halt.reason.contains(&format!("increment {failed},")), "{halt:?} {increment}");
+        assert!(control.is_empty() || halt.code != "R209" && increment > 5000, "{halt:?} {increment}");
         assert_eq!(outcome.digest, every.digest);
     }
 }

@@ -53,7 +53,7 @@ fn taylor(material: &str, variable: &str) -> String {
         + "*Solid Section, elset=SOLID, material=COPPER\n*Material, name=COPPER\n*Density\n 8930.\n"
         + material
         + "*Initial Conditions, type=VELOCITY\n ALL, 2, -227.\n*Nset, nset=CORNER\n 6,\n*Nset, nset=TIP\n 151,\n\
-           *Elset, elset=FOOT\n 1,\n*Step\n*Dynamic, Explicit\n , 80.e-6\n*Boundary\n J0, 2, 2\n\
+           *Elset, elset=FOOT\n 1,\n*Step\n*Dynamic, Explicit, element by element\n , 80.e-6\n*Boundary\n J0, 2, 2\n\
            *Output, history, number interval=20\n*Node Output, nset=CORNER\n U1\n*Node Output, nset=TIP\n U2\n\
            *Energy Output\n ALLIE, ALLPD, ALLSE\n*Element Output, elset=FOOT\n"
         + variable
@@ -77,7 +77,7 @@ fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
     assert_eq!((&expected.halt, &got.halt), (&None, &None));
     assert_eq!(expected.increments, got.increments);
     assert!(
-        got.energy.drift < 5e-3 && (got.energy.drift / expected.energy.drift - 1.0).abs() < 1e-3,
+        got.energy.drift < 2e-3 && (got.energy.drift / expected.energy.drift - 1.0).abs() < 1e-3,
         "{:?}",
         got.energy
     );
@@ -100,6 +100,9 @@ fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
     let state = here.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "SDV1").expect("SDV1");
     let strain = there.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "PEEQ").expect("PEEQ");
     assert_eq!(state.values.len(), 125);
+    // Of a routine's material nobody but the routine knows a plastic strain.
+    let fields = &here.frames.last().expect("a frame").cell_fields;
+    assert!(fields.iter().all(|f| f.name != "PEEQ" && f.name != "PE"));
     assert!(state.values.iter().zip(&strain.values).all(|(a, b)| (a - b).abs() < 1e-11));
 }
 
@@ -110,7 +113,10 @@ fn the_example_deck_is_the_built_in_example() {
         return;
     }
     let depth = |deck: &str, settings: &[(&str, &str)], routines: &Routines| {
-        let mut prepared = job::prepare(&common::project(deck), &common::pairs(settings), routines);
+        // A user's material has no global estimate.
+        let text = std::fs::read_to_string(common::project(deck)).expect("the deck");
+        let text = text.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, element by element\n");
+        let mut prepared = job::prepare_text(deck, &text, &common::pairs(settings), routines);
         assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
         let (outcome, summary) = job::run_in_memory(&mut prepared);
         assert_eq!(outcome.halt, None);
@@ -222,7 +228,7 @@ fn the_variable_that_deletes_takes_an_element_away_for_good() {
     // The work that broke it stays in the books; forces vanish at once, between two increments of 1e-3.
     let internal = rows("ALLIE");
     assert!(internal[3..].iter().all(|e| *e == internal[3]) && internal[3] > 0.0, "{internal:?}");
-    assert!(outcome.energy.drift < 1e-2, "{:?}", outcome.energy);
+    assert!(outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
 }
 
 /// A run with another material in Fortran, which halts.

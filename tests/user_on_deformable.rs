@@ -5,6 +5,9 @@
 
 mod common;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use common::Memory;
 use common::solid::{grid, material};
 use revolve::user::{LoadFailure, LoadPoints, MotionCall, Routines, UserLoad, UserMotion};
@@ -118,8 +121,8 @@ fn a_force_a_volume_along_z_lets_a_body_fall() {
         assert!((u + 1.5 * time * time).abs() < 1e-10 && (a + 3.0).abs() < 1e-10, "{u} {a} at {time}");
     }
     let energy = outcome.energy;
-    // The half increment at the start: (dt / 2)^2 of the kinetic energy.
-    assert!((energy.work / energy.kinetic - 1.0).abs() < 3e-7 && energy.internal < 1e-12, "{energy:?}");
+    // The half increment at the start is booked with the mean of its velocities.
+    assert!((energy.work / energy.kinetic - 1.0).abs() < 1e-11 && energy.internal < 1e-12, "{energy:?}");
 }
 
 #[test]
@@ -133,6 +136,44 @@ fn a_force_a_volume_along_r_is_shared_as_the_mass_is() {
     for a in memory.frames[0].point_fields[0].values.chunks(2) {
         assert!((a[0] - 2.0).abs() < 1e-12 && a[1] == 0.0, "{a:?}");
     }
-    // The same half increment under a sudden load, with the increments of a coarse mesh.
-    assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 1e-2, "{:?}", outcome.energy);
+    // Two elements ring with periods of a few increments, which change as they stretch: the balance is of second order.
+    assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 5e-3, "{:?}", outcome.energy);
+}
+
+/// A load that does not push, and looks at the acceleration that it is shown, that of the instant before.
+struct Looking {
+    seen: Arc<AtomicUsize>,
+}
+
+impl UserLoad for Looking {
+    fn reads_motion(&self) -> bool {
+        true
+    }
+
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        let n = pressure.len();
+        let expected = if points.now.increment == 0 { 0.0 } else { -9.81 };
+        let right = |a: &f64, expected: f64| (a - expected).abs() < 1e-9;
+        let [along_r, along_z] = [&points.motion[4 * n..5 * n], &points.motion[5 * n..6 * n]];
+        if along_r.iter().all(|a| right(a, 0.0)) && along_z.iter().all(|a| right(a, expected)) {
+            self.seen.fetch_add(1, Ordering::Relaxed);
+        }
+        pressure.fill(0.0);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_user_load_sees_the_acceleration_of_the_instant_before() {
+    for load in ["*Dsload\n J1, PNU\n", "*Dload\n SOLID, BZNU\n"] {
+        let deck = body()
+            + "*Step\n*Dynamic, Explicit, direct user control\n 1.e-3, 0.02\n*Dload\n SOLID, GRAV, 9.81, 0., -1.\n"
+            + load
+            + "*End Step\n";
+        let seen = Arc::new(AtomicUsize::new(0));
+        let routines = Routines::none().with_load(Looking { seen: seen.clone() });
+        let (outcome, _) = common::run(&deck, &[], &routines);
+        assert_eq!(outcome.halt, None);
+        assert_eq!(seen.load(Ordering::Relaxed) as u64, outcome.increments + 1, "{load}");
+    }
 }

@@ -1,8 +1,10 @@
 //! The commands, one file each: arguments, printing, exit status. Here: what several share.
 //! Never here: physics, files of results (`output`), anything a test would call without a command line.
 
+pub mod chart;
 pub mod check;
 pub mod explain;
+pub mod report;
 pub mod run;
 pub mod sweep;
 

@@ -117,6 +117,7 @@ impl Run {
             Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
         };
         print_messages(&summary.messages, self.quiet);
+        summary.warnings.iter().filter(|_| !self.quiet).for_each(|w| eprintln!("warning: {w}"));
         if !self.quiet {
             print_outcome(&summary, &job);
         }
@@ -202,7 +203,11 @@ fn print_outcome(summary: &Summary, job: &output::Job) {
     }
     for step in summary.steps.iter().filter(|s| s.limiting_element.is_some()) {
         let element = step.limiting_element.as_deref().unwrap_or_default();
-        println!("{}: smallest increment {:.3e}, limited by element {element}", step.name, step.smallest_increment);
+        let by = match step.global_estimates {
+            Some(count) => format!(", global estimate made {count} times"),
+            None => String::new(),
+        };
+        println!("{}: smallest increment {:.3e}, limited by element {element}{by}", step.name, step.smallest_increment);
     }
     println!("energy drift {:.1e} of the largest energy", summary.energy.drift);
     if let Some(increment) = summary.timing.resumed_at {

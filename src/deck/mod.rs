@@ -4,6 +4,7 @@
 pub mod codes;
 pub mod diagnostic;
 pub mod expression;
+pub mod finding;
 mod findings;
 pub mod keywords;
 mod lexer;
@@ -21,6 +22,7 @@ use std::path::Path;
 
 pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use finding::Finding;
 pub use findings::tier_findings;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, Parameter, Word};

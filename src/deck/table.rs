@@ -145,10 +145,10 @@ pub static KEYWORDS: &[Keyword] = &[
         "TEST DATA INPUT": "Not supported: give the constants",
     }, ["C10, D1"]),
     row!(Used, "SHEAR FAILURE", "Failure by plastic strain", {
-        "TYPE": "TABULAR (default; one strain) or JOHNSON COOK",
+        "TYPE": "TABULAR (default) or JOHNSON COOK",
         "ELEMENT DELETION": "YES (default)",
         "DEPENDENCIES": "Number of field variables",
-    }, ["Plastic strain at failure; or d1, d2, d3, d4, d5"]),
+    }, ["Plastic strain at failure, rate of the plastic strain, pressure over von Mises stress, temperature; or d1, d2, d3, d4, d5"]),
     row!(Used, "TENSILE FAILURE", "Cutoff of tension, spall", {
         "ELEMENT DELETION": "YES (default); NO keeps the mean stress at the cutoff",
         "PRESSURE": "DUCTILE, with ELEMENT DELETION=NO",
@@ -161,7 +161,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "UNIVERSAL GAS CONSTANT": "Not supported: give the gas constant with *EOS",
     }, []),
     row!(Used, "PLASTIC", "Metal plasticity", {
-        "HARDENING": "ISOTROPIC (default), KINEMATIC (two rows) or JOHNSON COOK",
+        "HARDENING": "ISOTROPIC (default), KINEMATIC (two rows, at each temperature) or JOHNSON COOK",
         "RATE": "Strain rate of the table",
         "DEPENDENCIES": "Number of field variables",
         "DATA TYPE": "Not supported",
@@ -193,7 +193,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "NAME": "Name of the controls",
         "HOURGLASS": "ENHANCED, RELAX STIFFNESS, STIFFNESS, VISCOUS or COMBINED",
         "DISTORTION CONTROL": "YES or NO",
-        "LENGTH RATIO": "Of distortion control",
+        "LENGTH RATIO": "Of distortion control (0.1): distance from the line between its neighbours, over that at the start, below which a corner is pushed",
         "ELEMENT DELETION": "YES or NO",
         "MAX DEGRADATION": "Damage at which an element goes",
         "SECOND ORDER ACCURACY": "YES or NO",
@@ -202,6 +202,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "RAMP INITIAL STRESS": "YES or NO",
         "VISCOSITY": "Damage regularisation",
         "WEIGHT FACTOR": "Of hourglass stiffness and viscosity",
+        "WEIGHTING": "+VOLUME (default) or AREA: the equation of motion integrated over the plane section",
         "CONVERSION CRITERION": "Not supported: conversion to particles",
         "CONVERSION": "Not supported: conversion to particles",
         "KERNEL": "Not supported: particles",
@@ -227,11 +228,11 @@ pub static KEYWORDS: &[Keyword] = &[
     }, ["Degree of freedom of SPRING1 (empty for SPRINGA)", "Stiffness; or force, relative displacement with NONLINEAR"]),
     row!(Used, "DASHPOT", "Dashpots of DASHPOTA and DASHPOT1 elements", {
         "ELSET": "Elements",
-        "NONLINEAR": "Not supported: rows of force and velocity",
+        "NONLINEAR": "Rows of force and relative velocity",
         "DEPENDENCIES": "Not supported",
         "ORIENTATION": "Not supported",
         "RTOL": "Not supported",
-    }, ["Degree of freedom of DASHPOT1 (empty for DASHPOTA)", "Coefficient, force a velocity"]),
+    }, ["Degree of freedom of DASHPOT1 (empty for DASHPOTA)", "Coefficient, force a velocity; or force, relative velocity with NONLINEAR"]),
     row!(Used, "RIGID BODY", "Makes a set of elements or nodes a rigid body", {
         "REF NODE": "Reference node or a set of one",
         "ELSET": "Elements",
@@ -333,6 +334,11 @@ pub static KEYWORDS: &[Keyword] = &[
         {},
         ["Linear factor (0.06), quadratic factor (1.2)"]
     ),
+    row!(extension "ENERGY LIMIT", "Warns or halts where the energy balance or hourglass control goes wrong", {
+        "ERROR": "Largest drift of ETOTAL over the largest energy met",
+        "ARTIFICIAL": "Largest ALLAE over ALLIE, from the time that ALLIE is 1 % of the largest energy",
+        "ACTION": "WARN (default) once a step, or HALT",
+    }, []),
     row!(Used, "FIXED MASS SCALING", "Scales masses at the start of the step", {
         "ELSET": "Elements; all if absent",
         "FACTOR": "Factor on the mass",
@@ -594,7 +600,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "ACCUMULATION POWER": "Of the sum", "ALPHA": "Of HASHIN", "DEFINITION": "Of MSFLD", "FEQ": "Of MSFLD", "FNN": "Of MSFLD", "FNT": "Of MSFLD",
         "FREQUENCY": "Of MSFLD", "KS": "Of SHEAR", "LODE DEPENDENT": "Of DUCTILE", "PEINC": "Of MSFLD", "POSITION": "Of enriched elements", "PROPERTIES": "Of USER",
         "FAILURE MECHANISMS": "Of USER", "NORMAL DIRECTION": "Of enriched elements", "TOLERANCE": "Of enriched elements", "INSTABILITY": "Of FLD",
-    }, ["d1, d2, d3, d4, d5, melting temperature, transition temperature, reference rate; or plastic strain, triaxiality"]),
+    }, ["d1, d2, d3, d4, d5, melting temperature, transition temperature, reference rate; or plastic strain, triaxiality, rate of the plastic strain, temperature"]),
     row!(Used, "DAMAGE EVOLUTION", "How damage grows", {
         "TYPE": "DISPLACEMENT or ENERGY", "SOFTENING": "LINEAR (default)", "DEGRADATION": "MAXIMUM (default)",
         "DEPENDENCIES": "Number of field variables", "MIXED MODE BEHAVIOR": "Of cohesive elements", "MODE MIX RATIO": "Of cohesive elements", "POWER": "Of mixed modes",

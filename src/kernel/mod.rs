@@ -5,5 +5,6 @@ pub mod amplitude;
 pub mod cavity;
 pub mod facet;
 pub mod hardening;
+pub mod levels;
 pub mod quad;
 pub mod solid;

@@ -53,6 +53,55 @@ pub fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
     Gradient { r: out_r, z: out_z, hoop, volume: 0.5 * moment }
 }
 
+/// Operators of area weighting (Goudreau and Hallquist 1982, Comput. Meth. Appl. Mech. Eng. 33, 725): gradients in the
+/// middle of the plane section times 2 pi times the radius there, so that ratios to the volume are those of the plane.
+#[inline(always)]
+pub fn plane_gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
+    let ring = 6.0 * 0.25 * ((r[0] + r[1]) + (r[2] + r[3]));
+    let area = 0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]));
+    let (a, b) = (0.5 * ring * (z[1] - z[3]), 0.5 * ring * (z[2] - z[0]));
+    let (c, d) = (0.5 * ring * (r[3] - r[1]), 0.5 * ring * (r[0] - r[2]));
+    Gradient { r: [a, b, -a, -b], z: [c, d, -c, -d], hoop: [1.5 * area; 4], volume: ring * area }
+}
+
+/// The operators of an element, weighted by volume or by area.
+#[inline(always)]
+pub fn operators<const AREA: bool>(r: [f64; 4], z: [f64; 4]) -> Gradient {
+    if AREA { plane_gradient(r, z) } else { gradient(r, z) }
+}
+
+/// Stiffness of a linear elastic element with mean quadrature, and of its hourglass control: force over length, for
+/// `[r, z]` of each corner in turn. With gradient operators B it is V B^T C B; hourglass stiffness as in Flanagan and
+/// Belytschko 1981, eqs. 25 to 45, `hourglass` times the shear modulus.
+pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64) -> [[f64; 8]; 8] {
+    let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
+    let g = gradient(r, z);
+    let (lame, per) = (bulk - 2.0 / 3.0 * shear, 1.0 / g.volume);
+    let slope = |x: [f64; 4]| per * ((x[0] - x[1]) + (x[2] - x[3]));
+    let (h_r, h_z) = (slope(r), slope(z));
+    let signs = [1.0, -1.0, 1.0, -1.0];
+    let shape = [0, 1, 2, 3].map(|i: usize| signs[i] - h_r * g.r[i] - h_z * g.z[i]);
+    let square: f64 = (0..4).map(|i| g.r[i] * g.r[i] + g.z[i] * g.z[i]).sum();
+    let spring = hourglass * shear * square;
+    // Strains rr, zz, hoop and twice rz that a corner's displacement along r or z makes, and the pattern.
+    let column = |d: usize| {
+        let i = d / 2;
+        if d.is_multiple_of(2) {
+            ([g.r[i], 0.0, g.hoop[i], g.z[i]], [shape[i], 0.0])
+        } else {
+            ([0.0, g.z[i], 0.0, g.r[i]], [0.0, shape[i]])
+        }
+    };
+    let entry = |a: usize, b: usize| {
+        let ((e, p), (f, q)) = (column(a), column(b));
+        let (trace_e, trace_f) = (e[0] + e[1] + e[2], f[0] + f[1] + f[2]);
+        let plain = e[0] * f[0] + e[1] * f[1] + e[2] * f[2];
+        let elastic = lame * trace_e * trace_f + 2.0 * shear * plain + shear * e[3] * f[3];
+        UNIT * per * (elastic + spring * (p[0] * q[0] + p[1] * q[1]))
+    };
+    std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
+}
+
 /// Volume of a full ring with these corners `[r, z]`.
 pub fn volume(corners: [[f64; 2]; 4]) -> f64 {
     UNIT * gradient(corners.map(|c| c[0]), corners.map(|c| c[1])).volume
@@ -123,6 +172,18 @@ mod tests {
         ] {
             assert!((value - expected).abs() < 1e-13 * g.volume, "{value} {expected}");
         }
+    }
+
+    #[test]
+    fn plane_operators_are_those_of_the_section() {
+        let g = plane_gradient(R, Z);
+        let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let flat = [dot(g.r, R) - g.volume, dot(g.z, Z) - g.volume, dot(g.hoop, R) - g.volume];
+        let none = [dot(g.r, Z), dot(g.z, R), dot(g.r, [1.0; 4]), dot(g.z, [1.0; 4])];
+        assert!(flat.iter().chain(&none).all(|x| x.abs() < 1e-13 * g.volume), "{flat:?} {none:?}");
+        // Pappus: the ring of the middle radius.
+        let square = plane_gradient([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.0, 1.0]);
+        assert!((UNIT * square.volume - 8.0 * PI).abs() < 1e-13);
     }
 
     #[test]

@@ -40,6 +40,8 @@ pub(super) struct Builder<'a> {
     pub output: Option<super::types::OutputRequest>,
     /// Whether elements were refused for their type: what then misses them has been explained already.
     pub elements_refused: bool,
+    /// Surface interactions that contact pairs name.
+    pub interactions_used: Vec<Word>,
 }
 
 impl<'a> Builder<'a> {
@@ -59,6 +61,7 @@ impl<'a> Builder<'a> {
             carried: StepState::default(),
             output: None,
             elements_refused: false,
+            interactions_used: Vec::new(),
         }
     }
 
@@ -113,7 +116,13 @@ impl<'a> Builder<'a> {
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
             "INITIAL CONDITIONS" => self.initial_conditions(card),
-            "STEP" | "END STEP" | "DYNAMIC" | "BULK VISCOSITY" | "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => {
+            "STEP"
+            | "END STEP"
+            | "DYNAMIC"
+            | "BULK VISCOSITY"
+            | "FIXED MASS SCALING"
+            | "VARIABLE MASS SCALING"
+            | "ENERGY LIMIT" => {
                 self.step_card(card);
             }
             "BOUNDARY" => self.boundary(card),
@@ -137,6 +146,7 @@ impl<'a> Builder<'a> {
         }
         self.close_step();
         self.apply_masses();
+        self.apply_interactions();
         (self.model, self.diagnostics)
     }
 

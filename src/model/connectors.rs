@@ -43,21 +43,17 @@ impl Builder<'_> {
 
     fn connector_law(&mut self, card: &Card, lines: &[&DataLine], is_spring: bool) -> Option<ConnectorLaw> {
         if card.has("NONLINEAR") {
-            if !is_spring {
-                self.unsupported(card.span, "NONLINEAR on *DASHPOT is not supported", "linear dashpots are");
-                return None;
-            }
-            let row = |line: &&DataLine| {
-                Some([self.number(line, 1, "the relative displacement")?, self.number(line, 0, "the force")?])
-            };
+            let over = if is_spring { "the relative displacement" } else { "the relative velocity" };
+            let row = |line: &&DataLine| Some([self.number(line, 1, over)?, self.number(line, 0, "the force")?]);
             let rows: Vec<[f64; 2]> = lines.iter().map(row).collect::<Option<_>>()?;
             if rows.is_empty()
                 || rows.windows(2).any(|w| w[1][0].partial_cmp(&w[0][0]) != Some(std::cmp::Ordering::Greater))
             {
-                self.out_of_range(card.span, "rows of force and relative displacement must ascend in the displacement");
+                self.out_of_range(card.span, format!("rows of a force must ascend in {over}"));
                 return None;
             }
-            return Some(ConnectorLaw::Table(rows));
+            let table = if is_spring { ConnectorLaw::Table } else { ConnectorLaw::DashpotTable };
+            return Some(table(rows));
         }
         // For those along a line the first data line may be there, without meaning.
         let line = match lines {

@@ -87,17 +87,9 @@ impl Builder<'_> {
                 self.unsupported(word.span, format!("{name}={} is not supported", word.text), known);
             }
         }
-        let friction = match card.value("INTERACTION") {
-            None => 0.0,
-            Some(word) => match self.model.interactions.iter().find(|i| i.name == upper(&word.text)) {
-                Some(interaction) => interaction.friction,
-                None => {
-                    let names: Vec<String> = self.model.interactions.iter().map(|i| i.name.clone()).collect();
-                    self.unknown("M114", "surface interaction", word, &names);
-                    return;
-                }
-            },
-        };
+        if let Some(word) = card.value("INTERACTION") {
+            self.interactions_used.push(word.clone());
+        }
         if self.first_line(card).is_none() {
             return;
         }
@@ -120,7 +112,24 @@ impl Builder<'_> {
             };
             let Some(nodes) = self.contact_nodes(other) else { continue };
             let set = other.text.clone();
-            self.state().contacts.push(Contact { plane, nodes, set, friction, span: line.span });
+            let interaction = card.value("INTERACTION").cloned();
+            self.state().contacts.push(Contact { plane, nodes, set, interaction, friction: 0.0, span: line.span });
+        }
+    }
+
+    /// Gives contacts the friction of their interactions, once all are known: a pair may name one that comes later.
+    pub(super) fn apply_interactions(&mut self) {
+        let names: Vec<String> = self.model.interactions.iter().map(|i| i.name.clone()).collect();
+        for word in std::mem::take(&mut self.interactions_used) {
+            if !names.contains(&upper(&word.text)) {
+                self.unknown("M114", "surface interaction", &word, &names);
+            }
+        }
+        let interactions = &self.model.interactions;
+        for contact in self.model.steps.iter_mut().flat_map(|s| &mut s.contacts) {
+            let name = contact.interaction.as_ref().map(|w| upper(&w.text));
+            let found = interactions.iter().find(|i| Some(&i.name) == name.as_ref());
+            contact.friction = found.map_or(0.0, |i| i.friction);
         }
     }
 

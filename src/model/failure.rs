@@ -5,6 +5,7 @@ use super::builder::Builder;
 use super::names::upper;
 use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
 use crate::deck::{Card, Diagnostic};
+use crate::kernel::levels::Levels;
 
 impl Builder<'_> {
     /// A parameter in upper case without blanks; the default where it is absent.
@@ -21,7 +22,7 @@ impl Builder<'_> {
         }
         let strain = match self.word(card, "TYPE", "TABULAR").as_str() {
             "JOHNSONCOOK" => self.johnson_cook(card, false),
-            "TABULAR" => self.constant_strain(card),
+            "TABULAR" => self.shear_strain(card),
             other => {
                 let help = "TABULAR and JOHNSON COOK are";
                 self.unsupported(card.span, format!("TYPE={other} is not supported"), help);
@@ -37,12 +38,11 @@ impl Builder<'_> {
         }
     }
 
-    fn constant_strain(&mut self, card: &Card) -> Option<StrainAtFailure> {
+    /// A plastic strain, or rows of it over rate, pressure ratio and temperature.
+    fn shear_strain(&mut self, card: &Card) -> Option<StrainAtFailure> {
         let line = self.first_line(card)?;
         if card.lines.len() > 1 || (1..4).any(|i| line.field(i).is_some()) {
-            let help = "give one plastic strain, or TYPE=JOHNSON COOK";
-            self.unsupported(card.span, "a failure strain over rate, pressure or temperature is not supported", help);
-            return None;
+            return self.strains(card).map(StrainAtFailure::Shear);
         }
         let strain = self.number(line, 0, "the plastic strain at failure")?;
         if strain <= 0.0 {
@@ -50,6 +50,23 @@ impl Builder<'_> {
             return None;
         }
         Some(StrainAtFailure::Constant(strain))
+    }
+
+    /// Rows of a strain and three variables, the first of which varies fastest.
+    fn strains(&mut self, card: &Card) -> Option<Vec<[f64; 4]>> {
+        let line = self.first_line(card)?;
+        if let Some(word) = card.lines.iter().find_map(|l| l.field(4)) {
+            self.unsupported(word.span, "a failure strain over field variables is not supported", "");
+            return None;
+        }
+        let rows: Vec<[f64; 4]> = card.lines.iter().map(|l| self.numbers::<4>(l, &[0.0; 4])).collect::<Option<_>>()?;
+        if rows.iter().any(|r| r[0] <= 0.0 || r[0].is_nan()) || Levels::new(&rows).is_none() {
+            let message =
+                "strains must be above zero, and each variable ascend, the first fastest, for each value of the next";
+            self.out_of_range(line.span, message);
+            return None;
+        }
+        Some(rows)
     }
 
     /// d1 to d5, and where the card holds them melting temperature, transition temperature and reference rate.
@@ -75,7 +92,7 @@ impl Builder<'_> {
         }
         let strain = match self.word(card, "CRITERION", "").as_str() {
             "JOHNSONCOOK" => self.johnson_cook(card, true),
-            "DUCTILE" => self.ductile(card),
+            "DUCTILE" => self.strains(card).map(StrainAtFailure::Ductile),
             other => {
                 let help = "JOHNSON COOK and DUCTILE are";
                 self.unsupported(card.span, format!("CRITERION={other} is not supported"), help);
@@ -83,22 +100,6 @@ impl Builder<'_> {
             }
         };
         self.criterion(card, strain, DamageEvolution::Absent);
-    }
-
-    /// Rows of strain, triaxiality and rate; all of one rate.
-    fn ductile(&mut self, card: &Card) -> Option<StrainAtFailure> {
-        self.first_line(card)?;
-        let rows: Vec<[f64; 3]> = card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0; 3])).collect();
-        if rows.iter().any(|r| r[2] != rows[0][2]) || card.lines.iter().any(|l| l.field(3).is_some()) {
-            let help = "give one table over the triaxiality";
-            self.unsupported(card.span, "a failure strain over rate or temperature is not supported", help);
-            return None;
-        }
-        if rows.iter().any(|r| r[0] <= 0.0) || rows.windows(2).any(|w| w[1][1] <= w[0][1]) {
-            self.out_of_range(card.span, "strains must be above zero, triaxialities ascend");
-            return None;
-        }
-        Some(StrainAtFailure::Triaxiality(rows.iter().map(|r| [r[0], r[1]]).collect()))
     }
 
     pub(super) fn damage_evolution(&mut self, card: &Card) {

@@ -45,7 +45,7 @@ impl Builder<'_> {
     }
 
     /// The value of a parameter that must be above zero; `Some(None)` where it is not given.
-    fn above_zero(&mut self, card: &Card, name: &str) -> Option<Option<f64>> {
+    pub(super) fn above_zero(&mut self, card: &Card, name: &str) -> Option<Option<f64>> {
         let Some(word) = card.value(name) else {
             if card.has(name) {
                 self.out_of_range(card.span, format!("{name} needs a value"));

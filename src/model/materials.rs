@@ -147,30 +147,35 @@ impl Builder<'_> {
         }
     }
 
-    /// Linear kinematic hardening: two rows give its line.
+    /// Linear kinematic hardening: two rows give its line, at each temperature where there are some.
     fn kinematic(&mut self, card: &Card) {
         let rows: Vec<[f64; 3]> =
             card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0, 0.0, f64::NAN])).collect();
-        let [first, second] = rows[..] else {
+        let cold = rows.iter().all(|r| r[2].is_nan());
+        let (pairs, rest) = rows.as_chunks::<2>();
+        let matched = pairs.iter().all(|[a, b]| cold || a[2] == b[2]) && (pairs.len() == 1 || !cold);
+        if pairs.is_empty() || !rest.is_empty() || !matched {
             self.unsupported(
                 card.span,
-                format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len()),
-                "give two rows: the yield stress without plastic strain, and another point of the line",
+                format!("HARDENING=KINEMATIC with these {} rows is not supported", rows.len()),
+                "give two rows, at each temperature: the yield stress without plastic strain, and another point of the line",
             );
             return;
+        }
+        let line = |[first, second]: &[[f64; 3]; 2]| {
+            let slope = (second[0] - first[0]) / (second[1] - first[1]);
+            let good = first[0] > 0.0 && first[1] == 0.0 && slope.is_finite() && slope >= 0.0 && second[1] > 0.0;
+            good.then_some([first[0], slope, first[2]])
         };
-        if rows.iter().any(|r| !r[2].is_nan()) {
-            let help = "give one line, without temperature";
-            self.unsupported(card.span, "kinematic hardening that depends on temperature is not supported", help);
-            return;
+        let lines: Option<Vec<[f64; 3]>> = pairs.iter().map(line).collect();
+        match lines.filter(|l| cold || l.windows(2).all(|w| w[0][2] < w[1][2])) {
+            Some(lines) => self.last_material().plastic = Some(Plastic::Kinematic(lines)),
+            None => {
+                let message = "the first row gives the yield stress at no plastic strain, the second one that is not below it \
+                               at more; temperatures ascend";
+                self.out_of_range(card.span, message);
+            }
         }
-        let slope = (second[0] - first[0]) / (second[1] - first[1]);
-        if first[0] <= 0.0 || first[1] != 0.0 || !slope.is_finite() || slope < 0.0 || second[1] <= 0.0 {
-            let message = "the first row gives the yield stress at no plastic strain, the second one that is not below it at more";
-            self.out_of_range(card.span, message);
-            return;
-        }
-        self.last_material().plastic = Some(Plastic::Kinematic([first[0], slope]));
     }
 
     pub(super) fn numbers<const N: usize>(&mut self, line: &DataLine, defaults: &[f64; N]) -> Option<[f64; N]> {
@@ -242,7 +247,7 @@ impl Builder<'_> {
     /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
     pub(super) fn section_controls(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        let refused = ["DISTORTION CONTROL", "LENGTH RATIO", "MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
+        let refused = ["MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
         self.refuse(card, &refused);
         // The second and third factor are of shells.
         for word in card.lines.first().into_iter().flat_map(|l| [l.field(3), l.field(4)]).flatten() {
@@ -252,6 +257,7 @@ impl Builder<'_> {
             }
         }
         let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
+        let Ok(distortion) = self.distortion_control(card) else { return };
         let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
         let factor = card.lines.first().map_or(Some(1.0), |l| self.number_or(l, 0, 1.0)).unwrap_or(1.0);
         let hourglass = match kind.as_str() {
@@ -269,7 +275,39 @@ impl Builder<'_> {
             self.out_of_range(card.span, "WEIGHT FACTOR must lie between 0 and 1, the hourglass factor not below 0");
             return;
         }
-        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor });
+        let by_area = match card.value("WEIGHTING") {
+            None => false,
+            Some(word) if word.is("VOLUME") => false,
+            Some(word) if word.is("AREA") => true,
+            Some(word) => {
+                self.out_of_range(word.span, format!("WEIGHTING is VOLUME or AREA, not {}", word.text));
+                return;
+            }
+        };
+        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor, by_area, distortion });
+    }
+
+    /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.
+    fn distortion_control(&mut self, card: &Card) -> Result<Option<f64>, ()> {
+        let wanted = match card.value("DISTORTION CONTROL").map(|w| upper(&w.text)).as_deref() {
+            None if card.has("DISTORTION CONTROL") => true,
+            Some("YES") => true,
+            None | Some("NO") => false,
+            Some(other) => {
+                self.out_of_range(card.span, format!("DISTORTION CONTROL is YES or NO, not {other}"));
+                return Err(());
+            }
+        };
+        let ratio = card.value("LENGTH RATIO").map_or(Some(0.1), |w| w.number(&mut self.diagnostics)).ok_or(())?;
+        if !(ratio > 0.0 && ratio < 1.0) {
+            self.out_of_range(card.span, format!("LENGTH RATIO must lie between 0 and 1, not {ratio}"));
+            return Err(());
+        }
+        if card.has("LENGTH RATIO") && !wanted {
+            self.out_of_range(card.span, "LENGTH RATIO is of DISTORTION CONTROL=YES");
+            return Err(());
+        }
+        Ok(wanted.then_some(ratio))
     }
 
     /// Names of all materials of the deck, in order, whether read yet or not.

@@ -19,11 +19,11 @@ const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no c
 
 /// A mesh as it stands in a file.
 #[derive(Debug, Default)]
-struct MeshFile {
-    points: Vec<[f64; 3]>,
-    cells: Vec<Vec<usize>>,
-    point_arrays: Vec<(String, Vec<f64>)>,
-    cell_arrays: Vec<(String, Vec<f64>)>,
+pub(crate) struct MeshFile {
+    pub(crate) points: Vec<[f64; 3]>,
+    pub(crate) cells: Vec<Vec<usize>>,
+    pub(crate) point_arrays: Vec<(String, Vec<f64>)>,
+    pub(crate) cell_arrays: Vec<(String, Vec<f64>)>,
 }
 
 impl Builder<'_> {
@@ -120,7 +120,7 @@ fn labels(arrays: &[(String, Vec<f64>)], name: &str, count: usize) -> Vec<i64> {
 }
 
 /// Reads a file. vtkio may panic on damaged files; that is an error like any other here.
-fn read(path: &Path) -> Result<MeshFile, String> {
+pub(crate) fn read(path: &Path) -> Result<MeshFile, String> {
     let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&bytes);
     if text.contains("<VTKFile") && !text.contains("</VTKFile>") {

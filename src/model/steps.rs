@@ -4,7 +4,8 @@
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{
-    Boundary, Contact, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Restart, Step,
+    Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Restart,
+    Step,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
@@ -21,6 +22,7 @@ pub(super) struct StepState {
     pub loads: Vec<Load>,
     pub contacts: Vec<Contact>,
     pub mass_scalings: Vec<MassScaling>,
+    pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
     pub restart: Option<Restart>,
     /// Families of which an OP=NEW card has cleared what came from earlier steps.
@@ -50,6 +52,7 @@ impl Builder<'_> {
             "DYNAMIC" => self.dynamic(card),
             "BULK VISCOSITY" => self.bulk_viscosity(card),
             "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
+            "ENERGY LIMIT" => self.energy_limit(card),
             _ => self.not_yet(card),
         }
     }
@@ -87,6 +90,7 @@ impl Builder<'_> {
             loads: state.loads,
             contacts: state.contacts,
             mass_scalings: state.mass_scalings,
+            energy_limit: state.energy_limit,
             outputs: state.outputs,
             restart: state.restart,
         });

@@ -3,7 +3,7 @@
 
 use indexmap::IndexMap;
 
-use crate::deck::Span;
+use crate::deck::{Span, Word};
 
 /// Everything a deck describes.
 #[derive(Clone, Debug, Default)]
@@ -230,8 +230,10 @@ pub enum StrainAtFailure {
     /// d1 to d5; melting temperature, transition temperature and reference rate, which `*SHEAR FAILURE` takes from
     /// `*PLASTIC` and `*RATE DEPENDENT`.
     JohnsonCook([f64; 5], Option<[f64; 3]>),
-    /// Rows of strain and triaxiality.
-    Triaxiality(Vec<[f64; 2]>),
+    /// Rows of strain, triaxiality, rate and temperature; the first variable varies fastest.
+    Ductile(Vec<[f64; 4]>),
+    /// Rows of strain, rate, pressure over von Mises stress, and temperature, likewise.
+    Shear(Vec<[f64; 4]>),
 }
 
 /// How damage grows.
@@ -265,8 +267,8 @@ pub enum Plastic {
     Tabular(Vec<[f64; 3]>),
     /// A, B, n, m, melting temperature, transition temperature.
     JohnsonCook([f64; 6]),
-    /// Linear kinematic: yield stress without plastic strain, slope of the stress over it.
-    Kinematic([f64; 2]),
+    /// Linear kinematic: yield stress without plastic strain, slope of the stress over it, temperature (NaN where absent).
+    Kinematic(Vec<[f64; 3]>),
 }
 
 /// `*RATE DEPENDENT`.
@@ -317,6 +319,10 @@ pub struct SectionControls {
     pub hourglass: Hourglass,
     /// Factor on it.
     pub factor: f64,
+    /// Whether the equation of motion is weighted by area instead of by volume.
+    pub by_area: bool,
+    /// LENGTH RATIO of distortion control; `None` without it.
+    pub distortion: Option<f64>,
 }
 
 /// What resists hourglassing.
@@ -427,7 +433,9 @@ pub struct Contact {
     pub nodes: Vec<usize>,
     /// What the deck called it.
     pub set: String,
-    /// Coulomb coefficient.
+    /// Name of its surface interaction, which may be defined anywhere in the deck.
+    pub interaction: Option<Word>,
+    /// Coulomb coefficient, of that interaction.
     pub friction: f64,
     /// The data line.
     pub span: Span,
@@ -455,6 +463,8 @@ pub enum ConnectorLaw {
     Table(Vec<[f64; 2]>),
     /// Force a velocity.
     Dashpot(f64),
+    /// Rows of relative velocity and force.
+    DashpotTable(Vec<[f64; 2]>),
 }
 
 /// A linear equation, sum of coefficient times displacement = 0.
@@ -543,6 +553,8 @@ pub struct Step {
     pub contacts: Vec<Contact>,
     /// Mass scaling in force, in the order of the deck.
     pub mass_scalings: Vec<MassScaling>,
+    /// Limits on energies in force.
+    pub energy_limit: Option<EnergyLimit>,
     /// Output requests in force.
     pub outputs: Vec<OutputRequest>,
     /// When the state is kept, if the deck asks.
@@ -556,6 +568,19 @@ pub struct Restart {
     pub interval: Interval,
     /// The card.
     pub span: Span,
+}
+
+/// `*ENERGY LIMIT`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyLimit {
+    /// The card.
+    pub span: Span,
+    /// Of the drift of ETOTAL over the largest energy.
+    pub error: Option<f64>,
+    /// Of ALLAE over ALLIE.
+    pub artificial: Option<f64>,
+    /// Whether the run halts; otherwise it warns.
+    pub halts: bool,
 }
 
 /// `*FIXED MASS SCALING` or `*VARIABLE MASS SCALING`.

@@ -73,7 +73,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P014",
         title: "yield stress that cannot be used",
-        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. With temperatures, rows of one temperature follow each other, and the temperatures ascend. Kinematic hardening knows neither rate nor heat.",
+        text: "Rows of *PLASTIC give yield stress and plastic strain; the first strain is 0 and they ascend. With temperatures, rows of one temperature follow each other, and the temperatures ascend. Two rows make a line of kinematic hardening, at each temperature; it is not simulated with failure, for what damage leaves of the work against the back stress is not defined.",
     },
     Code {
         code: "P015",
@@ -121,6 +121,11 @@ pub const CODES: &[Code] = &[
         text: "Masses are scaled of deformable elements with *ELASTIC. Where pressure follows from density or energy (*EOS), of rubber and of a *USER MATERIAL the mass is part of the state; nodes shared with a rigid body, an *EQUATION and gravity on an element set take masses once and would not follow.",
     },
     Code {
+        code: "P050",
+        title: "area weighting that cannot be",
+        text: "WEIGHTING=AREA of *SECTION CONTROLS takes elastic materials that may flow and fail, in all sections of the model, with linear bulk viscosity: without it some modes grow. Rigid bodies that share nodes and mass scaling work on rings and are refused.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",
@@ -157,9 +162,14 @@ pub const CODES: &[Code] = &[
         text: "The increment no longer advances the clock. The last good state is in the last frame.",
     },
     Code {
-        code: "R206",
-        title: "an element failed",
-        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the last frame is that of the last good instant (with routines of the user, which would be called twice on the way back to it, the last frame that was due). A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
+        code: "R209",
+        title: "an element collapsed",
+        text: "An element is so small that the step would need more than 1e10 increments. The message names it; the last good state is in the last frame. DISTORTION CONTROL=YES on *SECTION CONTROLS, a coarser mesh there, or *SHEAR FAILURE help.",
+    },
+    Code {
+        code: "R208",
+        title: "an energy limit was passed",
+        text: "*ENERGY LIMIT, ACTION=HALT: the drift of ETOTAL or the share of ALLAE in ALLIE is above what the deck allows. The last good state is in the last frame.",
     },
     Code {
         code: "R205",
@@ -170,5 +180,10 @@ pub const CODES: &[Code] = &[
         code: "R207",
         title: "interrupted",
         text: "SIGINT (Ctrl-C) or SIGTERM ended the run behind the increment it was in. Its state is in `<job>.checkpoint`, from which `revolve run --resume` goes on to the same bits; the last frame, the histories and the summary are written, too. A second signal ends the program at once.",
+    },
+    Code {
+        code: "R206",
+        title: "an element failed",
+        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the last frame is that of the last good instant (with routines of the user, which would be called twice on the way back to it, the last frame that was due). A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
     },
 ];

@@ -23,6 +23,7 @@ impl Compiler<'_> {
                 ConnectorLaw::Spring(k) => ("springs", format!("stiffness {k}")),
                 ConnectorLaw::Table(rows) => ("springs", format!("table of {} rows", rows.len())),
                 ConnectorLaw::Dashpot(c) => ("dashpots", format!("coefficient {c}")),
+                ConnectorLaw::DashpotTable(rows) => ("dashpots", format!("table of {} rows", rows.len())),
             };
             self.cause(property.span, effect, connectors.len() - before, "elements", detail);
         }
@@ -55,6 +56,7 @@ impl Compiler<'_> {
             ConnectorLaw::Spring(k) => Law::Spring(*k),
             ConnectorLaw::Table(rows) => Law::Table(rows.clone()),
             ConnectorLaw::Dashpot(c) => Law::Dashpot(*c),
+            ConnectorLaw::DashpotTable(rows) => Law::DashpotTable(rows.clone()),
         };
         let axis = (ends.len() == 1).then_some(usize::from(property.dof) - 1);
         Some(Connector::new([ends.first().copied(), ends.get(1).copied()], axis, law))

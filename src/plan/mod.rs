@@ -29,7 +29,7 @@ use crate::effect::solid::user_motion::NodeMotions;
 use crate::effect::solid::wall::Wall;
 use crate::effect::{Asking, Cause, Force, motion::Motion};
 use crate::kernel::amplitude::Track;
-use crate::model::{IncrementControl, LoadVelocity, Mesh, Model};
+use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
 use crate::user::{Routines, SharedEvents};
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
@@ -86,6 +86,8 @@ pub struct StepPlan {
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom.
     pub equations: Vec<System>,
+    /// Limits on energies; `None` without any.
+    pub energy_limit: Option<EnergyLimit>,
     /// Mass scaling; `None` before a step asks for it.
     pub scaling: Option<Scaling>,
     /// User motions: asked once an increment.
@@ -139,8 +141,11 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
     compiler.finish_bodies();
     let (columns, fields) = compiler.variables(solid.as_mut());
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
-    if let Some(solid) = solid.as_mut().filter(|_| model.steps.iter().any(|s| !s.mass_scalings.is_empty())) {
-        solid.remember_masses();
+    if let Some(solid) = solid.as_mut() {
+        if model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+            solid.remember_masses();
+        }
+        compiler.highest_frequency(solid);
     }
     compiler.check_complete(solid.is_some());
     compiler.list_inert();
@@ -198,6 +203,7 @@ impl Compiler<'_> {
         let walls = self.walls(step, solid, &given);
         let equations = self.equations(step, solid, &given);
         let scaling = self.mass_scaling(index, solid);
+        let energy_limit = self.energy_limit(step);
         forces.sort_by_key(|f| f.resists());
         let mut asking = Vec::new();
         let motions = self.motions(step, &mut asking);
@@ -217,6 +223,7 @@ impl Compiler<'_> {
             given,
             walls,
             equations,
+            energy_limit,
             scaling,
             asking,
             node_asking,
@@ -224,10 +231,20 @@ impl Compiler<'_> {
         }
     }
 
+    fn energy_limit(&mut self, step: &crate::model::Step) -> Option<EnergyLimit> {
+        let limit = step.energy_limit?;
+        let part = |name: &str, value: Option<f64>| value.map(|v| format!("{name} {v:e}"));
+        let parts: Vec<String> =
+            [part("error", limit.error), part("artificial", limit.artificial)].into_iter().flatten().collect();
+        let detail = format!("{}, {}", parts.join(", "), if limit.halts { "halt" } else { "warn" });
+        self.cause(limit.span, "energy limit", 1, "step", detail);
+        Some(limit)
+    }
+
     fn increment_rows(&mut self, step: &crate::model::Step, forces: &[Box<dyn Force>]) {
         let detail = match step.increment {
             IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
-                format!("stable increment, element by element, times {}", step.scale_factor)
+                format!("stable increment times {}", step.scale_factor)
             }
             IncrementControl::Fixed(dt) => format!("fixed increment {dt:e} (direct user control)"),
             IncrementControl::Automatic { accuracy, .. } => {

@@ -117,7 +117,7 @@ impl Compiler<'_> {
                 self.cause(load.span, "cavity expansion", faces.len(), "faces", detail);
                 self.layer_row(target);
                 let stack = Stack::new(target.front, target.direction, &layers);
-                Some(Box::new(FaceCavity { faces, stack, friction: *friction }))
+                Some(Box::new(FaceCavity::new(&faces, stack, *friction)))
             }
             LoadKind::UserBody { elements, set, load_type } => {
                 self.node_body_user(load, elements, set, *load_type, solid)

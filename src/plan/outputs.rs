@@ -4,6 +4,7 @@
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::effect::solid::body::Solid;
+use crate::effect::solid::group::Group;
 use crate::model::{Interval, OutputKind, OutputRequest, Region, Step};
 
 /// What a history column holds.
@@ -43,6 +44,8 @@ pub enum Quantity {
     Contact,
     /// `ALLAE`.
     Artificial,
+    /// `ALLDC`.
+    Distortion,
     /// Something that axial symmetry keeps at zero (`U1` of a rigid body).
     Zero,
     /// `ALLKE`.
@@ -93,6 +96,19 @@ pub enum ElementVariable {
 }
 
 impl ElementVariable {
+    /// Whether an element of a group has it. Nothing that is elastic has a plastic strain, and of a user's material only the
+    /// routine would know one.
+    pub fn is_of(self, group: &dyn Group, element: usize) -> bool {
+        match self {
+            ElementVariable::PlasticStrain | ElementVariable::PlasticComponent(_) => {
+                group.plastic_strain(element).is_some()
+            }
+            ElementVariable::Temperature => group.temperature(element).is_some(),
+            ElementVariable::State(i) => group.state_variable(element, i).is_some(),
+            _ => true,
+        }
+    }
+
     /// Whether elements follow it only if an output asks.
     fn is_followed(self) -> bool {
         use ElementVariable::{LogarithmicStrain, PlasticComponent, PlasticEnergy, StrainEnergy, StrainRate};
@@ -220,13 +236,14 @@ impl Schedule {
 }
 
 /// Energies that exist only where something deforms.
-const SOLID_ENERGIES: [(&str, Quantity); 6] = [
+const SOLID_ENERGIES: [(&str, Quantity); 7] = [
     ("ALLIE", Quantity::Internal),
     ("ALLSE", Quantity::Strain),
     ("ALLPD", Quantity::Plastic),
     ("ALLVD", Quantity::Viscous),
     ("ALLAE", Quantity::Artificial),
     ("ALLCW", Quantity::Contact),
+    ("ALLDC", Quantity::Distortion),
 ];
 
 const ENERGIES: [(&str, Quantity); 5] = [
@@ -271,8 +288,8 @@ impl Compiler<'_> {
         for step in &model.steps {
             for request in &step.outputs {
                 match request.kind {
-                    OutputKind::History => self.history_columns(request, &mut columns),
-                    OutputKind::Field => self.field_variables(request, &mut fields),
+                    OutputKind::History => self.history_columns(request, solid.as_deref(), &mut columns),
+                    OutputKind::Field => self.field_variables(request, solid.as_deref(), &mut fields),
                 }
             }
             if step.outputs.is_empty() {
@@ -280,6 +297,7 @@ impl Compiler<'_> {
                 fields.extend(self.preselected_fields());
             }
         }
+        fields.retain(|f| is_anywhere(*f, solid.as_deref()));
         dedup(&mut columns);
         dedup(&mut fields);
         let shown = fields.iter().flat_map(|f| f.parts());
@@ -330,11 +348,11 @@ impl Compiler<'_> {
         outputs
     }
 
-    fn history_columns(&mut self, request: &OutputRequest, columns: &mut Vec<Column>) {
+    fn history_columns(&mut self, request: &OutputRequest, solid: Option<&Solid>, columns: &mut Vec<Column>) {
         let first = columns.len();
         for variable in &request.variables {
             match &request.region {
-                Region::Elements(set) => self.element_columns(variable, set, request.span, columns),
+                Region::Elements(set) => self.element_columns(variable, (set, request.span), solid, columns),
                 Region::Nodes(set) => self.node_columns(variable, set, request.span, columns),
                 _ => self.model_columns(variable, request.span, columns),
             }
@@ -382,7 +400,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn field_variables(&mut self, request: &OutputRequest, fields: &mut Vec<FieldVariable>) {
+    fn field_variables(&mut self, request: &OutputRequest, solid: Option<&Solid>, fields: &mut Vec<FieldVariable>) {
         for variable in &request.variables {
             match variable.as_str() {
                 "PRESELECT" => fields.extend(self.preselected_fields()),
@@ -393,8 +411,8 @@ impl Compiler<'_> {
                 }
                 name if FACET_VARIABLES.contains(&name) => {}
                 name => match self.fields_there_are().into_iter().find(|f| f.0 == name) {
-                    Some(field) => fields.push(field.1),
-                    None => self.absent(variable, request.span),
+                    Some(field) if is_anywhere(field.1, solid) => fields.push(field.1),
+                    _ => self.absent(variable, request.span),
                 },
             }
         }
@@ -402,7 +420,13 @@ impl Compiler<'_> {
         self.cause(request.span, "field output", request.variables.len(), "variables", detail);
     }
 
-    fn element_columns(&mut self, variable: &str, set: &str, span: Span, columns: &mut Vec<Column>) {
+    fn element_columns(
+        &mut self,
+        variable: &str,
+        (set, span): (&str, Span),
+        solid: Option<&Solid>,
+        columns: &mut Vec<Column>,
+    ) {
         let model = self.model;
         let Some(members) = model.element_sets.get(set).map(|s| &s.members) else { return };
         let before = columns.len();
@@ -410,6 +434,9 @@ impl Compiler<'_> {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
             let place = if members.len() == 1 { set.to_owned() } else { model.mesh.elements[element].name.clone() };
             for (name, variable) in self.element_quantities(variable) {
+                if solid.is_some_and(|s| !variable.is_of(&*s.groups[group], index)) {
+                    continue;
+                }
                 let quantity = Quantity::Element(group, index, variable);
                 columns.push(Column { name: format!("{name}@{place}"), quantity });
             }
@@ -473,6 +500,13 @@ impl Compiler<'_> {
         let why = format!("output variable {variable} has no value in this scene");
         self.unused(span, variable, why);
     }
+}
+
+/// Whether a variable of nodes, or one that some element has: of those that do not, frames hold NaN.
+fn is_anywhere(field: FieldVariable, solid: Option<&Solid>) -> bool {
+    let (parts, groups) = (field.parts(), solid.map_or(&[][..], |s| &s.groups));
+    let of = |part: &ElementVariable| groups.iter().any(|g| (0..g.len()).any(|e| part.is_of(&**g, e)));
+    parts.is_empty() || solid.is_none() || parts.iter().any(of)
 }
 
 fn energy_column((name, quantity): (&str, Quantity)) -> Column {

@@ -3,12 +3,14 @@
 
 use indexmap::IndexMap;
 
-use super::Compiler;
+use super::{Compiler, owned};
 use crate::deck::Diagnostic;
+use crate::effect::solid::area::Rings;
 use crate::effect::solid::body::{Gather, Solid};
+use crate::effect::solid::frequency::HighestFrequency;
 use crate::effect::solid::group::Group;
 use crate::kernel::quad::{self, corner_masses};
-use crate::model::{InitialKind, SolidSection};
+use crate::model::{IncrementControl, InitialKind, SolidSection, Step};
 use crate::state::nodes::Node;
 
 /// Where deformable nodes and elements of the mesh went.
@@ -54,6 +56,7 @@ impl Compiler<'_> {
             used.iter().map(|&n| Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() }).collect();
         let mut mass = vec![0.0; nodes.len()];
         let (mut groups, mut corners, mut names): (Vec<Box<dyn Group>>, Vec<_>, Vec<_>) = Default::default();
+        let mut controlled = Vec::new();
         for (section, elements) in &sections {
             let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
             let Some(group) = self.group(section, elements, &list, &nodes, &mut mass) else { continue };
@@ -63,6 +66,7 @@ impl Compiler<'_> {
             let cause = self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default();
             self.ledger.effects[cause].arrays = vec![("element state".into(), group.bytes())];
             names.push(elements.iter().map(|&e| mesh.elements[e].name.clone()).collect());
+            controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             groups.push(group);
             corners.push(list);
         }
@@ -73,14 +77,46 @@ impl Compiler<'_> {
         let gather = Gather::new(nodes.len(), &lists);
         let mut solid = Solid::new(nodes, mass, groups, names, gather);
         solid.ties = ties;
+        controlled.iter().for_each(|&(group, ratio)| solid.control_distortion(group, ratio));
         solid.cause = self.causes.get(&(sections[0].0.span, "deformable elements")).copied().unwrap_or_default();
+        if sections.iter().any(|(s, _)| self.is_by_area(s)) {
+            solid.rings = Some(Box::new(Rings::new(&solid)));
+        }
         self.start_solid(&mut solid);
         Some(solid)
+    }
+
+    /// LENGTH RATIO of a section under distortion control.
+    fn distortion_control(&mut self, section: &SolidSection, count: usize) -> Option<f64> {
+        let name = section.controls.as_ref()?;
+        let ratio = self.model.controls.iter().find(|c| c.name == *name)?.distortion?;
+        self.cause(section.span, "distortion control", count, "elements", format!("length ratio {ratio}"));
+        Some(ratio)
     }
 
     /// Whether plastic work heats: the first step says so, and all others alike.
     pub(super) fn adiabatic(&self) -> bool {
         self.model.steps.first().is_some_and(|s| s.adiabatic)
+    }
+
+    /// The global estimate of the stable increment, unless all steps go element by element.
+    pub(super) fn highest_frequency(&mut self, solid: &mut Solid) {
+        let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
+        let Some(step) = self.model.steps.iter().find(asks) else { return };
+        if self.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+            self.unused(step.span, "global estimate of the stable increment", "masses are scaled: element by element");
+            return;
+        }
+        let Some(frequency) = HighestFrequency::new(solid) else {
+            let why = "a material is not linear elastic for small strains: element by element";
+            self.unused(step.span, "global estimate of the stable increment", why);
+            return;
+        };
+        let detail = "highest frequency by Lanczos' method, where it lies below that of single elements";
+        let count = solid.nodes.len();
+        let cause = self.cause(step.span, "global estimate", count, "nodes", detail.into());
+        self.ledger.effects[cause].arrays = owned(frequency.arrays());
+        solid.frequency = Some(Box::new(frequency));
     }
 
     /// What elements take from the first step must not change later.

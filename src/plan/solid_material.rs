@@ -10,8 +10,10 @@ use crate::effect::solid::group::{Group, Quads};
 use crate::effect::solid::hyperelastic::NeoHooke;
 use crate::effect::solid::kinematic::Kinematic;
 use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
+use crate::effect::solid::moving::Moving;
 use crate::effect::solid::volumetric::{Linear, Volumetric};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
+use crate::kernel::levels::Levels;
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SolidSection,
     StrainAtFailure,
@@ -40,14 +42,14 @@ enum Equation {
 
 /// What every group needs beside its laws.
 #[derive(Clone, Copy)]
-struct Make<'a> {
+struct Make<'a, const AREA: bool> {
     constants: Constants,
     density: f64,
     corners: &'a [[u32; 4]],
     nodes: &'a [Node],
 }
 
-impl Make<'_> {
+impl<'a, const AREA: bool> Make<'a, AREA> {
     fn quads<H: Hardening + 'static, V: Volumetric + 'static>(self, hardening: H, volumetric: V) -> Box<dyn Group> {
         self.failing(hardening, volumetric, Intact)
     }
@@ -59,7 +61,13 @@ impl Make<'_> {
         failure: F,
     ) -> Box<dyn Group> {
         let laws = (hardening, volumetric, failure);
-        Box::new(Quads::new(laws, self.constants, self.density, self.corners, self.nodes))
+        Box::new(Quads::<_, _, _, AREA>::weighted(laws, self.constants, self.density, self.corners, self.nodes))
+    }
+
+    /// The same, weighted by area.
+    fn by_area(self) -> Make<'a, true> {
+        let Make { constants, density, corners, nodes } = self;
+        Make { constants, density, corners, nodes }
     }
 }
 
@@ -74,6 +82,11 @@ impl Compiler<'_> {
     ) -> Option<Box<dyn Group>> {
         let material = &self.model.materials[section.material];
         if let Some(properties) = &material.user {
+            if self.is_by_area(section) {
+                let message = "WEIGHTING=AREA with a *USER MATERIAL is not supported";
+                self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
+                return None;
+            }
             return self.user_group(section, material, properties, elements, corners, nodes, mass);
         }
         let moduli = self.moduli(material, section.span)?;
@@ -89,7 +102,10 @@ impl Compiler<'_> {
             bulk_viscosity,
         };
         self.solid_rows(section, elements.len(), &constants, material);
-        let make = Make { constants, density, corners, nodes };
+        let make = Make::<false> { constants, density, corners, nodes };
+        if self.is_by_area(section) {
+            return self.by_area(section, material, make.by_area());
+        }
         if let Some(([c10, d1], _)) = material.neo_hooke {
             return Some(make.quads(Elastic, NeoHooke { c10, d1 }));
         }
@@ -163,12 +179,12 @@ impl Compiler<'_> {
     }
 
     /// The group of a volumetric law, with the yield stress of the material.
-    fn with_volumetric<V: Volumetric + 'static>(
+    fn with_volumetric<V: Volumetric + 'static, const AREA: bool>(
         &mut self,
         material: &Material,
         span: Span,
         volumetric: V,
-        make: Make<'_>,
+        make: Make<'_, AREA>,
     ) -> Option<Box<dyn Group>> {
         let heating = if self.adiabatic() { heating(material, make.density) } else { 0.0 };
         let failing = self.failing(material)?;
@@ -178,14 +194,17 @@ impl Compiler<'_> {
                 None => make.quads(Elastic, volumetric),
             });
         };
-        if let Plastic::Kinematic([yield_stress, slope]) = *plastic {
-            if material.rate.is_some() || heating > 0.0 || failing.is_some() {
-                let message =
-                    "kinematic hardening with a rate, with failure or heated by plastic work is not supported";
+        if let Plastic::Kinematic(lines) = plastic {
+            if failing.is_some() {
+                // What damage leaves of the work against a back stress is not defined.
+                let message = "kinematic hardening with failure is not supported";
                 self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
                 return None;
             }
-            return Some(make.quads(Kinematic { yield_stress, slope }, volumetric));
+            if let ([[yield_stress, slope, _]], None, 0.0) = (&lines[..], &material.rate, heating) {
+                return Some(make.quads(Kinematic { yield_stress: *yield_stress, slope: *slope }, volumetric));
+            }
+            return Some(make.quads(moving(lines, material.rate.as_ref(), heating), volumetric));
         }
         let law = self.yield_stress(plastic, material.rate.as_ref(), span)?;
         if let Some(failing) = failing {
@@ -201,6 +220,35 @@ impl Compiler<'_> {
             }
         }
         Some(make.quads(General { law, heating }, volumetric))
+    }
+
+    /// Whether the controls of a section weight its elements by area.
+    pub(super) fn is_by_area(&self, section: &SolidSection) -> bool {
+        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
+        section.controls.as_ref().and_then(named).is_some_and(|c| c.by_area)
+    }
+
+    /// The group of a section that is weighted by area, where that can be.
+    fn by_area(&mut self, section: &SolidSection, material: &Material, make: Make<'_, true>) -> Option<Box<dyn Group>> {
+        let model = self.model;
+        let refusal = if material.eos.is_some() || material.neo_hooke.is_some() {
+            Some("WEIGHTING=AREA needs *ELASTIC")
+        } else if model.steps.iter().any(|s| s.bulk_viscosity[0] <= 0.0) {
+            Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
+        } else if model.sections.iter().any(|s| !self.is_by_area(s)) {
+            Some("WEIGHTING=AREA in one section needs it in all")
+        } else if !self.places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+            Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
+        } else {
+            None
+        };
+        if let Some(message) = refusal {
+            self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
+            return None;
+        }
+        let detail = "the equation of motion over the plane section; energy is not conserved to the last digit";
+        self.cause(section.span, "area weighting", make.corners.len(), "elements", detail.into());
+        self.with_volumetric(material, section.span, Linear, make)
     }
 
     /// Hourglass stiffness and viscosity of a section. What has no shear modulus is controlled by viscosity.
@@ -308,7 +356,9 @@ impl Compiler<'_> {
     fn failure_strain(&mut self, material: &Material, criterion: &FailureCriterion) -> Option<FailureStrain> {
         Some(match &criterion.strain {
             StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
-            StrainAtFailure::Triaxiality(rows) => FailureStrain::Triaxiality(Table { rows: rows.clone() }),
+            // The model has made sure that they are tables.
+            StrainAtFailure::Ductile(rows) => FailureStrain::Ductile(Levels::new(rows)?),
+            StrainAtFailure::Shear(rows) => FailureStrain::Shear(Levels::new(rows)?),
             StrainAtFailure::JohnsonCook(d, Some([melt, transition, reference])) => {
                 FailureStrain::JohnsonCook { d: *d, melt: *melt, transition: *transition, reference: *reference }
             }
@@ -338,14 +388,7 @@ impl Compiler<'_> {
         rate: Option<&RateDependence>,
         span: Span,
     ) -> Option<Box<dyn YieldStress>> {
-        let factor = match rate {
-            None => None,
-            Some(RateDependence::JohnsonCook([c, reference])) => {
-                Some(RateFactor::JohnsonCook { c: *c, reference: *reference })
-            }
-            Some(RateDependence::PowerLaw(rows)) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
-            Some(RateDependence::YieldRatio(rows)) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
-        };
+        let factor = rate_factor(rate);
         match plastic {
             // It has a law of its own.
             Plastic::Kinematic(_) => None,
@@ -369,6 +412,22 @@ impl Compiler<'_> {
             }
         }
     }
+}
+
+fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
+    match rate? {
+        RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
+        RateDependence::PowerLaw(rows) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
+        RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
+    }
+}
+
+/// Kinematic hardening by lines of yield stress, slope and temperature.
+fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: f64) -> Moving {
+    let size = |line: &[f64; 3]| (line[2], Table { rows: vec![[line[0], 0.0]] });
+    let slope = Table { rows: lines.iter().map(|l| [l[1], l[2]]).collect() };
+    let size = with_rate(TableOverTemperature { tables: lines.iter().map(size).collect() }, rate_factor(rate));
+    Moving { size, slope, heating }
 }
 
 fn with_rate<Y: YieldStress + 'static>(base: Y, factor: Option<RateFactor>) -> Box<dyn YieldStress> {

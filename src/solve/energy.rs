@@ -9,7 +9,7 @@ use crate::effect::{Account, Slot};
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
-/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLCAV - ALLWK` is constant.
+/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy.
@@ -42,6 +42,9 @@ pub struct Energy {
     /// Artificial: taken by hourglass control.
     #[serde(rename = "ALLAE")]
     pub artificial: f64,
+    /// Taken by distortion control.
+    #[serde(rename = "ALLDC")]
+    pub distortion: f64,
     /// The sum.
     #[serde(rename = "ETOTAL")]
     pub total: f64,
@@ -127,11 +130,27 @@ impl Balance {
     /// Books what deforms, after the bodies: what it passes on to them stays in the scene.
     pub fn book_solid(&mut self, solid: &Energies) {
         self.solid = *solid;
-        let dissipated = solid.viscous + solid.contact + solid.friction;
+        let dissipated = solid.viscous + solid.contact + solid.friction + solid.cavity + solid.distortion;
         let sum = solid.kinetic + solid.internal + solid.artificial + dissipated + self.tied - solid.external;
         let initial = *self.solid_initial.get_or_insert(sum);
         self.largest = self.largest.max(solid.kinetic).max(solid.internal).max(solid.external.abs());
-        self.departure = self.departure.max((sum - initial).abs());
+        self.departure = larger(self.departure, (sum - initial).abs());
+    }
+
+    /// Whether the sums are finite numbers.
+    pub fn is_finite(&self) -> bool {
+        self.departure.is_finite()
+    }
+
+    /// Largest departure of the sum from its start, over the largest energy met.
+    pub fn drift(&self) -> f64 {
+        if self.largest > 0.0 { self.departure / self.largest } else { 0.0 }
+    }
+
+    /// Artificial over internal energy, 0 where the internal energy is below a fraction of the largest.
+    pub fn artificial_share(&self, small: f64) -> f64 {
+        let (artificial, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
+        if internal > small * self.largest { artificial / internal } else { 0.0 }
     }
 
     /// A new step with its forces and prescribed motions.
@@ -174,7 +193,7 @@ impl Balance {
         let kinetic: f64 = bodies.iter().map(BodyState::kinetic).sum();
         let departure = (kinetic - self.settled.initial - done).abs();
         self.largest = self.largest.max(kinetic).max(external.abs());
-        self.departure = self.departure.max(departure);
+        self.departure = larger(self.departure, departure);
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
     }
 
@@ -195,14 +214,16 @@ impl Balance {
         energy.plastic = solid.plastic;
         energy.strain = solid.internal - solid.plastic;
         energy.artificial = solid.artificial;
+        energy.distortion = solid.distortion;
         energy.internal = solid.internal + solid.artificial;
         energy.viscous = solid.viscous;
         energy.friction += solid.friction;
+        energy.cavity += solid.cavity;
         energy.contact = solid.contact;
-        let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact;
+        let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion;
         energy.total = energy.kinetic + energy.internal + dissipated - energy.work;
         energy.initial += self.solid_initial.unwrap_or(0.0);
-        energy.drift = if self.largest > 0.0 { self.departure / self.largest } else { 0.0 };
+        energy.drift = self.drift();
         energy
     }
 }
@@ -211,8 +232,8 @@ impl Persist for Energy {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Energy { kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, .. } = self;
         persist_fields!(archive; kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact);
-        let Energy { artificial, total, initial, drift, .. } = self;
-        persist_fields!(archive; artificial, total, initial, drift);
+        let Energy { artificial, distortion, total, initial, drift, .. } = self;
+        persist_fields!(archive; artificial, distortion, total, initial, drift);
     }
 }
 
@@ -249,4 +270,9 @@ impl Persist for Balance {
         persist_fields!(archive; entries.as_mut_slice(), prescribed.as_mut_slice(), settled, kinetic, done, external);
         persist_fields!(archive; tied, largest, departure, solid, solid_initial);
     }
+}
+
+/// The larger of two; not a number stays, so that it is found.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
 }

@@ -3,6 +3,7 @@
 
 mod digest;
 mod energy;
+mod guard;
 mod increment;
 mod observe;
 mod restart;
@@ -13,8 +14,9 @@ use std::time::Instant as Stopwatch;
 use serde::Serialize;
 
 use crate::effect::solid::body::Solid;
+use crate::effect::solid::guard::STARTING;
 use crate::effect::{Account, Asking, Halt, Slot};
-use crate::model::LoadVelocity;
+use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, StepPlan};
 use crate::state::{Before, BodyState, Instant, direction};
 use crate::user::Wish;
@@ -40,6 +42,8 @@ pub struct Outcome {
     pub energy: Energy,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// What the run warns of.
+    pub warnings: Vec<String>,
     /// Increments over all steps.
     pub increments: u64,
     /// Seconds in the time loop.
@@ -70,6 +74,9 @@ pub struct StepSummary {
     /// Element that limited the smallest increment, if one did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limiting_element: Option<String>,
+    /// How often the highest frequency of the whole was estimated; absent where increments go element by element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub global_estimates: Option<u64>,
     /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
@@ -172,6 +179,8 @@ struct Run<'a> {
     /// Group and element that limited the smallest increment of the step.
     limiting: Option<(usize, usize)>,
     balance: Balance,
+    /// Which limits on energies have been told in this step.
+    warned: [bool; 2],
     outcome: Outcome,
 }
 
@@ -201,6 +210,7 @@ impl<'a> Run<'a> {
             wish: Wish::Continue,
             told: false,
             limiting: None,
+            warned: [false; 2],
             balance,
             outcome,
         }
@@ -265,12 +275,14 @@ impl<'a> Run<'a> {
         self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
         self.correct_velocity(step); //           3. velocity at the increment's own time
         self.book(); //                           4. energy balance
+        self.guard_energy(step)?;
         observing.show(self, step, sink) //       5. output that is due
     }
 
     /// From one instant to the next.
     #[inline]
     fn go(&mut self, step: &mut StepPlan, pace: &mut Pace) -> Result<(), Halt> {
+        self.guard_increment(step)?;
         let next = pace.choose(self, step); //    6. length of the next increment
         next.check(&self.now, self.now.increment)?;
         self.ask_routines(step, next)?;
@@ -280,6 +292,9 @@ impl<'a> Run<'a> {
     }
 
     fn name_limiting_element(&mut self) {
+        if let (Some(solid), Some(summary)) = (&self.solid, self.outcome.steps.last_mut()) {
+            summary.global_estimates = solid.estimates();
+        }
         if let (Some(solid), Some((group, element)), Some(summary)) =
             (&self.solid, self.limiting.take(), self.outcome.steps.last_mut())
         {
@@ -332,7 +347,10 @@ impl<'a> Run<'a> {
             solid.walls.clone_from(&step.walls);
             solid.equations.clone_from(&step.equations);
             solid.begin(&step.given, step.node_forces.len());
+            let global = matches!(step.control, IncrementControl::Automatic { element_by_element: false, .. });
+            solid.begin_frequency(global, &step.given);
         }
+        self.warned = [false; 2];
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
@@ -399,10 +417,14 @@ impl<'a> Run<'a> {
             let body = &mut self.bodies[motion.body];
             body.acceleration = motion.rates(&self.now, body.velocity)[1];
             body.reaction = body.mass * body.acceleration - body.force;
+            finite &= body.acceleration.is_finite();
         }
         if let Some(solid) = &mut self.solid {
             solid.accelerate(&step.given);
             solid.accelerate_ties(&self.bodies);
+            if self.now.increment < STARTING {
+                solid.guard_start();
+            }
             for wall in &solid.walls {
                 self.bodies[wall.body].reaction -= wall.force;
             }
@@ -429,7 +451,7 @@ impl<'a> Run<'a> {
     }
 
     fn not_finite(&self) -> Halt {
-        let b = self.bodies.iter().position(|b| !b.prescribed && !b.acceleration.is_finite()).unwrap_or_default();
+        let b = self.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.bodies[b]);
         let reason = format!(
             "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",

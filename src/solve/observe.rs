@@ -182,9 +182,12 @@ pub(super) fn unwritten(reason: String) -> Halt {
     Halt { code: "R205", reason }
 }
 
-/// A number of an element.
+/// A number of an element; not a number where its group does not have it.
 fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
     let (group, nodes) = (&*solid.groups[group], &solid.nodes);
+    if !variable.is_of(group, e) {
+        return f64::NAN;
+    }
     let followed = || group.followed(e).unwrap_or_default();
     // Strains are told with the engineering shear, as ABAQUS does.
     let strain = |tensor: [f64; 4], i: usize| if i == 3 { 2.0 * tensor[3] } else { tensor[i] };
@@ -197,8 +200,8 @@ fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariabl
             let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
             (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()
         }
-        ElementVariable::PlasticStrain => group.plastic_strain(e).unwrap_or(0.0),
-        ElementVariable::Temperature => group.temperature(e).unwrap_or(0.0),
+        ElementVariable::PlasticStrain => group.plastic_strain(e).unwrap_or(f64::NAN),
+        ElementVariable::Temperature => group.temperature(e).unwrap_or(f64::NAN),
         ElementVariable::LogarithmicStrain(i) => strain(followed().strain, i),
         ElementVariable::PlasticComponent(i) => strain(followed().plastic, i),
         ElementVariable::StrainRate(i) => strain(followed().rate, i),
@@ -207,7 +210,7 @@ fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariabl
         ElementVariable::Status => group.status(e).unwrap_or(1.0),
         ElementVariable::Volume => group.volume(e, nodes),
         ElementVariable::Density => group.mass(e) / group.volume(e, nodes),
-        ElementVariable::State(i) => group.state_variable(e, i).unwrap_or(0.0),
+        ElementVariable::State(i) => group.state_variable(e, i).unwrap_or(f64::NAN),
     }
 }
 
@@ -236,6 +239,7 @@ impl Run<'_> {
             Quantity::Viscous => energy.viscous,
             Quantity::Contact => energy.contact,
             Quantity::Artificial => energy.artificial,
+            Quantity::Distortion => energy.distortion,
             Quantity::Zero => 0.0,
             Quantity::Kinetic => energy.kinetic,
             Quantity::Work => energy.work,
@@ -330,15 +334,16 @@ fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Op
     })
 }
 
-/// A field over cells: those of deformable elements (group and element) come first, those of rigid bodies have zero.
+/// A field over cells: those of deformable elements (group and element) come first. Cells that do not have it, as those of
+/// rigid bodies, hold NaN, which ParaView leaves out of ranges and draws in a colour of its own.
 fn element_field(run: &Run<'_>, variable: FieldVariable, solid: &[(usize, usize)], cells: usize) -> Field {
     let (name, parts) = (variable.name(), variable.parts());
     let value = |&(group, e): &(usize, usize), part: &ElementVariable| {
-        run.solid.as_ref().map_or(0.0, |s| element_value(s, group, e, *part))
+        run.solid.as_ref().map_or(f64::NAN, |s| element_value(s, group, e, *part))
     };
     let (value, parts) = (&value, &parts);
     let mut values: Vec<f64> = solid.iter().flat_map(|e| parts.iter().map(move |p| value(e, p))).collect();
-    values.resize(cells * parts.len(), 0.0);
+    values.resize(cells * parts.len(), f64::NAN);
     let names = COMPONENTS.map(|c| format!("{name}{c}"));
     Field {
         name,

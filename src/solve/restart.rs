@@ -261,6 +261,7 @@ impl StepPlan {
             scaling,
             asking,
             node_asking,
+            energy_limit: _,
             outputs: _,
         } = self;
         archive.mark("forces");
@@ -299,19 +300,20 @@ impl Persist for Run<'_> {
             wish,
             told,
             limiting,
+            warned,
             balance,
             outcome,
         } = self;
         persist_fields!(archive; bodies.as_mut_slice(), now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told, limiting, balance);
+        persist_fields!(archive; complete, wish, told, limiting, warned, balance);
         persist_all(asking, archive);
         if let Some(solid) = solid {
             solid.persist(archive);
         }
         archive.mark("outcome");
         // Halts and what is reckoned at the end are not there yet; times are those of this process.
-        let super::Outcome { steps, rests, increments, .. } = outcome;
-        persist_fields!(archive; steps, rests, increments);
+        let super::Outcome { steps, rests, increments, warnings, .. } = outcome;
+        persist_fields!(archive; steps, rests, increments, warnings);
     }
 }
 
@@ -330,8 +332,8 @@ impl Persist for StepSummary {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let StepSummary { name, increments, time, smallest_increment, largest_increment, .. } = self;
         persist_fields!(archive; name, increments, time, smallest_increment, largest_increment);
-        let StepSummary { limiting_element, added_mass, .. } = self;
-        persist_fields!(archive; limiting_element, added_mass);
+        let StepSummary { limiting_element, global_estimates, added_mass, .. } = self;
+        persist_fields!(archive; limiting_element, global_estimates, added_mass);
     }
 }
 

@@ -32,14 +32,16 @@ pub struct Series {
 }
 
 const SIZE: (u32, u32) = (960, 640);
-/// Okabe and Ito's palette, safe for colour-blind readers.
-const PALETTE: [RGBColor; 6] = [
+/// Okabe and Ito's palette, safe for colour-blind readers, with a violet and a grey after it.
+const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
+    RGBColor(140, 107, 177),
+    RGBColor(90, 90, 90),
 ];
 
 impl Chart {
@@ -95,7 +97,9 @@ impl Chart {
             if joined {
                 chart.draw_series(LineSeries::new(series.points.iter().copied(), colour.stroke_width(2)))?;
             }
-            let marks = series.points.iter().map(|&p| Circle::new(p, 5, colour.filled()));
+            // Marks on a long line would hide it.
+            let marked = if joined && series.points.len() > 60 { &[][..] } else { &series.points };
+            let marks = marked.iter().map(|&p| Circle::new(p, 5, colour.filled()));
             chart.draw_series(marks)?.label(&series.name).legend(move |(x, y)| {
                 let line = if joined { vec![(x, y), (x + 24, y)] } else { vec![] };
                 EmptyElement::at((0, 0))

@@ -4,11 +4,12 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::failure::Failure;
+use super::guard::CHANGE;
 use super::law::{Constants, Flow, Hardening};
 use super::record::Record;
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
-use crate::kernel::quad::{UNIT, gradient};
+use crate::kernel::quad::{UNIT, operators};
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 
@@ -22,10 +23,10 @@ pub struct Block<S, Q, X> {
     pub stress: [Lanes; 4],
     /// Generalised hourglass stresses along r and z.
     pub hourglass: [Lanes; 2],
-    /// Mass of each element, and one over it.
+    /// Stress of the bulk viscosity.
+    pub viscous: Lanes,
+    /// Mass of each element.
     pub mass: Lanes,
-    /// One over the mass.
-    pub inverse_total: Lanes,
     /// One over the masses of the corners.
     pub inverse_mass: [Lanes; 4],
     /// What hardening keeps.
@@ -103,9 +104,8 @@ pub struct Stage {
     /// Spin increment, and of a yield surface that moves the back stress that it carried along.
     pub(super) spin: Lanes,
     pub(super) back: [Lanes; 4],
-    /// Of a bulk modulus that varies: its value, the stress of the bulk viscosity, the heat that it made.
+    /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
     pub(super) bulk: Lanes,
-    pub(super) viscous: Lanes,
     pub(super) heat: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
@@ -115,6 +115,11 @@ pub struct Stage {
     pub(super) records: Vec<Record>,
     /// Elements that failure deleted in this pass.
     pub(super) deaths: usize,
+    /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
+    pub(super) cap: f64,
+    /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
+    /// under a cap.
+    pub(super) deformed: [Lanes; 2],
 }
 
 impl<S, Q, X> Block<S, Q, X> {
@@ -127,7 +132,6 @@ impl<S, Q, X> Block<S, Q, X> {
     pub(super) fn set_corner_masses(&mut self, lane: usize, masses: [f64; 4]) {
         let total = (masses[0] + masses[1]) + (masses[2] + masses[3]);
         self.mass[lane] = total;
-        self.inverse_total[lane] = 1.0 / total;
         for (list, mass) in self.inverse_mass.iter_mut().zip(masses) {
             list[lane] = 1.0 / mass;
         }
@@ -137,7 +141,7 @@ impl<S, Q, X> Block<S, Q, X> {
 impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]
-    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>>(
+    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>, const AREA: bool>(
         &mut self,
         (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
@@ -149,7 +153,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.bury(failure, nodes, stage);
         }
-        self.strain::<H, V>(constants, dt, nodes, stage);
+        self.strain::<H, V, AREA>(constants, dt, nodes, stage);
+        if stage.cap < f64::INFINITY {
+            stage.measure();
+        }
         if H::SHIFTS {
             stage.back = hardening.back_stress(&self.state);
             stage.shift();
@@ -163,24 +170,24 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             hardening.follow(&mut self.state, &stage.back, &stage.deviator, &stage.trial, &stage.flow);
         }
         if V::VARIES {
-            self.respond::<H, V>(volumetric, 3.0 * constants.shear, nodes, stage);
+            self.respond::<H, V, AREA>(volumetric, 3.0 * constants.shear, nodes, stage);
         }
         self.stress::<H>(constants, stage);
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, stage);
         }
-        self.forces::<V>(constants, dt, stage, corners);
+        self.forces::<V, AREA>(constants, dt, stage, corners);
         if F::FAILS {
             self.silence(failure, corners);
         }
         if V::VARIES {
-            volumetric.settle(&mut self.volumetric, &stage.heat, &stage.viscous, &self.mass);
+            volumetric.settle(&mut self.volumetric, &stage.heat, &self.mass);
         }
     }
 
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
-    pub(super) fn strain<H: Hardening, V: Volumetric>(
+    pub(super) fn strain<H: Hardening, V: Volumetric, const AREA: bool>(
         &mut self,
         constants: &Constants,
         dt: f64,
@@ -198,7 +205,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 stage.v_z[i][l] = v_z[i];
             }
             let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
-            let g = gradient(middle(r, v_r), middle(z, v_z));
+            let g = operators::<AREA>(middle(r, v_r), middle(z, v_z));
             let per = dt / g.volume;
             let (d_rr, d_zz, d_hoop) = (per * dot(g.r, v_r), per * dot(g.z, v_z), per * dot(g.hoop, v_r));
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
@@ -265,7 +272,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    pub(super) fn forces<V: Volumetric>(
+    pub(super) fn forces<V: Volumetric, const AREA: bool>(
         &mut self,
         constants: &Constants,
         dt: f64,
@@ -273,7 +280,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         corners: &mut Corners,
     ) {
         let shear43 = 4.0 / 3.0 * constants.shear;
-        let (modulus, softness) = (constants.bulk + shear43, 1.0 / (constants.bulk + shear43));
+        let modulus = constants.bulk + shear43;
+        let pressing = modulus / constants.bulk;
         let [linear, quadratic] = constants.bulk_viscosity;
         let quadratic2 = quadratic * quadratic;
         let stiffness = dt * UNIT * constants.hourglass_stiffness * constants.shear;
@@ -284,10 +292,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let starts = V::VARIES && per_dt == 0.0;
         for l in 0..LANES {
             let modulus = if V::VARIES { stage.bulk[l] + shear43 } else { modulus };
-            let softness = if V::VARIES { 1.0 / modulus } else { softness };
             let (r, z) = (column(&stage.r, l), column(&stage.z, l));
             let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
-            let g = gradient(r, z);
+            let g = operators::<AREA>(r, z);
             // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
             let corner =
                 |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) * self.inverse_mass[i][l];
@@ -299,26 +306,27 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let omega = root * per;
             // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
             // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
-            // of a flat element.
-            let density = self.mass[l] * per * (1.0 / UNIT);
-            let wave2 = modulus * UNIT * g.volume * self.inverse_total[l];
-            let wave_length = 2.0 * wave2 * g.volume * g.volume * inverse;
-            let length_per_wave = wave_length * density * softness;
+            // of a flat element: then rho c times the length is 2 (K + 4/3 G)/omega.
+            let mut period = g.volume * g.volume * inverse;
+            if AREA {
+                // Of the section alone: the ring would show in what is spherical.
+                let (square, mass) = (dot(g.r, g.r) + dot(g.z, g.z), self.inverse_mass[0][l]);
+                period = g.volume / (modulus * UNIT * square * mass * g.volume).sqrt();
+            }
             let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
             let mut dilation_rate = dilation * per_dt;
             if starts {
                 dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
             }
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
-            let damping = density * dilation_rate * wave_length * (linear - quadratic2 * length_per_wave * compression);
+            let fraction = linear - quadratic2 * 2.0 * period * compression;
+            let damping = 2.0 * modulus * period * dilation_rate * fraction;
+            let work = stage.volume[l] * 0.5 * (self.viscous[l] + damping) * dilation;
+            stage.sums.viscous[l] += work;
             if V::VARIES {
-                let work = stage.volume[l] * 0.5 * (stage.viscous[l] + damping) * dilation;
-                stage.sums.viscous[l] += work;
                 stage.heat[l] = work - stage.heat[l];
-                stage.viscous[l] = damping;
-            } else {
-                stage.sums.viscous[l] += stage.volume[l] * damping * dilation;
             }
+            self.viscous[l] = damping;
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
             let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
@@ -340,16 +348,28 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let s_zz = UNIT * (self.stress[1][l] + damping);
             let s_hoop = UNIT * (self.stress[2][l] + damping);
             let s_rz = UNIT * self.stress[3][l];
+            // Weighted by area the equation of motion itself is integrated over the section, its terms with 1/r included; the
+            // ring is put back node by node (area.rs).
+            let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
+            let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, 0.0) };
             for i in 0..4 {
-                corners.0[2 * i][l] = -((s_rr * g.r[i] + s_rz * g.z[i]) + (s_hoop * g.hoop[i] + f_r * shape[i]));
-                corners.0[2 * i + 1][l] = -((s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i]);
+                let along_r = (s_rr * g.r[i] + s_rz * g.z[i]) + (hoop_r * g.hoop[i] + f_r * shape[i]);
+                let along_z = (s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i];
+                corners.0[2 * i][l] = if AREA { -flat * along_r } else { -along_r };
+                corners.0[2 * i + 1][l] = if AREA { -flat * (along_z + hoop_z * g.hoop[i]) } else { -along_z };
             }
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
-            let xi = linear - quadratic2 * length_per_wave * compression;
+            // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
+            let share = stage.cap * period;
+            let capped = share < 1.0;
+            let xi = if capped { fraction * share * pressing } else { fraction };
             // In a cold gas, where xi has no bound, the root itself.
             let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
-            let rate = stage.weight[l] * omega * damped;
+            let highest = if capped { stage.cap } else { omega };
+            // Two over the increment in which the element would lose or gain as much of its volume as it may.
+            let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
+            let rate = stage.weight[l] * if changing > stable { changing } else { stable };
             // Not a number counts as the largest: it must be found.
             let best = stage.sums.rate[l];
             let larger = is_larger(rate, best);
@@ -384,6 +404,11 @@ pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
 }
 
 impl Stage {
+    /// Scratch memory of a task whose frequencies are not capped.
+    pub fn new() -> Self {
+        Stage { cap: f64::INFINITY, ..Stage::default() }
+    }
+
     /// A lane whose element is not there weighs nothing.
     pub(super) fn park(&mut self, lane: usize) {
         self.weight[lane] = 0.0;
@@ -407,6 +432,19 @@ impl Stage {
         let mut record = self.records[index];
         record.follow(block, flows, nodes, dt, self);
         self.records[index] = record;
+    }
+
+    /// Follows the largest strain increment.
+    #[inline(always)]
+    fn measure(&mut self) {
+        for l in 0..LANES {
+            let [rr, zz, hoop, rz] = column(&self.strain, l);
+            let square = self.weight[l] * ((rr * rr + zz * zz) + (hoop * hoop + 2.0 * rz * rz));
+            let dilation = self.weight[l] * (rr + zz + hoop);
+            let larger = |a: f64, b: f64| if a > b { a } else { b };
+            self.deformed[0][l] = larger(square, self.deformed[0][l]);
+            self.deformed[1][l] = larger(dilation * dilation, self.deformed[1][l]);
+        }
     }
 
     /// Prepares for a block of which the first `count` lanes hold elements; the others weigh nothing.
@@ -443,8 +481,8 @@ pub fn across(list: &Lanes) -> f64 {
 
 impl<S: Persist, Q: Persist, X: Persist> Persist for Block<S, Q, X> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Block { nodes: _, stress, hourglass, mass, inverse_total, inverse_mass, state, volumetric, failure } = self;
-        persist_fields!(archive; stress, hourglass, mass, inverse_total, inverse_mass, state, volumetric, failure);
+        let Block { nodes: _, stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure } = self;
+        persist_fields!(archive; stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure);
     }
 }
 

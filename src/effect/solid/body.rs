@@ -3,9 +3,12 @@
 
 use rayon::prelude::*;
 
+use super::area::Rings;
 use super::block::is_larger;
 use super::connector::{Bounds, Connector};
+use super::distortion::Controlled;
 use super::equation::System;
+use super::frequency::HighestFrequency;
 use super::group::{Group, Totals};
 use super::mass_scaling::Masses;
 use super::rest::{Awake, FEW};
@@ -51,11 +54,41 @@ pub trait NodeForce: Persist {
     /// Where no finite force can be given; the run halts.
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt>;
 
+    /// Shows the accelerations of nodes at the instant before, where the force passes them on.
+    fn see_accelerations(&mut self, _acceleration: &[[f64; 2]]) {}
+
+    /// Of the work that its forces did over the increment behind what is dissipated: by opening a cavity and by friction.
+    fn dissipated(&self, _behind: &Behind<'_>) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// Elements with these corner nodes are no more: what acts on their faces ends.
     fn release(&mut self, _gone: &[[u32; 4]]) {}
 
     /// The masses of nodes have changed.
     fn weigh(&mut self, _mass: &[f64]) {}
+}
+
+/// The increment behind, for the work of forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Behind<'a> {
+    /// Half its length; 0 where there is none.
+    pub half: f64,
+    /// An eighth of its square, where central differences started with it (see [`Solid::advance`]); else 0.
+    pub start: f64,
+    /// Nodes with the velocities of its middle.
+    pub nodes: &'a [Node],
+    /// Accelerations at its start.
+    pub acceleration: &'a [[f64; 2]],
+}
+
+impl Behind<'_> {
+    /// Work on a node of a force now and at the start of the increment, by the trapezoid.
+    pub fn work(&self, node: usize, now: [f64; 2], before: [f64; 2]) -> f64 {
+        let (n, a) = (&self.nodes[node], self.acceleration[node]);
+        self.half * ((now[0] + before[0]) * n.v_r + (now[1] + before[1]) * n.v_z)
+            - self.start * (before[0] * a[0] + before[1] * a[1])
+    }
 }
 
 /// Energies of the deformable part, summed over the run.
@@ -72,12 +105,16 @@ pub struct Energies {
     pub viscous: f64,
     /// Work of the hourglass control.
     pub artificial: f64,
+    /// Work of distortion control.
+    pub distortion: f64,
     /// Work of forces and prescribed motions.
     pub external: f64,
     /// Lost where nodes meet planes.
     pub contact: f64,
-    /// Dissipated by friction on planes.
+    /// Dissipated by friction, on planes and in a target that is not meshed.
     pub friction: f64,
+    /// Dissipated by opening the cavity in a target that is not meshed.
+    pub cavity: f64,
 }
 
 /// Corner slots that most nodes of a mesh of quadrilaterals have at most.
@@ -167,6 +204,14 @@ pub struct Solid {
     pub energies: Energies,
     /// What the last pass over the elements came to, and the group that limits the increment.
     pub limit: (Totals, usize),
+    /// By how much that pass can have raised a frequency, where it is followed.
+    pub(super) deformed: f64,
+    /// Estimate of the highest frequency of the whole; `None` where none is wanted or none can be made.
+    pub frequency: Option<Box<HighestFrequency>>,
+    /// Whether this step wants it.
+    pub(super) frequency_asked: bool,
+    /// Rings of nodes under area weighting.
+    pub rings: Option<Box<Rings>>,
     /// Nodes that move with rigid bodies.
     pub ties: Vec<Tie>,
     /// Springs and dashpots, and what they allow.
@@ -174,6 +219,10 @@ pub struct Solid {
     pub(super) bounds: Bounds,
     /// Stiffness and damping of connectors at each node; empty without any.
     pub(super) sums: Vec<[f64; 2]>,
+    /// Elements under distortion control.
+    pub(super) distortion: Vec<Controlled>,
+    /// Stable increment at the start, by which distortion control leads back.
+    pub(super) distortion_time: f64,
     /// Planes that nodes cannot pass, those of the step.
     pub walls: Vec<Wall>,
     /// Linear equations between degrees of freedom, those of the step.
@@ -207,6 +256,8 @@ struct NodePass<'a> {
     gather: &'a Gather,
     corners: &'a [Corners],
     external: &'a [[f64; 2]],
+    /// Factors on forces of elements; empty for none.
+    rings: &'a [f64],
     nodes: &'a [Node],
     mass: &'a [f64],
     inverse_mass: &'a [f64],
@@ -227,6 +278,11 @@ impl NodePass<'_> {
             }
             let forces = &mut forces[..count];
             self.gather.sum(first, self.corners, forces);
+            if !self.rings.is_empty() {
+                for (force, ring) in forces.iter_mut().zip(&self.rings[first..first + count]) {
+                    *force = [ring * force[0], ring * force[1]];
+                }
+            }
             if !self.external.is_empty() {
                 for (force, more) in forces.iter_mut().zip(&self.external[first..first + count]) {
                     *force = [force[0] + more[0], force[1] + more[1]];
@@ -282,12 +338,18 @@ impl Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
             masses: None,
+            deformed: 0.0,
+            frequency: None,
+            frequency_asked: false,
+            rings: None,
             ties: Vec::new(),
             walls: Vec::new(),
             half: 0.0,
             connectors: Vec::new(),
             bounds: Bounds::default(),
             sums: Vec::new(),
+            distortion: Vec::new(),
+            distortion_time: 0.0,
             equations: Vec::new(),
             mass,
             acceleration: vec![[0.0; 2]; count],
@@ -324,7 +386,8 @@ impl Solid {
             self.awake.wake();
         }
         self.gone.1 = 0;
-        let count = if forces > 0 || !self.connectors.is_empty() { self.nodes.len() } else { 0 };
+        let pushed = forces > 0 || !self.connectors.is_empty() || !self.distortion.is_empty();
+        let count = if pushed { self.nodes.len() } else { 0 };
         for list in &mut self.external {
             list.resize(count, [0.0; 2]);
         }
@@ -355,6 +418,8 @@ impl Solid {
     pub fn evaluate(&mut self, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> Result<(), Halt> {
         if self.pending {
             self.update_elements(now);
+            self.measure_rings();
+            self.bound_frequency();
             self.pending = false;
         }
         let [external, before] = &mut self.external;
@@ -364,10 +429,19 @@ impl Solid {
             forces.iter_mut().for_each(|force| force.release(&self.gone.0[self.gone.1..]));
             self.gone.1 = self.gone.0.len();
         }
+        let dt = if self.moved { self.behind } else { 0.0 };
+        let start = if self.half == 0.5 * dt { 0.125 * dt * dt } else { 0.0 };
+        let behind = Behind { half: 0.5 * dt, start, nodes: &self.nodes, acceleration: &self.acceleration };
         for force in forces {
+            force.see_accelerations(&self.acceleration);
             force.add(now, &self.nodes, external)?;
+            let [cavity, friction] = force.dissipated(&behind);
+            self.energies.cavity += cavity;
+            self.energies.friction += friction;
+            self.energies.external += cavity + friction;
         }
         self.add_connectors();
+        self.resist_distortion();
         self.awake.update(&self.groups, &self.external[0]);
         if self.limit.0.rate.is_finite() {
             return Ok(());
@@ -378,12 +452,14 @@ impl Solid {
     fn update_elements(&mut self, now: &Instant) {
         let mut first = 0;
         self.limit = (Totals::default(), 0);
+        self.deformed = 0.0;
         for (i, group) in self.groups.iter_mut().enumerate() {
             let blocks = group.len().div_ceil(LANES);
             group.tell(now);
             let totals = group.update(&self.nodes, self.behind, &mut self.corners[first..first + blocks]);
             first += blocks;
             group.deleted(&mut self.gone.0);
+            self.deformed = self.deformed.max(totals.deformed);
             self.energies.internal += totals.internal;
             self.energies.plastic += totals.plastic;
             self.energies.viscous += totals.viscous;
@@ -415,6 +491,7 @@ impl Solid {
             gather: &self.gather,
             corners: &self.corners,
             external: &self.external[0],
+            rings: self.rings.as_ref().map_or(&[], |r| &r.factors),
             nodes: &self.nodes,
             mass: &self.mass,
             inverse_mass: &self.inverse_mass,
@@ -464,8 +541,20 @@ impl Solid {
         self.moved = false;
     }
 
-    /// Carries all nodes over an increment.
+    /// Where central differences start, forces act for half an increment alone and bring velocities from v to v + dt/2 a.
+    /// What they give in that half is their impulse times the mean of both, v + dt/4 a, while the trapezoid over the whole
+    /// increment reckons with the velocity at its end: too much by f a dt^2/8.
+    fn book_start(&mut self, dt: f64) {
+        let forces = self.external[0].iter().zip(&self.acceleration);
+        let power: f64 = forces.map(|(f, a)| f[0] * a[0] + f[1] * a[1]).sum();
+        self.energies.external -= 0.125 * dt * dt * power;
+    }
+
+    /// Carries all nodes over an increment. The first one starts central differences with half of it.
     pub fn advance(&mut self, given: &[Given], now: &Instant, dt: f64) {
+        if self.behind == 0.0 {
+            self.book_start(dt);
+        }
         let half = 0.5 * (dt + self.behind);
         let awake = &self.awake;
         let chunk = |(index, (nodes, accelerations)): (usize, (&mut [Node], &[[f64; 2]]))| {
@@ -569,8 +658,20 @@ impl Solid {
 
 impl Persist for Energies {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Energies { kinetic, internal, plastic, viscous, artificial, external, contact, friction } = self;
+        let Energies {
+            kinetic,
+            internal,
+            plastic,
+            viscous,
+            artificial,
+            external,
+            contact,
+            friction,
+            cavity,
+            distortion,
+        } = self;
         persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction);
+        persist_fields!(archive; cavity, distortion);
     }
 }
 
@@ -594,6 +695,12 @@ impl Persist for Solid {
             element_names: _,
             energies,
             limit,
+            distortion,
+            distortion_time,
+            deformed: _,
+            frequency,
+            frequency_asked,
+            rings,
             ties: _,
             connectors,
             bounds,
@@ -624,6 +731,13 @@ impl Persist for Solid {
         persist_fields!(archive; external[0].as_mut_slice(), reactions.as_mut_slice(), gone);
         if let Some(masses) = masses {
             masses.persist(archive);
+        }
+        persist_fields!(archive; distortion.as_mut_slice(), distortion_time, frequency_asked);
+        if let Some(frequency) = frequency {
+            frequency.persist(archive);
+        }
+        if let Some(rings) = rings {
+            rings.persist(archive);
         }
         archive.mark("elements");
         persist_all(groups, archive);

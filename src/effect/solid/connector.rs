@@ -14,6 +14,22 @@ pub enum Law {
     Table(Vec<[f64; 2]>),
     /// Force a velocity.
     Dashpot(f64),
+    /// Rows of relative velocity and force, ascending; constant beyond the ends.
+    DashpotTable(Vec<[f64; 2]>),
+}
+
+/// Force by rows of an abscissa and the force.
+fn between(rows: &[[f64; 2]], at: f64) -> f64 {
+    let next = rows.partition_point(|r| r[0] <= at);
+    let (Some(a), Some(b)) = (rows.get(next.wrapping_sub(1)), rows.get(next)) else {
+        return if next == 0 { rows[0][1] } else { rows[next - 1][1] };
+    };
+    a[1] + (b[1] - a[1]) * (at - a[0]) / (b[0] - a[0])
+}
+
+/// The steepest slope of a table.
+fn steepest(rows: &[[f64; 2]]) -> f64 {
+    rows.windows(2).map(|w| ((w[1][1] - w[0][1]) / (w[1][0] - w[0][0])).abs()).fold(0.0, f64::max)
 }
 
 impl Law {
@@ -22,13 +38,8 @@ impl Law {
         match self {
             Law::Spring(stiffness) => stiffness * displacement,
             Law::Dashpot(coefficient) => coefficient * velocity,
-            Law::Table(rows) => {
-                let next = rows.partition_point(|r| r[0] <= displacement);
-                let (Some(a), Some(b)) = (rows.get(next.wrapping_sub(1)), rows.get(next)) else {
-                    return if next == 0 { rows[0][1] } else { rows[next - 1][1] };
-                };
-                a[1] + (b[1] - a[1]) * (displacement - a[0]) / (b[0] - a[0])
-            }
+            Law::Table(rows) => between(rows, displacement),
+            Law::DashpotTable(rows) => between(rows, velocity),
         }
     }
 
@@ -39,10 +50,10 @@ impl Law {
             Law::Spring(stiffness) => [stiffness.abs(), 0.0],
             Law::Dashpot(coefficient) => [0.0, coefficient.abs()],
             Law::Table(rows) => {
-                let slopes = rows.windows(2).map(|w| ((w[1][1] - w[0][1]) / (w[1][0] - w[0][0])).abs());
                 let across = rows.iter().map(|r| if length > 0.0 { r[1].abs() / length } else { 0.0 });
-                [slopes.chain(across).fold(0.0, f64::max), 0.0]
+                [across.fold(steepest(rows), f64::max), 0.0]
             }
+            Law::DashpotTable(rows) => [0.0, steepest(rows)],
         }
     }
 }
@@ -162,7 +173,7 @@ impl Solid {
                 self.external[0][n][1] += sign * force[1];
             }
             self.energies.external -= work;
-            if matches!(self.connectors[i].law, Law::Dashpot(_)) {
+            if matches!(self.connectors[i].law, Law::Dashpot(_) | Law::DashpotTable(_)) {
                 self.energies.viscous -= work;
             } else {
                 self.energies.internal -= work;

@@ -4,7 +4,7 @@
 
 use super::volumetric::{Squeeze, Volumetric};
 use super::{LANES, Lanes};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist};
 
 /// Pressure at one density, linear in the energy a mass: p = cold + per_energy e.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,8 +119,6 @@ pub struct Eos<P> {
 pub struct Heat {
     /// Energy a mass.
     energy: Lanes,
-    /// Stress of the bulk viscosity.
-    viscous: Lanes,
 }
 
 impl<P: Pressure> Volumetric for Eos<P> {
@@ -128,7 +126,7 @@ impl<P: Pressure> Volumetric for Eos<P> {
     const VARIES: bool = true;
 
     fn fresh(&self) -> Heat {
-        Heat { energy: [0.0; LANES], viscous: [0.0; LANES] }
+        Heat { energy: [0.0; LANES] }
     }
 
     /// m de = -(p + p') / 2 dV + deviatoric and viscous work, with p' = a + b e' at the end: linear in e', solved in closed
@@ -141,7 +139,7 @@ impl<P: Pressure> Volumetric for Eos<P> {
             let density = ask.mass[l] / ask.volume[l];
             let Curve { cold, per_energy, cold_slope, energy_slope } = self.law.curve(density);
             let change = ask.middle[l] * ask.dilation[l];
-            let expected = state.viscous[l] * change;
+            let expected = ask.viscous[l] * change;
             let absolute = 0.5 * (ask.mean[l] - ambient - cold - ambient);
             let gained = absolute * change + ask.work[l] + expected;
             let energy = (state.energy[l] + gained * inverse) / (1.0 + 0.5 * per_energy * change * inverse);
@@ -151,18 +149,16 @@ impl<P: Pressure> Volumetric for Eos<P> {
                 density * (cold_slope + energy_slope * energy) + per_energy * (pressure + ambient) * (1.0 / density);
             ask.bulk[l] = if bulk < floor { floor } else { bulk };
             ask.mean[l] = -pressure;
-            ask.viscous[l] = state.viscous[l];
             ask.heat[l] = expected;
             state.energy[l] = energy;
         }
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut Heat, heat: &Lanes, viscous: &Lanes, mass: &Lanes) {
+    fn settle(&self, state: &mut Heat, heat: &Lanes, mass: &Lanes) {
         for l in 0..LANES {
             state.energy[l] += heat[l] / mass[l];
         }
-        state.viscous = *viscous;
     }
 
     fn energy(&self, state: &Heat, lane: usize) -> Option<f64> {
@@ -186,8 +182,8 @@ impl<P: Pressure> Volumetric for Eos<P> {
 
 impl Persist for Heat {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Heat { energy, viscous } = self;
-        persist_fields!(archive; energy, viscous);
+        let Heat { energy } = self;
+        energy.persist(archive);
     }
 }
 

@@ -6,7 +6,7 @@ use super::block::{Block, Nodes, Stage};
 use super::law::{Constants, Hardening};
 use super::volumetric::Volumetric;
 use super::{Corners, LANES, Lanes};
-use crate::kernel::hardening::Table;
+use crate::kernel::levels::Levels;
 use crate::kernel::quad::UNIT;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
@@ -41,6 +41,13 @@ pub struct Seen {
     pub temperature: f64,
     /// Length of the increment.
     pub dt: f64,
+}
+
+impl Seen {
+    /// Rate of the equivalent plastic strain.
+    fn rate(&self) -> f64 {
+        if self.dt > 0.0 { self.plastic / self.dt } else { 0.0 }
+    }
 }
 
 /// What an increment leaves of the stress.
@@ -96,8 +103,10 @@ pub enum FailureStrain {
         /// Reference rate.
         reference: f64,
     },
-    /// Over the triaxiality, mean stress over von Mises stress: linear between rows, constant beyond them.
-    Triaxiality(Table),
+    /// Over the triaxiality (mean stress over von Mises stress), the rate of the plastic strain, and the temperature.
+    Ductile(Levels),
+    /// Over the rate, pressure over von Mises stress, and the temperature.
+    Shear(Levels),
 }
 
 impl FailureStrain {
@@ -106,9 +115,10 @@ impl FailureStrain {
         let triaxiality = if seen.mises > 0.0 { seen.mean / seen.mises } else { 0.0 };
         match self {
             FailureStrain::Constant(strain) => *strain,
-            FailureStrain::Triaxiality(table) => table.value(triaxiality),
+            FailureStrain::Ductile(levels) => levels.at(&[triaxiality, seen.rate(), seen.temperature]),
+            FailureStrain::Shear(levels) => levels.at(&[seen.rate(), -triaxiality, seen.temperature]),
             FailureStrain::JohnsonCook { d, melt, transition, reference } => {
-                let rate = if seen.dt > 0.0 { seen.plastic / (seen.dt * reference) } else { 0.0 };
+                let rate = seen.rate() / reference;
                 let by_rate = if rate > 1.0 { 1.0 + d[3] * libm::log(rate) } else { 1.0 };
                 let theta = ((seen.temperature - transition) / (melt - transition)).clamp(0.0, 1.0);
                 let theta = if theta.is_nan() { 0.0 } else { theta };

@@ -36,6 +36,9 @@ pub struct Totals {
     pub rate: f64,
     /// Element (of the group) that limits it.
     pub limiting: usize,
+    /// By how much what deformed in this increment can raise a frequency, relative: gradients by the largest strain (the norm
+    /// of the tensor), the root of the volume by half its largest change. 0 unless frequencies are capped.
+    pub deformed: f64,
 }
 
 /// Elements of one kind and one material.
@@ -71,6 +74,13 @@ pub trait Group: Persist {
     fn own_rate(&self, _element: usize, _masses: &[f64; 4], _nodes: &[Node]) -> Option<f64> {
         None
     }
+    /// Elastic stiffness of an element on the present nodes, `[r, z]` of each corner in turn; `None` where it is not linear,
+    /// so that no highest frequency can be told from it.
+    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
+        None
+    }
+    /// Says that no mode of the whole scene has a higher frequency, angle over time; infinite if it is not known.
+    fn cap(&mut self, _frequency: f64) {}
     /// Masses of the corners of an element.
     fn corner_masses(&self, element: usize) -> [f64; 4];
     /// Gives the corners of an element other masses.
@@ -107,8 +117,8 @@ pub trait Group: Persist {
     }
 }
 
-/// Quadrilaterals with a hardening law, a volumetric law, and what fails.
-pub struct Quads<H: Hardening, V: Volumetric, F: Failure> {
+/// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area.
+pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false> {
     hardening: H,
     volumetric: V,
     failure: F,
@@ -121,9 +131,18 @@ pub struct Quads<H: Hardening, V: Volumetric, F: Failure> {
     /// Elements whose deletion has been told.
     told: Vec<bool>,
     rests: Vec<Rest>,
+    /// Highest frequency that counts.
+    cap: f64,
 }
 
 impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
+    /// Elements by their corner nodes, at their places now.
+    pub fn new(laws: (H, V, F), constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        Quads::weighted(laws, constants, density, elements, nodes)
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
     /// The same on another instruction set, which gives the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -131,8 +150,8 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
         self
     }
 
-    /// Elements by their corner nodes, at their places now.
-    pub fn new(
+    /// The same, weighted by volume or by area.
+    pub fn weighted(
         (hardening, volumetric, failure): (H, V, F),
         constants: Constants,
         density: f64,
@@ -142,7 +161,11 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
         let fresh = |part: &[_]| {
             let [area, volume] = sizes(part, nodes);
             let states = (hardening.fresh(), volumetric.fresh(), failure.fresh(&area, &volume));
-            block(states, density, part, nodes)
+            let mut block = block(states, density, part, nodes);
+            if AREA {
+                block.inverse_mass = [block.mass.map(|mass| 4.0 / mass); 4];
+            }
+            block
         };
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
@@ -152,12 +175,13 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
             failure,
             constants,
             count: elements.len(),
-            tasks: vec![Stage::default(); blocks.len().div_ceil(TASK)],
+            tasks: vec![Stage::new(); blocks.len().div_ceil(TASK)],
             blocks,
             arch: Arch::new(),
             parallel,
             rests: Rest::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            cap: f64::INFINITY,
         }
     }
 }
@@ -186,7 +210,7 @@ pub(super) fn block<S, Q, X>(
         stress: [[0.0; LANES]; 4],
         hourglass: [[0.0; LANES]; 2],
         mass: [0.0; LANES],
-        inverse_total: [0.0; LANES],
+        viscous: [0.0; LANES],
         inverse_mass: [[0.0; LANES]; 4],
         state,
         volumetric,
@@ -201,12 +225,11 @@ pub(super) fn block<S, Q, X>(
             block.inverse_mass[corner][l] = 1.0 / mass;
         }
         block.mass[l] = density * quad::volume(corners);
-        block.inverse_total[l] = 1.0 / block.mass[l];
     }
     block
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<H, V, F, AREA> {
     fn len(&self) -> usize {
         self.count
     }
@@ -217,13 +240,19 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
 
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
         let laws = (&self.hardening, &self.volumetric, &self.failure);
-        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt };
+        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
         let arch = self.arch;
         let run = |index, blocks: &mut [Block<_, _, _>], corners: &mut [Corners], stage: &mut _, rest: &mut Rest| {
             if rest.asleep && rest.is_still(nodes) {
                 return;
             }
-            arch.dispatch(Task { pass: &pass, index, blocks: &mut *blocks, corners: &mut *corners, stage });
+            arch.dispatch(Task::<_, _, _, AREA> {
+                pass: &pass,
+                index,
+                blocks: &mut *blocks,
+                corners: &mut *corners,
+                stage,
+            });
             // Without an increment behind nothing has been added to the sums, so they hold while the task sleeps. The
             // pressure of an equation of state is not in the state looked at here.
             let zero = |list: &[Lanes]| list.as_flattened().iter().all(|x| *x == 0.0);
@@ -242,7 +271,10 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
             let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.rests)).enumerate();
             parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
         }
-        totals(&self.tasks)
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
+        let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
+        totals(&self.tasks, |task| if self.rests[task].asleep { still } else { f64::INFINITY })
     }
 
     fn sleeps(&self, task: usize) -> bool {
@@ -294,7 +326,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
 
     fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
         // Where the pressure follows from density or energy a mass, the mass is part of the state.
-        if V::VARIES {
+        if V::VARIES || AREA {
             return None;
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -304,6 +336,24 @@ impl<H: Hardening, V: Volumetric, F: Failure> Group for Quads<H, V, F> {
         let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
         let xi = self.constants.bulk_viscosity[0];
         Some(0.5 * (sum / g.volume).sqrt() * (1.0 + xi * (1.0 + 0.5 * xi)))
+    }
+
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
+        if V::VARIES || V::TOTAL || AREA {
+            return None;
+        }
+        if self.status(element) == Some(0.0) {
+            return Some([[0.0; 8]; 8]);
+        }
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let Constants { bulk, shear, hourglass_stiffness, .. } = self.constants;
+        Some(quad::stiffness(corners, [bulk, shear], hourglass_stiffness))
+    }
+
+    fn cap(&mut self, frequency: f64) {
+        // The hourglass control damps the highest modes too.
+        let xi = self.constants.hourglass_viscosity;
+        self.cap = frequency * (1.0 + xi * (1.0 + 0.5 * xi));
     }
 
     fn corner_masses(&self, element: usize) -> [f64; 4] {
@@ -361,10 +411,11 @@ struct Pass<'a, H, V, F> {
     count: usize,
     nodes: &'a [Node],
     dt: f64,
+    cap: f64,
 }
 
 /// The blocks that a thread takes at once.
-struct Task<'a, H: Hardening, V: Volumetric, F: Failure> {
+struct Task<'a, H: Hardening, V: Volumetric, F: Failure, const AREA: bool> {
     pass: &'a Pass<'a, H, V, F>,
     index: usize,
     blocks: &'a mut [Block<H::State, V::State, F::State>],
@@ -372,7 +423,7 @@ struct Task<'a, H: Hardening, V: Volumetric, F: Failure> {
     stage: &'a mut Stage,
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce for Task<'_, H, V, F, AREA> {
     type Output = ();
 
     /// Inlined into a function of the machine's instruction set.
@@ -382,12 +433,13 @@ impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F
         let pass = self.pass;
         stage.sums = Sums::default();
         stage.deaths = 0;
+        (stage.cap, stage.deformed) = (pass.cap, [[0.0; LANES]; 2]);
         let mut places = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
-            block.update(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
+            block.update::<H, V, F, AREA>(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
             if !stage.records.is_empty() {
                 stage.follow(i, block, H::FLOWS, &places, pass.dt);
             }
@@ -395,16 +447,20 @@ impl<H: Hardening, V: Volumetric, F: Failure> NullaryFnOnce for Task<'_, H, V, F
     }
 }
 
-/// Folds the tasks in their order.
-pub(super) fn totals(tasks: &[Stage]) -> Totals {
+/// Folds the tasks in their order; no rate of a task is larger than `most` says.
+pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
     let mut totals = Totals::default();
     let mut largest = 0.0;
-    for Stage { sums, .. } in tasks {
+    for (task, Stage { sums, deformed, .. }) in tasks.iter().enumerate() {
+        let most = most(task);
+        let [strain, dilation] = deformed.map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
+        totals.deformed = totals.deformed.max(strain + 0.5 * dilation);
         totals.internal += across(&sums.internal);
         totals.plastic += across(&sums.plastic);
         totals.viscous += across(&sums.viscous);
         totals.artificial += across(&sums.artificial);
         for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
+            let rate = if rate > most { most } else { rate };
             if is_larger(rate, largest) {
                 largest = rate;
                 totals.limiting = block as usize * LANES + l;
@@ -415,7 +471,7 @@ pub(super) fn totals(tasks: &[Stage]) -> Totals {
     totals
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> Persist for Quads<H, V, F> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Quads {
             hardening: _,
@@ -429,15 +485,16 @@ impl<H: Hardening, V: Volumetric, F: Failure> Persist for Quads<H, V, F> {
             parallel: _,
             told,
             rests,
+            cap,
         } = self;
-        persist_fields!(archive; blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), rests.as_mut_slice());
+        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), rests.as_mut_slice());
     }
 }
 
 impl Persist for Totals {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Totals { internal, plastic, viscous, artificial, rate, limiting } = self;
-        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting);
+        let Totals { internal, plastic, viscous, artificial, rate, limiting, deformed } = self;
+        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting, deformed);
     }
 }
 

@@ -4,7 +4,7 @@
 
 use super::volumetric::{Squeeze, Stretch, Volumetric};
 use super::{LANES, Lanes};
-use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::archive::{Archive, Persist};
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)^2 / D1, so the Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
 /// (ABAQUS Theory Guide, "Hyperelastic material behavior").
@@ -21,8 +21,6 @@ pub struct NeoHooke {
 pub struct Deformed {
     /// Deformation gradient: rr, rz, zr, zz, and the hoop stretch r/R.
     gradient: [Lanes; 5],
-    /// Stress of the bulk viscosity.
-    viscous: Lanes,
 }
 
 impl Volumetric for NeoHooke {
@@ -32,7 +30,7 @@ impl Volumetric for NeoHooke {
 
     fn fresh(&self) -> Deformed {
         let (one, zero) = ([1.0; LANES], [0.0; LANES]);
-        Deformed { gradient: [one, zero, zero, one, one], viscous: zero }
+        Deformed { gradient: [one, zero, zero, one, one] }
     }
 
     #[inline(always)]
@@ -78,20 +76,14 @@ impl Volumetric for NeoHooke {
             let stiffer = 4.0 / 3.0 * (scale * trace - shear);
             ask.bulk[l] =
                 bulk * (if j > 1.0 { 2.0 * j - 1.0 } else { 1.0 }) + if stiffer < 0.0 { 0.0 } else { stiffer };
-            ask.viscous[l] = state.viscous[l];
             ask.heat[l] = 0.0;
         }
-    }
-
-    #[inline(always)]
-    fn settle(&self, state: &mut Deformed, _heat: &Lanes, viscous: &Lanes, _mass: &Lanes) {
-        state.viscous = *viscous;
     }
 }
 
 impl Persist for Deformed {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Deformed { gradient, viscous } = self;
-        persist_fields!(archive; gradient, viscous);
+        let Deformed { gradient } = self;
+        gradient.persist(archive);
     }
 }

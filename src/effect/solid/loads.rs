@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::body::NodeForce;
+use super::body::{Behind, NodeForce};
 use crate::effect::cavity::Stack;
 use crate::effect::user_load::{Shown, UserLoad};
 use crate::effect::{Halt, Magnitude};
@@ -22,17 +22,22 @@ fn is_of(face: Face, elements: &[[u32; 4]]) -> bool {
     elements.iter().any(|corners| (0..4).any(|i| corners[i] == a && corners[(i + 1) % 4] == b))
 }
 
-/// Adds a pressure on a face, positive against the outward normal: the consistent forces of a uniform pressure,
-/// -p n 2 pi L (2 r1 + r2)/6 on the first node.
+/// Forces on the nodes of a face by a pressure, positive against the outward normal: the consistent forces of a uniform
+/// pressure, -p n 2 pi L (2 r1 + r2)/6 on the first node.
 #[inline]
-fn push(face: Face, pressure: f64, nodes: &[Node], forces: &mut [[f64; 2]]) {
+fn pushes(face: Face, pressure: f64, nodes: &[Node]) -> [[f64; 2]; 2] {
     let [a, b] = face.map(|n| &nodes[n]);
     let third = PI / 3.0 * pressure;
     // The outward normal times the length is (dz, -dr).
     let (n_r, n_z) = (third * (b.z - a.z), -third * (b.r - a.r));
-    for (node, weight) in [(face[0], 2.0 * a.r + b.r), (face[1], a.r + 2.0 * b.r)] {
-        forces[node][0] -= n_r * weight;
-        forces[node][1] -= n_z * weight;
+    [2.0 * a.r + b.r, a.r + 2.0 * b.r].map(|weight| [-n_r * weight, -n_z * weight])
+}
+
+/// Adds a pressure on a face.
+#[inline]
+fn push(face: Face, pressure: f64, nodes: &[Node], forces: &mut [[f64; 2]]) {
+    for (node, force) in face.into_iter().zip(pushes(face, pressure, nodes)) {
+        forces[node] = [forces[node][0] + force[0], forces[node][1] + force[1]];
     }
 }
 
@@ -173,6 +178,16 @@ impl FaceBlock {
 }
 
 impl NodeForce for FaceUser {
+    fn see_accelerations(&mut self, acceleration: &[[f64; 2]]) {
+        for block in &mut self.blocks {
+            let n = block.faces.len();
+            for (i, [a, b]) in block.faces.iter().map(|face| face.map(|n| acceleration[n])).enumerate() {
+                block.shown.motion[4 * n + i] = 0.5 * (a[0] + b[0]);
+                block.shown.motion[5 * n + i] = 0.5 * (a[1] + b[1]);
+            }
+        }
+    }
+
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         let amplitude = self.load.magnitude.amplitude(now);
         for (i, block) in self.blocks.iter_mut().enumerate() {
@@ -199,43 +214,83 @@ impl NodeForce for FaceUser {
 
 /// Resistance of a target that is not meshed, on faces that move into it.
 pub struct FaceCavity {
-    /// Faces.
-    pub faces: Vec<Face>,
+    faces: Vec<Resisted>,
     /// Layers.
-    pub stack: Stack,
+    stack: Stack,
     /// Coulomb coefficient.
-    pub friction: f64,
+    friction: f64,
+}
+
+/// A face and the forces on its two nodes, of pressure and of friction, now and an instant before.
+struct Resisted {
+    face: Face,
+    /// Whether the element behind it still carries.
+    carries: bool,
+    now: Pair,
+    before: Pair,
+}
+
+/// Forces on the two nodes of a face: of pressure, of friction.
+type Pair = [[[f64; 2]; 2]; 2];
+
+impl FaceCavity {
+    /// The resistance of `stack` on faces, with a Coulomb coefficient.
+    pub fn new(faces: &[Face], stack: Stack, friction: f64) -> Self {
+        let resisted = |&face: &Face| Resisted { face, carries: true, now: Pair::default(), before: Pair::default() };
+        FaceCavity { faces: faces.iter().map(resisted).collect(), stack, friction }
+    }
+
+    /// Pressure by the normal velocity of the face's middle, times the share of the face's area in each layer; friction
+    /// against the tangential velocity.
+    fn forces(&self, face: Face, nodes: &[Node]) -> Pair {
+        let mut pair = Pair::default();
+        let [a, b] = face.map(|n| [nodes[n].r, nodes[n].z]);
+        let Seen { velocity, normal, .. } = see(face, nodes);
+        let into = velocity[0] * normal[0] + velocity[1] * normal[1];
+        let Some(facet) = Facet::new(a, b, false).filter(|_| into > 0.0) else { return pair };
+        let pressure = self.stack.mean_stress(&facet, into);
+        if pressure == 0.0 {
+            return pair;
+        }
+        pair[0] = pushes(face, pressure, nodes);
+        let along = velocity[1] * normal[0] - velocity[0] * normal[1];
+        if self.friction > 0.0 && along != 0.0 {
+            // Half of the face's friction on each node, against the motion along the tangent (-n_z, n_r).
+            let force = 0.5 * self.friction * pressure * facet.area * -along.signum();
+            pair[1] = [[-force * normal[1], force * normal[0]]; 2];
+        }
+        pair
+    }
 }
 
 impl NodeForce for FaceCavity {
-    /// Pressure by the normal velocity of the face's middle, times the share of the face's area in each layer; friction
-    /// against the tangential velocity.
     fn add(&mut self, _now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
-        for &face in &self.faces {
-            let [a, b] = face.map(|n| [nodes[n].r, nodes[n].z]);
-            let Seen { velocity, normal, .. } = see(face, nodes);
-            let into = velocity[0] * normal[0] + velocity[1] * normal[1];
-            let Some(facet) = Facet::new(a, b, false).filter(|_| into > 0.0) else { continue };
-            let pressure = self.stack.mean_stress(&facet, into);
-            if pressure == 0.0 {
-                continue;
+        for i in 0..self.faces.len() {
+            let Resisted { face, carries, .. } = self.faces[i];
+            let pair = if carries { self.forces(face, nodes) } else { Pair::default() };
+            for (&n, force) in pair.iter().flat_map(|part| face.iter().zip(part)) {
+                forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
             }
-            push(face, pressure, nodes, forces);
-            let along = velocity[1] * normal[0] - velocity[0] * normal[1];
-            if self.friction > 0.0 && along != 0.0 {
-                // Half of the face's friction on each node, against the motion along the tangent (-n_z, n_r).
-                let force = 0.5 * self.friction * pressure * facet.area * -along.signum();
-                for n in face {
-                    forces[n][0] -= force * normal[1];
-                    forces[n][1] += force * normal[0];
-                }
-            }
+            let resisted = &mut self.faces[i];
+            (resisted.before, resisted.now) = (resisted.now, pair);
         }
         Ok(())
     }
 
+    fn dissipated(&self, behind: &Behind<'_>) -> [f64; 2] {
+        let mut against = [0.0; 2];
+        for Resisted { face, now, before, .. } in &self.faces {
+            for (sum, (now, before)) in against.iter_mut().zip(now.iter().zip(before)) {
+                for (&n, (now, before)) in face.iter().zip(now.iter().zip(before)) {
+                    *sum -= behind.work(n, *now, *before);
+                }
+            }
+        }
+        against
+    }
+
     fn release(&mut self, gone: &[[u32; 4]]) {
-        self.faces.retain(|face| !is_of(*face, gone));
+        self.faces.iter_mut().for_each(|f| f.carries &= !is_of(f.face, gone));
     }
 }
 
@@ -276,6 +331,13 @@ impl Persist for FaceUser {
 impl Persist for FaceCavity {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let FaceCavity { faces, stack: _, friction: _ } = self;
-        faces.persist(archive);
+        faces.as_mut_slice().persist(archive);
+    }
+}
+
+impl Persist for Resisted {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Resisted { face: _, carries, now, before } = self;
+        persist_fields!(archive; carries, now, before);
     }
 }

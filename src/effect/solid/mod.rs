@@ -1,22 +1,29 @@
 //! Deformable bodies: groups of elements of one kind and one material.
 //! Never here: nodes' motion, deck words.
 
+pub mod area;
 pub mod block;
 pub mod body;
 pub mod connector;
+pub mod distortion;
 pub mod eos;
 pub mod equation;
 pub mod failure;
+pub mod frequency;
 pub mod group;
+pub mod guard;
 pub mod hyperelastic;
 pub mod instructions;
 pub mod kinematic;
 pub mod law;
 pub mod loads;
 pub mod mass_scaling;
+pub mod moving;
 pub mod points;
 pub mod record;
 mod rest;
+#[cfg(test)]
+mod same_bits;
 pub mod tie;
 pub mod user_body;
 pub mod user_material;

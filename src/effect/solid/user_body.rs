@@ -62,6 +62,19 @@ impl BodyBlock {
 }
 
 impl NodeForce for BodyUser {
+    fn see_accelerations(&mut self, acceleration: &[[f64; 2]]) {
+        for block in &mut self.blocks {
+            let n = block.elements.len();
+            for (i, element) in block.elements.iter().enumerate() {
+                let [a, b, c, d] = element.map(|n| acceleration[n as usize]);
+                for axis in 0..2 {
+                    let mean = 0.25 * ((a[axis] + b[axis]) + (c[axis] + d[axis]));
+                    block.shown.motion[(4 + axis) * n + i] = mean;
+                }
+            }
+        }
+    }
+
     fn add(&mut self, now: &Instant, nodes: &[Node], forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         let amplitude = self.load.magnitude.amplitude(now);
         for (i, block) in self.blocks.iter_mut().enumerate() {

@@ -86,7 +86,7 @@ impl UserQuads {
             count: elements.len(),
             names,
             blocks,
-            stages: vec![Stage::default(); BLOCKS],
+            stages: vec![Stage::new(); BLOCKS],
             nodes: vec![Nodes::default(); BLOCKS],
             now: Instant::default(),
             failure: None,
@@ -124,7 +124,7 @@ impl UserQuads {
                     stage.park(l);
                 }
             }
-            block.strain::<Elastic, Linear>(&self.constants, dt, corners, stage);
+            block.strain::<Elastic, Linear, false>(&self.constants, dt, corners, stage);
         }
         for i in 0..chunk.deleted.len() {
             let (s, l) = (i / LANES, i % LANES);
@@ -180,7 +180,7 @@ impl UserQuads {
         let deleted = &self.chunks[c].deleted;
         let blocks = self.blocks[first..].iter_mut().zip(&mut corners[first..]).take(BLOCKS);
         for (s, ((block, forces), (stage, nodes))) in blocks.zip(self.stages.iter_mut().zip(&self.nodes)).enumerate() {
-            block.forces::<Linear>(&self.constants, dt, stage, forces);
+            block.forces::<Linear, false>(&self.constants, dt, stage, forces);
             for l in (0..LANES).filter(|l| deleted.get(s * LANES + l).copied().unwrap_or(true)) {
                 forces.0.iter_mut().chain(&mut block.hourglass).for_each(|list| list[l] = 0.0);
             }
@@ -231,7 +231,7 @@ impl Group for UserQuads {
     fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
         self.stages.iter_mut().for_each(|s| s.sums = Sums::default());
         self.failure = self.pass(nodes, dt, corners).err();
-        let totals = totals(&self.stages);
+        let totals = totals(&self.stages, |_| f64::INFINITY);
         if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
     }
 

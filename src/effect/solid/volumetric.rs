@@ -5,7 +5,7 @@
 use super::block::{Block, Nodes, Stage};
 use super::law::Hardening;
 use super::{LANES, Lanes};
-use crate::kernel::quad::{UNIT, gradient};
+use crate::kernel::quad::{UNIT, operators};
 use crate::state::archive::Persist;
 
 /// The volumetric part of a material. A constant bulk modulus is a type without state, and costs nothing.
@@ -29,9 +29,8 @@ pub trait Volumetric: Send + Sync {
     /// Mean stress, deviator and modulus at the end of an increment, by the whole deformation.
     fn stretch(&self, _state: &mut Self::State, _ask: Stretch<'_>) {}
 
-    /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy), and the stress of the bulk viscosity that made
-    /// it.
-    fn settle(&self, _state: &mut Self::State, _heat: &Lanes, _viscous: &Lanes, _mass: &Lanes) {}
+    /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy).
+    fn settle(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
 
     /// Energy a mass of a lane, where it is followed.
     fn energy(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
@@ -56,8 +55,8 @@ pub struct Squeeze<'a> {
     pub mean: &'a mut Lanes,
     /// Answer: isentropic bulk modulus.
     pub bulk: &'a mut Lanes,
-    /// Answer: stress of the bulk viscosity an increment before.
-    pub viscous: &'a mut Lanes,
+    /// Stress of the bulk viscosity an increment before.
+    pub viscous: &'a Lanes,
     /// Answer: work of the bulk viscosity that was expected.
     pub heat: &'a mut Lanes,
     /// Increment of the volumetric strain.
@@ -84,8 +83,6 @@ pub struct Stretch<'a> {
     pub deviator: &'a mut [Lanes; 4],
     /// Answer: modulus of a wave less 4/3 of the shear modulus.
     pub bulk: &'a mut Lanes,
-    /// Answer: stress of the bulk viscosity an increment before.
-    pub viscous: &'a mut Lanes,
     /// Answer: zero.
     pub heat: &'a mut Lanes,
 }
@@ -107,7 +104,7 @@ impl Volumetric for Linear {
 impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// Mean stress by the volumetric law, with the work of the deviator that the yield surface left.
     #[inline(always)]
-    pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>>(
+    pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>, const AREA: bool>(
         &mut self,
         law: &V,
         shear3: f64,
@@ -121,7 +118,6 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 mean: &mut stage.mean,
                 deviator: &mut stage.deviator,
                 bulk: &mut stage.bulk,
-                viscous: &mut stage.viscous,
                 heat: &mut stage.heat,
             };
             law.stretch(&mut self.volumetric, ask);
@@ -139,12 +135,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let shear = 2.0 * stage.strain[3][l] * (stage.carried[3][l] + factor * stage.deviator[3][l]);
             work[l] = 0.5 * stage.volume[l] * ((normal(0) + normal(1)) + (normal(2) + shear));
             dilation[l] = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
-            volume[l] = UNIT * gradient(nodes.of(l, 0), nodes.of(l, 1)).volume;
+            volume[l] = UNIT * operators::<AREA>(nodes.of(l, 0), nodes.of(l, 1)).volume;
         }
         let ask = Squeeze {
             mean: &mut stage.mean,
             bulk: &mut stage.bulk,
-            viscous: &mut stage.viscous,
+            viscous: &self.viscous,
             heat: &mut stage.heat,
             dilation: &dilation,
             work: &work,

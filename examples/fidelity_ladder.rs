@@ -1,0 +1,147 @@
+//! The ladder of fidelity: the same six shots from a closed form to a projectile that deforms, each rung with its
+//! distance from the experiment and its time. Writes the table of `docs/fidelity.md` and `docs/fidelity.png`:
+//!
+//!     cargo run --release --example fidelity_ladder
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::Instant;
+
+use revolve::job;
+use revolve::study::chart::{Chart, Series};
+use revolve::study::compare::{Reference, rms};
+use revolve::study::quantity::Quantity;
+use revolve::user::Routines;
+
+/// A rung: what stands in the table, and how the depth of a shot is found, mm.
+struct Rung {
+    name: &'static str,
+    model: Model,
+}
+
+enum Model {
+    /// The two-term law on a rigid nose that is inside the target from the start.
+    ClosedForm,
+    /// A deck, what is set in it besides the velocity, and the depth as a quantity.
+    Deck(&'static str, &'static [(&'static str, &'static str)], &'static str),
+}
+
+const RIGID: &str = "-1000*final(U2@REF)";
+const SOLID: &str = "-1000*min(U2@TIP)";
+const THREE_TERMS: &[(&str, &str)] = &[("B", "0.9830"), ("C", "0.9402")];
+const FRICTION: &[(&str, &str)] = &[("B", "0.9830"), ("C", "0.9402"), ("friction", "0.02")];
+/// Steel that cannot yield.
+const ELASTIC: &[(&str, &str)] = &[("JCA", "1.e12"), ("JCB", "0."), ("JCC", "0.")];
+
+const LADDER: [Rung; 6] = [
+    Rung { name: "closed form, two terms, embedded", model: Model::ClosedForm },
+    Rung { name: "rigid, two terms, entry", model: Model::Deck("input/ogive.inp", &[], RIGID) },
+    Rung { name: "rigid, three terms", model: Model::Deck("input/ogive.inp", THREE_TERMS, RIGID) },
+    Rung { name: "rigid, three terms, friction 0.02", model: Model::Deck("input/ogive.inp", FRICTION, RIGID) },
+    Rung { name: "elastic steel, three terms", model: Model::Deck("input/ogive_steel.inp", ELASTIC, SOLID) },
+    Rung { name: "elastic-plastic steel, three terms", model: Model::Deck("input/ogive_steel.inp", &[], SOLID) },
+];
+
+/// What a rung gave: depths, mm, and seconds for all shots on one thread.
+struct Climbed {
+    depths: Vec<f64>,
+    seconds: f64,
+}
+
+fn main() -> Result<(), String> {
+    let reference = Reference::read(Path::new("input/reference/piekutowski_1999.csv"))?;
+    let shots: Vec<(f64, f64)> = reference.rows.iter().map(|(v, columns)| (*v, columns[0])).collect();
+    let mut climbed = Vec::new();
+    for rung in &LADDER {
+        eprintln!("{}", rung.name);
+        climbed.push(climb(rung, &shots)?);
+    }
+    let table = table(&shots, &climbed);
+    print!("{table}");
+    put_into_page(&table)?;
+    let picture = picture(&shots, &climbed).png()?;
+    std::fs::write("docs/fidelity.png", picture).map_err(|e| e.to_string())
+}
+
+fn climb(rung: &Rung, shots: &[(f64, f64)]) -> Result<Climbed, String> {
+    let clock = Instant::now();
+    let depth = |&(velocity, _): &(f64, f64)| match rung.model {
+        Model::ClosedForm => Ok(closed_form(velocity)),
+        Model::Deck(deck, settings, quantity) => shoot(deck, settings, quantity, velocity),
+    };
+    let depths = shots.iter().map(depth).collect::<Result<_, _>>()?;
+    Ok(Climbed { depths, seconds: clock.elapsed().as_secs_f64() })
+}
+
+/// P = m/(2 beta) ln(1 + beta V^2 / alpha), alpha = pi a^2 A Y, beta = pi a^2 C rho N2, N2 = (8 psi - 1)/(24 psi^2)
+/// (Forrestal, Okajima and Luk 1988), with the constants of `input/ogive.inp`; mm.
+fn closed_form(velocity: f64) -> f64 {
+    let (a, psi, mass, y, rho, c0, c2): (f64, f64, f64, f64, f64, f64, f64) =
+        (3.555e-3, 3.0, 0.021, 276e6, 2710.0, 5.0394, 0.983);
+    let area = std::f64::consts::PI * a * a;
+    let n2 = (8.0 * psi - 1.0) / (24.0 * psi * psi);
+    let (alpha, beta) = (area * c0 * y, area * c2 * rho * n2);
+    1e3 * mass / (2.0 * beta) * libm::log(1.0 + beta * velocity * velocity / alpha)
+}
+
+fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -> Result<f64, String> {
+    let mut overrides: Vec<(String, String)> = vec![("V".into(), velocity.to_string())];
+    overrides.extend(settings.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())));
+    let mut prepared = job::prepare(Path::new(deck), &overrides, &Routines::none());
+    if prepared.diagnostics.has_errors() {
+        return Err(prepared.diagnostics.render(&prepared.deck.sources));
+    }
+    let (outcome, history) = job::run_in_memory(&mut prepared);
+    match outcome.halt {
+        Some(halt) => Err(format!("{deck} at {velocity}: {}: {}", halt.code, halt.reason)),
+        None => Quantity::parse(quantity)?.evaluate(&history),
+    }
+}
+
+fn differences(shots: &[(f64, f64)], climbed: &Climbed) -> Vec<f64> {
+    climbed.depths.iter().zip(shots).map(|(depth, (_, known))| depth - known).collect()
+}
+
+/// Markdown: a rung a row.
+fn table(shots: &[(f64, f64)], climbed: &[Climbed]) -> String {
+    let mut text = String::from("| depth, mm, at |");
+    let velocities = shots.iter().map(|(v, _)| format!(" {v} m/s |"));
+    velocities.for_each(|v| text += &v);
+    text += " mean difference | rms | six shots, s |\n|---|";
+    text += &"---|".repeat(shots.len() + 3);
+    text += "\n| experiment |";
+    shots.iter().for_each(|(_, depth)| text += &format!(" {depth} |"));
+    text += " | | |\n";
+    for (rung, climbed) in LADDER.iter().zip(climbed) {
+        let differences = differences(shots, climbed);
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        let _ = write!(text, "| {} |", rung.name);
+        climbed.depths.iter().for_each(|d| text += &format!(" {d:.1} |"));
+        let _ = writeln!(text, " {mean:+.1} | {:.1} | {:.3} |", rms(&differences).unwrap_or(f64::NAN), climbed.seconds);
+    }
+    text
+}
+
+/// Differences from the experiment over velocity.
+fn picture(shots: &[(f64, f64)], climbed: &[Climbed]) -> Chart {
+    let line = |(rung, climbed): (&Rung, &Climbed)| {
+        let points = shots.iter().zip(differences(shots, climbed)).map(|((v, _), d)| (*v, d)).collect();
+        Series { name: rung.name.into(), points, joined: true }
+    };
+    Chart {
+        title: "Depth: model minus experiment".into(),
+        x_label: "striking velocity, m/s".into(),
+        y_label: "difference, mm".into(),
+        series: LADDER.iter().zip(climbed).map(line).collect(),
+    }
+}
+
+/// Replaces the table between the two marks of the page.
+fn put_into_page(table: &str) -> Result<(), String> {
+    const PAGE: &str = "docs/fidelity.md";
+    let text = std::fs::read_to_string(PAGE).map_err(|e| format!("{PAGE}: {e}"))?;
+    let marks = text.split_once("<!-- table -->\n").zip(text.split_once("<!-- end of table -->"));
+    let ((before, _), (_, after)) = marks.ok_or_else(|| format!("{PAGE} has lost the marks of its table"))?;
+    let page = format!("{before}<!-- table -->\n{table}<!-- end of table -->{after}");
+    std::fs::write(PAGE, page).map_err(|e| format!("{PAGE}: {e}"))
+}

@@ -1,0 +1,65 @@
+//! `revolve chart`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{ArgGroup, Args};
+use revolve::output;
+use revolve::report::picture;
+
+/// Draw history columns, energies or a frame of the run in a folder as PNG or SVG.
+#[derive(Args)]
+#[command(group = ArgGroup::new("what").required(true))]
+pub struct Chart {
+    /// Folder with the results of a run, such as out/<deck name>.
+    folder: PathBuf,
+    /// A history column, such as U2@REF; may be given several times.
+    #[arg(long, group = "what", value_name = "NAME")]
+    column: Vec<String>,
+    /// All energies of the history.
+    #[arg(long, group = "what")]
+    energy: bool,
+    /// The meridian coloured by a field, such as MISES, PEEQ or V2.
+    #[arg(long, group = "what", value_name = "NAME")]
+    field: Option<String>,
+    /// Which frame, from 1 (default: the last).
+    #[arg(long, requires = "field", conflicts_with_all = ["energy", "column"], value_name = "N")]
+    frame: Option<usize>,
+    /// The picture, .png or .svg (default chart.png in the folder).
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Chart {
+    /// Carries it out.
+    pub fn execute(self) -> Result<ExitCode, String> {
+        let out = self.out.clone().unwrap_or_else(|| self.folder.join("chart.png"));
+        let svg = is_svg(&out)?;
+        let bytes = match &self.field {
+            Some(field) => {
+                let picture = picture::meridian(&self.folder, self.frame, field)?;
+                if svg { picture.into_bytes() } else { picture::png(&picture)? }
+            }
+            None => {
+                let chart = match self.energy {
+                    true => picture::energies(&self.folder)?,
+                    false => picture::columns(&self.folder, &self.column)?,
+                };
+                if svg { chart.svg()?.into_bytes() } else { chart.png()? }
+            }
+        };
+        output::write_whole(&out, &bytes).map_err(|e| e.to_string())?;
+        println!("picture {}", out.display());
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// By the ending of the file's name.
+fn is_svg(path: &Path) -> Result<bool, String> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match ending.as_deref() {
+        Some("svg") => Ok(true),
+        Some("png") => Ok(false),
+        _ => Err(format!("--out {}: the name ends in .png or .svg", path.display())),
+    }
+}

@@ -1,0 +1,40 @@
+//! `revolve report`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use revolve::{output, report};
+
+/// Write one self-contained HTML page for the runs, sweeps and studies in a folder.
+#[derive(Args)]
+pub struct Report {
+    /// Folder with results, such as out/<deck name>.
+    folder: PathBuf,
+    /// The page (default report.html in the folder).
+    #[arg(long, value_name = "FILE.html")]
+    out: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Report {
+    /// Carries it out.
+    pub fn execute(self) -> Result<ExitCode, String> {
+        let page = report::gather(&self.folder)?;
+        let html = report::html(&page)?;
+        let out = self.out.unwrap_or_else(|| self.folder.join("report.html"));
+        output::write_whole(&out, html.as_bytes()).map_err(|e| e.to_string())?;
+        if !self.quiet {
+            let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
+            let tables = page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table));
+            for (name, notes) in runs.chain(tables.map(|t| (t.name.as_str(), &t.notes))) {
+                notes.iter().for_each(|note| println!("{name}: {note}"));
+            }
+            page.notes.iter().for_each(|note| println!("{note}"));
+            println!("report {}, {} kB", out.display(), html.len().div_ceil(1000));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

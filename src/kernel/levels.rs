@@ -1,0 +1,93 @@
+//! Tables over several variables: linear between entries of each and constant beyond the ends.
+//! Never here: what the variables mean.
+
+/// Variables of a table at most.
+pub const VARIABLES: usize = 3;
+
+/// A value over variables, one level each (ABAQUS Analysis User's Guide, "Material data definition": in a table of several
+/// independent variables the first varies fastest).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Levels {
+    /// No variable is left.
+    Value(f64),
+    /// Entries at ascending values of a variable.
+    Over(Vec<(f64, Levels)>),
+}
+
+impl Levels {
+    /// From rows of a value and its variables; `None` where rows of one value of a slower variable do not follow each
+    /// other, or a variable does not ascend.
+    pub fn new(rows: &[[f64; 1 + VARIABLES]]) -> Option<Levels> {
+        Levels::of(rows, VARIABLES)
+    }
+
+    fn of(rows: &[[f64; 1 + VARIABLES]], variable: usize) -> Option<Levels> {
+        if variable == 0 {
+            let [row] = rows else { return None };
+            return Some(Levels::Value(row[0]));
+        }
+        let parts = rows.chunk_by(|a, b| a[variable] == b[variable]);
+        let entry = |part: &[[f64; 1 + VARIABLES]]| Some((part[0][variable], Levels::of(part, variable - 1)?));
+        let entries: Vec<(f64, Levels)> = parts.map(entry).collect::<Option<_>>()?;
+        let ascends = entries.windows(2).all(|w| w[0].0 < w[1].0);
+        (ascends && !entries.is_empty()).then_some(Levels::Over(entries))
+    }
+
+    /// The value at variables in the order of the rows.
+    pub fn at(&self, variables: &[f64; VARIABLES]) -> f64 {
+        self.within(variables)
+    }
+
+    fn within(&self, variables: &[f64]) -> f64 {
+        let (entries, Some((&x, faster))) = (self.entries(), variables.split_last()) else { return self.value() };
+        let after = entries.partition_point(|e| e.0 <= x);
+        match (after.checked_sub(1).map(|i| &entries[i]), entries.get(after)) {
+            (Some((low, a)), Some((high, b))) => {
+                let (a, b) = (a.within(faster), b.within(faster));
+                a + (b - a) * (x - low) / (high - low)
+            }
+            (Some((_, only)), None) | (None, Some((_, only))) => only.within(faster),
+            (None, None) => self.value(),
+        }
+    }
+
+    fn entries(&self) -> &[(f64, Levels)] {
+        match self {
+            Levels::Value(_) => &[],
+            Levels::Over(entries) => entries,
+        }
+    }
+
+    fn value(&self) -> f64 {
+        match self {
+            Levels::Value(value) => *value,
+            Levels::Over(_) => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Levels;
+
+    /// 1 + x + 10 y + 100 z is linear, so the table gives it everywhere inside, and at the nearest edge outside.
+    #[test]
+    fn a_table_of_a_linear_function_is_the_function() {
+        let f = |x: f64, y: f64, z: f64| 1.0 + x + 10.0 * y + 100.0 * z;
+        let mut rows = Vec::new();
+        for z in [0.0, 2.0] {
+            for y in [-1.0, 1.0, 2.0] {
+                rows.extend([0.0, 1.0, 5.0].map(|x| [f(x, y, z), x, y, z]));
+            }
+        }
+        let levels = Levels::new(&rows).expect("a table");
+        for (x, y, z) in [(0.0, -1.0, 0.0), (0.5, 0.0, 0.5), (4.0, 1.5, 1.0), (5.0, 2.0, 2.0)] {
+            assert!((levels.at(&[x, y, z]) - f(x, y, z)).abs() < 1e-12, "{x} {y} {z}");
+        }
+        assert!((levels.at(&[9.0, -7.0, 1.0]) - f(5.0, -1.0, 1.0)).abs() < 1e-12);
+        rows.swap(0, 8);
+        assert_eq!(Levels::new(&rows), None);
+        assert_eq!(Levels::new(&[[1.0, 0.0, 0.0, 0.0]; 2]), None, "two rows at one place");
+        assert_eq!(Levels::new(&[]), None);
+    }
+}

@@ -1,0 +1,143 @@
+//! Which files a folder has, and what of them a page shows.
+//! Never here: how frames, histories and tables are read.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::data::{Column, Page, Run};
+use super::{frames, history, study, sweep};
+
+/// Runs beyond these are left out.
+const RUNS: usize = 6;
+/// Columns whose final value, minimum and maximum are told.
+const COLUMNS: usize = 200;
+
+/// The page of a folder.
+///
+/// # Errors
+/// In words: no such folder, nothing to report in it, or a file that cannot be read.
+pub fn page(folder: &Path) -> Result<Page, String> {
+    let names = file_names(folder)?;
+    let with = |ending: &str| -> BTreeSet<String> {
+        names.iter().filter_map(|n| n.strip_suffix(ending)).filter(|n| !n.is_empty()).map(str::to_owned).collect()
+    };
+    let (sweeps, studies) = (with("_sweep.csv"), with("_study.json"));
+    let mut jobs = with(".pvd");
+    jobs.extend(with(".json").into_iter().filter(|n| is_run(&folder.join(format!("{n}.json")))));
+    let mut page = Page { folder: folder.display().to_string(), version: env!("CARGO_PKG_VERSION"), ..Page::default() };
+    if jobs.len() > RUNS {
+        page.notes.push(format!("{RUNS} of {} runs are shown", jobs.len()));
+    }
+    for name in jobs.iter().take(RUNS) {
+        page.runs.push(run(folder, name)?);
+    }
+    for name in &sweeps {
+        let path = folder.join(format!("{name}_sweep.csv"));
+        page.sweeps.push(sweep::table(name, &text(&path)?).map_err(|e| format!("{}: {e}", path.display()))?);
+    }
+    for name in &studies {
+        page.studies.push(study::read(name, &json(&folder.join(format!("{name}_study.json")))?));
+    }
+    let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).collect();
+    if all.is_empty() {
+        return Err(format!(
+            "{} holds no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv) and no study (<job>_study.json)",
+            folder.display()
+        ));
+    }
+    page.title = all.into_iter().cloned().collect::<Vec<_>>().join(", ");
+    Ok(page)
+}
+
+/// The name of the one run in a folder.
+///
+/// # Errors
+/// In words: none, or several.
+pub fn only_run(folder: &Path) -> Result<String, String> {
+    let names = file_names(folder)?;
+    let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix("_history.csv")).collect();
+    let series: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(".pvd")).collect();
+    let all: BTreeSet<&str> = runs.into_iter().chain(series).collect();
+    let mut all = all.into_iter();
+    match (all.next(), all.next()) {
+        (Some(name), None) => Ok(name.to_owned()),
+        (None, _) => Err(format!("{} holds no run", folder.display())),
+        _ => Err(format!("{} holds several runs; give each a folder of its own", folder.display())),
+    }
+}
+
+/// Targets and planes as a run's summary tells them; nothing where there is none.
+pub fn scene(folder: &Path, name: &str) -> Value {
+    json(&folder.join(format!("{name}.json"))).ok().and_then(|s| s.get("scene").cloned()).unwrap_or_default()
+}
+
+fn file_names(folder: &Path) -> Result<Vec<String>, String> {
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    Ok(entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect())
+}
+
+fn text(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn json(path: &Path) -> Result<Value, String> {
+    serde_json::from_str(&text(path)?).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// Whether a JSON file is a run's summary.
+fn is_run(path: &Path) -> bool {
+    json(path).is_ok_and(|v| v.get("status").is_some() && v.get("ledger").is_some())
+}
+
+/// A run: whatever of its files is there.
+fn run(folder: &Path, name: &str) -> Result<Run, String> {
+    let file = |ending: &str| folder.join(format!("{name}{ending}"));
+    let mut run = Run { name: name.to_owned(), ..Run::default() };
+    if file(".json").is_file() {
+        run.summary = json(&file(".json"))?;
+    } else {
+        run.notes.push("there is no summary: the run did not come to its end".into());
+    }
+    if let Some(Value::Object(history)) = run.summary.as_object_mut().and_then(|s| s.shift_remove("history")) {
+        run.columns = history.iter().map(|(name, values)| column(name, values)).collect();
+    }
+    if file("_history.csv").is_file() {
+        histories(&file("_history.csv"), &mut run)?;
+    }
+    run.columns.truncate(COLUMNS);
+    if file(".pvd").is_file() {
+        let series = frames::series(&file(".pvd"))?;
+        let scene = run.summary.get("scene").cloned().unwrap_or_default();
+        run.meridian = frames::pack(&series, &scene, &mut run.notes)?;
+    }
+    if run.meridian.is_none() {
+        run.notes.push("there are no frames: the deck asks for no field output".into());
+    }
+    Ok(run)
+}
+
+fn column(name: &str, values: &Value) -> Column {
+    let number = |key: &str| values.get(key).and_then(Value::as_f64).unwrap_or(f64::NAN);
+    Column { name: name.to_owned(), last: number("final"), min: number("min"), max: number("max") }
+}
+
+fn histories(path: &Path, run: &mut Run) -> Result<(), String> {
+    let choice = history::choose(&history::names(path)?, &run.columns);
+    let wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
+    let history = history::read(path, &wanted)?;
+    if history.times.len() > 1 {
+        run.charts = choice.charts.iter().map(|(title, columns)| history::chart(title, columns, &history)).collect();
+    }
+    if choice.left_out > 0 {
+        run.notes.push(format!(
+            "{} history columns are not drawn (energies that stay zero, and of many alike those that vary least)",
+            choice.left_out
+        ));
+    }
+    if run.columns.len() > COLUMNS {
+        run.notes.push(format!("{COLUMNS} of {} columns are in the table", run.columns.len()));
+    }
+    Ok(())
+}

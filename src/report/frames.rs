@@ -1,0 +1,294 @@
+//! Frames read back from a `.pvd` series, thinned and packed for the page.
+//! Never here: drawing.
+
+use std::path::{Path, PathBuf};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+
+use super::data::{Field, Meridian};
+use super::mesh::{Drawn, bounds, drawn};
+use crate::model::mesh_file::{self, MeshFile};
+
+/// The most frames of a page.
+pub const FRAMES: usize = 60;
+/// The most cells that are drawn.
+pub const CELLS: usize = 6000;
+/// The most bytes of packed frames of a run.
+pub const BYTES: usize = 6_000_000;
+/// Fields beyond these are left out.
+const FIELDS: usize = 20;
+/// Stands for "none".
+const NONE: u16 = u16::MAX;
+
+/// A frame as it stands in its file: scalars only, by name.
+#[derive(Clone, Debug, Default)]
+pub struct Raw {
+    /// Total time.
+    pub time: f64,
+    /// `[r, z]` of each point.
+    pub points: Vec<[f64; 2]>,
+    /// Corners of each cell.
+    pub cells: Vec<Vec<usize>>,
+    /// Scalars: name, whether on cells, values.
+    pub scalars: Vec<(String, bool, Vec<f64>)>,
+}
+
+/// Times and files of a series.
+///
+/// # Errors
+/// In words, where the list cannot be read.
+pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
+    let text = std::fs::read_to_string(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
+    let folder = pvd.parent().unwrap_or(Path::new(""));
+    let entry = |tag: &str| {
+        let time = attribute(tag, "timestep")?.parse().ok()?;
+        Some((time, folder.join(unescape(attribute(tag, "file")?))))
+    };
+    Ok(text.split("<DataSet").skip(1).filter_map(entry).collect())
+}
+
+/// Reads a frame.
+///
+/// # Errors
+/// In words, where it cannot be read.
+pub fn read(time: f64, path: &Path) -> Result<Raw, String> {
+    let wrong = |e: String| format!("{}: {e}", path.display());
+    let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
+    let mesh = mesh_file::read(path).map_err(wrong)?;
+    let mut scalars = Vec::new();
+    for (name, values) in &mesh.point_arrays {
+        scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
+    }
+    for (name, values) in &mesh.cell_arrays {
+        scalars.extend(split(name, values, mesh.cells.len(), &text).into_iter().map(|(n, v)| (n, true, v)));
+    }
+    let MeshFile { points, cells, .. } = mesh;
+    Ok(Raw { time, points: points.iter().map(|p| [p[0], p[1]]).collect(), cells, scalars })
+}
+
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let tag = &tag[..tag.find('>')?];
+    tag.split_once(&format!(" {name}=\""))?.1.split('"').next()
+}
+
+fn unescape(text: &str) -> String {
+    text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&")
+}
+
+/// The scalars of an array: a vector in the plane gives its magnitude and two components, a stress its components and the
+/// Mises stress.
+fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, Vec<f64>)> {
+    let parts = values.len().checked_div(count).unwrap_or(0);
+    if parts == 0 || values.len() != parts * count {
+        return Vec::new();
+    }
+    if parts == 1 {
+        return vec![(name.to_owned(), values.to_vec())];
+    }
+    let component = |i: usize| values.iter().skip(i).step_by(parts).copied().collect::<Vec<f64>>();
+    let names = component_names(name, parts, text);
+    if parts == 3 {
+        let magnitude = values.chunks_exact(3).map(|v| libm::hypot(v[0], v[1])).collect();
+        let [first, second, _] = <[String; 3]>::try_from(names).unwrap_or_default();
+        return vec![(format!("|{name}|"), magnitude), (first, component(0)), (second, component(1))];
+    }
+    let mut scalars: Vec<_> = names.into_iter().enumerate().map(|(i, n)| (n, component(i))).collect();
+    if name == "S" && parts == 4 {
+        scalars.insert(0, ("S_MISES".into(), values.chunks_exact(4).map(mises).collect()));
+    }
+    scalars
+}
+
+/// sqrt(3/2 s:s) of rr, zz, hoop, rz.
+fn mises(stress: &[f64]) -> f64 {
+    let [a, b, c] = [stress[0] - stress[1], stress[1] - stress[2], stress[2] - stress[0]];
+    (0.5 * (a * a + b * b + c * c) + 3.0 * stress[3] * stress[3]).sqrt()
+}
+
+/// Names of the components as the file has them, else numbers.
+fn component_names(name: &str, parts: usize, text: &str) -> Vec<String> {
+    let tag = text.split("<DataArray").find(|t| attribute(t, "Name").is_some_and(|n| unescape(n) == name));
+    let named = |i: usize| tag.and_then(|t| attribute(t, &format!("ComponentName{i}"))).map(unescape);
+    (0..parts).map(|i| named(i).unwrap_or_else(|| format!("{name}{}", i + 1))).collect()
+}
+
+/// What a field is known by to those who look: the ones asked for most often come first.
+fn rank(name: &str) -> usize {
+    const FIRST: [&str; 9] = ["S_MISES", "MISES", "PEEQ", "PRESSURE", "|V|", "V2", "|U|", "TEMP", "STATUS"];
+    FIRST.iter().position(|f| *f == name).unwrap_or(FIRST.len())
+}
+
+/// Packs a series. Notes say what was left out.
+///
+/// # Errors
+/// In words, where no frame can be read.
+pub fn pack(files: &[(f64, PathBuf)], scene: &Value, notes: &mut Vec<String>) -> Result<Option<Meridian>, String> {
+    let Some(((time, path), _)) = files.split_first() else { return Ok(None) };
+    let first = read(*time, path)?;
+    let mesh = drawn(&first.points, &first.cells, CELLS);
+    if mesh.corners.is_empty() {
+        notes.push("the frames have nothing to draw".into());
+        return Ok(None);
+    }
+    if mesh.cells.len() < first.cells.iter().filter(|c| c.len() > 1).count() {
+        notes.push(format!("drawn coarser, with {} of {} cells", mesh.cells.len(), first.cells.len()));
+    }
+    let fields = chosen_fields(&first, notes);
+    let most = FRAMES.min(BYTES / bytes_of_frame(&mesh, &first, &fields)).max(2);
+    let chosen = spread(files.len(), most);
+    if chosen.len() < files.len() {
+        notes.push(format!("{} of {} frames are shown", chosen.len(), files.len()));
+    }
+    let mut frames = vec![Thin::of(&first, &mesh, &fields)];
+    for &i in &chosen[1..] {
+        let frame = read(files[i].0, &files[i].1)?;
+        if frame.cells != first.cells || frame.points.len() != first.points.len() {
+            notes.push(format!("the frame at time {:e} has another mesh and is left out", frame.time));
+            continue;
+        }
+        frames.push(Thin::of(&frame, &mesh, &fields));
+    }
+    Ok(Some(meridian(&frames, &mesh, &fields, scene)))
+}
+
+/// Indices into the scalars of a frame.
+fn chosen_fields(first: &Raw, notes: &mut Vec<String>) -> Vec<(String, bool)> {
+    let has_mises = first.scalars.iter().any(|s| s.0 == "MISES");
+    let all = first.scalars.iter().filter(|s| !(has_mises && s.0 == "S_MISES"));
+    let mut fields: Vec<(String, bool)> = all.map(|s| (s.0.clone(), s.1)).collect();
+    fields.sort_by_key(|f| rank(&f.0));
+    if fields.len() > FIELDS {
+        let left_out: Vec<&str> = fields[FIELDS..].iter().map(|f| f.0.as_str()).collect();
+        notes.push(format!("fields left out of the pictures: {}", left_out.join(", ")));
+        fields.truncate(FIELDS);
+    }
+    fields
+}
+
+/// Bytes of a frame in base64: four for three.
+fn bytes_of_frame(mesh: &Drawn, first: &Raw, fields: &[(String, bool)]) -> usize {
+    let numbers = |f: &(String, bool)| if f.1 { mesh.cells.len() } else { mesh.points.len() };
+    let all = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
+    (all * 2 * 4 / 3).max(1 + usize::from(first.points.is_empty()))
+}
+
+/// At most `most` of `count` indices, evenly, the first and the last among them.
+fn spread(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|i| i * (count - 1) / (most - 1)).collect()
+}
+
+/// A frame on the mesh that is drawn.
+struct Thin {
+    time: f64,
+    points: Vec<[f64; 2]>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Thin {
+    fn of(frame: &Raw, mesh: &Drawn, fields: &[(String, bool)]) -> Thin {
+        let values = |(name, on_cells): &(String, bool)| {
+            let scalar = frame.scalars.iter().find(|s| s.0 == *name && s.1 == *on_cells);
+            let places = if *on_cells { &mesh.cells } else { &mesh.points };
+            let at = |p: &usize| scalar.and_then(|s| s.2.get(*p)).copied().unwrap_or(f64::NAN);
+            places.iter().map(at).collect()
+        };
+        let points = mesh.points.iter().map(|&p| frame.points[p]).collect();
+        Thin { time: frame.time, points, values: fields.iter().map(values).collect() }
+    }
+}
+
+fn meridian(frames: &[Thin], mesh: &Drawn, fields: &[(String, bool)], scene: &Value) -> Meridian {
+    let all: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
+    let [low, high] = bounds(&all);
+    let places = all.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
+    let corners = mesh.corners.iter().flat_map(|c| (0..4).map(move |i| c.get(i).map_or(NONE, |&p| p as u16)));
+    let mut packed = Vec::new();
+    for (i, (name, on_cells)) in fields.iter().enumerate() {
+        let mut values: Vec<Vec<f64>> = frames.iter().map(|f| f.values[i].clone()).collect();
+        if *on_cells {
+            hide_foreign_zeros(&mut values, mesh);
+        }
+        packed.extend(field(name, *on_cells, &values));
+    }
+    Meridian {
+        times: frames.iter().map(|f| f.time).collect(),
+        points: mesh.points.len(),
+        bounds: [low[0], high[0], low[1], high[1]],
+        places: base64(places),
+        cells: mesh.cells.len(),
+        corners: base64(corners),
+        fields: packed,
+        scene: scene.clone(),
+    }
+}
+
+/// Element variables are zero on the lines of rigid bodies, pressures of facets on elements that deform: where one kind
+/// of cell has nothing but zeros and the other has more, the zeros mean nothing.
+fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &Drawn) {
+    let lines: Vec<bool> = mesh.corners.iter().map(|c| c.len() == 2).collect();
+    let silent = |kind: bool| {
+        let of_kind = |frame: &Vec<f64>| frame.iter().zip(&lines).all(|(v, l)| *l != kind || *v == 0.0);
+        values.iter().all(of_kind)
+    };
+    let (lines_silent, areas_silent) = (silent(true), silent(false));
+    if lines_silent == areas_silent {
+        return;
+    }
+    for (value, line) in values.iter_mut().flat_map(|frame| frame.iter_mut().zip(&lines)) {
+        if *line == lines_silent {
+            *value = f64::NAN;
+        }
+    }
+}
+
+/// A field that has a value at all.
+fn field(name: &str, on_cells: bool, frames: &[Vec<f64>]) -> Option<Field> {
+    let finite = || frames.iter().flatten().copied().filter(|v| v.is_finite());
+    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    let values = base64(frames.iter().flatten().map(|v| scale(*v, low, high)));
+    (low <= high).then(|| Field { name: name.to_owned(), on_cells, low, high, values })
+}
+
+/// A number between two others as one of 65535 steps.
+fn scale(value: f64, low: f64, high: f64) -> u16 {
+    if !value.is_finite() {
+        return NONE;
+    }
+    let part = if high > low { (value - low) / (high - low) } else { 0.0 };
+    (part * f64::from(NONE - 1)).round() as u16
+}
+
+fn base64(numbers: impl Iterator<Item = u16>) -> String {
+    STANDARD.encode(numbers.flat_map(u16::to_le_bytes).collect::<Vec<u8>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_spread_from_the_first_to_the_last() {
+        assert_eq!(spread(3, 60), [0, 1, 2]);
+        assert_eq!(spread(101, 5), [0, 25, 50, 75, 100]);
+    }
+
+    #[test]
+    fn a_stress_brings_its_mises_stress() {
+        let split = split("S", &[300.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 100.0], 2, "");
+        assert_eq!(split[0].0, "S_MISES");
+        assert!((split[0].1[0] - 300.0).abs() < 1e-12, "uniaxial");
+        assert!((split[0].1[1] - 100.0 * 3.0_f64.sqrt()).abs() < 1e-12, "shear");
+        assert_eq!(split[4], ("S4".to_owned(), vec![0.0, 100.0]));
+    }
+
+    #[test]
+    fn numbers_keep_to_their_steps() {
+        assert_eq!([scale(1.0, 1.0, 3.0), scale(2.0, 1.0, 3.0), scale(3.0, 1.0, 3.0)], [0, 32767, 65534]);
+        assert_eq!([scale(f64::NAN, 0.0, 1.0), scale(5.0, 5.0, 5.0)], [NONE, 0]);
+    }
+}

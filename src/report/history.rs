@@ -1,0 +1,190 @@
+//! Histories as charts: few lines each, thinned so that no peak is lost.
+//! Never here: which files there are.
+
+use std::fs::File;
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+
+use indexmap::IndexMap;
+
+use super::data::{Chart, Column, Series};
+use super::shorten;
+
+/// Lines of one chart.
+const LINES: usize = 8;
+/// Charts of one run.
+const CHARTS: usize = 12;
+/// Intervals a thinned line is cut into; each keeps its smallest and its largest value.
+const INTERVALS: usize = 300;
+
+/// A history file: the columns that were asked for.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    /// Time of each row.
+    pub times: Vec<f64>,
+    /// Values by column.
+    pub columns: IndexMap<String, Vec<f64>>,
+}
+
+/// Names of the columns of a `<job>_history.csv`, without time.
+///
+/// # Errors
+/// In words, where the file cannot be read.
+pub fn names(path: &Path) -> Result<Vec<String>, String> {
+    let file = File::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mut header = String::new();
+    BufReader::new(file).read_line(&mut header).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(header.trim_end().split(',').skip(1).map(str::to_owned).collect())
+}
+
+/// Reads the chosen columns; rows that are cut off are left out.
+///
+/// # Errors
+/// In words, where the file cannot be read.
+pub fn read(path: &Path, wanted: &[String]) -> Result<History, String> {
+    let all = names(path)?;
+    let places: Vec<usize> = wanted.iter().filter_map(|w| all.iter().position(|n| n == w)).collect();
+    let file = File::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mut history = History::default();
+    let mut columns = vec![Vec::new(); places.len()];
+    for line in BufReader::new(file).lines().skip(1) {
+        let line = line.map_err(|e| format!("{}: {e}", path.display()))?;
+        let numbers: Vec<f64> = line.split(',').filter_map(|f| f.trim().parse().ok()).collect();
+        if numbers.len() != all.len() + 1 {
+            continue;
+        }
+        history.times.push(numbers[0]);
+        for (column, place) in columns.iter_mut().zip(&places) {
+            column.push(numbers[place + 1]);
+        }
+    }
+    history.columns = places.iter().map(|p| all[*p].clone()).zip(columns).collect();
+    Ok(history)
+}
+
+/// Charts to draw: the energies together, then one for each variable.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Choice {
+    /// Title and columns of each chart.
+    pub charts: Vec<(String, Vec<String>)>,
+    /// How many columns are not drawn.
+    pub left_out: usize,
+}
+
+/// Which columns to draw. Of more than eight of one variable those that vary most are drawn.
+pub fn choose(names: &[String], summary: &[Column]) -> Choice {
+    let mut groups: IndexMap<String, Vec<String>> = IndexMap::new();
+    groups.insert("Energy".into(), Vec::new());
+    for name in names {
+        groups.entry(group(name)).or_default().push(name.clone());
+    }
+    groups.retain(|_, members| !members.is_empty());
+    let mut choice = Choice::default();
+    for (title, mut members) in groups {
+        let count = members.len();
+        if title == "Energy" {
+            drop_silent(&mut members, summary);
+        } else {
+            keep_liveliest(&mut members, summary);
+        }
+        if choice.charts.len() == CHARTS {
+            members.clear();
+        }
+        choice.left_out += count - members.len();
+        if !members.is_empty() {
+            choice.charts.push((title, members));
+        }
+    }
+    choice
+}
+
+/// The variable of a column; all energies are one group.
+fn group(name: &str) -> String {
+    let variable = name.split('@').next().unwrap_or(name);
+    let energy = !name.contains('@') && (variable.starts_with("ALL") || variable == "ETOTAL");
+    if energy { "Energy".into() } else { variable.to_owned() }
+}
+
+fn extent(name: &str, summary: &[Column]) -> f64 {
+    summary.iter().find(|c| c.name == name).map_or(0.0, |c| c.max - c.min)
+}
+
+/// Energies that stay zero need no line.
+fn drop_silent(members: &mut Vec<String>, summary: &[Column]) {
+    let silent = |name: &str| summary.iter().any(|c| c.name == name && c.max == 0.0 && c.min == 0.0);
+    members.retain(|name| !silent(name));
+}
+
+fn keep_liveliest(members: &mut Vec<String>, summary: &[Column]) {
+    if members.len() > LINES {
+        let mut extents: Vec<f64> = members.iter().map(|m| extent(m, summary)).collect();
+        extents.sort_by(|a, b| b.total_cmp(a));
+        members.retain(|m| extent(m, summary) >= extents[LINES - 1]);
+        members.truncate(LINES);
+    }
+}
+
+/// A chart over time.
+pub fn chart(title: &str, columns: &[String], history: &History) -> Chart {
+    let line = |name: &String| {
+        let values = history.columns.get(name)?;
+        let (x, y) = thin(&history.times, values);
+        Some(Series { name: name.clone(), joined: true, x, y, words: Vec::new() })
+    };
+    let series = columns.iter().filter_map(line).collect();
+    let y_label = if title == "Energy" { "energy" } else { title };
+    Chart { title: title.into(), x_label: "time".into(), y_label: y_label.into(), logarithmic: false, series }
+}
+
+/// Smallest and largest value of each of a few hundred intervals, the ends always.
+fn thin(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut kept: Vec<usize> = Vec::new();
+    if values.len() <= 2 * INTERVALS {
+        kept.extend(0..values.len());
+    } else {
+        kept.push(0);
+        let width = values.len().div_ceil(INTERVALS);
+        for start in (0..values.len()).step_by(width) {
+            let part = start..(start + width).min(values.len());
+            let low = part.clone().min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(start);
+            let high = part.max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(start);
+            kept.extend([low.min(high), low.max(high)]);
+        }
+        kept.push(values.len() - 1);
+        kept.dedup();
+    }
+    kept.iter().filter(|&&i| values[i].is_finite()).map(|&i| (shorten(times[i]), shorten(values[i]))).unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns(names: &[&str]) -> (Vec<String>, Vec<Column>) {
+        let column = |(i, n): (usize, &&str)| Column { name: (*n).into(), last: 0.0, min: 0.0, max: i as f64 };
+        (names.iter().map(|n| (*n).into()).collect(), names.iter().enumerate().map(column).collect())
+    }
+
+    #[test]
+    fn energies_go_together_and_a_crowd_is_thinned_to_its_liveliest() {
+        let mut names = vec!["ALLWK".to_owned(), "U2@A".into(), "ALLKE".into()];
+        names.extend((0..20).map(|i| format!("S11@{i}")));
+        let (names, summary) = columns(&names.iter().map(String::as_str).collect::<Vec<_>>());
+        let choice = choose(&names, &summary);
+        assert_eq!(choice.charts[0], ("Energy".into(), vec!["ALLKE".into()]), "ALLWK stays zero");
+        assert_eq!(choice.charts[1], ("U2".into(), vec!["U2@A".into()]));
+        assert_eq!(choice.charts[2].1, (12..20).map(|i| format!("S11@{i}")).collect::<Vec<_>>());
+        assert_eq!(choice.left_out, 13);
+    }
+
+    #[test]
+    fn thinning_keeps_a_single_peak() {
+        let times: Vec<f64> = (0..100_000).map(f64::from).collect();
+        let mut values = vec![0.0; 100_000];
+        values[54_321] = 7.0;
+        let (x, y) = thin(&times, &values);
+        assert!(x.len() <= 2 * INTERVALS + 2, "{}", x.len());
+        assert_eq!(y.iter().position(|v| *v == 7.0).map(|i| x[i]), Some(54_321.0));
+        assert!(x.is_sorted());
+    }
+}

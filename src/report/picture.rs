@@ -1,0 +1,372 @@
+//! Pictures for the command line: histories as a chart, a frame's meridian coloured by a field.
+//! Never here: the page (`page.js` draws its own).
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+
+use resvg::{tiny_skia, usvg};
+use serde_json::Value;
+
+use super::frames::{self, CELLS, Raw};
+use super::mesh::{bounds, drawn};
+use super::{find, history};
+use crate::deck::names::nearest;
+use crate::output::vtu::escape;
+use crate::study::chart::{Chart, Series};
+
+/// Width of a picture, and the most height of what is drawn, in points.
+const WIDTH: f64 = 1200.0;
+const HEIGHT: f64 = 620.0;
+/// Room around what is drawn: left, right, top, bottom.
+const MARGIN: [f64; 4] = [100.0, 40.0, 56.0, 120.0];
+/// Viridis (Smith and van der Walt) at eighths.
+const VIRIDIS: [[f64; 3]; 9] = [
+    [68.0, 1.0, 84.0],
+    [71.0, 45.0, 123.0],
+    [59.0, 82.0, 139.0],
+    [44.0, 114.0, 142.0],
+    [33.0, 145.0, 140.0],
+    [40.0, 174.0, 128.0],
+    [94.0, 201.0, 98.0],
+    [173.0, 220.0, 48.0],
+    [253.0, 231.0, 37.0],
+];
+
+/// A chart of history columns of the run in a folder.
+///
+/// # Errors
+/// In words: no run, no history, or a column that does not exist, with the nearest that does.
+pub fn columns(folder: &Path, wanted: &[String]) -> Result<Chart, String> {
+    let (name, path) = history_file(folder)?;
+    let names = history::names(&path)?;
+    let find = |wanted: &String| {
+        let known = names.iter().find(|n| n.eq_ignore_ascii_case(wanted)).cloned();
+        known.ok_or_else(|| missing("column", wanted, &names))
+    };
+    chart(&name, &path, &wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?)
+}
+
+/// A chart of the energies that are in the history.
+///
+/// # Errors
+/// In words: no run, no history, or no energies in it.
+pub fn energies(folder: &Path) -> Result<Chart, String> {
+    let (name, path) = history_file(folder)?;
+    let choice = history::choose(&history::names(&path)?, &[]);
+    match choice.charts.into_iter().find(|c| c.0 == "Energy") {
+        Some((_, columns)) => {
+            let mut chart = chart(&name, &path, &columns)?;
+            // Energies that stay zero need no line.
+            chart.series.retain(|s| s.points.iter().any(|p| p.1 != 0.0));
+            Ok(chart)
+        }
+        None => Err(format!("{} holds no energies: the deck asks for none (*ENERGY OUTPUT)", path.display())),
+    }
+}
+
+fn history_file(folder: &Path) -> Result<(String, std::path::PathBuf), String> {
+    let name = find::only_run(folder)?;
+    let path = folder.join(format!("{name}_history.csv"));
+    if path.is_file() { Ok((name, path)) } else { Err(format!("{} is missing", path.display())) }
+}
+
+fn missing(what: &str, wanted: &str, names: &[String]) -> String {
+    let like = nearest(wanted, names.iter().map(String::as_str));
+    let hint = like.map_or_else(|| format!("there are {}", names.join(", ")), |n| format!("did you mean `{n}`?"));
+    format!("there is no {what} `{wanted}`; {hint}")
+}
+
+fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> {
+    let history = history::read(path, columns)?;
+    let thinned = history::chart("", columns, &history);
+    let line =
+        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), joined: true };
+    let series: Vec<Series> = thinned.series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    let variable = |name: &String| name.split('@').next().unwrap_or(name).to_owned();
+    let all_energies = columns.iter().all(|c| !c.contains('@') && (c.starts_with("ALL") || c == "ETOTAL"));
+    let first = columns.first().map(variable).unwrap_or_default();
+    let alike = columns.iter().all(|c| variable(c) == first);
+    let y_label = if all_energies && columns.len() > 1 {
+        "energy".into()
+    } else if alike {
+        first
+    } else {
+        String::new()
+    };
+    Ok(Chart { title: title.into(), x_label: "time".into(), y_label, series })
+}
+
+/// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.
+///
+/// # Errors
+/// In words: no run, no such frame, no such field.
+pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<String, String> {
+    let name = find::only_run(folder)?;
+    let series = frames::series(&folder.join(format!("{name}.pvd")))?;
+    let number = number.unwrap_or(series.len());
+    let Some((time, path)) = number.checked_sub(1).and_then(|i| series.get(i)) else {
+        return Err(format!("there is no frame {number}; the run has {}", series.len()));
+    };
+    let frame = frames::read(*time, path)?;
+    let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
+    let at = names.iter().position(|n| n.eq_ignore_ascii_case(field)).ok_or_else(|| missing("field", field, &names))?;
+    let title = format!("{name}: {} at time {time:.6e}, frame {number} of {}", names[at], series.len());
+    Ok(Picture::of(&frame, at, &find::scene(folder, &name)).svg(&title))
+}
+
+/// An SVG picture as PNG. The font comes with the program.
+///
+/// # Errors
+/// In words, where the picture cannot be drawn.
+pub fn png(svg: &str) -> Result<Vec<u8>, String> {
+    let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
+    let fonts = Arc::make_mut(&mut options.fontdb);
+    fonts.load_font_data(dejavu::sans::regular().to_vec());
+    fonts.set_sans_serif_family("DejaVu Sans");
+    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| e.to_string())?;
+    let size = tree.size().to_int_size();
+    let mut picture = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory for the picture")?;
+    resvg::render(&tree, tiny_skia::Transform::identity(), &mut picture.as_mut());
+    picture.encode_png().map_err(|e| e.to_string())
+}
+
+/// A cell to draw: corners `[r, z]` and the value, if it has one.
+struct Cell {
+    corners: Vec<[f64; 2]>,
+    value: Option<f64>,
+}
+
+/// What is drawn and where it lies.
+struct Picture {
+    cells: Vec<Cell>,
+    /// Smallest and largest value.
+    range: [f64; 2],
+    /// z from, z to, largest r.
+    view: [f64; 3],
+    /// Whether z runs to the right.
+    lying: bool,
+    /// Points a unit of length.
+    unit: f64,
+    /// Layers of targets: z from, z to, name.
+    layers: Vec<(f64, f64, String)>,
+}
+
+impl Picture {
+    fn of(frame: &Raw, field: usize, scene: &Value) -> Picture {
+        let (_, on_cells, values) = &frame.scalars[field];
+        let mesh = drawn(&frame.points, &frame.cells, CELLS);
+        let corner_mean = |cell: usize| {
+            let corners = &frame.cells[cell];
+            corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64
+        };
+        // Fields of elements are zero on the lines of rigid bodies, and of facets on elements that deform.
+        let of_facets = ["PRESSURE", "NORMAL_VELOCITY", "LAYER"].contains(&frame.scalars[field].0.as_str());
+        let cell = |(corners, &index): (&Vec<usize>, &usize)| {
+            let value = if *on_cells { values[index] } else { corner_mean(index) };
+            let belongs = !*on_cells || (corners.len() == 2) == of_facets;
+            let corners = corners.iter().map(|&p| frame.points[mesh.points[p]]).collect();
+            Cell { corners, value: Some(value).filter(|v| belongs && v.is_finite()) }
+        };
+        let cells: Vec<Cell> = mesh.corners.iter().zip(&mesh.cells).map(cell).collect();
+        let values = || cells.iter().filter_map(|c| c.value);
+        let range = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
+        let points: Vec<[f64; 2]> = cells.iter().flat_map(|c| c.corners.iter().copied()).collect();
+        let [low, high] = bounds(&points);
+        let size = f64::max(high[1] - low[1], 2.0 * high[0]);
+        let view = [low[1] - 0.15 * size, high[1] + 0.15 * size, f64::max(1.35 * high[0], 0.12 * size)];
+        let (along, across) = (view[1] - view[0], 2.0 * view[2]);
+        let lying = along > across;
+        let (wide, high) = if lying { (along, across) } else { (across, along) };
+        let unit = f64::min((WIDTH - MARGIN[0] - MARGIN[1]) / wide, HEIGHT / high);
+        Picture { cells, range, view, lying, unit, layers: layers(scene) }
+    }
+
+    /// Place on the paper.
+    fn place(&self, [r, z]: [f64; 2]) -> [f64; 2] {
+        let [low, high, reach] = self.view;
+        let (x, y) = if self.lying { (z - low, reach - r) } else { (r + reach, high - z) };
+        [MARGIN[0] + x * self.unit, MARGIN[2] + y * self.unit]
+    }
+
+    fn size(&self) -> [f64; 2] {
+        let (along, across) = ((self.view[1] - self.view[0]) * self.unit, 2.0 * self.view[2] * self.unit);
+        if self.lying { [along, across] } else { [across, along] }
+    }
+
+    fn svg(&self, title: &str) -> String {
+        let [wide, high] = self.size();
+        let height = high + MARGIN[2] + MARGIN[3];
+        let mut text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height:.0}\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
+             font-family=\"DejaVu Sans, sans-serif\" font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
+             <text x=\"{}\" y=\"32\" font-size=\"18\">{}</text>\n<clipPath id=\"view\"><rect x=\"{}\" y=\"{}\" width=\"{wide:.1}\" \
+             height=\"{high:.1}\"/></clipPath>\n<g clip-path=\"url(#view)\">\n",
+            MARGIN[0],
+            escape(title),
+            MARGIN[0],
+            MARGIN[2],
+        );
+        self.draw_layers(&mut text);
+        self.cells.iter().for_each(|cell| self.draw_cell(&mut text, cell));
+        let (start, end) = (self.place([0.0, self.view[0]]), self.place([0.0, self.view[1]]));
+        let _ = writeln!(
+            text,
+            "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"#555\" stroke-dasharray=\"10 3 2 3\"/>\n</g>",
+            start[0], start[1], end[0], end[1]
+        );
+        self.draw_axes(&mut text);
+        self.draw_scale(&mut text, height - 34.0);
+        text + "</svg>\n"
+    }
+
+    fn draw_layers(&self, text: &mut String) {
+        let [low, high, reach] = self.view;
+        for (i, (from, to, name)) in self.layers.iter().enumerate() {
+            let (bottom, top) = (f64::min(*from, *to).max(low), f64::max(*from, *to).min(high));
+            if bottom >= top {
+                continue;
+            }
+            let (a, b) = (self.place([reach, bottom]), self.place([-reach, top]));
+            let (x, y) = (f64::min(a[0], b[0]), f64::min(a[1], b[1]));
+            let (wide, tall) = ((a[0] - b[0]).abs(), (a[1] - b[1]).abs());
+            let fill = if i % 2 == 0 { "#e9e4d8" } else { "#f3efe6" };
+            let _ = writeln!(
+                text,
+                "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\" fill=\"{fill}\" stroke=\"#8d8368\"/>\n\
+                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#8d8368\">{}</text>",
+                x + 8.0,
+                y + tall - 9.0,
+                escape(name)
+            );
+        }
+    }
+
+    /// Both halves of a cell.
+    fn draw_cell(&self, text: &mut String, cell: &Cell) {
+        let colour = cell.value.map_or("#9aa0a6".into(), |v| colour(share(v, self.range)));
+        for side in [1.0, -1.0] {
+            let places = cell.corners.iter().map(|[r, z]| self.place([side * r, *z]));
+            let path: Vec<String> = places.map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
+            let path = path.join("L");
+            let _ = if cell.corners.len() == 2 {
+                writeln!(text, "<path d=\"M{path}\" stroke=\"{colour}\" stroke-width=\"6\" stroke-linecap=\"round\"/>")
+            } else {
+                writeln!(text, "<path d=\"M{path}Z\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"0.6\"/>")
+            };
+        }
+    }
+
+    fn draw_axes(&self, text: &mut String) {
+        let ([wide, high], [low, top, reach]) = (self.size(), self.view);
+        let (right, bottom) = (MARGIN[0] + wide, MARGIN[2] + high);
+        let _ = writeln!(
+            text,
+            "<rect x=\"{}\" y=\"{}\" width=\"{wide:.1}\" height=\"{high:.1}\" fill=\"none\" stroke=\"#999\"/>",
+            MARGIN[0], MARGIN[2]
+        );
+        let mut below = |x: f64, y: f64, word: &str| {
+            let _ = writeln!(text, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{word}</text>");
+        };
+        let (level, upright) = if self.lying { ("z", "r") } else { ("r", "z") };
+        below(0.5 * (MARGIN[0] + right), bottom + 46.0, level);
+        below(18.0, MARGIN[2] + 0.5 * high, upright);
+        let on_z = ticks(low, top).into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
+        let on_r = ticks(-reach, reach).into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
+        for (place, value, is_level) in on_z.chain(on_r) {
+            let word = number(value);
+            if is_level {
+                let _ = writeln!(
+                    text,
+                    "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{word}</text>",
+                    place[0],
+                    bottom + 22.0
+                );
+            } else {
+                let _ = writeln!(
+                    text,
+                    "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{word}</text>",
+                    MARGIN[0] - 8.0,
+                    place[1] + 5.0
+                );
+            }
+        }
+    }
+
+    fn draw_scale(&self, text: &mut String, y: f64) {
+        if self.range[0] > self.range[1] {
+            let _ = writeln!(text, "<text x=\"{}\" y=\"{y:.1}\">no values in this frame</text>", MARGIN[0]);
+            return;
+        }
+        for i in 0..64 {
+            let fill = colour(f64::from(i) / 63.0);
+            let x = MARGIN[0] + 6.0 * f64::from(i);
+            let _ =
+                writeln!(text, "<rect x=\"{x}\" y=\"{:.1}\" width=\"6.5\" height=\"14\" fill=\"{fill}\"/>", y - 14.0);
+        }
+        let [low, high] = self.range;
+        let x = MARGIN[0] + 400.0;
+        let _ = writeln!(text, "<text x=\"{x}\" y=\"{y:.1}\">{} to {}</text>", number(low), number(high));
+    }
+}
+
+/// Layers of a summary's targets as intervals of z.
+fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
+    let mut layers = Vec::new();
+    for target in scene.get("targets").and_then(Value::as_array).into_iter().flatten() {
+        let number = |key: &str| target.get(key).and_then(Value::as_f64).unwrap_or(0.0);
+        let (mut z, direction) = (number("front"), number("direction"));
+        let name = target.get("name").and_then(Value::as_str).unwrap_or_default();
+        for layer in target.get("layers").and_then(Value::as_array).into_iter().flatten() {
+            let thickness = layer.get("thickness").and_then(Value::as_f64).unwrap_or(f64::INFINITY);
+            let material = layer.get("material").and_then(Value::as_str).unwrap_or_default();
+            layers.push((z, z + direction * thickness, format!("{name}: {material}")));
+            z += direction * thickness;
+        }
+    }
+    layers
+}
+
+/// Where a value lies between two others, 0 to 1.
+fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
+    if high > low { (value - low) / (high - low) } else { 0.0 }
+}
+
+fn colour(part: f64) -> String {
+    let x = part.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+    let i = (x as usize).min(VIRIDIS.len() - 2);
+    let mix = |k: usize| (VIRIDIS[i][k] + (VIRIDIS[i + 1][k] - VIRIDIS[i][k]) * (x - i as f64)).round() as u8;
+    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+/// Round numbers that divide an interval into about five.
+fn ticks(low: f64, high: f64) -> Vec<f64> {
+    let raw = (high - low) / 5.0;
+    if !(raw > 0.0 && raw.is_finite()) {
+        return Vec::new();
+    }
+    let power = libm::pow(10.0, libm::log10(raw).floor());
+    let step = [1.0, 2.0, 5.0, 10.0].iter().map(|f| f * power).find(|s| *s >= raw).unwrap_or(10.0 * power);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|i| i as f64 * step).collect()
+}
+
+/// Four digits, plain where that is short.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_and_colours_are_round() {
+        assert_eq!(ticks(0.0, 1.0).len(), 6);
+        assert_eq!(ticks(-3.1, 7.2), [-2.0, 0.0, 2.0, 4.0, 6.0].map(f64::from).to_vec().as_slice());
+        assert!(ticks(1.0, 1.0).is_empty() && ticks(0.0, f64::INFINITY).is_empty());
+        assert_eq!([colour(0.0), colour(1.0), colour(9.0)], ["#440154", "#fde725", "#fde725"]);
+        assert_eq!([number(0.025), number(-1.23456e9), number(0.0)], ["0.025", "-1.235e9", "0"]);
+    }
+}

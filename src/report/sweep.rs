@@ -1,0 +1,131 @@
+//! A sweep's table (`<job>_sweep.csv`) with charts over its first parameter.
+//! Never here: the sweep itself (`study`).
+
+use super::data::{Chart, Series, Table};
+
+/// Charts of one sweep, and lines of a chart.
+const MOST: usize = 8;
+/// Rows that are shown.
+const ROWS: usize = 500;
+
+/// A sweep from the text of its CSV file.
+///
+/// # Errors
+/// In words, where it is no table.
+pub fn table(name: &str, text: &str) -> Result<Table, String> {
+    let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(fields);
+    let header = records.next().ok_or("the table is empty")?;
+    let mut rows: Vec<Vec<String>> = records.filter(|r| r.len() == header.len()).collect();
+    let charts = charts(&header, &rows);
+    let mut notes = Vec::new();
+    if rows.len() > ROWS {
+        notes.push(format!("{ROWS} of {} rows are shown", rows.len()));
+        rows.truncate(ROWS);
+    }
+    Ok(Table { name: name.to_owned(), header, rows, charts, notes })
+}
+
+/// A line of CSV taken apart (RFC 4180).
+fn fields(line: &str) -> Vec<String> {
+    let (mut fields, mut field, mut quoted) = (Vec::new(), String::new(), false);
+    let mut characters = line.chars().peekable();
+    while let Some(c) = characters.next() {
+        match c {
+            '"' if quoted && characters.peek() == Some(&'"') => {
+                field.push('"');
+                characters.next();
+            }
+            '"' => quoted = !quoted,
+            ',' if !quoted => fields.push(std::mem::take(&mut field)),
+            c => field.push(c),
+        }
+    }
+    fields.push(field);
+    fields
+}
+
+/// What each column is.
+struct Columns {
+    /// How many parameters come first.
+    parameters: usize,
+    quantities: Vec<usize>,
+    references: Vec<usize>,
+}
+
+/// Quantities are expressions over history columns and so have parentheses; a reference is followed by the difference
+/// from it.
+fn columns(header: &[String]) -> Columns {
+    let is_difference = |i: usize| header.get(i).is_some_and(|h| h.starts_with("difference from "));
+    let is_reference =
+        |i: usize| header.get(i + 1).is_some_and(|h| h.strip_prefix("difference from ") == Some(header[i].as_str()));
+    let parameters = header.iter().position(|h| h.contains('(')).unwrap_or(1).max(1);
+    let (references, others): (Vec<usize>, Vec<usize>) =
+        (parameters..header.len()).filter(|&i| !is_difference(i)).partition(|&i| is_reference(i));
+    Columns { parameters, quantities: others, references }
+}
+
+/// One chart for each quantity over the first parameter; of a grid one line for each combination of the others. The
+/// references stand beside the first quantity.
+fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
+    let columns = columns(header);
+    let chart = |(i, &quantity): (usize, &usize)| {
+        let mut series = lines(header, rows, columns.parameters, quantity);
+        let references = columns.references.iter().filter(|_| i == 0);
+        series.extend(references.map(|&r| points(rows, r, &header[r])));
+        series.retain(|s| !s.x.is_empty());
+        Chart {
+            title: header[quantity].clone(),
+            x_label: header[0].clone(),
+            y_label: header[quantity].clone(),
+            logarithmic: false,
+            series,
+        }
+    };
+    let charts = columns.quantities.iter().take(MOST).enumerate().map(chart);
+    charts.filter(|c| !c.series.is_empty()).collect()
+}
+
+fn lines(header: &[String], rows: &[Vec<String>], parameters: usize, quantity: usize) -> Vec<Series> {
+    let mut series: Vec<Series> = Vec::new();
+    for row in rows {
+        let (Ok(x), Ok(y)) = (row[0].parse(), row[quantity].parse()) else { continue };
+        let others: Vec<String> = (1..parameters).map(|i| format!("{} = {}", header[i], row[i])).collect();
+        let name = if others.is_empty() { header[quantity].clone() } else { others.join(", ") };
+        let place = series.iter().position(|s| s.name == name).unwrap_or_else(|| {
+            series.push(Series { name, joined: true, ..Series::default() });
+            series.len() - 1
+        });
+        series[place].x.push(x);
+        series[place].y.push(y);
+    }
+    series.truncate(MOST);
+    series
+}
+
+/// A reference, once for each value of the parameter.
+fn points(rows: &[Vec<String>], column: usize, name: &str) -> Series {
+    let mut points: Vec<(f64, f64)> =
+        rows.iter().filter_map(|r| Some((r[0].parse().ok()?, r[column].parse().ok()?))).collect();
+    points.dedup();
+    let (x, y) = points.into_iter().unzip();
+    Series { name: name.to_owned(), joined: false, x, y, words: Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_quantities_and_references_are_told_apart() {
+        let text = "V,n,final(U2@REF),\"max(A,B)\",depth,difference from depth\n\
+                    1,10,3,4,5,-2\n1,20,3.5,4,5,-1.5\n2,10,6,7,,\n";
+        let table = table("job", text).expect("a table");
+        assert_eq!(table.header[3], "max(A,B)");
+        assert_eq!(table.charts.len(), 2);
+        let names: Vec<&str> = table.charts[0].series.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["n = 10", "n = 20", "depth"]);
+        assert_eq!(table.charts[0].series[0].x, [1.0, 2.0]);
+        assert_eq!(table.charts[0].series[2].y, [5.0], "once");
+        assert_eq!(table.charts[1].series.len(), 2);
+    }
+}

@@ -1,0 +1,85 @@
+//! What stops a run that has gone wrong: energies that are not finite, limits that the deck sets on them
+//! (`*ENERGY LIMIT`), increments that would never reach the end of the step.
+//! Never here: how energies are booked, how an increment is chosen.
+
+use super::Run;
+use crate::effect::Halt;
+use crate::plan::StepPlan;
+
+/// The smallest stable increment over the length of the step: below it the step would take more than ten thousand million
+/// increments, which only an element that collapses asks for.
+const FLOOR: f64 = 1e-10;
+
+/// Internal energy below this fraction of the largest energy is too small to compare artificial energy with.
+const SMALL: f64 = 0.01;
+
+/// What is passed first of what has not been told: which limit, the value reached and the limit.
+fn passed(values: [f64; 2], limits: [Option<f64>; 2], told: [bool; 2]) -> Option<(usize, f64, f64)> {
+    (0..2).filter(|&i| !told[i]).find_map(|i| Some((i, values[i], limits[i].filter(|l| values[i] > *l)?)))
+}
+
+impl Run<'_> {
+    /// After energies are booked.
+    ///
+    /// # Errors
+    /// Where they are not finite, or pass a limit that halts.
+    pub(super) fn guard_energy(&mut self, step: &StepPlan) -> Result<(), Halt> {
+        if !self.balance.is_finite() {
+            let reason = format!(
+                "the energy of the scene is no finite number at increment {}, time {:e}",
+                self.now.increment, self.now.total_time
+            );
+            return Err(Halt { code: "R203", reason });
+        }
+        let Some(limit) = &step.energy_limit else { return Ok(()) };
+        let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
+        let Some((which, value, allowed)) = passed(values, [limit.error, limit.artificial], self.warned) else {
+            return Ok(());
+        };
+        let what = ["energy drift", "artificial over internal energy"][which];
+        let reason = format!(
+            "{what} is {value:.2e}, above the limit {allowed:e}, at increment {}, time {:e}",
+            self.now.increment, self.now.total_time
+        );
+        if limit.halts {
+            return Err(Halt { code: "R208", reason });
+        }
+        self.warned[which] = true;
+        self.outcome.warnings.push(reason);
+        Ok(())
+    }
+
+    /// Whether the elements let the step come to an end.
+    ///
+    /// # Errors
+    /// If one of them has collapsed so far that it would not.
+    pub(super) fn guard_increment(&self, step: &StepPlan) -> Result<(), Halt> {
+        let Some(solid) = &self.solid else { return Ok(()) };
+        let stable = solid.stable_increment();
+        if stable >= FLOOR * step.duration {
+            return Ok(());
+        }
+        let (group, element) = solid.limiting();
+        let reason = format!(
+            "element {} has collapsed: at increment {}, time {:e} its stable increment is {stable:e}, with which the step \
+             would need more than 1e10 increments",
+            solid.element_names[group][element], self.now.increment, self.now.total_time
+        );
+        Err(Halt { code: "R209", reason })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::passed;
+
+    #[test]
+    fn limits_are_told_once() {
+        let limits = [Some(0.1), Some(0.05)];
+        assert_eq!(passed([0.1, 0.05], limits, [false; 2]), None);
+        assert_eq!(passed([0.2, 0.06], limits, [false; 2]), Some((0, 0.2, 0.1)));
+        assert_eq!(passed([0.2, 0.06], limits, [true, false]), Some((1, 0.06, 0.05)));
+        assert_eq!(passed([0.2, 0.06], limits, [true; 2]), None);
+        assert_eq!(passed([0.2, 0.06], [None, None], [false; 2]), None);
+    }
+}

@@ -1,0 +1,61 @@
+//! The incompressible limit.
+
+use crate::scene::{Scene, deck, off};
+use crate::{Verdict, cases};
+
+cases! { "Incompressible limit":
+    nearly_incompressible_cylinder, "nu = 0.4999: locking, pressures that alternate like a checkerboard",
+        "u(a) of Lame within 0.1 %, mean stress of all elements within 2 % of its uniform value";
+    fully_plastic_cylinder, "all of a thick cylinder flows: locking shows as a limit load that is too high",
+        "opens at 2Y/sqrt(3) ln(b/a) within 1 %, neighbours along z alike within 1 %";
+}
+
+fn settled(scene: &Scene, name: &str) -> f64 {
+    let values = scene.column(name);
+    let tail = &values[values.len() - values.len() / 5..];
+    tail.iter().map(|v| v.1).sum::<f64>() / tail.len() as f64
+}
+
+fn nearly_incompressible_cylinder() -> Verdict {
+    let scene = deck("cylinder.inp", &[("nu", "0.4999")]);
+    // Plane strain, p = 1: u(a) = (1 + nu) a/E ((1 - 2 nu) a^2 + b^2)/(b^2 - a^2); mean stress 2 (1 + nu)/3 a^2/(b^2 - a^2).
+    let (nu, a, b) = (0.4999, 10.0, 20.0);
+    let exact = (1.0 + nu) * a / 200e3 * ((1.0 - 2.0 * nu) * a * a + b * b) / (b * b - a * a);
+    let mean = 2.0 * (1.0 + nu) / 3.0 * a * a / (b * b - a * a);
+    let error = off(settled(&scene, "U1@FIRST"), exact);
+    let worst = scene.cells().iter().map(|c| off(c.mean, mean)).fold(0.0, f64::max);
+    let holds = scene.completed(1e-2) && error < 1e-3 && worst < 0.02;
+    Verdict { figure: format!("u(a) within {:.2} %, mean stress within {:.1} %", 100.0 * error, 100.0 * worst), holds }
+}
+
+/// Pressed slightly below and slightly above the limit load: it holds, and it opens.
+fn fully_plastic_cylinder() -> Verdict {
+    let yield_stress = 200.0;
+    let limit = 2.0 / 3f64.sqrt() * yield_stress * 2f64.ln();
+    // A hundred times as stiff and dense: strains as small as those of the theory.
+    let press = |share: f64| {
+        let p = (share * limit).to_string();
+        let settings = [
+            ("nu", "0.3"),
+            ("Y", "200."),
+            ("p", p.as_str()),
+            ("E", "200.e5"),
+            ("rho", "7.85e-7"),
+            ("time", "1.e-3"),
+            ("ramp", "5.e-4"),
+        ];
+        deck("cylinder.inp", &settings)
+    };
+    let (below, above) = (press(0.99), press(1.01));
+    let opened = |scene: &Scene| settled(scene, "U1@FIRST");
+    let cells = below.cells();
+    let rows: Vec<&[crate::scene::Cell]> = cells.chunks(10).collect();
+    let uneven = (0..10)
+        .flat_map(|i| rows.iter().map(move |row| (i, row)))
+        .map(|(i, row)| (row[i].mean - rows[0][i].mean).abs() / yield_stress);
+    let uneven = uneven.fold(0.0, f64::max);
+    let ratio = opened(&above) / opened(&below);
+    let holds = below.outcome.halt.is_none() && uneven < 0.01 && opened(&below) < 0.01 && ratio > 10.0;
+    let figure = format!("u(a) {:.4} mm at 0.99, {ratio:.0} times that at 1.01", opened(&below));
+    Verdict { figure, holds }
+}

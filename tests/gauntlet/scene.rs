@@ -1,0 +1,125 @@
+//! A deck of `input/gauntlet/`, run in memory, and what is read from it.
+
+use revolve::job::{self, Prepared};
+use revolve::kernel::quad;
+use revolve::solve::{self, Outcome};
+use revolve::user::Routines;
+
+use crate::common::{self, Memory};
+
+pub struct Scene {
+    pub prepared: Prepared,
+    pub outcome: Outcome,
+    pub memory: Memory,
+}
+
+/// Runs a deck of `input/gauntlet/` with `--set` pairs.
+pub fn deck(name: &str, settings: &[(&str, &str)]) -> Scene {
+    with(name, settings, &Routines::none())
+}
+
+/// The same with the user's routines.
+pub fn with(name: &str, settings: &[(&str, &str)], routines: &Routines) -> Scene {
+    let path = common::project("input/gauntlet").join(name);
+    run(job::prepare(&path, &common::pairs(settings), routines))
+}
+
+/// A deck given as text.
+pub fn text(text: &str, routines: &Routines) -> Scene {
+    run(job::prepare_text("gauntlet.inp", text, &[], routines))
+}
+
+fn run(mut prepared: Prepared) -> Scene {
+    assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
+    let mut memory = Memory::default();
+    let outcome = solve::run(&mut prepared.plan, &mut memory);
+    Scene { prepared, outcome, memory }
+}
+
+/// The text of a deck of `input/gauntlet/`.
+pub fn read(name: &str) -> String {
+    std::fs::read_to_string(common::project("input/gauntlet").join(name)).expect("a deck")
+}
+
+impl Scene {
+    /// Whether it came to its end with a drift of the energy below this.
+    pub fn completed(&self, drift: f64) -> bool {
+        println!("drift {:.2e}", self.outcome.energy.drift);
+        if let Some(halt) = &self.outcome.halt {
+            println!("halted: {halt:?}");
+        }
+        self.outcome.halt.is_none() && self.outcome.energy.drift < drift
+    }
+
+    /// The values of a history column over time.
+    pub fn column(&self, name: &str) -> Vec<(f64, f64)> {
+        let at = self.prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
+        self.memory.rows.iter().map(|row| (row.0, row.1[at])).collect()
+    }
+
+    /// Its last value.
+    pub fn last(&self, name: &str) -> f64 {
+        self.column(name).last().expect("a row").1
+    }
+
+    /// A field of the last frame: of points or cells.
+    pub fn field(&self, name: &str) -> Vec<f64> {
+        let frame = self.memory.frames.last().expect("a frame");
+        let all = frame.point_fields.iter().chain(&frame.cell_fields);
+        all.into_iter().find(|f| f.name == name).expect("a field").values.clone()
+    }
+
+    /// Places of the nodes in the last frame.
+    pub fn places(&self) -> Vec<[f64; 2]> {
+        let solid = self.prepared.plan.solid.as_ref().expect("deforms");
+        let moved = self.field("U");
+        let components = moved.len() / solid.start.len();
+        let at = |n: usize| [0, 1].map(|axis| solid.start[n][axis] + moved[components * n + axis]);
+        (0..solid.start.len()).map(at).collect()
+    }
+
+    /// The solver's node of a label.
+    pub fn node(&self, label: usize) -> usize {
+        let names = &self.prepared.plan.mesh.node_names;
+        let at = names.iter().position(|n| *n == label.to_string()).expect("a node");
+        self.prepared.plan.places.nodes[&at]
+    }
+
+    /// Elements of all groups in the last frame: middle, density over that at the start, mean stress.
+    pub fn cells(&self) -> Vec<Cell> {
+        let solid = self.prepared.plan.solid.as_ref().expect("deforms");
+        let (places, stress) = (self.places(), self.field("S"));
+        let mut cells = Vec::new();
+        for group in &solid.groups {
+            for e in 0..group.len() {
+                let corners = group.corners(e).map(|n| n as usize);
+                let now = corners.map(|n| places[n]);
+                let ratio = quad::volume(corners.map(|n| solid.start[n])) / quad::volume(now);
+                let s = &stress[4 * cells.len()..4 * cells.len() + 4];
+                let place = [0, 1].map(|axis| now.iter().map(|c| c[axis]).sum::<f64>() / 4.0);
+                cells.push(Cell { place, density: ratio, mean: (s[0] + s[1] + s[2]) / 3.0, axial: s[1] });
+            }
+        }
+        cells
+    }
+}
+
+pub struct Cell {
+    pub place: [f64; 2],
+    pub density: f64,
+    pub mean: f64,
+    pub axial: f64,
+}
+
+/// Mean and largest departure from it, over the mean.
+pub fn spread(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let values: Vec<f64> = values.collect();
+    assert!(!values.is_empty(), "no values");
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (mean, values.iter().map(|v| (v / mean - 1.0).abs()).fold(0.0, f64::max))
+}
+
+/// Departure of a value from what it should be, over that.
+pub fn off(value: f64, exact: f64) -> f64 {
+    (value / exact - 1.0).abs()
+}
