@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
 use crate::effect::solid::instructions::Instructions;
-use crate::model::{self, scene::Scene};
+use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
@@ -78,9 +78,21 @@ impl Prepared {
     }
 }
 
-fn resolve((deck, mut diagnostics): (Deck, Diagnostics), routines: &Routines) -> Prepared {
-    let (model, found) = model::build(&deck);
+fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> Prepared {
+    prepare_edited(read, &mut |_| {}, routines)
+}
+
+/// The same from a deck that has been read, with a change of the model before it is planned.
+pub fn prepare_edited(
+    (deck, mut diagnostics): (Deck, Diagnostics),
+    edit: &mut dyn FnMut(&mut Model),
+    routines: &Routines,
+) -> Prepared {
+    let (mut model, found) = model::build(&deck);
     diagnostics.append(found);
+    if !diagnostics.has_errors() {
+        edit(&mut model);
+    }
     let (plan, found) = plan::compile(&deck, &model, routines);
     // What follows from a fault already told would only hide it.
     if !diagnostics.has_errors() {
@@ -305,10 +317,15 @@ impl Sink for Files<'_> {
 
 /// Runs a prepared deck and keeps only what its histories came to.
 pub fn run_in_memory(prepared: &mut Prepared) -> (Outcome, HistorySummary) {
-    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
     let mut sink = HistoryOnly { columns: column_names(&prepared.plan), ..HistoryOnly::default() };
-    let outcome = solve::run(&mut prepared.plan, &mut sink);
+    let outcome = run_into(prepared, &mut sink);
     (outcome, sink.summary)
+}
+
+/// Runs a prepared deck into a sink of the caller's; no file is written.
+pub fn run_into(prepared: &mut Prepared, sink: &mut dyn Sink) -> Outcome {
+    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
+    solve::run(&mut prepared.plan, sink)
 }
 
 /// Runs a prepared deck and writes its files.

@@ -5,7 +5,7 @@ mod command;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use command::{REFUSED, chart, check, explain, report, run, sweep};
+use command::{REFUSED, chart, check, explain, report, run, study, sweep};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
 #[derive(Parser)]
@@ -18,6 +18,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Run),
+    Study(study::Study),
     Check(check::Check),
     Explain(explain::Explain),
     Sweep(sweep::Sweep),
@@ -28,6 +29,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(run) => run.execute(),
+        Command::Study(study) => study.execute(),
         Command::Check(check) => check.execute(),
         Command::Explain(explain) => explain.execute(),
         Command::Sweep(sweep) => sweep.execute(),

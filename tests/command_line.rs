@@ -73,6 +73,19 @@ fn arguments_are_refused_with_words() {
         &["explain", "NOSUCHWORD"],
         &["sweep", "input/ogive.inp", "--set", "V=1:2", "--quantity", "final(U2@REF)"],
         &["sweep", "input/ogive.inp", "--set", "V=600", "--quantity", "final("],
+        &["study", "input/ogive.inp", "--refine", "m=10,20", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=10", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=20,40,10", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@RFE)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "norm(S22, r)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "3"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@REF)", "--target", "0"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@REF)", "--exact", "1+"],
+        &["study", "input/ogive.inp", "--refine", "hourglass=enhanced", "--quantity", "final(U2@REF)", "--exact", "1"],
+        &["study", "input/ogive.inp", "--refine", "load-velocity=lagged", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "increment=1000,1", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--ablate", "--quantity", "final(U2@REF)", "--exact", "1"],
     ] {
         let output = revolve(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));

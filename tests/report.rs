@@ -132,11 +132,16 @@ fn halted_and_frameless_runs_and_empty_folders() {
     let (bare, out) = folder();
     let deck = bare.path().join("bare.inp");
     let field = text.find("*Output, field").expect("a card")..text.find("*Output, history").expect("a card");
-    std::fs::write(&deck, text.replace(&text[field], "")).expect("a deck");
+    // With a variable that is none, so that there is something to be told.
+    std::fs::write(&deck, text.replace(&text[field], "").replace("U2, V2, A2", "U2, V2, A2, VV2")).expect("a deck");
     assert!(run(deck.to_str().expect("a name"), &out, &[]).status.success());
     let page = report::gather(bare.path()).expect("a page");
     assert!(page.runs[0].meridian.is_none());
     assert!(page.runs[0].notes.iter().any(|n| n.starts_with("there are no frames")), "{:?}", page.runs[0].notes);
+
+    let finding = &page.runs[0].summary["diagnostics"][0];
+    assert_eq!((&finding["code"], &finding["severity"]), (&json!("M141"), &json!("warning")));
+    assert!(finding["place"].as_str().is_some_and(|p| p.contains("bare.inp:")), "{finding}");
 
     let (_empty, out) = folder();
     for (folder, word) in [(out.as_str(), "holds no run"), ("no/such/folder", "no/such/folder")] {

@@ -6,6 +6,7 @@ pub mod check;
 pub mod explain;
 pub mod report;
 pub mod run;
+pub mod study;
 pub mod sweep;
 
 use std::io::IsTerminal as _;

@@ -345,7 +345,7 @@ impl Reader<'_> {
     }
 
     fn raw(&mut self, name: String, start: usize) -> Result<(), ExpressionError> {
-        let Some(length) = self.rest().find(')') else {
+        let Some(length) = matching(self.rest()) else {
             return Err(error(start..self.text.len(), "a parenthesis is not closed"));
         };
         let argument = self.rest()[..length].trim().to_owned();
@@ -368,6 +368,20 @@ impl Reader<'_> {
         self.emit(Operation::Call(name, count), start);
         Ok(())
     }
+}
+
+/// Where the parenthesis closes that stands open before this text.
+fn matching(text: &str) -> Option<usize> {
+    let mut depth = 0_usize;
+    for (at, c) in text.char_indices() {
+        match c {
+            '(' => depth += 1,
+            ')' if depth == 0 => return Some(at),
+            ')' => depth -= 1,
+            _ => {}
+        }
+    }
+    None
 }
 
 #[cfg(test)]

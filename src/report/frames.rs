@@ -136,7 +136,7 @@ pub fn pack(files: &[(f64, PathBuf)], scene: &Value, notes: &mut Vec<String>) ->
         notes.push(format!("drawn coarser, with {} of {} cells", mesh.cells.len(), first.cells.len()));
     }
     let fields = chosen_fields(&first, notes);
-    let most = FRAMES.min(BYTES / bytes_of_frame(&mesh, &first, &fields)).max(2);
+    let most = FRAMES.min(BYTES / bytes_of_frame(&mesh, &fields)).max(2);
     let chosen = spread(files.len(), most);
     if chosen.len() < files.len() {
         notes.push(format!("{} of {} frames are shown", chosen.len(), files.len()));
@@ -168,10 +168,10 @@ fn chosen_fields(first: &Raw, notes: &mut Vec<String>) -> Vec<(String, bool)> {
 }
 
 /// Bytes of a frame in base64: four for three.
-fn bytes_of_frame(mesh: &Drawn, first: &Raw, fields: &[(String, bool)]) -> usize {
+fn bytes_of_frame(mesh: &Drawn, fields: &[(String, bool)]) -> usize {
     let numbers = |f: &(String, bool)| if f.1 { mesh.cells.len() } else { mesh.points.len() };
     let all = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
-    (all * 2 * 4 / 3).max(1 + usize::from(first.points.is_empty()))
+    (all * 2 * 4 / 3).max(1)
 }
 
 /// At most `most` of `count` indices, evenly, the first and the last among them.

@@ -474,11 +474,11 @@ function energies(s) {
 }
 function steps(s) {
   if (!s.steps || !s.steps.length) return null;
-  const scaled = s.steps.some(t => t.added_mass !== undefined);
+  const scaled = s.steps.some(t => t.added_mass !== undefined), global = s.steps.some(t => t.global_estimates !== undefined);
   const header = ['step', 'increments', 'time reached', 'smallest increment', 'largest increment', 'limited by'];
   const rows = s.steps.map(t => [t.name, t.increments, show(t.time), show(t.smallest_increment), show(t.largest_increment), t.limiting_element ? `element ${t.limiting_element}` : 'no element']
-    .concat(scaled ? [show(t.added_mass)] : []));
-  return card('Increments', table(scaled ? [...header, 'added mass'] : header, rows, i => (i > 0 && i < 5) || i === 6));
+    .concat(scaled ? [show(t.added_mass)] : [], global ? [t.global_estimates ?? ''] : []));
+  return card('Increments', table([...header, ...scaled ? ['added mass'] : [], ...global ? ['global estimates'] : []], rows, i => i > 0 && i !== 5));
 }
 function ledger(s) {
   if (!s.ledger) return null;

@@ -341,7 +341,7 @@ fn colour(part: f64) -> String {
 
 /// Round numbers that divide an interval into about five.
 fn ticks(low: f64, high: f64) -> Vec<f64> {
-    let raw = (high - low) / 5.0;
+    let raw = (high - low) / 7.0;
     if !(raw > 0.0 && raw.is_finite()) {
         return Vec::new();
     }

@@ -183,7 +183,7 @@ pub(super) fn unwritten(reason: String) -> Halt {
 }
 
 /// A number of an element; not a number where its group does not have it.
-fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
+pub fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
     let (group, nodes) = (&*solid.groups[group], &solid.nodes);
     if !variable.is_of(group, e) {
         return f64::NAN;

@@ -1,9 +1,10 @@
-//! Charts as SVG and PNG: lines and markers over one axis.
+//! Charts as SVG and PNG: lines and markers over one axis, linear or logarithmic.
 //! Never here: where the numbers come from.
 
 use std::sync::Arc;
 
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 use resvg::{tiny_skia, usvg};
 
@@ -18,6 +19,15 @@ pub struct Chart {
     pub y_label: String,
     /// What is drawn, in order.
     pub series: Vec<Series>,
+}
+
+/// How values lie along the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithm, on both axes; values are above zero.
+    LogLog,
 }
 
 /// Points with a name.
@@ -50,10 +60,18 @@ impl Chart {
     /// # Errors
     /// In words, where there is nothing to draw.
     pub fn svg(&self) -> Result<String, String> {
+        self.svg_on(Scale::Linear)
+    }
+
+    /// The chart on axes of a scale.
+    ///
+    /// # Errors
+    /// In words, where there is nothing to draw.
+    pub fn svg_on(&self, scale: Scale) -> Result<String, String> {
         let mut text = String::new();
         {
             let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            self.draw(&root).map_err(|e| format!("the chart cannot be drawn: {e}"))?;
+            self.draw(&root, scale).map_err(|e| format!("the chart cannot be drawn: {e}"))?;
             root.present().map_err(|e| format!("the chart cannot be drawn: {e}"))?;
         }
         Ok(text)
@@ -64,28 +82,55 @@ impl Chart {
     /// # Errors
     /// In words, where there is nothing to draw.
     pub fn png(&self) -> Result<Vec<u8>, String> {
+        self.png_on(Scale::Linear)
+    }
+
+    /// The same on axes of a scale.
+    ///
+    /// # Errors
+    /// In words, where there is nothing to draw.
+    pub fn png_on(&self, scale: Scale) -> Result<Vec<u8>, String> {
         let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
         let fonts = Arc::make_mut(&mut options.fontdb);
         fonts.load_font_data(dejavu::sans::regular().to_vec());
         fonts.set_sans_serif_family("DejaVu Sans");
-        let tree = usvg::Tree::from_str(&self.svg()?, &options).map_err(|e| e.to_string())?;
+        let tree = usvg::Tree::from_str(&self.svg_on(scale)?, &options).map_err(|e| e.to_string())?;
         let mut picture = tiny_skia::Pixmap::new(SIZE.0, SIZE.1).ok_or("no memory for the picture")?;
         resvg::render(&tree, tiny_skia::Transform::identity(), &mut picture.as_mut());
         picture.encode_png().map_err(|e| e.to_string())
     }
 
-    fn draw(&self, root: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Box<dyn std::error::Error>> {
+    fn draw(&self, root: &DrawingArea<SVGBackend<'_>, Shift>, scale: Scale) -> Result<(), Box<dyn std::error::Error>> {
         root.fill(&WHITE)?;
-        let (x, y) = (self.range(|p| p.0).ok_or("no points")?, self.range(|p| p.1).ok_or("no points")?);
-        let mut chart = ChartBuilder::on(root)
-            .caption(&self.title, ("sans-serif", 24))
-            .margin(18)
-            .x_label_area_size(56)
-            .y_label_area_size(80)
-            .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE)
+        let mut builder = ChartBuilder::on(root);
+        builder.caption(&self.title, ("sans-serif", 24)).margin(18).x_label_area_size(56).y_label_area_size(80);
+        match scale {
+            Scale::Linear => {
+                let (x, y) = (self.range(|p| p.0).ok_or("no points")?, self.range(|p| p.1).ok_or("no points")?);
+                self.fill(builder.build_cartesian_2d(x.0..x.1, y.0..y.1)?, scale)
+            }
+            Scale::LogLog => {
+                let (x, y) = (self.decades(|p| p.0).ok_or("no points")?, self.decades(|p| p.1).ok_or("no points")?);
+                let (x, y) = ((x.0..x.1).log_scale(), (y.0..y.1).log_scale());
+                self.fill(builder.build_cartesian_2d(x, y)?, scale)
+            }
+        }
+    }
+
+    fn fill<'a, X, Y>(
+        &self,
+        mut chart: ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
+        scale: Scale,
+    ) -> Result<(), Box<dyn std::error::Error>>
+    where
+        X: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
+    {
+        let mut mesh = chart.configure_mesh();
+        if scale == Scale::LogLog {
+            mesh.x_label_formatter(&logarithmic_label).y_label_formatter(&logarithmic_label);
+        }
+        mesh.light_line_style(WHITE)
             .bold_line_style(RGBColor(225, 225, 225))
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
@@ -109,7 +154,11 @@ impl Chart {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
+            .position(if scale == Scale::LogLog {
+                SeriesLabelPosition::LowerLeft
+            } else {
+                SeriesLabelPosition::UpperLeft
+            })
             .margin(16)
             .legend_area_size(34)
             .label_font(("sans-serif", 16))
@@ -119,6 +168,15 @@ impl Chart {
         Ok(())
     }
 
+    /// Extent of a coordinate on a logarithmic axis: from tick to tick, one tick being half a decade.
+    fn decades(&self, coordinate: impl Fn(&(f64, f64)) -> f64) -> Option<(f64, f64)> {
+        let values = self.series.iter().flat_map(|s| &s.points).map(&coordinate).filter(|v| *v > 0.0 && v.is_finite());
+        let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+        let decade =
+            |v: f64, round: fn(f64) -> f64, margin: f64| libm::pow(10.0, 0.5 * round(2.0 * (libm::log10(v) + margin)));
+        (low <= high).then(|| (decade(low, f64::floor, -0.05), decade(high, f64::ceil, 0.05)))
+    }
+
     /// Extent of a coordinate over all series, a little widened; `None` without points.
     fn range(&self, coordinate: impl Fn(&(f64, f64)) -> f64) -> Option<(f64, f64)> {
         let values = || self.series.iter().flat_map(|s| &s.points).map(&coordinate).filter(|v| v.is_finite());
@@ -126,4 +184,9 @@ impl Chart {
         let margin = if high > low { 0.06 * (high - low) } else { 0.5 * high.abs().max(1.0) };
         (low <= high).then_some((low - margin, high + margin))
     }
+}
+
+/// A number at a tick: plain where it is short.
+fn logarithmic_label(value: &f64) -> String {
+    if (1e-3..1e5).contains(value) { super::price::short(*value) } else { format!("{value:.0e}") }
 }

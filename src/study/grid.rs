@@ -36,6 +36,11 @@ impl Grid {
         self.axes.iter().map(|a| a.0.as_str()).collect()
     }
 
+    /// Parameters with their values, as given.
+    pub fn axes(&self) -> &[(String, Vec<String>)] {
+        &self.axes
+    }
+
     /// How many combinations there are.
     pub fn count(&self) -> usize {
         self.axes.iter().map(|a| a.1.len()).product()

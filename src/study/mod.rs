@@ -1,9 +1,20 @@
-//! What runs a deck many times: sweeps, comparison with references, charts.
+//! What runs a deck many times: sweeps, refinement and its price, effects left out, comparison with references, charts.
 //! Never here: a solver of its own.
 
+pub mod ablation;
+pub mod bench;
 pub mod chart;
 pub mod compare;
+pub mod effects;
+pub mod field;
 pub mod grid;
+pub mod measure;
+pub mod price;
 pub mod quantity;
+pub mod record;
+pub mod refinement;
+pub mod richardson;
+pub mod settings;
 pub mod sweep;
 pub mod table;
+pub mod target;

@@ -6,7 +6,7 @@ use crate::deck::names::nearest;
 use crate::output::HistorySummary;
 
 /// Functions of a history column.
-const FUNCTIONS: &[&str] = &["final", "min", "max", "time_min", "time_max"];
+pub(super) const FUNCTIONS: &[&str] = &["final", "min", "max", "time_min", "time_max"];
 
 /// A quantity that has been parsed.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ impl Quantity {
     }
 }
 
-fn value(history: &HistorySummary, function: &str, column: &str) -> Result<f64, String> {
+pub(super) fn value(history: &HistorySummary, function: &str, column: &str) -> Result<f64, String> {
     let summary = history.0.iter().find(|(name, _)| name.eq_ignore_ascii_case(column)).map(|(_, s)| s);
     let Some(summary) = summary else { return Err(missing(history, column)) };
     Ok(match function {

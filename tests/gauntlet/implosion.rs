@@ -16,6 +16,8 @@ cases! { "Implosion and large distortion":
         "completed, or halted with element, increment and time; drift < 1 %, nothing that is not finite";
     taylor_at_400_controlled, "the same with distortion control: forces that make energy of nothing",
         "completed, drift < 1 %, ALLDC not below 0 and < 5 % of the energy";
+    a_corner_thrown_through_its_element, "a node thrown across its elements, which nothing but their stress resists",
+        "without distortion control halted with the element's name; with it completed, no corner beyond the line between its neighbours, drift < 2 %";
     a_foot_that_folds, "soft copper at 400 m/s: the rim of the foot folds over",
         "completed, or halted with element, increment and time; drift < 2 %";
     necking_to_failure, "localisation, elements that go while they carry load",
@@ -124,6 +126,33 @@ fn taylor_at_400_controlled() -> Verdict {
     let share = energy.distortion / energy.initial;
     let figure = format!("drift {:.1} %, ALLDC {:.1} %", 100.0 * energy.drift, 100.0 * share);
     Verdict { figure, holds: scene.completed(0.01) && (0.0..0.05).contains(&share) }
+}
+
+fn a_corner_thrown_through_its_element() -> Verdict {
+    let deck = |controls: &str| {
+        let section = format!(
+            "*Section Controls, name=KEEP, {controls}\n*Solid Section, elset=SOLID, material=M, controls=KEEP\n"
+        );
+        let material = solid::material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n");
+        solid::grid(3, 3, false, |i, j| [1.0 + i as f64, j as f64])
+            + &material.replace("*Solid Section, elset=SOLID, material=M\n", &section)
+            + "*Initial Conditions, type=VELOCITY\n 6, 1, 30.\n*Step\n*Dynamic, Explicit\n , 1.\n\
+               *Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n"
+    };
+    let bare = text(&deck("hourglass=STIFFNESS"), &Routines::none());
+    let kept = text(&deck("distortion control=YES"), &Routines::none());
+    let group = &kept.prepared.plan.solid.as_ref().expect("deforms").groups[0];
+    let places = kept.places();
+    let convex = (0..group.len()).all(|e| {
+        let at = group.corners(e).map(|n| places[n as usize]);
+        (0..4).all(|i| {
+            let [a, b, c] = [at[i], at[(i + 1) % 4], at[(i + 3) % 4]];
+            (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]) > 0.0
+        })
+    });
+    let code = bare.outcome.halt.as_ref().map_or("completed", |h| h.code);
+    let figure = format!("{code}; with control completed, drift {:.1} %", 100.0 * kept.outcome.energy.drift);
+    Verdict { figure, holds: code.starts_with('R') && kept.completed(0.02) && convex }
 }
 
 fn a_foot_that_folds() -> Verdict {

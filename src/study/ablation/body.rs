@@ -1,0 +1,71 @@
+//! A body that deforms made rigid.
+//! Never here: what its material does.
+
+use super::{Ablation, one_way};
+use crate::kernel::quad;
+use crate::model::{InitialCondition, InitialKind, LoadKind, Model, PointMass, RigidBody};
+
+pub(super) const LIST: &[Ablation] = &[Ablation {
+    name: "deformation of the body",
+    instead: "rigid, with its mass and its velocity along z",
+    ways: |model| usize::from(velocity(model).is_some()),
+    edit: |model, _| stiffen(model),
+    way: one_way,
+}];
+
+/// Velocity of a body that can be made rigid: all that deforms starts with one velocity along z, is loaded by a target or
+/// by the user, and nothing holds, joins or measures parts of it along z.
+fn velocity(model: &Model) -> Option<f64> {
+    let driven = |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. });
+    let loaded = model.steps.iter().any(|s| s.loads.iter().any(|l| driven(&l.kind)));
+    let held = model.steps.iter().any(|s| !s.contacts.is_empty() || s.boundaries.iter().any(|b| b.dof == 2));
+    let joined = !model.rigid_bodies.is_empty() || !model.connectors.is_empty() || !model.equations.is_empty();
+    if !loaded || held || joined || model.sections.is_empty() {
+        return None;
+    }
+    let mut speed = None;
+    let nodes = body_nodes(model);
+    for condition in &model.initial_conditions {
+        let InitialKind::Velocity(2, value) = condition.kind else { continue };
+        let whole = nodes.iter().all(|n| condition.members.binary_search(n).is_ok());
+        if !whole || speed.is_some_and(|s| s != value) {
+            return None;
+        }
+        speed = Some(value);
+    }
+    speed
+}
+
+fn body_nodes(model: &Model) -> Vec<usize> {
+    let elements = model.sections.iter().flat_map(|s| &s.elements);
+    let mut nodes: Vec<usize> = elements.flat_map(|&e| model.mesh.elements[e].nodes.clone()).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+fn stiffen(model: &mut Model) {
+    let (Some(speed), Some(&reference)) = (velocity(model), body_nodes(model).first()) else { return };
+    let mut mass: f64 = model.point_masses.drain(..).map(|p| p.mass).sum();
+    for section in &model.sections {
+        let density = model.materials[section.material].density.unwrap_or(0.0);
+        let volume = |&e: &usize| quad::volume(model.mesh.corners(e).map(|n| model.mesh.points[n]));
+        mass += section.elements.iter().map(volume).sum::<f64>() * density;
+    }
+    let span = model.sections[0].span;
+    let elements = model.sections.iter().flat_map(|s| s.elements.clone()).collect();
+    let name = "(STUDY)".to_owned();
+    model.sections.clear();
+    model.point_masses.push(PointMass { node: reference, mass, span });
+    model.rigid_bodies.push(RigidBody {
+        name,
+        reference,
+        elements,
+        nodes: Vec::new(),
+        thickness: 0.0,
+        density: 0.0,
+        span,
+    });
+    let kind = InitialKind::Velocity(2, speed);
+    model.initial_conditions = vec![InitialCondition { kind, members: vec![reference], span }];
+}

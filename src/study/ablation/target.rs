@@ -1,0 +1,109 @@
+//! Parts of a target's resistance left out: layers, the entry, terms of the law.
+//! Never here: friction.
+
+use super::{Ablation, one_way};
+use crate::model::{LoadKind, Material, Model, Sides, Target};
+
+pub(super) const LIST: &[Ablation] = &[
+    Ablation {
+        name: "layer",
+        instead: "material of the layer before it, of the first that of the second",
+        ways: |model| layers(model).len(),
+        edit: |model, way| take_neighbour(model, way),
+        way: |model, way| {
+            layers(model).get(way).map_or(String::new(), |(t, l)| format!("{} of {}", l + 1, model.targets[*t].name))
+        },
+    },
+    Ablation {
+        name: "entry phase",
+        instead: "the target reaches back over all loaded surfaces from the start",
+        ways: |model| usize::from(entering(model).next().is_some()),
+        edit: |model, _| embed(model),
+        way: one_way,
+    },
+    Ablation {
+        name: "resistance linear in velocity",
+        instead: "B = 0",
+        ways: |model| usize::from(loaded(model).any(|t| laws(model, t).any(|m| m.cavity.is_some_and(|c| c.b != 0.0)))),
+        edit: |model, _| model.materials.iter_mut().filter_map(|m| m.cavity.as_mut()).for_each(|c| c.b = 0.0),
+        way: one_way,
+    },
+    Ablation {
+        name: "resistance quadratic in velocity",
+        instead: "C = 0",
+        ways: |model| usize::from(loaded(model).any(|t| laws(model, t).any(|m| m.cavity.is_some_and(|c| c.c != 0.0)))),
+        edit: |model, _| model.materials.iter_mut().filter_map(|m| m.cavity.as_mut()).for_each(|c| c.c = 0.0),
+        way: one_way,
+    },
+];
+
+/// Targets that some load drives a surface into.
+fn loaded(model: &Model) -> impl Iterator<Item = usize> + '_ {
+    (0..model.targets.len()).filter(|t| sides_into(model, *t).next().is_some())
+}
+
+fn sides_into(model: &Model, wanted: usize) -> impl Iterator<Item = &Sides> {
+    model.steps.iter().flat_map(|s| &s.loads).filter_map(move |load| match &load.kind {
+        LoadKind::Cavity { sides, target, .. } if *target == wanted => Some(sides),
+        _ => None,
+    })
+}
+
+fn laws(model: &Model, target: usize) -> impl Iterator<Item = &Material> {
+    model.targets[target].layers.iter().map(|l| &model.materials[l.material])
+}
+
+/// Target and layer of each layer whose neighbour is of another material.
+fn layers(model: &Model) -> Vec<(usize, usize)> {
+    let of = |t: usize| {
+        let layers = &model.targets[t].layers;
+        let differs = move |l: &usize| layers.len() > 1 && layers[*l].material != layers[neighbour(*l)].material;
+        (0..layers.len()).filter(differs).map(move |l| (t, l))
+    };
+    loaded(model).flat_map(of).collect()
+}
+
+fn neighbour(layer: usize) -> usize {
+    if layer == 0 { 1 } else { layer - 1 }
+}
+
+fn take_neighbour(model: &mut Model, way: usize) {
+    let Some((target, layer)) = layers(model).get(way).copied() else { return };
+    let layers = &mut model.targets[target].layers;
+    layers[layer].material = layers[neighbour(layer)].material;
+}
+
+/// Targets whose face the loaded surfaces stand at or cut, with how far these reach out of it. A body that flies up to the
+/// face first would be loaded in flight: its entry cannot be left out alone.
+fn entering(model: &Model) -> impl Iterator<Item = (usize, f64)> + '_ {
+    loaded(model).filter_map(|t| {
+        let target = &model.targets[t];
+        let [near, far] = reach(model, target, t)?;
+        let extent = far - near;
+        (far > 0.0 && near <= 1e-6 * extent).then_some((t, far))
+    })
+}
+
+/// Least and greatest distance of the loaded surfaces before the face, against the way of the layers.
+fn reach(model: &Model, target: &Target, index: usize) -> Option<[f64; 2]> {
+    let faces = sides_into(model, index).flat_map(|s| &s.faces);
+    let nodes = faces.filter_map(|&(element, side)| model.mesh.ends(element, side)).flatten();
+    let before = nodes.map(|n| (target.front - model.mesh.points[n][1]) * target.direction);
+    before.fold(None, |range: Option<[f64; 2]>, d| {
+        let [low, high] = range.unwrap_or([d, d]);
+        Some([low.min(d), high.max(d)])
+    })
+}
+
+fn embed(model: &mut Model) {
+    let list: Vec<(usize, f64)> = entering(model).collect();
+    for (target, far) in list {
+        let target = &mut model.targets[target];
+        // A little more, so that rounding leaves nothing outside.
+        let back = far * (1.0 + 1e-9);
+        target.front -= target.direction * back;
+        if let Some(first) = target.layers.first_mut() {
+            first.thickness += back;
+        }
+    }
+}

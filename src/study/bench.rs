@@ -1,0 +1,165 @@
+//! One setting of a study, run in memory as often as its time is to be taken, nothing else at once.
+//! Never here: which settings, what their values mean.
+
+use std::time::Instant as Stopwatch;
+
+use serde::Serialize;
+
+use super::measure::{Found, Measure};
+use super::settings::{Axis, Edit, Knob, edit};
+use crate::deck::{Deck, Diagnostics};
+use crate::job::{self, Overrides};
+use crate::user::Routines;
+use crate::user::compile::Compiled;
+
+/// Gives the deck for values of its parameters.
+pub type Source<'a> = dyn Fn(&Overrides) -> (Deck, Diagnostics) + 'a;
+
+/// What settings have in common.
+pub struct Bench<'a> {
+    source: &'a Source<'a>,
+    overrides: Vec<(String, String)>,
+    user: Option<&'a Compiled>,
+    measure: &'a Measure,
+    repeat: usize,
+    done: &'a dyn Fn(),
+    spent: f64,
+}
+
+/// What a setting gave and took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// What was found.
+    pub found: Found,
+    /// Elements and facets.
+    pub elements: usize,
+    /// Increments.
+    pub increments: u64,
+    /// Seconds of the whole run, deck to last increment, by repetition.
+    pub seconds: Spread,
+    /// Seconds in the time loop.
+    pub loop_seconds: Spread,
+}
+
+impl Run {
+    /// Elements (facets, of rigid bodies) times increments: what a run costs, without a clock.
+    pub fn element_cycles(&self) -> f64 {
+        self.elements as f64 * self.increments as f64
+    }
+}
+
+/// Times of repeated runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Median.
+    pub median: f64,
+    /// Shortest.
+    pub min: f64,
+    /// Longest.
+    pub max: f64,
+}
+
+impl Spread {
+    fn of(times: &mut [f64]) -> Spread {
+        times.sort_by(f64::total_cmp);
+        let n = times.len();
+        let (Some(&min), Some(&max)) = (times.first(), times.last()) else { return Spread::default() };
+        Spread { median: 0.5 * (times[(n - 1) / 2] + times[n / 2]), min, max }
+    }
+}
+
+impl<'a> Bench<'a> {
+    /// Runs of a deck with these overrides; each setting `repeat` times, `done` after each run.
+    pub fn new(
+        source: &'a Source<'a>,
+        overrides: &Overrides,
+        user: Option<&'a Compiled>,
+        measure: &'a Measure,
+        repeat: usize,
+        done: &'a dyn Fn(),
+    ) -> Self {
+        Bench { source, overrides: overrides.to_vec(), user, measure, repeat: repeat.max(1), done, spent: 0.0 }
+    }
+
+    /// The quantity.
+    pub fn measure(&self) -> &Measure {
+        self.measure
+    }
+
+    /// How often each setting runs.
+    pub fn repeat(&self) -> usize {
+        self.repeat
+    }
+
+    /// Seconds that all runs took so far.
+    pub fn spent(&self) -> f64 {
+        self.spent
+    }
+
+    /// Runs with one value for each axis, and a change of the model after those that the values ask for.
+    ///
+    /// # Errors
+    /// In words: findings of the deck, a knob that turns nothing here, a halt, a quantity that does not exist.
+    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<Edit>) -> Result<Run, String> {
+        let mut overrides = self.overrides.clone();
+        let mut edits: Vec<Edit> = Vec::new();
+        for (axis, value) in axes.iter().zip(values) {
+            match &axis.knob {
+                Knob::Parameter(name) => overrides.push((name.clone(), value.clone())),
+                knob => edits.extend(edit(knob, value)?),
+            }
+        }
+        edits.extend(change);
+        self.edited(&overrides, &edits)
+    }
+
+    fn edited(&mut self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, String> {
+        let (mut whole, mut inside) = (Vec::new(), Vec::new());
+        let mut first = None;
+        for _ in 0..self.repeat {
+            let begin = Stopwatch::now();
+            let run = self.once(overrides, edits);
+            let seconds = begin.elapsed().as_secs_f64();
+            self.spent += seconds;
+            (self.done)();
+            let run = run?;
+            whole.push(seconds);
+            inside.push(run.loop_seconds.median);
+            first.get_or_insert(run);
+        }
+        let run = first.ok_or("no run")?;
+        Ok(Run { seconds: Spread::of(&mut whole), loop_seconds: Spread::of(&mut inside), ..run })
+    }
+
+    fn once(&self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, String> {
+        let routines = self.user.map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)?;
+        let mut fault = Ok(());
+        let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));
+        let mut prepared = job::prepare_edited((self.source)(overrides), &mut change, &routines);
+        if prepared.diagnostics.has_errors() {
+            return Err(prepared.diagnostics.render(&prepared.deck.sources));
+        }
+        fault?;
+        let mut recorder = self.measure.recorder(&prepared.plan);
+        let outcome = job::run_into(&mut prepared, &mut recorder);
+        if let Some(halt) = outcome.halt {
+            return Err(format!("halted: {}: {}", halt.code, halt.reason));
+        }
+        recorder.end(outcome.steps.iter().map(|s| s.time).sum());
+        let found = self.measure.evaluate(&recorder, &prepared.plan)?;
+        let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
+        let seconds = Spread { median: outcome.seconds, ..Spread::default() };
+        Ok(Run { found, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Spread;
+
+    #[test]
+    fn the_median_of_times() {
+        assert_eq!(Spread::of(&mut [3.0, 1.0, 2.0]), Spread { median: 2.0, min: 1.0, max: 3.0 });
+        assert_eq!(Spread::of(&mut [3.0, 1.0]).median, 2.0);
+    }
+}

@@ -1,0 +1,339 @@
+//! A variable over the nodes or elements of what deforms at the end of a run, its norm against an expression or against the
+//! same variable on a finer mesh.
+//! Never here: expressions, runs.
+
+use crate::effect::solid::body::Solid;
+use crate::kernel::quad;
+use crate::plan::{ElementVariable, Plan};
+use crate::solve::element_value;
+
+/// A variable that has a norm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldName {
+    /// Displacement of nodes along r (0) or z (1).
+    Displacement(usize),
+    /// Velocity.
+    Velocity(usize),
+    /// A number of elements.
+    Element(ElementVariable),
+}
+
+/// Variables by name. What elements follow only if an output asks is not among them.
+const NAMES: [(&str, FieldName); 13] = [
+    ("U1", FieldName::Displacement(0)),
+    ("U2", FieldName::Displacement(1)),
+    ("V1", FieldName::Velocity(0)),
+    ("V2", FieldName::Velocity(1)),
+    ("S11", FieldName::Element(ElementVariable::Stress(0))),
+    ("S22", FieldName::Element(ElementVariable::Stress(1))),
+    ("S33", FieldName::Element(ElementVariable::Stress(2))),
+    ("S12", FieldName::Element(ElementVariable::Stress(3))),
+    ("MISES", FieldName::Element(ElementVariable::Mises)),
+    ("PRESS", FieldName::Element(ElementVariable::Pressure)),
+    ("PEEQ", FieldName::Element(ElementVariable::PlasticStrain)),
+    ("TEMP", FieldName::Element(ElementVariable::Temperature)),
+    ("DENSITY", FieldName::Element(ElementVariable::Density)),
+];
+
+impl FieldName {
+    /// The variable of that name, in any case.
+    ///
+    /// # Errors
+    /// In words, with the names there are.
+    pub fn parse(name: &str) -> Result<FieldName, String> {
+        let known = NAMES.iter().find(|n| n.0.eq_ignore_ascii_case(name.trim()));
+        known.map(|n| n.1).ok_or_else(|| {
+            let names: Vec<&str> = NAMES.iter().map(|n| n.0).collect();
+            format!("`{}` has no norm; there are {}", name.trim(), names.join(", "))
+        })
+    }
+}
+
+/// One node or element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Place at the start (of an element its middle), `[r, z]`.
+    pub start: [f64; 2],
+    /// Place now.
+    pub now: [f64; 2],
+    /// Volume it stands for, at the start.
+    pub weight: f64,
+    /// Value.
+    pub value: f64,
+}
+
+/// A variable over all nodes or elements.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Field {
+    /// Nodes or elements.
+    pub points: Vec<Point>,
+    /// Whether they are elements.
+    pub on_elements: bool,
+    /// Corners of all elements at the start.
+    pub cells: Vec<[[f64; 2]; 4]>,
+    /// Indices of their nodes, where the field is one of nodes.
+    pub corners: Vec<[u32; 4]>,
+    /// Total time.
+    pub time: f64,
+}
+
+impl Field {
+    /// The variable at the end of a run.
+    ///
+    /// # Errors
+    /// In words, where nothing deforms.
+    pub fn of(plan: &Plan, name: FieldName, time: f64) -> Result<Field, String> {
+        let solid = plan.solid.as_ref().ok_or("a norm is taken over what deforms, and nothing here does")?;
+        let corners: Vec<[u32; 4]> =
+            solid.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.corners(e))).collect();
+        let cells: Vec<[[f64; 2]; 4]> = corners.iter().map(|c| c.map(|n| solid.start[n as usize])).collect();
+        let on_elements = matches!(name, FieldName::Element(_));
+        let points = match name {
+            FieldName::Element(variable) => of_elements(solid, variable, &cells),
+            _ => of_nodes(solid, name, &corners, &cells),
+        };
+        Ok(Field { points, on_elements, cells, corners, time })
+    }
+
+    /// Relative L2 norm of the difference from what `exact` gives at each point: root of the sum of volume times square,
+    /// over that of `exact` itself. Dimensionless.
+    ///
+    /// # Errors
+    /// From `exact`, and where it is zero everywhere.
+    pub fn relative_norm(&self, mut exact: impl FnMut(&Point) -> Result<f64, String>) -> Result<f64, String> {
+        let (mut difference, mut size) = (0.0, 0.0);
+        for point in &self.points {
+            let expected = exact(point)?;
+            difference += point.weight * (point.value - expected) * (point.value - expected);
+            size += point.weight * expected * expected;
+        }
+        if size > 0.0 {
+            Ok((difference / size).sqrt())
+        } else {
+            Err("what the norm compares with is zero everywhere".into())
+        }
+    }
+
+    /// The same against a finer field: of nodes by the shape functions of the element that holds the node, of elements by
+    /// the mean over the finer elements whose middle lies inside.
+    ///
+    /// # Errors
+    /// In words, where the meshes do not cover each other.
+    pub fn relative_norm_against(&self, fine: &Field) -> Result<f64, String> {
+        let buckets = Buckets::new(fine);
+        let mut cells = self.cells.iter();
+        self.relative_norm(|point| {
+            let found = match (self.on_elements, cells.next()) {
+                (true, Some(cell)) => buckets.mean_inside(cell, point.start),
+                _ => buckets.interpolate(point.start),
+            };
+            found
+                .ok_or_else(|| format!("the finest mesh does not cover r = {}, z = {}", point.start[0], point.start[1]))
+        })
+    }
+}
+
+fn of_elements(solid: &Solid, variable: ElementVariable, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+    let elements = solid.groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
+    elements
+        .zip(cells)
+        .map(|((g, e), cell)| Point {
+            start: middle(cell),
+            now: middle(&solid.groups[g].corners(e).map(|n| solid.place(n as usize))),
+            weight: quad::volume(*cell),
+            value: element_value(solid, g, e, variable),
+        })
+        .collect()
+}
+
+fn of_nodes(solid: &Solid, name: FieldName, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+    let mut volume = vec![0.0; solid.nodes.len()];
+    for (corner, cell) in corners.iter().zip(cells) {
+        for (n, share) in corner.iter().zip(quad::corner_masses(*cell, 1.0)) {
+            volume[*n as usize] += share;
+        }
+    }
+    let value = |n: usize| match name {
+        FieldName::Displacement(axis) => solid.displacement(n)[axis],
+        FieldName::Velocity(axis) => solid.velocity_now(n)[axis],
+        FieldName::Element(_) => 0.0,
+    };
+    let point = |n: usize| Point { start: solid.start[n], now: solid.place(n), weight: volume[n], value: value(n) };
+    (0..solid.nodes.len()).map(point).collect()
+}
+
+fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {
+    [0, 1].map(|axis| corners.iter().map(|c| c[axis]).sum::<f64>() / 4.0)
+}
+
+/// The elements of a field by place, so that few are looked at.
+struct Buckets<'a> {
+    field: &'a Field,
+    low: [f64; 2],
+    width: [f64; 2],
+    count: usize,
+    /// Elements whose box touches each bucket.
+    touching: Vec<Vec<u32>>,
+    /// Elements whose middle lies in each bucket.
+    middles: Vec<Vec<u32>>,
+}
+
+impl<'a> Buckets<'a> {
+    fn new(field: &'a Field) -> Self {
+        let all = || field.cells.iter().flatten();
+        let low = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::INFINITY, f64::min));
+        let high = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max));
+        let count = (field.cells.len() as f64).sqrt().ceil().clamp(1.0, 1000.0) as usize;
+        let width = [0, 1].map(|axis| ((high[axis] - low[axis]) / count as f64).max(f64::MIN_POSITIVE));
+        let mut buckets = Buckets {
+            field,
+            low,
+            width,
+            count,
+            touching: vec![vec![]; count * count],
+            middles: vec![vec![]; count * count],
+        };
+        for (e, cell) in field.cells.iter().enumerate() {
+            let [from, to] = bounds(cell);
+            for bucket in buckets.between(from, to) {
+                buckets.touching[bucket].push(e as u32);
+            }
+            let place = middle(cell);
+            for bucket in buckets.between(place, place) {
+                buckets.middles[bucket].push(e as u32);
+            }
+        }
+        buckets
+    }
+
+    fn between(&self, from: [f64; 2], to: [f64; 2]) -> Vec<usize> {
+        let index = |p: [f64; 2], axis: usize| {
+            (((p[axis] - self.low[axis]) / self.width[axis]).max(0.0) as usize).min(self.count - 1)
+        };
+        let rows = index(from, 1)..=index(to, 1);
+        rows.flat_map(|j| (index(from, 0)..=index(to, 0)).map(move |i| i + j * self.count)).collect()
+    }
+
+    /// Value at a place by the shape functions of the element around it; outside by less than rounding counts, too.
+    fn interpolate(&self, place: [f64; 2]) -> Option<f64> {
+        let mut best: Option<(f64, f64)> = None;
+        for bucket in self.between(place, place) {
+            for &e in &self.touching[bucket] {
+                let (cell, corners) = (&self.field.cells[e as usize], &self.field.corners[e as usize]);
+                let Some(local) = local_coordinates(cell, place) else { continue };
+                let outside = (local[0].abs() - 1.0).max(local[1].abs() - 1.0);
+                if best.is_none_or(|b| outside < b.0) {
+                    let value = |k: usize| self.field.points[corners[k] as usize].value;
+                    let sum = shapes(local).iter().enumerate().map(|(k, s)| s * value(k)).sum();
+                    best = Some((outside, sum));
+                }
+            }
+        }
+        // A curved boundary is met by chords: a coarse node may lie a little outside of the finer mesh.
+        best.filter(|b| b.0 < 0.5).map(|b| b.1)
+    }
+
+    /// Mean over the elements whose middle lies inside a cell, by volume; of none, the value around the cell's own middle.
+    fn mean_inside(&self, cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<f64> {
+        let [from, to] = bounds(cell);
+        let (mut sum, mut volume) = (0.0, 0.0);
+        for bucket in self.between(from, to) {
+            for &e in &self.middles[bucket] {
+                let point = &self.field.points[e as usize];
+                if contains(cell, point.start) {
+                    sum += point.weight * point.value;
+                    volume += point.weight;
+                }
+            }
+        }
+        if volume > 0.0 {
+            return Some(sum / volume);
+        }
+        let around = self.between(place, place).into_iter().flat_map(|b| &self.touching[b]);
+        around.map(|&e| e as usize).find(|&e| contains(&self.field.cells[e], place)).map(|e| self.field.points[e].value)
+    }
+}
+
+fn bounds(cell: &[[f64; 2]; 4]) -> [[f64; 2]; 2] {
+    let pick = |fold: fn(f64, f64) -> f64, axis: usize| cell.iter().map(|c| c[axis]).reduce(fold).unwrap_or(0.0);
+    [[0, 1].map(|axis| pick(f64::min, axis)), [0, 1].map(|axis| pick(f64::max, axis))]
+}
+
+/// Whether a place lies in a convex cell with corners counter-clockwise; on its edge counts.
+fn contains(cell: &[[f64; 2]; 4], place: [f64; 2]) -> bool {
+    (0..4).all(|i| {
+        let (a, b) = (cell[i], cell[(i + 1) % 4]);
+        let area = (b[0] - a[0]) * (place[1] - a[1]) - (b[1] - a[1]) * (place[0] - a[0]);
+        let size = (b[0] - a[0]).abs() + (b[1] - a[1]).abs();
+        area >= -1e-12 * size * size
+    })
+}
+
+fn shapes([x, y]: [f64; 2]) -> [f64; 4] {
+    [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[a, b]| 0.25 * (1.0 + a * x) * (1.0 + b * y))
+}
+
+/// Coordinates of a place in an element, -1 to 1 inside, by Newton's method; `None` where it does not settle.
+fn local_coordinates(cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<[f64; 2]> {
+    let mut local = [0.0_f64; 2];
+    for _ in 0..20 {
+        let n = shapes(local);
+        let at = [0, 1].map(|axis| (0..4).map(|k| n[k] * cell[k][axis]).sum::<f64>() - place[axis]);
+        let signs = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let along = |axis: usize, by: usize| {
+            let other = 1 - by;
+            (0..4).map(|k| 0.25 * signs[k][by] * (1.0 + signs[k][other] * local[other]) * cell[k][axis]).sum::<f64>()
+        };
+        let [[a, b], [c, d]] = [[along(0, 0), along(0, 1)], [along(1, 0), along(1, 1)]];
+        let determinant = a * d - b * c;
+        let step = [(d * at[0] - b * at[1]) / determinant, (a * at[1] - c * at[0]) / determinant];
+        if !(step[0].is_finite() && step[1].is_finite()) {
+            return None;
+        }
+        local = [local[0] - step[0], local[1] - step[1]];
+        if step[0].abs() + step[1].abs() < 1e-12 {
+            return Some(local);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A unit square of n by n elements with a value at each node or middle.
+    fn square(n: usize, on_elements: bool, law: impl Fn([f64; 2]) -> f64) -> Field {
+        let at = |i: usize, j: usize| [1.0 + i as f64 / n as f64, j as f64 / n as f64];
+        let node = |i: usize, j: usize| (i + j * (n + 1)) as u32;
+        let mut field = Field { on_elements, ..Field::default() };
+        for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
+            field.cells.push([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            field.corners.push([node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
+        }
+        let places: Vec<[f64; 2]> = if on_elements {
+            field.cells.iter().map(middle).collect()
+        } else {
+            (0..=n).flat_map(|j| (0..=n).map(move |i| at(i, j))).collect()
+        };
+        field.points = places.iter().map(|&p| Point { start: p, now: p, weight: 1.0, value: law(p) }).collect();
+        field
+    }
+
+    #[test]
+    fn a_linear_field_is_carried_over_exactly_and_a_curved_one_with_order_two() {
+        let linear = |[r, z]: [f64; 2]| 2.0 * r - 3.0 * z;
+        for on_elements in [false, true] {
+            let (coarse, fine) = (square(3, on_elements, linear), square(12, on_elements, linear));
+            let norm = coarse.relative_norm_against(&fine).expect("covered");
+            assert!(norm < 1e-12, "{norm:e}");
+        }
+        let curved = |[r, z]: [f64; 2]| (3.0 * r).sin() * (1.0 + z * z);
+        // Fine enough that its own interpolation does not show; three to four does not nest.
+        let norm = square(5, false, curved).relative_norm_against(&square(64, false, curved)).expect("covered");
+        assert!(norm < 1e-3, "{norm:e}");
+        let wide = Field { cells: vec![[[9.0, 9.0]; 4]], ..square(2, false, linear) };
+        assert!(square(2, false, |_| 0.0).relative_norm(|_| Ok(0.0)).is_err());
+        assert!(square(2, false, linear).relative_norm_against(&wide).is_err());
+    }
+}

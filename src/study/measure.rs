@@ -1,0 +1,307 @@
+//! The quantity of a study: an expression over histories and over norms of fields at the end of the run.
+//! Never here: the evaluator (`deck::expression`), what repeats runs.
+
+use super::field::{Field, FieldName};
+use super::quantity::{FUNCTIONS, value};
+use crate::deck::expression::{Argument, Expression};
+use crate::output::{Frame, HistorySummary};
+use crate::plan::Plan;
+use crate::solve::Sink;
+
+/// Functions beside those of `--quantity` of a sweep.
+const MORE: [&str; 3] = ["at", "mean", "norm"];
+
+/// A quantity that has been parsed.
+#[derive(Clone, Debug)]
+pub struct Measure {
+    /// As written.
+    pub text: String,
+    kind: Kind,
+    /// Whether rows are looked at, and not only what they came to.
+    rows: bool,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// A number of each run.
+    Number(Expression),
+    /// `norm(VARIABLE)` alone: a field of each run, compared with the finest.
+    Field(FieldName),
+}
+
+/// What one run gives.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Found {
+    /// A number.
+    Number(f64),
+    /// A field, to be compared with the finest.
+    Field(Box<Field>),
+}
+
+impl Measure {
+    /// Parses an expression of `final(C)`, `min(C)`, `max(C)`, `time_min(C)`, `time_max(C)`, `at(C, t)`,
+    /// `mean(C, t1, t2)` over history columns and `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`, `z`
+    /// (now), `r0`, `z0` (at the start) and `t`. `norm(VARIABLE)` alone compares with the finest level.
+    ///
+    /// # Errors
+    /// In words, with the place in the expression.
+    pub fn parse(text: &str) -> Result<Measure, String> {
+        let functions: Vec<&str> = FUNCTIONS.iter().copied().chain(MORE).collect();
+        let expression = Expression::parse_with(text, &functions)
+            .map_err(|e| format!("--quantity `{text}`, character {}: {}", e.start + 1, e.message))?;
+        let alone = text.trim().strip_prefix("norm(").and_then(|t| t.strip_suffix(')'));
+        if let Some(variable) = alone.filter(|a| !a.contains([',', '('])) {
+            let field = FieldName::parse(variable).map_err(|e| format!("--quantity `{text}`: {e}"))?;
+            return Ok(Measure { text: text.to_owned(), kind: Kind::Field(field), rows: false });
+        }
+        for (function, argument) in expression.raw_arguments() {
+            check(function, argument).map_err(|e| format!("--quantity `{text}`: {e}"))?;
+        }
+        let rows = expression.raw_arguments().any(|(f, _)| f == "at" || f == "mean");
+        Ok(Measure { text: text.to_owned(), kind: Kind::Number(expression), rows })
+    }
+
+    /// Whether it compares fields with the finest level.
+    pub fn compares_fields(&self) -> bool {
+        matches!(self.kind, Kind::Field(_))
+    }
+
+    /// Whether it is a relative error already: a norm, and nothing else.
+    pub fn is_norm(&self) -> bool {
+        let Kind::Number(expression) = &self.kind else { return true };
+        let mut arguments = expression.raw_arguments();
+        let alone = format!("norm({})", arguments.next().map_or("", |a| a.1));
+        arguments.next().is_none() && self.text.split_whitespace().eq(alone.split_whitespace())
+    }
+
+    /// A sink that keeps what this quantity looks at.
+    pub fn recorder(&self, plan: &Plan) -> Recorder {
+        let columns = plan.columns.iter().map(|c| c.name.clone()).collect();
+        Recorder { columns, keeps_rows: self.rows, ..Recorder::default() }
+    }
+
+    /// Refuses what no run of such a plan can give: columns that do not exist, norms where nothing deforms.
+    ///
+    /// # Errors
+    /// In words, with the nearest name that exists.
+    pub fn check(&self, plan: &Plan) -> Result<(), String> {
+        let wrong = |message: String| format!("--quantity `{}`: {message}", self.text);
+        let nothing = "a norm is taken over what deforms, and nothing here does";
+        let Kind::Number(expression) = &self.kind else {
+            return if plan.solid.is_some() { Ok(()) } else { Err(wrong(nothing.into())) };
+        };
+        let mut recorder = self.recorder(plan);
+        let zeros = vec![0.0; recorder.columns.len()];
+        recorder.row(0.0, &zeros).map_err(wrong)?;
+        for (function, argument) in expression.raw_arguments() {
+            let column = argument.split(',').next().unwrap_or_default().trim();
+            match function {
+                "norm" if plan.solid.is_none() => return Err(wrong(nothing.into())),
+                "norm" => {}
+                _ => drop(recorder.column(column).map_err(wrong)?),
+            }
+        }
+        if expression.raw_arguments().next().is_none() {
+            return Err(wrong("it depends on no run: final(COLUMN), at(COLUMN, t), norm(VARIABLE, EXPR), …".into()));
+        }
+        Ok(())
+    }
+
+    /// The value of a run.
+    ///
+    /// # Errors
+    /// In words: what does not exist, with the nearest that does; a value that is not finite.
+    pub fn evaluate(&self, recorder: &Recorder, plan: &Plan) -> Result<Found, String> {
+        let wrong = |message: String| format!("--quantity `{}`: {message}", self.text);
+        let expression = match &self.kind {
+            Kind::Field(name) => {
+                return Field::of(plan, *name, recorder.time).map(|f| Found::Field(Box::new(f))).map_err(wrong);
+            }
+            Kind::Number(expression) => expression,
+        };
+        let call = |function: &str, arguments: &[Argument]| {
+            let [Argument::Raw(argument)] = arguments else { return None };
+            Some(match function {
+                "at" => at(recorder, argument),
+                "mean" => mean(recorder, argument),
+                "norm" => norm(recorder, plan, argument),
+                _ => value(&recorder.summary, function, argument),
+            })
+        };
+        let number = expression.evaluate(&|_| None, &call).map_err(|e| wrong(e.message))?;
+        if number.is_finite() { Ok(Found::Number(number)) } else { Err(wrong(format!("the value is {number}"))) }
+    }
+}
+
+/// Keeps what histories came to, and their rows where they are looked at.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    columns: Vec<String>,
+    summary: HistorySummary,
+    keeps_rows: bool,
+    times: Vec<f64>,
+    rows: Vec<f64>,
+    time: f64,
+}
+
+impl Recorder {
+    /// Tells the total time at the end of the run.
+    pub fn end(&mut self, time: f64) {
+        self.time = time;
+    }
+
+    /// A column's value at row `i`.
+    fn cell(&self, i: usize, column: usize) -> f64 {
+        self.rows[i * self.columns.len() + column]
+    }
+
+    fn column(&self, name: &str) -> Result<usize, String> {
+        // The summary knows how to tell what is missing.
+        value(&self.summary, "final", name)?;
+        self.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
+    }
+
+    /// A column at a time between two rows, by a straight line.
+    fn between(&self, column: usize, time: f64) -> Result<f64, String> {
+        let after = self.times.partition_point(|t| *t < time);
+        let last = self.times.last().copied().unwrap_or(0.0);
+        if after == self.times.len() && time <= last * (1.0 + 1e-9) && after > 0 {
+            return Ok(self.cell(after - 1, column));
+        }
+        if after == self.times.len() || after == 0 && self.times[0] > time {
+            return Err(format!("no history row reaches the time {time:e}; the last is at {last:e}"));
+        }
+        if after == 0 || self.times[after] == time {
+            return Ok(self.cell(after, column));
+        }
+        let (a, b) = (self.times[after - 1], self.times[after]);
+        let (u, v) = (self.cell(after - 1, column), self.cell(after, column));
+        Ok(u + (v - u) * (time - a) / (b - a))
+    }
+}
+
+impl Sink for Recorder {
+    fn wants_frames(&self) -> bool {
+        false
+    }
+
+    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+        self.summary.observe(&self.columns, time, values);
+        if self.keeps_rows {
+            self.times.push(time);
+            self.rows.extend_from_slice(values);
+        }
+        Ok(())
+    }
+}
+
+/// What can be said of an argument before any run.
+fn check(function: &str, argument: &str) -> Result<(), String> {
+    match function {
+        "at" => parts::<1>(function, argument).map(|_| ()),
+        "mean" => parts::<2>(function, argument).map(|_| ()),
+        "norm" => norm_parts(argument).map(|_| ()),
+        _ => Ok(()),
+    }
+}
+
+/// A column and `N` numbers.
+fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a str, [f64; N]), String> {
+    let form = if N == 1 { "at(COLUMN, time)" } else { "mean(COLUMN, from, to)" };
+    let words: Vec<&str> = argument.split(',').map(str::trim).collect();
+    let wrong = || format!("{function}({argument}): the form is {form}");
+    let (column, rest) = words.split_first().filter(|w| w.1.len() == N).ok_or_else(wrong)?;
+    let mut numbers = [0.0; N];
+    for (number, text) in numbers.iter_mut().zip(rest) {
+        let expression = Expression::parse(text).map_err(|_| wrong())?;
+        *number = expression.evaluate(&|_| None, &|_, _| None).map_err(|_| wrong())?;
+    }
+    Ok((column, numbers))
+}
+
+fn at(recorder: &Recorder, argument: &str) -> Result<f64, String> {
+    let (column, [time]) = parts::<1>("at", argument)?;
+    recorder.between(recorder.column(column)?, time)
+}
+
+/// Mean over time, by the trapezoid of the rows.
+fn mean(recorder: &Recorder, argument: &str) -> Result<f64, String> {
+    let (column, [from, to]) = parts::<2>("mean", argument)?;
+    let column = recorder.column(column)?;
+    let mut before = (from, recorder.between(column, from)?);
+    let end = (to, recorder.between(column, to)?);
+    let inside = (0..recorder.times.len()).filter(|&i| recorder.times[i] > from && recorder.times[i] < to);
+    let mut sum = 0.0;
+    for (time, value) in inside.map(|i| (recorder.times[i], recorder.cell(i, column))).chain([end]) {
+        sum += 0.5 * (value + before.1) * (time - before.0);
+        before = (time, value);
+    }
+    if to > from { Ok(sum / (to - from)) } else { Err(format!("mean({argument}): the times must rise")) }
+}
+
+fn norm_parts(argument: &str) -> Result<(FieldName, Expression), String> {
+    let Some((variable, exact)) = argument.split_once(',') else {
+        return Err(format!(
+            "norm({argument}) compares with the finest level and must stand alone; norm({argument}, EXPR in r, z, t) \
+             compares with an expression"
+        ));
+    };
+    let exact = Expression::parse(exact.trim()).map_err(|e| format!("norm({argument}): {}", e.message))?;
+    let known = ["r", "z", "r0", "z0", "t", "pi"];
+    if let Some(name) = exact.names().find(|n| !known.contains(n)) {
+        return Err(format!("norm({argument}): `{name}` is not known; r, z, r0, z0 and t are"));
+    }
+    Ok((FieldName::parse(variable)?, exact))
+}
+
+fn norm(recorder: &Recorder, plan: &Plan, argument: &str) -> Result<f64, String> {
+    let (name, exact) = norm_parts(argument)?;
+    let field = Field::of(plan, name, recorder.time)?;
+    field.relative_norm(|point| {
+        let known = |name: &str| match name {
+            "r" => Some(point.now[0]),
+            "z" => Some(point.now[1]),
+            "r0" => Some(point.start[0]),
+            "z0" => Some(point.start[1]),
+            "t" => Some(recorder.time),
+            _ => None,
+        };
+        exact.evaluate(&known, &|_, _| None).map_err(|e| e.message)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn histories_are_read_between_rows() {
+        let mut recorder = Recorder { columns: vec!["U2@REF".into()], keeps_rows: true, ..Recorder::default() };
+        for (t, u) in [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)] {
+            recorder.row(t, &[u]).expect("kept");
+        }
+        assert_eq!(at(&recorder, "u2@ref, 0.5"), Ok(1.0));
+        assert_eq!(at(&recorder, "U2@REF, 1+1"), Ok(0.0));
+        assert_eq!(mean(&recorder, "U2@REF, 0, 2"), Ok(1.0));
+        assert_eq!(mean(&recorder, "U2@REF, 0.5, 1.5"), Ok(1.5));
+        for wrong in ["U2@REF, 3", "U2@REF", "U2@RFE, 1", "U2@REF, x"] {
+            assert!(at(&recorder, wrong).is_err(), "{wrong}");
+        }
+        assert!(mean(&recorder, "U2@REF, 1, 1").is_err());
+    }
+
+    #[test]
+    fn faults_are_told_before_any_run() {
+        for wrong in
+            ["final(", "at(C)", "mean(C, 1)", "norm(NOISE)", "norm(S22, x)", "2*norm(S22)", "norm(S22, 1+)", ""]
+        {
+            assert!(Measure::parse(wrong).is_err(), "{wrong}");
+        }
+        assert!(Measure::parse("norm(S22)").is_ok_and(|m| m.compares_fields()));
+        assert!(Measure::parse("2*norm(V2, sin(pi*(z - t)))").is_ok_and(|m| !m.compares_fields()));
+    }
+}

@@ -1,0 +1,322 @@
+//! A study as table, CSV, JSON with stable keys, and charts.
+//! Never here: what is in them, files.
+
+use indexmap::IndexMap;
+use serde::Serialize;
+
+use super::bench::Spread;
+use super::chart::{Chart, Series};
+use super::effects::Effects;
+use super::price::{self, Price, digits, setting, short};
+use super::refinement::{Reference, Row, Study};
+use super::richardson::Estimate;
+use super::target::{BEYOND, MOST_CYCLES, Met};
+
+/// What `<job>_study.json` holds. The keys are stable.
+#[derive(Clone, Debug, Serialize)]
+pub struct Record<'a> {
+    /// The quantity as written.
+    pub quantity: &'a str,
+    /// The exact value, if one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exact: Option<f64>,
+    /// What errors are measured from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Reference>,
+    /// What makes errors relative; absent where the reference is zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// All settings, in the order in which they ran.
+    pub runs: Vec<RunRecord<'a>>,
+    /// Indices of the runs that no other beats in both time and error.
+    pub front: Vec<usize>,
+    /// What an accuracy costs.
+    pub prices: Vec<Price>,
+    /// The same in a line.
+    pub sentence: String,
+    /// Whether `--target` was met.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<Met>,
+    /// What the study took.
+    pub timing: Timing,
+    /// The program's version.
+    pub version: &'static str,
+}
+
+/// What `<job>_study.json` holds after `--ablate`. The keys are stable.
+#[derive(Clone, Debug, Serialize)]
+pub struct AblationRecord<'a> {
+    /// The quantity as written.
+    pub quantity: &'a str,
+    /// Each effect left out.
+    pub ablation: &'a Effects,
+    /// The program's version.
+    pub version: &'static str,
+}
+
+/// The record of effects left out.
+pub fn ablation<'a>(quantity: &'a str, effects: &'a Effects) -> AblationRecord<'a> {
+    AblationRecord { quantity, ablation: effects, version: env!("CARGO_PKG_VERSION") }
+}
+
+/// What a study took.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Timing {
+    /// Seconds in all runs, deck to last increment.
+    pub runs: f64,
+    /// Seconds of the study from its first run to its results, files aside.
+    pub total: f64,
+    /// How often each setting ran.
+    pub repeat: usize,
+}
+
+/// One setting.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunRecord<'a> {
+    /// Value of each axis, as written.
+    pub setting: IndexMap<&'a str, &'a str>,
+    /// Why there is no value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<&'a str>,
+    /// The quantity.
+    pub value: Option<f64>,
+    /// Difference from the reference.
+    pub error: Option<f64>,
+    /// What its size is below.
+    pub bound: Option<f64>,
+    /// By each series: order, behaviour, limit, uncertainty and factor of safety.
+    pub estimates: &'a [Option<Estimate>],
+    /// Order of the last two errors against the exact value, by series.
+    #[serde(skip_serializing_if = "<[Option<f64>]>::is_empty")]
+    pub exact_orders: &'a [Option<f64>],
+    /// Grid convergence index of all series together.
+    pub uncertainty: Option<f64>,
+    /// Increments.
+    pub increments: Option<u64>,
+    /// Elements and facets.
+    pub elements: Option<usize>,
+    /// Their product.
+    pub element_cycles: Option<f64>,
+    /// Seconds of the whole run: median, shortest, longest.
+    pub seconds: Option<Spread>,
+    /// Seconds in the time loop.
+    pub loop_seconds: Option<Spread>,
+}
+
+/// The record of a study.
+pub fn record<'a>(
+    quantity: &'a str,
+    exact: Option<f64>,
+    study: &'a Study,
+    target: Option<Met>,
+    timing: Timing,
+) -> Record<'a> {
+    Record {
+        quantity,
+        exact,
+        reference: study.reference,
+        scale: study.scale,
+        runs: study.rows.iter().map(|r| run(study, r)).collect(),
+        front: price::front(study),
+        prices: price::list(study),
+        sentence: price::sentence(study),
+        target,
+        timing,
+        version: env!("CARGO_PKG_VERSION"),
+    }
+}
+
+fn run<'a>(study: &'a Study, row: &'a Row) -> RunRecord<'a> {
+    let ran = row.run.as_ref().ok();
+    RunRecord {
+        setting: study.axes.iter().map(String::as_str).zip(row.values.iter().map(String::as_str)).collect(),
+        failure: row.run.as_ref().err().map(String::as_str),
+        value: row.value,
+        error: row.error,
+        bound: row.bound,
+        estimates: &row.estimates,
+        exact_orders: &row.exact_orders,
+        uncertainty: row.uncertainty,
+        increments: ran.map(|r| r.increments),
+        elements: ran.map(|r| r.elements),
+        element_cycles: ran.map(|r| r.element_cycles()),
+        seconds: ran.map(|r| r.seconds),
+        loop_seconds: ran.map(|r| r.loop_seconds),
+    }
+}
+
+/// The table of a study: header and rows. Shown in few digits, or in all that a CSV needs.
+pub fn sheet(study: &Study, all_digits: bool) -> (Vec<String>, Vec<Vec<String>>) {
+    let unit = if study.scale.is_some() { "%" } else { "" };
+    let mut header: Vec<String> = study.axes.clone();
+    let columns = ["value", "error", "error below", "order", "limit", "GCI", "increments", "element-cycles"];
+    header.extend(columns.iter().map(|c| match *c {
+        "error" | "error below" | "GCI" if study.scale.is_some() => format!("{c} {unit}"),
+        c => c.to_owned(),
+    }));
+    header.extend(["time ms", "time min ms", "time max ms", "note"].map(String::from));
+    let front = price::front(study);
+    let rows = study.rows.iter().enumerate();
+    (header, rows.map(|(i, row)| cells(study, row, front.contains(&i), all_digits)).collect())
+}
+
+fn cells(study: &Study, row: &Row, on_front: bool, all_digits: bool) -> Vec<String> {
+    let number = |value: Option<f64>, few: usize| match value {
+        Some(value) if all_digits => format!("{value:?}"),
+        Some(value) => digits(value, few),
+        None => String::new(),
+    };
+    let factor = study.scale.map_or(1.0, |s| 100.0 / s);
+    let relative = |value: Option<f64>| number(value.map(|v| factor * v), 3);
+    let in_words = |order: Option<f64>| order.map_or("-".into(), |o| format!("{o:.2}"));
+    let orders: Vec<String> = if row.exact_orders.is_empty() {
+        row.estimates.iter().map(|e| in_words(e.and_then(|e| e.order))).collect()
+    } else {
+        row.exact_orders.iter().map(|o| in_words(*o)).collect()
+    };
+    let run = row.run.as_ref().ok();
+    let limit = match &row.estimates[..] {
+        [Some(estimate)] => Some(estimate.limit),
+        _ => None,
+    };
+    let mut cells = row.values.clone();
+    cells.extend([number(row.value, 7), relative(row.error), relative(row.bound)]);
+    cells.extend([orders.join(" / "), number(limit, 7), relative(row.uncertainty)]);
+    cells.push(run.map_or(String::new(), |r| r.increments.to_string()));
+    cells.push(number(run.map(|r| r.element_cycles()), 3));
+    for time in [run.map(|r| r.seconds.median), run.map(|r| r.seconds.min), run.map(|r| r.seconds.max)] {
+        cells.push(number(time.map(|t| 1e3 * t), 3));
+    }
+    cells.push(note(row, on_front));
+    cells
+}
+
+fn note(row: &Row, on_front: bool) -> String {
+    if row.run.is_err() {
+        return "no result".into();
+    }
+    let mut words: Vec<&str> =
+        row.estimates.iter().flatten().map(|e| e.behaviour.word()).filter(|w| !w.is_empty()).collect();
+    words.dedup();
+    if on_front {
+        words.insert(0, "front");
+    }
+    words.join(", ")
+}
+
+/// Error against time, one series for each family, with the front drawn through.
+pub fn price_chart(study: &Study, title: &str) -> Chart {
+    let factor = study.scale.map_or(1.0, |s| 100.0 / s);
+    let point = |row: usize| {
+        let r = &study.rows[row];
+        let seconds = r.run.as_ref().ok()?.seconds.median;
+        r.bound.map(|b| (1e3 * seconds, factor * b)).filter(|p| p.0 > 0.0 && p.1 > 0.0)
+    };
+    let front = price::front(study).into_iter().filter_map(point).collect();
+    let mut series = vec![Series { name: "no setting beats these".into(), points: front, joined: true }];
+    for family in 0..=study.rows.iter().map(|r| r.family).max().unwrap_or(0) {
+        let rows: Vec<usize> = (0..study.rows.len()).filter(|&i| study.rows[i].family == family).collect();
+        let points: Vec<(f64, f64)> = rows.iter().filter_map(|&i| point(i)).collect();
+        if let Some(&first) = rows.first().filter(|_| !points.is_empty()) {
+            series.push(Series { name: family_name(study, first), points, joined: false });
+        }
+    }
+    Chart { title: title.into(), x_label: "time, ms".into(), y_label: error_label(study), series }
+}
+
+/// Error over size of what is refined, one series for each.
+pub fn order_chart(study: &Study, title: &str) -> Chart {
+    let factor = study.scale.map_or(1.0, |s| 100.0 / s);
+    let line = |s: &super::refinement::Series| {
+        let finest = s.sizes.last().copied().unwrap_or(1.0);
+        let error = |row: &usize| study.rows[*row].error.map(|e| factor * e.abs());
+        let points = s.rows.iter().zip(&s.sizes).filter_map(|(row, size)| Some((size / finest, error(row)?)));
+        let points: Vec<(f64, f64)> = points.filter(|p| p.1 > 0.0).collect();
+        let order = s.estimate.and_then(|e| e.order).map(|o| format!(", order {o:.2}")).unwrap_or_default();
+        let others = s.rows.first().map_or(String::new(), |&r| setting_but(study, r, &s.along));
+        Series { name: format!("{}{others}{order}", s.along), points, joined: true }
+    };
+    let mut series: Vec<Series> = study.series.iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    series.truncate(MOST_LINES);
+    let x_label = "size over the finest".to_owned();
+    Chart { title: title.into(), x_label, y_label: error_label(study), series }
+}
+
+/// More lines than this are no picture.
+const MOST_LINES: usize = 12;
+
+fn error_label(study: &Study) -> String {
+    if study.scale.is_some() { "error, %".into() } else { "error".into() }
+}
+
+fn family_name(study: &Study, row: usize) -> String {
+    let mut refined: Vec<&str> = study.series.iter().flat_map(|s| s.along.split(" and ")).collect();
+    refined.dedup();
+    let of = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !refined.contains(&name.as_str()));
+    let name = of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
+    if name.is_empty() { "settings".into() } else { name }
+}
+
+fn setting_but(study: &Study, row: usize, along: &str) -> String {
+    let skip: Vec<&str> = along.split(" and ").collect();
+    let of = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !skip.contains(&name.as_str()));
+    of.map(|(name, value)| format!(", {name} = {value}")).collect()
+}
+
+/// What is said under the table, a line each.
+pub fn conclusions(study: &Study, target: Option<&Met>) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(reference) = study.reference {
+        lines.push(match reference.row {
+            None => format!("errors from the exact value {}", digits(reference.value, 9)),
+            Some(row) => format!(
+                "limit {} (from {}), expected within {} of the finest value{}",
+                digits(reference.value, 7),
+                setting(study, row),
+                short(reference.uncertainty),
+                study.scale.map_or(String::new(), |s| format!(" ({} %)", short(100.0 * reference.uncertainty / s)))
+            ),
+        });
+    }
+    lines.extend(disagreement(study));
+    let sentence = price::sentence(study);
+    if !sentence.is_empty() {
+        lines.push(sentence);
+    }
+    lines.extend(target.map(|met| of_target(study, met)));
+    lines
+}
+
+/// Families whose own limit lies outside of what the reference allows: they converge to something else, or not yet.
+fn disagreement(study: &Study) -> Vec<String> {
+    let Some(reference) = study.reference else { return Vec::new() };
+    let last = |s: &super::refinement::Series| s.rows.last().copied();
+    let mut lines = Vec::new();
+    for row in study.series.iter().filter_map(last) {
+        let r = &study.rows[row];
+        let (Some(value), Some(uncertainty), [_]) = (r.value, r.uncertainty, &r.estimates[..]) else { continue };
+        let gap = (value - reference.value).abs();
+        if gap > uncertainty + reference.uncertainty {
+            lines.push(format!(
+                "{}: {} from the reference, but only {} is expected: not yet asymptotic, or another limit",
+                setting(study, row),
+                short(gap),
+                short(uncertainty)
+            ));
+        }
+    }
+    lines
+}
+
+fn of_target(study: &Study, met: &Met) -> String {
+    let target = price::tolerance_in_words(met.target.value, met.target.relative);
+    match met.run.and_then(|row| Some((row, study.rows[row].run.as_ref().ok()?))) {
+        Some((row, run)) => {
+            format!("target {target}: held by {} in {}", setting(study, row), price::duration(run.seconds.median))
+        }
+        None => format!(
+            "target {target}: not reached by the levels given and at most {BEYOND} more of at most {MOST_CYCLES:e} \
+             element-cycles each"
+        ),
+    }
+}

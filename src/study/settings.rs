@@ -1,0 +1,284 @@
+//! What a study refines: parameters of the deck, and knobs that change the model after it has been read.
+//! Never here: runs.
+
+use super::grid::Grid;
+use crate::deck::names::nearest;
+use crate::model::{Hourglass, IncrementControl, Load, LoadKind, LoadVelocity, Model, SectionControls, Step};
+
+/// Names of the knobs.
+pub const KNOBS: [&str; 4] = ["increment", "load-velocity", "hourglass", "estimate"];
+
+/// What an axis of a study changes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Knob {
+    /// A `*PARAMETER` of the deck.
+    Parameter(String),
+    /// Factor on the increment.
+    Increment,
+    /// What velocity loads are shown.
+    LoadVelocity,
+    /// What resists hourglassing.
+    Hourglass,
+    /// Stable increment element by element or by the global estimate.
+    Estimate,
+}
+
+/// One `--refine`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// As written.
+    pub name: String,
+    /// What it changes.
+    pub knob: Knob,
+    /// Values from coarse to fine, as written.
+    pub values: Vec<String>,
+    /// Size of each value, falling; empty where the values are choices and not levels.
+    pub sizes: Vec<f64>,
+}
+
+impl Axis {
+    /// Whether its values are levels of refinement.
+    pub fn is_refinement(&self) -> bool {
+        !self.sizes.is_empty()
+    }
+
+    /// Size of any value: values that rise from coarse to fine count (elements, facets), values that fall measure.
+    pub fn size(&self, value: f64) -> f64 {
+        if self.rises() { 1.0 / value } else { value }
+    }
+
+    /// The value of a size.
+    pub fn value(&self, size: f64) -> f64 {
+        if self.rises() { 1.0 / size } else { size }
+    }
+
+    fn rises(&self) -> bool {
+        let numbers: Vec<f64> = self.values.iter().filter_map(|v| v.parse().ok()).collect();
+        numbers.len() > 1 && numbers[1] > numbers[0]
+    }
+
+    /// Whether all values are whole numbers above one: then so must others be.
+    pub fn counts(&self) -> bool {
+        self.rises() && self.values.iter().all(|v| v.parse::<u64>().is_ok())
+    }
+}
+
+/// Reads all `--refine NAME=v1,v2,…` of a study on a deck with these parameters.
+///
+/// # Errors
+/// In words: a name that is neither parameter nor knob, values that are none, one level alone, levels out of order.
+pub fn axes(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, String> {
+    let grid = Grid::parse(settings).map_err(|e| e.replace("--set", "--refine").replace("the sweep", "the study"))?;
+    grid.axes().iter().map(|(name, values)| axis(name, values, parameters)).collect()
+}
+
+fn axis(name: &str, values: &[String], parameters: &[String]) -> Result<Axis, String> {
+    let knob = knob(name, parameters)?;
+    let mut axis = Axis { name: name.to_owned(), knob, values: values.to_vec(), sizes: Vec::new() };
+    for value in values {
+        edit(&axis.knob, value)?;
+    }
+    let numbers: Option<Vec<f64>> = values.iter().map(|v| v.parse().ok()).collect();
+    match numbers {
+        Some(numbers) => axis.sizes = sizes(name, &numbers, &axis)?,
+        None if axis.knob == Knob::Increment => return Err(format!("--refine {name}: factors are numbers")),
+        None => {}
+    }
+    Ok(axis)
+}
+
+fn knob(name: &str, parameters: &[String]) -> Result<Knob, String> {
+    if parameters.iter().any(|p| p == name) {
+        return Ok(Knob::Parameter(name.to_owned()));
+    }
+    match name {
+        "increment" => Ok(Knob::Increment),
+        "load-velocity" => Ok(Knob::LoadVelocity),
+        "hourglass" => Ok(Knob::Hourglass),
+        "estimate" => Ok(Knob::Estimate),
+        _ => Err(unknown(name, parameters)),
+    }
+}
+
+fn unknown(name: &str, parameters: &[String]) -> String {
+    let known = parameters.iter().map(String::as_str).chain(KNOBS);
+    let near = nearest(name, known).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
+    let own = if parameters.is_empty() { "none".into() } else { parameters.join(", ") };
+    format!("--refine {name}: {near}the deck's parameters are {own}; the knobs are {}", KNOBS.join(", "))
+}
+
+fn sizes(name: &str, numbers: &[f64], axis: &Axis) -> Result<Vec<f64>, String> {
+    if numbers.len() < 2 {
+        return Err(format!("--refine {name}: one level shows no convergence; give two or more, from coarse to fine"));
+    }
+    let rising = numbers.windows(2).all(|w| w[1] > w[0]);
+    let falling = numbers.windows(2).all(|w| w[1] < w[0]);
+    if !(rising || falling) || numbers.iter().any(|v| !(*v > 0.0 && v.is_finite())) {
+        return Err(format!(
+            "--refine {name}: levels go from coarse to fine and are above zero: rising where they count (elements, \
+             facets), falling where they measure (lengths, increments)"
+        ));
+    }
+    if rising && axis.knob == Knob::Increment {
+        return Err(format!("--refine {name}: factors on the increment fall from coarse to fine"));
+    }
+    Ok(numbers.iter().map(|v| if rising { 1.0 / v } else { *v }).collect())
+}
+
+/// A change of the model, or why it cannot be made.
+pub type Edit = Box<dyn Fn(&mut Model) -> Result<(), String>>;
+
+/// The change of the model that a value of a knob asks for; none for a parameter of the deck.
+///
+/// # Errors
+/// In words, for a value the knob does not have.
+pub fn edit(knob: &Knob, value: &str) -> Result<Option<Edit>, String> {
+    match knob {
+        Knob::Parameter(_) => Ok(None),
+        Knob::Increment => increment(value).map(Some),
+        Knob::LoadVelocity => load_velocity(value).map(Some),
+        Knob::Hourglass => hourglass(value).map(Some),
+        Knob::Estimate => stable_estimate(value).map(Some),
+    }
+}
+
+/// Refuses knobs that turn nothing in this model.
+///
+/// # Errors
+/// In words, of the first value that cannot be set.
+pub fn check(axes: &[Axis], model: &Model) -> Result<(), String> {
+    for axis in axes {
+        for value in &axis.values {
+            if let Some(edit) = edit(&axis.knob, value)? {
+                edit(&mut model.clone())?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn increment(value: &str) -> Result<Edit, String> {
+    let factor = value.parse::<f64>().ok().filter(|f| *f > 0.0 && f.is_finite());
+    let factor = factor.ok_or_else(|| format!("--refine increment={value}: a factor above zero is needed"))?;
+    Ok(Box::new(move |model| {
+        let deforms = deforms(model);
+        model.steps.iter_mut().try_for_each(|step| scale_increment(step, factor, deforms))
+    }))
+}
+
+/// A fixed increment and a stable one are multiplied; where an error estimate rules, increments go with the root of the
+/// accuracy aimed at.
+fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), String> {
+    match &mut step.increment {
+        IncrementControl::Fixed(length) => *length *= factor,
+        IncrementControl::Automatic { .. } if deforms => step.scale_factor *= factor,
+        IncrementControl::Automatic { accuracy, .. } => {
+            *accuracy *= factor * factor;
+            if !(1e-14..=0.1).contains(accuracy) {
+                return Err(format!(
+                    "--refine increment={factor}: increments go with the root of ACCURACY, which would be {accuracy:e}; \
+                     it must lie between 1e-14 and 0.1"
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What reads a velocity: the target's resistance and the user's loads.
+fn reads_velocity(model: &Model) -> bool {
+    let reads =
+        |l: &Load| matches!(l.kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. });
+    model.steps.iter().any(|s| s.loads.iter().any(reads))
+}
+
+/// Whether something of the model deforms: a section holds elements of no rigid body.
+pub fn deforms(model: &Model) -> bool {
+    let rigid = |e: &usize| model.rigid_bodies.iter().any(|b| b.elements.contains(e));
+    model.sections.iter().any(|s| s.elements.iter().any(|e| !rigid(e)))
+}
+
+fn load_velocity(value: &str) -> Result<Edit, String> {
+    let scheme = match value {
+        "predicted" => LoadVelocity::Predicted,
+        "lagged" => LoadVelocity::Lagged,
+        _ => return Err(format!("--refine load-velocity={value}: predicted and lagged there are")),
+    };
+    Ok(Box::new(move |model| {
+        if !reads_velocity(model) || !model.rigid_bodies.iter().any(|b| !b.elements.is_empty()) {
+            return Err("--refine load-velocity: no load here reads the velocity of a rigid body".into());
+        }
+        model.steps.iter_mut().for_each(|s| s.load_velocity = scheme);
+        Ok(())
+    }))
+}
+
+fn hourglass(value: &str) -> Result<Edit, String> {
+    let kind = match value {
+        "stiffness" => Hourglass::Stiffness,
+        "viscous" => Hourglass::Viscous,
+        "combined" => Hourglass::Combined(0.5),
+        "enhanced" => Hourglass::Enhanced,
+        _ => return Err(format!("--refine hourglass={value}: stiffness, viscous, combined and enhanced there are")),
+    };
+    Ok(Box::new(move |model| {
+        if !deforms(model) {
+            return Err("--refine hourglass: nothing here deforms".into());
+        }
+        control_hourglass(model, kind, 1.0);
+        Ok(())
+    }))
+}
+
+/// Gives every section hourglass control of this kind and factor; what else its controls say stays.
+pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
+    let mut changed = Vec::new();
+    for (i, section) in model.sections.iter_mut().enumerate() {
+        let own = section.controls.as_ref().and_then(|name| model.controls.iter().find(|c| c.name == *name));
+        let (by_area, distortion) = own.map_or((false, None), |c| (c.by_area, c.distortion));
+        let name = format!("(STUDY {i})");
+        section.controls = Some(name.clone());
+        changed.push(SectionControls { name, hourglass, factor, by_area, distortion });
+    }
+    model.controls = changed;
+}
+
+fn stable_estimate(value: &str) -> Result<Edit, String> {
+    let each = match value {
+        "element" => true,
+        "global" => false,
+        _ => return Err(format!("--refine estimate={value}: element and global there are")),
+    };
+    Ok(Box::new(move |model| {
+        if !deforms(model) {
+            return Err("--refine estimate: nothing here deforms".into());
+        }
+        for step in &mut model.steps {
+            if let IncrementControl::Automatic { element_by_element, .. } = &mut step.increment {
+                *element_by_element = each;
+            }
+        }
+        Ok(())
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_rise_or_fall_and_names_are_known() {
+        let of = |text: &str| axes(&[text.to_owned()], &["n".to_owned(), "dt".to_owned()]);
+        let n = &of("n=10,20,40").expect("levels")[0];
+        assert_eq!((n.sizes.clone(), n.counts()), (vec![0.1, 0.05, 0.025], true));
+        let dt = &of("dt=1e-6,5e-7").expect("levels")[0];
+        assert_eq!((dt.sizes.clone(), dt.counts()), (vec![1e-6, 5e-7], false));
+        assert!(!of("load-velocity=predicted,lagged").expect("choices")[0].is_refinement());
+        for wrong in
+            ["n=10", "n=10,10", "n=10,40,20", "n=0,1", "m=1,2", "increment=1,2", "increment=a,b", "hourglass=no"]
+        {
+            assert!(of(wrong).is_err(), "{wrong}");
+        }
+        assert!(of("N=1,2").is_err_and(|e| e.contains("did you mean n?")));
+    }
+}
