@@ -145,6 +145,36 @@ fn every_law_of_material() {
     }
 }
 
+/// Single elements instead of the whole limit the increment; distortion control; area weighting; a target that is not
+/// meshed, with friction on faces that fail.
+#[test]
+fn controls_of_elements_and_a_target() {
+    let plastic = steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n");
+    let controlled = |parameters: &str| {
+        let cards = format!("material=M, controls=C\n*Section Controls, name=C, {parameters}\n*Material");
+        bar(4, &plastic.replacen("material=M\n*Material", &cards, 1), 2e5, 5e-6, "")
+    };
+    let target = "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n\
+         *Target, name=WALL, front=1., direction=-1\n ROCK, 900.\n";
+    let shot = bar(
+        4,
+        &(plastic.clone() + target),
+        8e5,
+        5e-6,
+        "*Dsload, target=WALL, friction=0.1\n J0, CAVITY\n I1, CAVITY\n",
+    );
+    for (name, deck) in [
+        ("element by element", bar(4, &plastic, 2e5, 5e-6, "").replace("Explicit\n", "Explicit, element by element\n")),
+        ("distortion control", controlled("distortion control=YES, length ratio=0.7")),
+        ("area weighting", controlled("weighting=AREA")),
+        ("target", shot.replace(" J0, 2, 2\n", "")),
+    ] {
+        let outcome = goes_on(name, &deck, Routines::none);
+        assert_eq!(outcome.halt, None, "{name}");
+        assert!(name != "target" || outcome.energy.cavity > 0.0 && outcome.energy.friction > 0.0);
+    }
+}
+
 /// What is at rest sleeps, wakes as the wave comes, and is spread over threads.
 #[test]
 fn a_large_body_on_any_number_of_threads() {
