@@ -12,7 +12,7 @@ use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
 use crate::effect::solid::instructions::Instructions;
 use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
-use crate::output::pvd::FrameWriter;
+use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan};
@@ -237,6 +237,13 @@ pub fn find_checkpoint(
         return Ok((None, notes));
     };
     checkpoint.accept(&prepared.identity(user))?;
+    let mut times: Vec<f64> = Vec::new();
+    times.persist(&mut Archive::reader(&checkpoint.shown));
+    if let [first, rest @ ..] = &missing_frames(job, times.len())[..] {
+        let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+        let message = format!("{}{more}, written before the checkpoint, is no longer there", first.display());
+        notes.push(Diagnostic::warning("K103", message));
+    }
     if prepared.has_routines {
         let message = "what the user's routines keep to themselves (SAVE, COMMON, open files) starts anew";
         notes.push(Diagnostic::note("K102", message));
@@ -256,7 +263,6 @@ struct Files<'a> {
     identity: Identity,
     progress: &'a mut Progress<'a>,
     history_written: Stopwatch,
-    kept: Duration,
 }
 
 impl Files<'_> {
@@ -294,17 +300,18 @@ impl Sink for Files<'_> {
         (self.progress)(step, fraction, increment);
     }
 
+    fn keeps(&self) -> bool {
+        true
+    }
+
     fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), String> {
-        let begin = Stopwatch::now();
         self.write_history()?;
         let mut shown = Vec::new();
         let mut times = self.frames.times().to_vec();
         persist_shown(&mut times, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
-        let written = checkpoint.write(&self.job.path(CHECKPOINT)).map_err(|e| e.to_string());
-        self.kept += begin.elapsed();
-        written
+        checkpoint.write(&self.job.path(CHECKPOINT)).map_err(|e| e.to_string())
     }
 }
 
@@ -360,17 +367,17 @@ pub fn run_with<'a>(
         }
     };
     let frames = frames.map_err(Refusal::Folder)?;
-    let (history_written, kept) = (Stopwatch::now(), Duration::ZERO);
-    let mut files = Files { job, frames, history, summary, identity, progress, history_written, kept };
+    let history_written = Stopwatch::now();
+    let mut files = Files { job, frames, history, summary, identity, progress, history_written };
     let state = options.from.as_ref().map(|c| &c.state[..]);
     let control = Control { every: options.every, interrupt: options.interrupt, state };
     let outcome = solve::run_with(&mut prepared.plan, &mut files, control).map_err(unfit)?;
     prepared.plan.ledger.share(&outcome.effect_seconds, outcome.seconds);
-    let kept = files.kept;
+    let kept = outcome.checkpoint_seconds;
     let history_failed = files.write_history().err();
     let mut summary = summarise(prepared, outcome, files.summary);
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
-    summary.timing.checkpoint_seconds = (kept > Duration::ZERO).then_some(kept.as_secs_f64());
+    summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
     history_failed.into_iter().for_each(|why| summary.unwritten(why));
     finish_files(job, &mut summary);
     Ok(summary)

@@ -47,6 +47,25 @@ fn bar(material: &str, time: f64) -> String {
         )
 }
 
+/// As a user forces it: the digest that is printed is that of the summary and of the run that is left to the machine.
+#[test]
+fn the_program_prints_the_digest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |more: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_revolve"));
+        command.args(["run", "input/taylor_copper.inp", "--set", "nr=4", "--set", "nz=20", "--out"]).arg(folder.path());
+        let output = command.args(more).current_dir(env!("CARGO_MANIFEST_DIR")).output().expect("the program runs");
+        assert!(output.status.success(), "{output:?}");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let printed = text.lines().find_map(|l| l.strip_prefix("digest ")).expect("a digest").to_owned();
+        let summary = fs::read(folder.path().join("taylor_copper.json")).expect("a summary");
+        let summary: serde_json::Value = serde_json::from_slice(&summary).expect("JSON");
+        assert_eq!(summary["digest"], *printed);
+        printed
+    };
+    assert_eq!(run(&[]), run(&["--threads", "3", "--instructions", "scalar", "--checkpoint-every", "100"]));
+}
+
 #[test]
 fn every_deck_has_one_digest() {
     let read = |name: &str| fs::read_to_string(project(&format!("input/{name}.inp"))).expect("a deck");

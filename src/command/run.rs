@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize};
 use std::time::Duration;
 
 use clap::Args;
-use revolve::deck::{Diagnostic, Diagnostics};
+use revolve::deck::{Diagnostic, Diagnostics, Sources};
 use revolve::effect::solid::instructions::Instructions;
 use revolve::job::{self, Options, Prepared, Refusal, Summary};
 use revolve::output;
@@ -96,14 +96,19 @@ impl Run {
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
         }
-        if !self.quiet {
-            println!("{}", prepared.plan.ledger.render());
-        }
         let job = job::default_job(&self.deck, self.out.clone());
+        if self.checkpoint_every.is_some() && !user.is_empty() && !self.quiet {
+            let message =
+                "what the user's routines keep to themselves (SAVE, COMMON, open files) is not in checkpoints";
+            print_finding(Diagnostic::note("K102", message));
+        }
         let from = match self.checkpoint(&prepared, &job, &user) {
             Ok(from) => from,
             Err(finding) => return Ok(refused(*finding)),
         };
+        if !self.quiet {
+            println!("{}", prepared.plan.ledger.render());
+        }
         let signal = watch_signals()?;
         let options = Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, user };
         let summary = match run(&mut prepared, &job, options, self.quiet) {
@@ -138,10 +143,14 @@ impl Run {
     }
 }
 
+fn print_finding(finding: Diagnostic) {
+    let mut findings = Diagnostics::default();
+    findings.push(finding);
+    print_findings(&findings, &Sources::default());
+}
+
 fn refused(finding: Diagnostic) -> ExitCode {
-    let mut faults = Diagnostics::default();
-    faults.push(finding);
-    print_findings(&faults, &revolve::deck::Sources::default());
+    print_finding(finding);
     ExitCode::from(REFUSED)
 }
 

@@ -135,7 +135,7 @@ impl Checkpoint {
             Err(Diagnostic::error(code, what).help("run without --resume to start anew, or give what the run had"))
         };
         if *parameters != identity.parameters {
-            let what = format!("with {parameters}, here with {}", identity.parameters);
+            let what = differences(parameters, &identity.parameters);
             return refused("K004", format!("the checkpoint is of a run with other parameters: {what}"));
         }
         if *deck != identity.deck {
@@ -157,6 +157,17 @@ impl Checkpoint {
         }
         Ok(())
     }
+}
+
+/// The first few parameters that differ.
+fn differences(there: &str, here: &str) -> String {
+    let [there, here]: [Vec<&str>; 2] = [there, here].map(|list| list.split(", ").filter(|p| !p.is_empty()).collect());
+    let only = |list: &[&str], other: &[&str]| {
+        let different: Vec<_> = list.iter().filter(|p| !other.contains(p)).copied().collect();
+        let more = if different.len() > 4 { ", …" } else { "" };
+        if different.is_empty() { "nothing".into() } else { different[..different.len().min(4)].join(", ") + more }
+    };
+    format!("{} there, {} here", only(&there, &here), only(&here, &there))
 }
 
 fn other_version(path: &Path, versions: &str) -> Diagnostic {
@@ -202,6 +213,8 @@ mod tests {
         assert_eq!(code(Identity { deck: "e".into(), ..identity.clone() }), "K003");
         assert_eq!(code(Identity { mesh: "m".into(), ..identity.clone() }), "K003");
         assert_eq!(code(Identity { parameters: "V = 700".into(), ..identity.clone() }), "K004");
+        assert_eq!(super::differences("a = 1.0, b = 2.0", "a = 1.0, b = 3.0"), "b = 2.0 there, b = 3.0 here");
+        assert_eq!(super::differences("", "b = 3.0"), "nothing there, b = 3.0 here");
         assert_eq!(code(Identity { user: "u".into(), ..identity.clone() }), "K005");
     }
 }

@@ -48,6 +48,6 @@ pub const CODES: &[Code] = &[
     Code {
         code: "K103",
         title: "frames are missing",
-        text: "Frames that were written before the checkpoint are no longer in the folder. The run goes on; the series names them nevertheless.",
+        text: "Frames that were written before the checkpoint are no longer in the folder, or a loss of power has left them empty. The run goes on; the series names them nevertheless.",
     },
 ];

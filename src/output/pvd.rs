@@ -2,7 +2,7 @@
 //! Never here: what a frame holds.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use super::checkpoint::CHECKPOINT;
@@ -52,12 +52,6 @@ impl FrameWriter {
         &self.times
     }
 
-    /// Names of frames of the series that are not in the folder.
-    pub fn missing(&self) -> Vec<String> {
-        let names = (0..self.times.len()).map(|i| format!("{}_{i:04}.vtu", self.job.name));
-        names.filter(|name| !self.job.folder.join(name).is_file()).collect()
-    }
-
     /// Removes frames from this one on, and what a killed process has not finished.
     fn clear_from(&self, first: usize) -> io::Result<()> {
         for entry in fs::read_dir(&self.job.folder)? {
@@ -94,6 +88,12 @@ impl FrameWriter {
         }
         text + "</Collection>\n</VTKFile>\n"
     }
+}
+
+/// Paths of the first so many frames of a job that are not there, or empty after a loss of power.
+pub fn missing_frames(job: &Job, count: usize) -> Vec<PathBuf> {
+    let is_there = |path: &PathBuf| path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0);
+    (0..count).map(|i| job.path(&format!("_{i:04}.vtu"))).filter(|path| !is_there(path)).collect()
 }
 
 fn remove(path: &Path) -> io::Result<()> {

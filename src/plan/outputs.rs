@@ -2,7 +2,7 @@
 //! Never here: files.
 
 use super::Compiler;
-use crate::deck::Span;
+use crate::deck::{Diagnostic, Span};
 use crate::effect::solid::body::Solid;
 use crate::effect::solid::group::Group;
 use crate::model::{Interval, OutputKind, OutputRequest, Region, Step};
@@ -338,6 +338,10 @@ impl Compiler<'_> {
         if let Some(restart) = step.restart {
             let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
             self.cause(restart.span, "checkpoint", 1, "step", detail);
+            if self.routines.any() {
+                let message = "what the user's routines keep to themselves (SAVE, COMMON, open files) is not kept";
+                self.diagnostics.push(Diagnostic::note("K102", message).at(restart.span, "asked here"));
+            }
         }
         outputs.field.dedup();
         outputs.history.dedup();

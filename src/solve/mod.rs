@@ -48,6 +48,8 @@ pub struct Outcome {
     pub increments: u64,
     /// Seconds in the time loop.
     pub seconds: f64,
+    /// Of these, seconds that keeping the state took.
+    pub checkpoint_seconds: f64,
     /// SHA-256 over the bits of the state at the end, hexadecimal: the same on any machine, number of threads and
     /// instruction set.
     pub digest: String,

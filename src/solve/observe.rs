@@ -26,6 +26,10 @@ pub trait Sink {
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String>;
     /// Fraction of the step done, called now and then.
     fn progress(&mut self, _step: &str, _fraction: f64, _increment: u64) {}
+    /// Whether states can be kept.
+    fn keeps(&self) -> bool {
+        false
+    }
     /// Keeps the state of a run, from which another can go on ([`super::Control::state`]).
     ///
     /// # Errors

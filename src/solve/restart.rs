@@ -120,7 +120,8 @@ impl<'a> Keeping<'a> {
     #[cold]
     fn look_closely(&mut self, at: &mut At<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), Halt> {
         let now = at.run.now;
-        let due = self.is_due(&now) || signal != 0;
+        let due = (self.is_due(&now) || signal != 0) && sink.keeps();
+        let begin = Stopwatch::now();
         if due {
             at.run.tell_restart()?;
         }
@@ -133,6 +134,7 @@ impl<'a> Keeping<'a> {
         if due {
             sink.keep(&self.state, &now).map_err(unwritten)?;
             self.kept = Stopwatch::now();
+            at.run.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
         self.plan_ahead(&now);
         if signal == 0 { Ok(()) } else { Err(interrupted(signal, &now)) }

@@ -108,6 +108,10 @@ impl Persist for Awake {
             touching.clear();
         }
         awake.persist(archive);
+        // On the way back all may be awake for good by now, which changes no bit.
+        if touching.is_empty() {
+            awake.clear();
+        }
         if !(awake.is_empty() || awake.len() == touching.len()) {
             archive.refuse(|| format!("{} parts of the nodes, of which the deck has {}", awake.len(), touching.len()));
             awake.clear();
