@@ -42,8 +42,6 @@ pub struct Series {
 }
 
 const SIZE: (u32, u32) = (960, 640);
-/// Room beside the outermost decades, so that no mark is cut.
-const BESIDE: f64 = 1.15;
 /// Okabe and Ito's palette, safe for colour-blind readers.
 const PALETTE: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
@@ -182,6 +180,9 @@ impl Chart {
         (low <= high).then_some((low - margin, high + margin))
     }
 }
+
+/// Room beside the outermost decades, so that no mark is cut.
+const BESIDE: f64 = 1.15;
 
 /// A number at a tick: plain where it is short.
 fn logarithmic_label(value: &f64) -> String {
