@@ -64,6 +64,9 @@ impl Study {
     pub fn execute(self) -> Result<ExitCode, String> {
         let measure = Measure::parse(&self.quantity)?;
         let exact = self.exact(&measure)?;
+        if self.ablate && measure.compares_fields() {
+            return Err("--ablate: effects are left out of a number; give the norm an expression".into());
+        }
         let target = self.target.as_deref().map(Target::parse).transpose()?;
         let overrides = pairs(&self.set)?;
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
@@ -79,6 +82,7 @@ impl Study {
         let model = model::build(&first.deck).0;
         settings::check(&axes, &model)?;
         measure.check(&first.plan)?;
+        drop(first);
         let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress_bar(runs as u64, self.quiet);

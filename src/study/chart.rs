@@ -168,13 +168,12 @@ impl Chart {
         Ok(())
     }
 
-    /// Extent of a coordinate on a logarithmic axis: from tick to tick, one tick being half a decade.
+    /// Extent of a coordinate on a logarithmic axis: whole decades, for a part of one may hold no tick.
     fn decades(&self, coordinate: impl Fn(&(f64, f64)) -> f64) -> Option<(f64, f64)> {
         let values = self.series.iter().flat_map(|s| &s.points).map(&coordinate).filter(|v| *v > 0.0 && v.is_finite());
         let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
-        let decade =
-            |v: f64, round: fn(f64) -> f64, margin: f64| libm::pow(10.0, 0.5 * round(2.0 * (libm::log10(v) + margin)));
-        (low <= high).then(|| (decade(low, f64::floor, -0.05), decade(high, f64::ceil, 0.05)))
+        let decade = |v: f64, round: fn(f64) -> f64| libm::pow(10.0, round(libm::log10(v)));
+        (low <= high).then(|| (decade(low, f64::floor) / BESIDE, decade(high, f64::ceil) * BESIDE))
     }
 
     /// Extent of a coordinate over all series, a little widened; `None` without points.
@@ -185,6 +184,9 @@ impl Chart {
         (low <= high).then_some((low - margin, high + margin))
     }
 }
+
+/// Room beside the outermost decades, so that no mark is cut.
+const BESIDE: f64 = 1.15;
 
 /// A number at a tick: plain where it is short.
 fn logarithmic_label(value: &f64) -> String {

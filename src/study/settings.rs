@@ -253,6 +253,9 @@ fn stable_estimate(value: &str) -> Result<Edit, String> {
         if !deforms(model) {
             return Err("--refine estimate: nothing here deforms".into());
         }
+        if model.steps.iter().all(|s| matches!(s.increment, IncrementControl::Fixed(_))) {
+            return Err("--refine estimate: DIRECT USER CONTROL fixes the increment".into());
+        }
         for step in &mut model.steps {
             if let IncrementControl::Automatic { element_by_element, .. } = &mut step.increment {
                 *element_by_element = each;
