@@ -109,10 +109,11 @@ fn extent(name: &str, summary: &[Column]) -> f64 {
     summary.iter().find(|c| c.name == name).map_or(0.0, |c| c.max - c.min)
 }
 
-/// Energies that stay zero need no line.
+/// Energies that stay zero, up to rounding, need no line.
 fn drop_silent(members: &mut Vec<String>, summary: &[Column]) {
-    let silent = |name: &str| summary.iter().any(|c| c.name == name && c.max == 0.0 && c.min == 0.0);
-    members.retain(|name| !silent(name));
+    let size = |name: &String| summary.iter().find(|c| c.name == *name).map(|c| c.max.abs().max(c.min.abs()));
+    let largest = members.iter().filter_map(size).fold(0.0, f64::max);
+    members.retain(|name| size(name).is_none_or(|s| s > 1e-12 * largest));
 }
 
 fn keep_liveliest(members: &mut Vec<String>, summary: &[Column]) {

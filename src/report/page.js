@@ -94,7 +94,7 @@ const WIDTH = 520, HEIGHT = 290, LEFT = 66, RIGHT = 24, TOP = 8, BOTTOM = 42;
 /** A chart with a tooltip; `setTime` moves a mark along a time axis. */
 function drawChart(chart) {
   const log = chart.logarithmic, value = v => log ? Math.log10(v) : v;
-  const series = chart.series.map((s, i) => ({ ...s, colour: PALETTE[i % PALETTE.length] }));
+  const series = chart.series.map((s, i) => ({ ...s, colour: PALETTE[i % PALETTE.length], dashes: i < PALETTE.length ? null : '7 4' }));
   const extent = key => {
     const all = series.flatMap(s => s[key].map(value)).filter(Number.isFinite);
     const low = all.reduce((a, b) => Math.min(a, b), Infinity), high = all.reduce((a, b) => Math.max(a, b), -Infinity);
@@ -123,7 +123,7 @@ function drawChart(chart) {
   for (const s of series) {
     const points = s.x.map((x, i) => [px(x), py(s.y[i])]).filter(p => p.every(Number.isFinite));
     if (s.joined && points.length > 1) {
-      svg.append(make('path', { class: 'series', fill: 'none', stroke: s.colour, 'stroke-width': 2, 'stroke-linejoin': 'round', d: 'M' + points.map(p => p.map(v => v.toFixed(1)).join(' ')).join('L') }));
+      svg.append(make('path', { class: 'series', fill: 'none', stroke: s.colour, 'stroke-width': 2, 'stroke-linejoin': 'round', 'stroke-dasharray': s.dashes, d: 'M' + points.map(p => p.map(v => v.toFixed(1)).join(' ')).join('L') }));
     }
     if (!s.joined || points.length <= 25) {
       for (const [x, y] of points) svg.append(make('circle', { class: 'point', cx: x, cy: y, r: s.joined ? 3 : 4.5, fill: s.colour }));
@@ -135,7 +135,7 @@ function drawChart(chart) {
   const tip = make('div', { class: 'tip', hidden: '' });
   const plot = make('div', { class: 'plot' }, svg, tip);
   follow(svg, tip, cursor, series, chart, px, x => back(x0 + (x - LEFT) / (WIDTH - LEFT - RIGHT) * (x1 - x0)));
-  const legend = make('div', { class: 'legend' }, ...series.map(s => make('span', {}, make('i', s.joined ? { style: { borderColor: s.colour } } : { class: 'dot', style: { background: s.colour } }), s.name)));
+  const legend = make('div', { class: 'legend' }, ...series.map(s => make('span', {}, make('i', s.joined ? { style: { borderColor: s.colour, borderTopStyle: s.dashes ? 'dashed' : 'solid' } } : { class: 'dot', style: { background: s.colour } }), s.name)));
   const setTime = time => {
     const x = px(time);
     if (chart.x_label !== 'time' || !(x >= LEFT - 1 && x <= WIDTH - RIGHT + 1)) return now.setAttribute('visibility', 'hidden');
@@ -442,6 +442,7 @@ function drawRun(run) {
     s.timing ? make('span', { class: 'soft' }, `${s.timing.increments} increments in ${show(s.timing.seconds, 3)} s`) : null));
   if (s.reason) section.append(make('div', { class: 'card reason' }, make('h3', {}, 'Halted'), s.reason));
   if (s.ended_by_user) section.append(make('div', { class: 'card' }, 'The user\'s routine ended the analysis.'));
+  if (s.warnings && s.warnings.length) section.append(card('Warnings', make('ul', { class: 'warning' }, ...s.warnings.map(w => make('li', {}, w)))));
   section.append(outcome(run, s));
   const charts = run.charts.map(drawChart);
   const setTime = time => charts.forEach(c => c.setTime(time));
@@ -460,14 +461,15 @@ function outcome(run, s) {
   for (const rest of s.rests || []) facts.push([`${rest.body} at rest`, `time ${show(rest.time)}, displacement ${show(rest.displacement)}`]);
   if (s.energy) facts.push(['energy drift', show(s.energy.drift, 2)]);
   for (const [name, value] of Object.entries((s.deck && s.deck.parameters) || {}).slice(0, 40)) facts.push([name, show(value)]);
-  const files = s.deck && s.deck.files ? make('p', { class: 'soft' }, `Deck ${s.deck.files.join(', ')}`) : null;
+  const digest = s.digest ? `. Digest of the final state ${s.digest.slice(0, 16)}…` : '';
+  const files = s.deck && s.deck.files ? make('p', { class: 'soft', title: s.digest }, `Deck ${s.deck.files.join(', ')}${digest}`) : null;
   return facts.length || files ? card('', factList(facts), files) : '';
 }
 function energies(s) {
   if (!s.energy) return null;
   const words = { ALLKE: 'kinetic', ALLIE: 'internal', ALLSE: 'recoverable strain', ALLPD: 'plastic', ALLAE: 'artificial (hourglass)', ALLVD: 'bulk viscosity', ALLFD: 'friction', ALLCW: 'contact with walls', ALLCAV: 'opening the cavity', ALLWK: 'work of loads and motions', ETOTAL: 'sum', initial: 'sum at the start' };
-  const parts = Object.entries(words).filter(([key]) => s.energy[key]);
-  const largest = Math.max(...parts.map(([key]) => Math.abs(s.energy[key])));
+  const largest = Math.max(...Object.keys(words).map(key => Math.abs(s.energy[key] || 0)));
+  const parts = Object.entries(words).filter(([key]) => Math.abs(s.energy[key]) > 1e-12 * largest);
   const bar = value => make('i', { class: 'bar', style: { width: `${Math.round(260 * Math.abs(value) / largest)}px` } });
   return card('Energy balance at the end', table(['energy', '', 'value', ''], parts.map(([key, word]) => [key, word, show(s.energy[key], 6), bar(s.energy[key])]), i => i === 2),
     make('p', { class: 'soft' }, `The sum changed by at most ${show(s.energy.drift, 2)} of the largest energy.`));
@@ -483,7 +485,7 @@ function steps(s) {
 function ledger(s) {
   if (!s.ledger) return null;
   const bytes = row => row.arrays.reduce((sum, a) => sum + a[1], 0);
-  const share = row => row.share === undefined ? '' : make('span', {}, make('i', { class: 'bar', style: { width: `${Math.round(60 * row.share)}px` } }), `${Math.round(100 * row.share)} %`);
+  const share = row => row.share === undefined ? '' : make('span', { class: 'whole' }, make('i', { class: 'bar', style: { width: `${Math.round(60 * row.share)}px` } }), `${Math.round(100 * row.share)} %`);
   const arrays = row => row.arrays.map(a => `${a[0]} ${a[1]}`).join(', ');
   const places = row => make('span', {}, ...row.asked_by.flatMap((p, i) => [i ? ', ' : '', make('code', {}, p)]));
   const rows = s.ledger.effects.map(row => [row.effect, `${row.count} ${row.unit}`, places(row), make('span', { title: arrays(row) }, String(bytes(row))), share(row), row.detail]);

@@ -5,15 +5,17 @@
 use super::body::Solid;
 use crate::state::archive::{Archive, Persist};
 
-/// The share of a corner's velocity towards its line that one increment takes away. Corner masses are those of the element
-/// alone, so that neighbours do not add up; below one for the three lines that a corner has a part in.
-const GRIP: f64 = 0.3;
+/// The share of a corner's velocity towards its line that one increment takes away; so small because four elements may act
+/// on a node at once, and two is where a dashpot no longer is stable.
+const GRIP: f64 = 0.2;
 /// The share of the way back to the offset that a corner is led over one stable increment of the start; by that time and
 /// not by the present one, which falls as elements shrink, so that no corner is thrown out.
 const LEAD: f64 = 0.05;
-/// While a force acts, the increment is shorter by this factor: a dashpot behind by half an increment takes as much from
-/// what is stable (2/omega (sqrt(1 + xi^2) - xi) with xi = GRIP/4 and two lines at a corner).
-const CAUTION: f64 = 1.0 + GRIP;
+/// While a force acts, the increment is shorter by this factor: dashpots that take the share g of a velocity each increment
+/// leave omega dt < 2 sqrt(1 - g/2), and g is 1.07 where four flat elements press on a node.
+const CAUTION: f64 = 1.5;
+/// Increments within which a corner may not come to its offset: faster ones are held before.
+const AHEAD: f64 = 5.0;
 
 /// An element under control.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +24,8 @@ pub struct Controlled {
     pub place: (usize, usize),
     /// Corner nodes.
     corners: [u32; 4],
-    /// Masses of the corners.
-    masses: [f64; 4],
+    /// One over the masses of the corner nodes.
+    softness: [f64; 4],
     /// Distance from the line between its neighbours at which each corner is pushed; 0 for one on that line from the start,
     /// as of a triangle.
     offset: [f64; 4],
@@ -51,7 +53,7 @@ fn three<T: Copy>(list: &[T; 4], i: usize) -> [T; 3] {
 
 impl Controlled {
     /// An element at the start; `ratio` is the offset over the distance there.
-    fn new(place: (usize, usize), corners: [u32; 4], masses: [f64; 4], at: [[f64; 2]; 4], ratio: f64) -> Self {
+    fn new(place: (usize, usize), corners: [u32; 4], softness: [f64; 4], at: [[f64; 2]; 4], ratio: f64) -> Self {
         let span = |i: usize| {
             let [a, b, c] = three(&at, i);
             // A side between doubled nodes has no length, and a corner on it nothing to keep.
@@ -63,7 +65,7 @@ impl Controlled {
             let from_line = distance([a, b, c]).0;
             if from_line > 1e-9 * largest { ratio * from_line } else { 0.0 }
         };
-        Controlled { place, corners, masses, offset: [0, 1, 2, 3].map(span), force: [[0.0; 2]; 4] }
+        Controlled { place, corners, softness, offset: [0, 1, 2, 3].map(span), force: [[0.0; 2]; 4] }
     }
 
     /// Forces on the corners; `None` where no corner is within its offset.
@@ -71,18 +73,19 @@ impl Controlled {
         let mut forces = None;
         for i in (0..4).filter(|&i| self.offset[i] > 0.0) {
             let (from_line, normal, foot) = distance(three(places, i));
-            if from_line.is_nan() || from_line >= self.offset[i] {
-                continue;
-            }
             let weights = [1.0, foot - 1.0, -foot];
-            let (masses, motion) = (three(&self.masses, i), three(velocities, i));
+            let motion = three(velocities, i);
             let speed = |v: [f64; 2]| v[0] * normal[0] + v[1] * normal[1];
             let opening: f64 = weights.iter().zip(motion).map(|(w, v)| w * speed(v)).sum();
-            let wanted = LEAD * (self.offset[i] - from_line) / time.max(dt);
-            if opening >= wanted {
+            let within = self.offset[i] - from_line;
+            let wanted = if within > 0.0 { LEAD * within / time.max(dt) } else { within / (AHEAD * dt) };
+            if wanted.is_nan() || opening.is_nan() || opening >= wanted {
                 continue;
             }
-            let softness: f64 = weights.iter().zip(masses).map(|(w, m)| w * w / m).sum();
+            let softness: f64 = weights.iter().zip(three(&self.softness, i)).map(|(w, s)| w * w * s).sum();
+            if softness == 0.0 {
+                continue;
+            }
             let size = GRIP * (wanted - opening) / (softness * dt);
             let forces = forces.get_or_insert([[0.0; 2]; 4]);
             for (w, c) in weights.into_iter().zip([i, (i + 1) % 4, (i + 3) % 4]) {
@@ -99,9 +102,9 @@ impl Solid {
     pub fn control_distortion(&mut self, group: usize, ratio: f64) {
         for element in 0..self.groups[group].len() {
             let corners = self.groups[group].corners(element);
-            let masses = self.groups[group].corner_masses(element);
             let at = corners.map(|n| self.start[n as usize]);
-            self.distortion.push(Controlled::new((group, element), corners, masses, at, ratio));
+            let softness = corners.map(|n| self.inverse_mass[n as usize]);
+            self.distortion.push(Controlled::new((group, element), corners, softness, at, ratio));
         }
     }
 
@@ -151,7 +154,7 @@ impl Solid {
 
 impl Persist for Controlled {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Controlled { place: _, corners: _, masses: _, offset: _, force } = self;
+        let Controlled { place: _, corners: _, softness: _, offset: _, force } = self;
         force.persist(archive);
     }
 }
@@ -176,7 +179,7 @@ mod tests {
 
     #[test]
     fn forces_push_apart_only_what_comes_too_near_and_keep_momentum() {
-        let controlled = Controlled::new((0, 0), [0, 1, 2, 3], [1.0, 2.0, 3.0, 4.0], SQUARE, 0.1);
+        let controlled = Controlled::new((0, 0), [0, 1, 2, 3], [1.0, 0.5, 0.3, 0.2], SQUARE, 0.1);
         let still = [[0.0; 2]; 4];
         assert_eq!(controlled.push(&SQUARE, &still, 1.0, 1.0), None);
         let mut places = SQUARE;
