@@ -154,7 +154,7 @@ impl Solid {
 
 impl Persist for Controlled {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Controlled { place: _, corners: _, masses: _, offset: _, force } = self;
+        let Controlled { place: _, corners: _, softness: _, offset: _, force } = self;
         force.persist(archive);
     }
 }
