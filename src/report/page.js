@@ -513,7 +513,7 @@ function drawTable(word, t, pareto = [], facts = []) {
   section.append(chartGrid(charts));
   const isNumber = i => t.rows.every(row => row[i] === '' || !Number.isNaN(Number(row[i])));
   if (t.rows.length) {
-    section.append(card(pareto.length ? 'Price list' : 'Table', table(t.header, t.rows, isNumber, r => pareto[r] ? 'best' : ''),
+    section.append(card(pareto.some(Boolean) ? 'Price list' : 'Table', table(t.header, t.rows, isNumber, r => pareto[r] ? 'best' : ''),
       pareto.some(Boolean) ? make('p', { class: 'soft' }, 'Marked: nothing else is better at this price.') : null));
   }
   if (t.notes.length) section.append(card('Left out', notes(t.notes)));

@@ -20,7 +20,8 @@ pub fn read(name: &str, file: &Value) -> Study {
         facts(key, value, &mut study.facts);
     }
     study.facts.extend(prices(file));
-    let list = LISTS.iter().find_map(|key| file.get(*key)?.as_array());
+    let left_out = || file.get("ablation")?.get("effects")?.as_array();
+    let list = LISTS.iter().find_map(|key| file.get(*key)?.as_array()).or_else(left_out);
     let list: Vec<Map<String, Value>> = list.into_iter().flatten().filter_map(Value::as_object).cloned().collect();
     let front: Vec<u64> =
         file.get("front").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect();
@@ -167,6 +168,11 @@ mod tests {
         assert_eq!(other.table.header, ["n", "value", "bound", "seconds", "order"]);
         assert_eq!((&other.table.charts[0].series[1].x, &other.pareto), (&vec![0.5], &vec![true]));
         assert_eq!(other.facts, [("error below 2e-1".to_owned(), "0.5 s".to_owned())]);
+        let file =
+            serde_json::json!({"ablation": {"value": 64.8, "effects": [{"effect": "entry phase", "change": -5.2}]}});
+        let left_out = read("job", &file);
+        assert_eq!(left_out.table.rows, [["entry phase", "-5.2"]]);
+        assert_eq!(left_out.facts, [("ablation, value".to_owned(), "64.8".to_owned())]);
         assert!(study.facts.contains(&("order, observed".into(), "2.01".into())));
     }
 }
