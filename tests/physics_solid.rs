@@ -418,7 +418,7 @@ fn friction_in_a_target_is_booked_as_friction() {
 /// With a fixed increment it turns inside out; an automatic one adapts until nothing is left of the element.
 #[test]
 fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
-    for (card, code) in [("\n , 1.", "R207"), (", direct user control\n 1.e-3, 1.", "R206")] {
+    for (card, code) in [("\n , 1.", "R209"), (", direct user control\n 1.e-3, 1.", "R206")] {
         let deck = grid(3, 3, false, |i, j| [1.0 + i as f64, j as f64])
             + &material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n")
             + &format!("*Initial Conditions, type=VELOCITY\n 6, 1, 4000.\n*Step\n*Dynamic, Explicit{card}\n")

@@ -167,7 +167,7 @@ pub fn lame() -> Vec<Case> {
                 "*Nset, nset=OUTER\n {},\n*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 2.e-4, 1.\n",
                 n + 1
             )
-            + "*Step\n*Dynamic, Explicit\n , 3.e-4\n*Boundary\n J0, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n\
+            + "*Step\n*Dynamic, Explicit, element by element\n , 3.e-4\n*Boundary\n J0, 2, 2\n*Dsload, amplitude=RAMP\n I0, P, 1.\n\
                *Output, history, frequency=1\n*Node Output, nset=INNER\n U1\n*Node Output, nset=OUTER\n U1\n*End Step\n"
     };
     let case = |(node, exact): (&str, f64)| Case {
@@ -191,7 +191,7 @@ pub fn blake() -> Case {
         };
         grid(3 * per_radius, around, false, place)
             + &material(62.5e9, 0.25, 3000.0, "*Nset, nset=WALL\n 1,\n")
-            + "*Step\n*Dynamic, Explicit\n , 1.e-4\n*Bulk Viscosity\n 0., 0.\n*Boundary\n J0, 2, 2\n*Dsload\n I0, P, 1.e6\n\
+            + "*Step\n*Dynamic, Explicit, element by element\n , 1.e-4\n*Bulk Viscosity\n 0., 0.\n*Boundary\n J0, 2, 2\n*Dsload\n I0, P, 1.e6\n\
                *Output, history, frequency=1\n*Node Output, nset=WALL\n U1\n*End Step\n"
     };
     Case {
@@ -225,7 +225,7 @@ pub fn wave(n: usize, dynamic: &str) -> String {
 pub fn wave_in_space() -> Case {
     Case {
         name: "standing wave, field".into(),
-        deck: with_elements(|n| wave(n, "*Dynamic, Explicit, scale factor=0.8\n , 9.3\n")),
+        deck: with_elements(|n| wave(n, "*Dynamic, Explicit, element by element, scale factor=0.8\n , 9.3\n")),
         refine: "n=10,20,40",
         quantity: "norm(V2, 1e-6*sin(pi/2*z0)*cos(pi*t))".into(),
         exact: 0.0,
@@ -266,7 +266,7 @@ pub fn mass_on_column() -> Case {
         let mass = PI / (n * n) as f64;
         deck + &format!(
             " 900, 2, {:.17e}\n*Element, type=MASS, elset=POINT\n 900, 900\n*Mass, elset=POINT\n {mass:.17e}\n\
-             *Rigid Body, ref node=900, tie nset=J1\n*Step\n*Dynamic, Explicit, scale factor=0.8\n , 9.3\n",
+             *Rigid Body, ref node=900, tie nset=J1\n*Step\n*Dynamic, Explicit, element by element, scale factor=0.8\n , 9.3\n",
             1e-6 * BETA.sin()
         ) + "*Bulk Viscosity\n 0., 0.\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n*Output, history, number interval=10\n*Node Output, nset=REF\n U2\n*End Step\n"
     };
@@ -299,7 +299,7 @@ pub fn verney() -> Case {
             let ([r, z], node) = (ray(j), 1 + i + j * (n + 1));
             write!(deck, " {node}, 1, {:e}\n {node}, 2, {:e}\n", v * r, v * z).expect("text");
         }
-        deck + "*Step\n*Dynamic, Explicit\n , 105.\n*Boundary\n J0, 2, 2\n J1, 1, 1\n*Output, history, time interval=0.1\n\
+        deck + "*Step\n*Dynamic, Explicit, element by element\n , 105.\n*Boundary\n J0, 2, 2\n J1, 1, 1\n*Output, history, time interval=0.1\n\
                 *Node Output, nset=INNER\n U1\n*End Step\n"
     };
     Case {
@@ -322,7 +322,7 @@ pub fn noh() -> Case {
                  *Specific Heat\n 1.,\n*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 1e-6\n*Elset, elset=ONE\n {watched}\n",
                 2.0 / 3.0
             )
-            + "*Step\n*Dynamic, Explicit\n , 0.6\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n*Output, history, number interval=60\n\
+            + "*Step\n*Dynamic, Explicit, element by element\n , 0.6\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n*Output, history, number interval=60\n\
                *Element Output, elset=ONE\n DENSITY, PRESS\n*End Step\n"
     };
     Case {
@@ -346,7 +346,9 @@ pub fn piston() -> Case {
                 density,
                 &format!("*Plastic\n 276.e6, 0.\n*Elset, elset=BEHIND\n {},\n", 3 * m / 8),
             )
-            + &format!("*Initial Conditions, type=VELOCITY\n J0, 2, {speed}\n*Step\n*Dynamic, Explicit\n , 1.3e-5\n")
+            + &format!(
+                "*Initial Conditions, type=VELOCITY\n J0, 2, {speed}\n*Step\n*Dynamic, Explicit, element by element\n , 1.3e-5\n"
+            )
             + &format!("*Boundary\n ALL, 1, 1\n*Boundary, type=VELOCITY\n J0, 2, 2, {speed}\n")
             + "*Output, history, number interval=1\n*Element Output, elset=BEHIND\n S22\n*End Step\n"
     };

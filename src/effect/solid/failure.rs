@@ -271,7 +271,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     pub(super) fn bury<F: Failure<State = X>>(&mut self, failure: &F, nodes: &mut Nodes, stage: &mut Stage) {
         for l in 0..LANES {
             let share = failure.share(&self.failure, l);
-            if share > 0.0 {
+            // A lane behind the last element repeats one that may be gone.
+            if share > 0.0 && l < stage.count {
                 self.stress.iter_mut().for_each(|s| s[l] /= share);
                 continue;
             }
