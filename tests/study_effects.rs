@@ -95,7 +95,7 @@ fn leaving_out_is_what_a_deck_without_the_card_does() {
         "*Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 4.6e8,\n",
     );
     let yields = "*Plastic, hardening=JOHNSON COOK\n 806., 614., 0.168, 1.1, 1540., 20.\n";
-    let failure = "*Shear Failure\n 0.005,\n";
+    let failure = "*Shear Failure\n 0.008,\n";
     let (adiabatic, plain) = ("*Dynamic, Explicit, adiabatic\n , 1.e-7\n", "*Dynamic, Explicit\n , 1.e-7\n");
     let whole = bar(&format!("{yields}{rate}{heat}{failure}"), adiabatic, "");
     let effects = left_out(&whole, "increment=1,0.5", "final(ALLIE)");
