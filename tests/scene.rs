@@ -2,6 +2,7 @@
 
 mod common;
 
+use revolve::job;
 use revolve::solve::Outcome;
 use revolve::user::Routines;
 
@@ -65,4 +66,21 @@ fn steps_carry_loads_on_and_replace_them() {
         2,
         "pressure and force only"
     );
+}
+
+/// `*NFILL` pairs nodes by their numbers, whatever came first in the deck; an increment that never ends a step is refused.
+#[test]
+fn nodes_are_paired_by_number_and_endless_steps_refused() {
+    let text = common::ogive()
+        + "*Node, nset=LOW\n 901, 0., 1.\n 902, 1., 1.\n*Node, nset=HIGH\n 922, 1., 3.\n 921, 0., 3.\n*Nfill, nset=BETWEEN\n LOW, HIGH, 2, 10\n";
+    let prepared = common::prepared(&text, &[], &Routines::none());
+    let mesh = &prepared.plan.mesh;
+    for (name, r) in [("911", 0.0), ("912", 1.0)] {
+        let at = mesh.node_names.iter().position(|n| n == name).expect("a node between");
+        assert_eq!(mesh.points[at], [r, 2.0], "{name}");
+    }
+    let endless = common::ogive()
+        .replace("*Dynamic, Explicit\n , 1.e-3", "*Dynamic, Explicit, direct user control\n 1.e-30, 1.e-3");
+    let refused = job::prepare_text("case.inp", &endless, &[], &Routines::none());
+    assert!(refused.diagnostics.iter().any(|d| d.code == "M103" && d.message.contains("never end")));
 }

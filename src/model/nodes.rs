@@ -160,8 +160,11 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M102", "two node sets are needed").at(line.span, "here"));
             return None;
         };
-        let from = self.node_members(first)?;
-        let to = self.node_members(second)?;
+        // By their numbers, in whatever order the deck made them.
+        let mut from = self.node_members(first)?;
+        let mut to = self.node_members(second)?;
+        from.sort_by_key(|&n| self.label_of_index(n));
+        to.sort_by_key(|&n| self.label_of_index(n));
         let intervals = self.integer(line, 2, "the number of intervals")?;
         let step = line.field(3).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
         if from.len() != to.len() || intervals < 1 || step < 1 {

@@ -9,6 +9,8 @@ use super::types::{
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
+/// Increments of a given length that a step may take at most: at ten nanoseconds each, four months.
+const MOST_INCREMENTS: f64 = 1e15;
 /// Relative error aimed at where the deck says nothing.
 pub const DEFAULT_ACCURACY: f64 = 1e-4;
 
@@ -140,6 +142,12 @@ impl Builder<'_> {
     fn increment_control(&mut self, card: &Card, line: &DataLine, duration: f64) -> Option<IncrementControl> {
         if card.has("DIRECT USER CONTROL") {
             let increment = self.number(line, 0, "the increment (DIRECT USER CONTROL)")?;
+            if increment > 0.0 && duration / increment > MOST_INCREMENTS {
+                let message =
+                    format!("the step would take {:.1e} increments: it would never end", duration / increment);
+                self.out_of_range(line.span, message);
+                return None;
+            }
             if increment > 0.0 && increment <= duration {
                 return Some(IncrementControl::Fixed(increment));
             }
