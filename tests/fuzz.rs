@@ -1,4 +1,4 @@
-//! Rubbish: decks, expressions and mesh files that are changed at random. Each is read up to the plan, and what is found is
+//! Rubbish: decks, expressions, mesh files and checkpoints that are changed at random. Each is read up to the plan, and what is found is
 //! printed; nothing may panic or take longer than a few seconds.
 //!
 //! The seeds are the decks of the project. In CI each target runs for some seconds on a fixed sequence; for longer
@@ -8,14 +8,19 @@
 mod common;
 
 use std::path::PathBuf;
+use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use revolve::job;
 use revolve::model::mesh_file::mesh_frame;
+use revolve::output::Frame;
+use revolve::output::checkpoint::{Checkpoint, Identity};
 use revolve::output::vtu::VtuWriter;
+use revolve::solve::{self, Control, Every, Sink};
 use revolve::user::Routines;
+use sha2::{Digest as _, Sha256};
 
 /// What is done to a text: kind, place, and what with.
 type Change = (u8, u32, u32);
@@ -258,5 +263,87 @@ fn mesh_files() {
         let text = format!("*Mesh, input=\"{}\"\n", path.display());
         let prepared = job::prepare_text("fuzz.inp", &text, &[], &Routines::none());
         let _ = prepared.diagnostics.render(&prepared.deck.sources);
+    });
+}
+
+/// Keeps the first state and stops there.
+#[derive(Default)]
+struct First(Vec<u8>);
+
+impl Sink for First {
+    fn wants_frames(&self) -> bool {
+        false
+    }
+    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
+        Ok(())
+    }
+    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), String> {
+        Ok(())
+    }
+    fn keeps(&self) -> bool {
+        self.0.is_empty()
+    }
+    fn keep(&mut self, state: &[u8], _now: &revolve::state::Instant) -> Result<(), String> {
+        self.0 = state.to_vec();
+        Ok(())
+    }
+}
+
+/// Takes a state up in a plan and ends behind one increment; the increments behind, or why it does not fit.
+fn take_up(text: &str, control: Control<'_>) -> (Result<u64, String>, Vec<u8>) {
+    let mut prepared = common::prepared(text, &[], &Routines::none());
+    let mut first = First::default();
+    let outcome = solve::run_with(&mut prepared.plan, &mut first, control);
+    (outcome.map(|o| o.increments), first.0)
+}
+
+/// Bytes changed at random, with a checksum that is right again: the file is refused with a reason, or it is the one that
+/// was written but for words. States that are too short, too long or of another deck are refused. (Numbers inside a state
+/// that fits are the checksum's to keep.)
+#[test]
+fn checkpoints() {
+    let decks = [common::ogive(), std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck")];
+    let signal = AtomicUsize::new(15);
+    let end = Control { interrupt: Some(&signal), ..Control::default() };
+    let states = decks.each_ref().map(|text| {
+        let every = Some(Every::Increments(1));
+        take_up(text, Control { every, ..end }).1
+    });
+    assert!(states.iter().all(|s| s.len() > 100));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("job.checkpoint");
+    let identity = Identity { deck: "d".into(), parameters: "p".into(), mesh: "m".into(), user: String::new() };
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    let whole = Checkpoint { version, identity, shown: vec![1, 2, 3], state: states[0].clone(), ..Default::default() };
+    whole.clone().write(&path).expect("a file");
+    let bytes = std::fs::read(&path).expect("bytes");
+    let input = (any::<bool>(), any::<u32>(), any::<u32>(), any::<u8>(), changes());
+    fuzz("checkpoints", &input, |(mended, at, length, value, changes)| {
+        let mut changed = bytes.clone();
+        for (_, at, with) in changes {
+            // Mostly in the head, where lengths are.
+            let at = if at % 2 == 0 { *at as usize % 200 } else { *at as usize % changed.len() };
+            changed[at] = *with as u8;
+        }
+        if value % 3 == 0 {
+            changed.truncate(*at as usize % (changed.len() + 1));
+        }
+        if *mended && changed.len() > 40 {
+            let sum = Sha256::digest(&changed[40..]);
+            changed[8..40].copy_from_slice(&sum);
+        }
+        std::fs::write(&path, &changed).expect("a file");
+        if let Err(refused) = Checkpoint::read(&path) {
+            assert!(["K001", "K002"].contains(&refused.code), "{refused:?}");
+        }
+        let which = usize::from(value % 2 == 0);
+        let (own, other) = (&states[which], &states[1 - which]);
+        let cut = *length as usize % own.len();
+        let longer = [&own[..], &other[..cut % other.len() + 1]].concat();
+        for state in [&own[..cut], &longer[..], &other[..]] {
+            let (taken, _) = take_up(&decks[which], Control { state: Some(state), ..end });
+            assert!(taken.is_err(), "a state of {} bytes where {} belong", state.len(), own.len());
+        }
+        assert!(take_up(&decks[which], Control { state: Some(own), ..end }).0.is_ok());
     });
 }
