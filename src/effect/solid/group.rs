@@ -189,8 +189,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
 /// Areas of the sections of a block's elements, and their volumes.
 fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
     let mut sizes = [[1.0; LANES]; 2];
-    for (l, element) in elements.iter().enumerate() {
-        let corners = element.map(|n| nodes[n as usize].place());
+    for l in 0..LANES {
+        // Lanes behind the last element repeat it.
+        let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
         let [a, b, c, d] = corners;
         sizes[0][l] = 0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (d[0] - b[0]) * (c[1] - a[1]));
         sizes[1][l] = quad::volume(corners);
