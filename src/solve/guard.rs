@@ -4,7 +4,9 @@
 
 use super::Run;
 use crate::effect::Halt;
+use crate::effect::solid::body::Solid;
 use crate::plan::StepPlan;
+use crate::state::Instant;
 
 /// The smallest stable increment over the length of the step: below it the step would take more than ten thousand million
 /// increments, which only an element that collapses asks for.
@@ -23,7 +25,13 @@ impl Run<'_> {
     ///
     /// # Errors
     /// Where they are not finite, or pass a limit that halts.
+    #[inline(always)]
     pub(super) fn guard_energy(&mut self, step: &StepPlan) -> Result<(), Halt> {
+        if self.balance.is_finite() && step.energy_limit.is_none() { Ok(()) } else { self.look_at_energy(step) }
+    }
+
+    #[inline(never)]
+    fn look_at_energy(&mut self, step: &StepPlan) -> Result<(), Halt> {
         if !self.balance.is_finite() {
             let reason = format!(
                 "the energy of the scene is no finite number at increment {}, time {:e}",
@@ -53,20 +61,24 @@ impl Run<'_> {
     ///
     /// # Errors
     /// If one of them has collapsed so far that it would not.
+    #[inline(always)]
     pub(super) fn guard_increment(&self, step: &StepPlan) -> Result<(), Halt> {
-        let Some(solid) = &self.solid else { return Ok(()) };
-        let stable = solid.stable_increment();
-        if stable >= FLOOR * step.duration {
-            return Ok(());
+        match &self.solid {
+            Some(solid) if solid.stable_increment() < FLOOR * step.duration => Err(collapsed(solid, &self.now)),
+            _ => Ok(()),
         }
-        let (group, element) = solid.limiting();
-        let reason = format!(
-            "element {} has collapsed: at increment {}, time {:e} its stable increment is {stable:e}, with which the step \
-             would need more than 1e10 increments",
-            solid.element_names[group][element], self.now.increment, self.now.total_time
-        );
-        Err(Halt { code: "R209", reason })
     }
+}
+
+#[cold]
+fn collapsed(solid: &Solid, now: &Instant) -> Halt {
+    let (stable, (group, element)) = (solid.stable_increment(), solid.limiting());
+    let reason = format!(
+        "element {} has collapsed: at increment {}, time {:e} its stable increment is {stable:e}, with which the step \
+         would need more than 1e10 increments",
+        solid.element_names[group][element], now.increment, now.total_time
+    );
+    Halt { code: "R209", reason }
 }
 
 #[cfg(test)]

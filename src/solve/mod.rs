@@ -422,7 +422,8 @@ impl<'a> Run<'a> {
         if let Some(solid) = &mut self.solid {
             solid.accelerate(&step.given);
             solid.accelerate_ties(&self.bodies);
-            if self.now.increment < STARTING {
+            // An increment that the deck fixes follows nothing.
+            if self.now.increment < STARTING && matches!(step.control, IncrementControl::Automatic { .. }) {
                 solid.guard_start();
             }
             for wall in &solid.walls {
