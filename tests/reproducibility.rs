@@ -10,7 +10,7 @@ use std::fs;
 
 use common::solid::{grid, material};
 use common::{pairs, project};
-use revolve::effect::solid::instructions::Instructions;
+use revolve::element::instructions::Instructions;
 use revolve::job;
 use revolve::user::Routines;
 use revolve::user::compile::compile;
