@@ -2,7 +2,7 @@
 //! Never here: criteria of failure.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
-use super::Corners;
+use crate::kernel::lanes::Corners;
 use super::block::{Block, Nodes, Stage};
 use super::constants::Constants;
 use crate::kernel::lanes::LANES;

@@ -10,8 +10,9 @@
 use nalgebra::SMatrix;
 use sprs::CsMatI;
 
-use crate::element::body::{Given, Solid};
-use crate::element::group::Group;
+use super::elements::Elements;
+use crate::state::nodes::Nodes;
+use super::group::ElementGroup;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Steps of Lanczos' method.
@@ -60,12 +61,12 @@ pub(super) struct Standing {
 
 impl HighestFrequency {
     /// For a body; `None` where some of it is not linear elastic for small strains.
-    pub fn new(solid: &Solid) -> Option<HighestFrequency> {
-        if solid.groups.iter().any(|g| !g.is_empty() && g.stiffness(0, &solid.nodes).is_none()) {
+    pub fn new(elements: &Elements, nodes: &Nodes) -> Option<HighestFrequency> {
+        if elements.groups.iter().any(|g| !g.is_empty() && g.stiffness(0, nodes.as_slice()).is_none()) {
             return None;
         }
-        let zeros = || vec![[0.0; 2]; solid.nodes.len()];
-        let (operator, roots) = (pattern(solid), zeros());
+        let zeros = || vec![[0.0; 2]; nodes.len()];
+        let (operator, roots) = (pattern(elements, nodes.len()), zeros());
         Some(HighestFrequency { operator, roots, vectors: [zeros(), zeros(), zeros()], standing: Standing::default() })
     }
 
@@ -76,29 +77,29 @@ impl HighestFrequency {
     }
 
     /// Begins a step: with other motions given the highest frequency is another.
-    fn begin(&mut self, solid: &Solid, given: &[Given]) {
+    fn begin(&mut self, elements: &Elements, nodes: &Nodes, held: &Held<'_>) {
         self.standing = Standing { count: self.standing.count, ..Standing::default() };
-        for (roots, mass) in self.roots.iter_mut().zip(&solid.mass) {
+        for (roots, mass) in self.roots.iter_mut().zip(&nodes.mass) {
             *roots = [1.0 / mass.sqrt(); 2];
         }
         // Nodes that a rigid body moves have no mass of their own here. Together they have at least that of their elements
         // and no more stiffness than each alone.
-        let own = if solid.ties.is_empty() { Vec::new() } else { solid.masses_of_elements() };
-        for &n in solid.ties.iter().flat_map(|tie| &tie.nodes) {
+        let own = if held.carried.is_empty() { Vec::new() } else { elements.masses_of_elements(nodes.len()) };
+        for &n in held.carried {
             self.roots[n] = [0.0, 1.0 / own[n].sqrt()];
         }
-        for g in given {
-            self.roots[g.node][g.axis] = 0.0;
+        for &(node, axis) in held.prescribed {
+            self.roots[node][axis] = 0.0;
         }
         self.roots.as_flattened_mut().iter_mut().filter(|r| !r.is_finite()).for_each(|r| *r = 0.0);
     }
 
     /// Puts the stiffness of all elements into the operator.
-    fn assemble(&mut self, solid: &Solid) {
+    fn assemble(&mut self, elements: &Elements, nodes: &Nodes) {
         self.operator.data_mut().fill([0.0; 4]);
-        for group in &solid.groups {
+        for group in &elements.groups {
             for e in 0..group.len() {
-                let Some(matrix) = group.stiffness(e, &solid.nodes) else { continue };
+                let Some(matrix) = group.stiffness(e, nodes.as_slice()) else { continue };
                 self.add(&group.corners(e), &matrix);
             }
         }
@@ -218,10 +219,9 @@ fn dot(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 }
 
 /// Zeros where two nodes share an element.
-fn pattern(solid: &Solid) -> Operator {
-    let count = solid.nodes.len();
+fn pattern(elements: &Elements, count: usize) -> Operator {
     let mut neighbours = vec![Vec::new(); count];
-    for group in &solid.groups {
+    for group in &elements.groups {
         for corners in (0..group.len()).map(|e| group.corners(e)) {
             for a in corners {
                 neighbours[a as usize].extend(corners);
@@ -266,16 +266,24 @@ impl Standing {
     }
 }
 
-impl Solid {
+/// What constraints hold of the nodes.
+pub struct Held<'a> {
+    /// Node and axis of motions that are prescribed.
+    pub prescribed: &'a [(usize, usize)],
+    /// Nodes that rigid bodies carry.
+    pub carried: &'a [usize],
+}
+
+impl Elements {
     /// Begins a step in which the highest frequency of the whole bounds the increment, or not.
-    pub fn begin_frequency(&mut self, asked: bool, given: &[Given]) {
+    pub fn begin_frequency(&mut self, asked: bool, nodes: &Nodes, held: &Held<'_>) {
         self.frequency_asked = asked;
         let mut cap = f64::INFINITY;
         if let Some(mut frequency) = self.frequency.take() {
-            frequency.begin(self, given);
+            frequency.begin(self, nodes, held);
             if asked {
                 // At once: an increment that jumps would jump the energy of the highest modes.
-                frequency.renew(self);
+                frequency.renew(self, nodes);
                 cap = frequency.standing.cap(0.0);
             }
             self.frequency = Some(frequency);
@@ -284,7 +292,7 @@ impl Solid {
     }
 
     /// After a pass over the elements: the bound for the next.
-    pub(super) fn bound_frequency(&mut self) {
+    pub(super) fn bound_frequency(&mut self, nodes: &Nodes) {
         if !self.frequency_asked {
             return;
         }
@@ -303,15 +311,15 @@ impl Solid {
             standing.age += 1;
         }
         if standing.found == 0.0 && standing.age > standing.pause && rate.is_finite() {
-            frequency.renew(self);
+            frequency.renew(self, nodes);
         }
         let cap = frequency.standing.cap(deformed);
         self.groups.iter_mut().for_each(|g| g.cap(cap));
         self.frequency = Some(frequency);
     }
 
-    fn masses_of_elements(&self) -> Vec<f64> {
-        let mut masses = vec![0.0; self.nodes.len()];
+    fn masses_of_elements(&self, nodes: usize) -> Vec<f64> {
+        let mut masses = vec![0.0; nodes];
         for group in &self.groups {
             for e in 0..group.len() {
                 for (n, mass) in group.corners(e).into_iter().zip(group.corner_masses(e)) {
@@ -323,11 +331,11 @@ impl Solid {
     }
 
     /// One over the increment that single elements allow.
-    fn rate_by_elements(&self) -> f64 {
-        let alive = |group: &dyn Group, e: &usize| group.status(*e) != Some(0.0);
-        let of_group = |group: &dyn Group| {
+    fn rate_by_elements(&self, nodes: &Nodes) -> f64 {
+        let alive = |group: &dyn ElementGroup, e: &usize| group.alive(*e);
+        let of_group = |group: &dyn ElementGroup| {
             let elements = (0..group.len()).filter(|e| alive(group, e));
-            let rate = |e| group.own_rate(e, &group.corner_masses(e), &self.nodes).unwrap_or(0.0);
+            let rate = |e| group.own_rate(e, &group.corner_masses(e), nodes.as_slice()).unwrap_or(0.0);
             elements.map(rate).fold(0.0, f64::max)
         };
         self.groups.iter().map(|group| of_group(&**group)).fold(0.0, f64::max)
@@ -341,12 +349,12 @@ impl Solid {
 
 impl HighestFrequency {
     /// A new estimate on the present nodes.
-    fn renew(&mut self, solid: &Solid) {
-        self.assemble(solid);
+    fn renew(&mut self, elements: &Elements, nodes: &Nodes) {
+        self.assemble(elements, nodes);
         let found = self.find();
         let standing = &mut self.standing;
         standing.count += 1;
-        (standing.age, standing.grown, standing.by_elements) = (0, 0.0, solid.rate_by_elements());
+        (standing.age, standing.grown, standing.by_elements) = (0, 0.0, elements.rate_by_elements(nodes));
         standing.found = if found.is_finite() { found } else { 0.0 };
     }
 }

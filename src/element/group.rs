@@ -1,12 +1,13 @@
 //! A group of elements: its blocks, dispatched to the instruction set of the machine, spread over threads.
 //! Never here: arithmetic.
 
+use std::sync::Arc;
+
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::element::Corners;
+use crate::kernel::lanes::Corners;
 use crate::element::block::{Block, Nodes, Stage, Sums, across, is_larger};
-use crate::element::body::PARALLEL;
 use crate::element::constants::Constants;
 use crate::element::quiescent::Rest;
 use crate::element::record::{Followed, Record};
@@ -20,6 +21,7 @@ use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
+use crate::user::UserMaterial;
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
 pub(super) const TASK: usize = 64;
@@ -45,21 +47,19 @@ pub struct Totals {
 }
 
 /// Elements of one kind and one material.
-pub trait Group: Persist {
+pub trait ElementGroup: Persist + Send + Sync {
     /// Number of elements.
     fn len(&self) -> usize;
     /// Whether there is none.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Tells the time at the end of the increment that comes next.
-    fn tell(&mut self, _now: &Instant) {}
     /// Why no stress could be given, where the user's routine failed.
     fn failure(&self) -> Option<Halt> {
         None
     }
     /// Stresses at the end of an increment, and forces on the corners.
-    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals;
+    fn update(&mut self, pass: Pass<'_>) -> Totals;
     /// Stress of an element: rr, zz, hoop, rz.
     fn stress(&self, element: usize) -> [f64; 4];
     /// Equivalent plastic strain of an element; `None` if nothing flows.
@@ -94,6 +94,12 @@ pub trait Group: Persist {
     fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
         None
     }
+    /// Whether an element carries; one that does not is deleted.
+    fn alive(&self, element: usize) -> bool {
+        self.status(element) != Some(0.0)
+    }
+    /// Whether elements can be deleted at all.
+    fn can_delete(&self) -> bool;
     /// 1 for an element that carries, 0 for one that is deleted.
     fn status(&self, element: usize) -> Option<f64>;
     /// Adds the corner nodes of elements that the last update deleted.
@@ -114,23 +120,47 @@ pub trait Group: Persist {
     fn use_arch(&mut self, _arch: Arch) {}
     /// Bytes that the elements occupy.
     fn bytes(&self) -> usize;
+    /// Another group in the same state.
+    fn copy(&self) -> Box<dyn ElementGroup>;
     /// Volume of an element now.
     fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
         quad::volume(self.corners(element).map(|n| nodes[n as usize].place()))
     }
 }
 
+/// What a pass over the elements of a group is given.
+pub struct Pass<'a> {
+    /// All nodes, where they are now.
+    pub nodes: &'a [Node],
+    /// Length of the increment behind.
+    pub dt: f64,
+    /// Now.
+    pub now: &'a Instant,
+    /// Whether other threads may take part.
+    pub threads: bool,
+    /// The user's material, where there is one.
+    pub user: Option<&'a mut (dyn UserMaterial + 'static)>,
+    /// Where the corner forces of the group's blocks go.
+    pub corners: &'a mut [Corners],
+}
+
+impl Clone for Box<dyn ElementGroup> {
+    fn clone(&self) -> Self {
+        self.copy()
+    }
+}
+
+/// Elements of a group from which on it pays to wake other threads every increment.
+pub(super) const PARALLEL: usize = 6000;
+
 /// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area.
 pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false> {
-    hardening: H,
-    volumetric: V,
-    failure: F,
+    laws: Arc<(H, V, F)>,
     constants: Constants,
     count: usize,
     blocks: Vec<Block<H::State, V::State, F::State>>,
     tasks: Vec<Stage>,
     arch: Arch,
-    parallel: bool,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
     rests: Vec<Rest>,
@@ -171,20 +201,32 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
             block
         };
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
-        let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
         Quads {
-            hardening,
-            volumetric,
-            failure,
+            laws: Arc::new((hardening, volumetric, failure)),
             constants,
             count: elements.len(),
             tasks: vec![Stage::new(); blocks.len().div_ceil(TASK)],
             blocks,
             arch: Arch::new(),
-            parallel,
             rests: Rest::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
             cap: f64::INFINITY,
+        }
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Clone for Quads<H, V, F, AREA> {
+    fn clone(&self) -> Self {
+        Quads {
+            laws: Arc::clone(&self.laws),
+            constants: self.constants,
+            count: self.count,
+            blocks: self.blocks.clone(),
+            tasks: self.tasks.clone(),
+            arch: self.arch,
+            told: self.told.clone(),
+            rests: self.rests.clone(),
+            cap: self.cap,
         }
     }
 }
@@ -233,7 +275,8 @@ pub(super) fn block<S, Q, X>(
     block
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<H, V, F, AREA> {
+impl<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static, const AREA: bool> ElementGroup
+    for Quads<H, V, F, AREA> {
     fn len(&self) -> usize {
         self.count
     }
@@ -242,9 +285,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         self.arch = arch;
     }
 
-    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
-        let laws = (&self.hardening, &self.volumetric, &self.failure);
-        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
+    fn update(&mut self, pass: Pass<'_>) -> Totals {
+        let Pass { nodes, dt, threads, corners, .. } = pass;
+        let pass = Common { laws: &self.laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
         let arch = self.arch;
         let run = |index, blocks: &mut [Block<_, _, _>], corners: &mut [Corners], stage: &mut _, rest: &mut Rest| {
             if rest.asleep && rest.is_still(nodes) {
@@ -266,7 +309,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
                 && blocks.iter().all(|b| zero(&b.stress))
                 && rest.is_still(nodes);
         };
-        if !self.parallel {
+        if !threads || self.count < PARALLEL {
             let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK));
             let parts = parts.zip(self.tasks.iter_mut().zip(&mut self.rests)).enumerate();
             parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
@@ -287,7 +330,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
 
     fn bytes(&self) -> usize {
         let records: usize = self.tasks.iter().map(|t| size_of_val(&*t.records)).sum();
-        size_of_val(&*self.blocks) + records
+        let rests: usize = self.rests.iter().map(Rest::bytes).sum();
+        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + records + rests + self.told.capacity()
     }
 
     fn stress(&self, element: usize) -> [f64; 4] {
@@ -297,13 +341,13 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
 
     fn plastic_strain(&self, element: usize) -> Option<f64> {
         let block = &self.blocks[element / LANES];
-        H::FLOWS.then(|| self.hardening.plastic_strain(&block.state, element % LANES))
+        H::FLOWS.then(|| self.laws.0.plastic_strain(&block.state, element % LANES))
     }
 
     fn temperature(&self, element: usize) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
-        let by_energy = self.volumetric.temperature(&block.volumetric, lane);
-        by_energy.or_else(|| self.hardening.temperature(&block.state, lane))
+        let by_energy = self.laws.1.temperature(&block.volumetric, lane);
+        by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
@@ -312,8 +356,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
             list[lane] = value;
         }
         if let Some(temperature) = temperature {
-            self.hardening.heat(&mut block.state, lane, temperature);
-            self.volumetric.heat(&mut block.volumetric, lane, temperature);
+            self.laws.0.heat(&mut block.state, lane, temperature);
+            self.laws.1.heat(&mut block.volumetric, lane, temperature);
         }
     }
 
@@ -375,7 +419,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
     }
 
     fn status(&self, element: usize) -> Option<f64> {
-        let alive = self.failure.alive(&self.blocks[element / LANES].failure, element % LANES);
+        let alive = self.laws.2.alive(&self.blocks[element / LANES].failure, element % LANES);
         Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
     }
 
@@ -388,16 +432,24 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         self.told = told;
     }
 
+    fn can_delete(&self) -> bool {
+        F::FAILS
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
     fn holds_state(&self) -> bool {
         V::VARIES
     }
 
     fn energy(&self, element: usize) -> Option<f64> {
-        self.volumetric.energy(&self.blocks[element / LANES].volumetric, element % LANES)
+        self.laws.1.energy(&self.blocks[element / LANES].volumetric, element % LANES)
     }
 
     fn set_energy(&mut self, element: usize, energy: f64) {
-        self.volumetric.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
+        self.laws.1.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
     }
 
     fn corners(&self, element: usize) -> [u32; 4] {
@@ -405,9 +457,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
     }
 }
 
-/// One pass over the elements.
-struct Pass<'a, H, V, F> {
-    laws: (&'a H, &'a V, &'a F),
+/// What all blocks of one pass share.
+struct Common<'a, H, V, F> {
+    laws: &'a (H, V, F),
     constants: &'a Constants,
     count: usize,
     nodes: &'a [Node],
@@ -417,7 +469,7 @@ struct Pass<'a, H, V, F> {
 
 /// The blocks that a thread takes at once.
 struct Task<'a, H: Hardening, V: Volumetric, F: Failure, const AREA: bool> {
-    pass: &'a Pass<'a, H, V, F>,
+    pass: &'a Common<'a, H, V, F>,
     index: usize,
     blocks: &'a mut [Block<H::State, V::State, F::State>],
     corners: &'a mut [Corners],
@@ -432,6 +484,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
     fn call(self) {
         let stage = self.stage;
         let pass = self.pass;
+        let laws = (&pass.laws.0, &pass.laws.1, &pass.laws.2);
         stage.sums = Sums::default();
         stage.deaths = 0;
         (stage.cap, stage.deformed) = (pass.cap, [[0.0; LANES]; 2]);
@@ -440,7 +493,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
-            block.update::<H, V, F, AREA>(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
+            block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, stage, corners);
             if !stage.records.is_empty() {
                 stage.follow(i, block, H::FLOWS, &places, pass.dt);
             }
@@ -449,7 +502,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
 }
 
 /// Adds the corner nodes of elements whose deletion has not been told, and counts it as told.
-pub(super) fn tell_deleted(group: &impl Group, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
+pub(super) fn tell_deleted(group: &impl ElementGroup, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
     for (element, told) in told.iter_mut().enumerate() {
         if !*told && group.status(element) == Some(0.0) {
             *told = true;
@@ -485,15 +538,12 @@ pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Quads {
-            hardening: _,
-            volumetric: _,
-            failure: _,
+            laws: _,
             constants: _,
             count: _,
             blocks,
             tasks,
             arch: _,
-            parallel: _,
             told,
             rests,
             cap,
@@ -513,8 +563,8 @@ impl Persist for Totals {
 mod tests {
     use pulp::Arch;
 
-    use super::{Group, Quads};
-    use crate::element::Corners;
+    use super::{ElementGroup, Pass, Quads};
+    use crate::kernel::lanes::Corners;
     use crate::element::body::{Gather, Solid};
     use crate::element::constants::Constants;
     use crate::kernel::lanes::LANES;

@@ -3,7 +3,7 @@
 
 use pulp::Arch;
 
-use crate::element::Corners;
+use crate::kernel::lanes::Corners;
 use crate::element::constants::Constants;
 use crate::element::group::{Group, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};

@@ -121,7 +121,7 @@ impl Observing {
 
     /// Shows what is due: rows and frames at their marks, at the very start, and at the end of each step.
     #[inline]
-    pub(super) fn show(&mut self, run: &Run<'_>, step: &StepPlan, sink: &mut dyn Sink) -> Result<(), Halt> {
+    pub(super) fn show(&mut self, run: &mut Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
         if run.now.step_time < self.next_time && run.now.increment < self.next_increment && run.wish == Wish::Continue {
             return Ok(());
         }
