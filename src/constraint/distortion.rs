@@ -126,7 +126,7 @@ impl Solid {
             let (places, velocities) = (nodes.map(|n| [n.r, n.z]), nodes.map(|n| [n.v_r, n.v_z]));
             let mut found = controlled.push(&places, &velocities, self.behind, self.distortion_time);
             let (group, element) = controlled.place;
-            if found.is_some() && self.groups[group].status(element) == Some(0.0) {
+            if found.is_some() && self.groups[group].is_deleted(element) {
                 found = None;
             }
             if found.is_none() && controlled.force == [[0.0; 2]; 4] {

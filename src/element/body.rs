@@ -17,6 +17,7 @@ use crate::element::mass_scaling::Masses;
 use crate::element::quiescent::{Awake, FEW};
 use crate::element::rings::Rings;
 use crate::kernel::lanes::LANES;
+use crate::kernel::quad;
 use crate::state::EffectId;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
@@ -336,7 +337,7 @@ impl Solid {
         let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
         let count = nodes.len();
         // Room for all that may fail: nothing allocates inside an increment.
-        let fragile = groups.iter().filter(|g| !g.is_empty() && g.status(0).is_some()).map(|g| g.len()).sum();
+        let fragile = groups.iter().map(|g| g.len()).sum();
         Solid {
             start: nodes.iter().map(|n| [n.r, n.z]).collect(),
             inverse_mass: mass.iter().map(|&m| if m > 0.0 { 1.0 / m } else { 0.0 }).collect(),
@@ -479,7 +480,7 @@ impl Solid {
             return halt;
         }
         let element = &self.element_names[group][totals.limiting];
-        let volume = self.groups[group].volume(totals.limiting, &self.nodes);
+        let volume = quad::volume(self.groups[group].corners(totals.limiting).map(|n| self.nodes[n as usize].place()));
         let why = if volume > 0.0 { "its state is not finite" } else { "it has turned inside out" };
         let reason = format!(
             "element {element} failed at increment {}, time {:e}: {why} (volume {volume:e})",

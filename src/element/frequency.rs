@@ -324,7 +324,7 @@ impl Solid {
 
     /// One over the increment that single elements allow.
     fn rate_by_elements(&self) -> f64 {
-        let alive = |group: &dyn Group, e: &usize| group.status(*e) != Some(0.0);
+        let alive = |group: &dyn Group, e: &usize| !group.is_deleted(*e);
         let of_group = |group: &dyn Group| {
             let elements = (0..group.len()).filter(|e| alive(group, e));
             let rate = |e| group.own_rate(e, &group.corner_masses(e), &self.nodes).unwrap_or(0.0);

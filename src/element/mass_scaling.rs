@@ -157,7 +157,7 @@ impl Solid {
         // A deleted element has no increment; its mass stays.
         let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
             let group = &self.groups[g];
-            let own = if group.status(e) == Some(0.0) { None } else { group.own_rate(e, &corners[g][e], &self.nodes) };
+            let own = if group.is_deleted(e) { None } else { group.own_rate(e, &corners[g][e], &self.nodes) };
             own.map_or(0.0, |rate| rate / factors[g][e].sqrt())
         };
         for &(g, e) in &request.elements {
@@ -209,7 +209,7 @@ impl Solid {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
                 let own = group.own_rate(e, &masses.corners[g][e].map(|m| m * factor), &self.nodes);
-                if let Some(rate) = own.filter(|_| group.status(e) != Some(0.0)) {
+                if let Some(rate) = own.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);
                 }
             }

@@ -19,6 +19,7 @@ pub mod rings;
 #[cfg(test)]
 mod same_bits;
 pub mod user_quads;
+pub mod values;
 pub mod volume_guard;
 
 use crate::kernel::lanes::Lanes;

@@ -4,6 +4,7 @@
 
 use crate::element::body::Solid;
 use crate::element::group::Group;
+use crate::output::variables::Variable;
 use crate::state::archive::{Archive, Persist};
 
 /// Nodes of elements that are weighted by area.
@@ -19,7 +20,9 @@ impl Rings {
     /// For all elements of a body.
     pub fn new(solid: &Solid) -> Rings {
         let quarter = |mass: f64| 0.25 * mass / (2.0 * std::f64::consts::PI);
-        let of_group = |g: &dyn Group| (0..g.len()).map(|e| quarter(g.mass(e))).collect();
+        let of_group = |g: &dyn Group| {
+            (0..g.len()).map(|e| quarter(g.value(e, Variable::Mass.into()).unwrap_or_default())).collect()
+        };
         Rings { quarters: solid.groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; solid.nodes.len()] }
     }
 

@@ -10,6 +10,7 @@ pub mod user_amplitude;
 pub mod user_body;
 pub mod user_load;
 
+use crate::output::variables::Variable;
 use crate::state::archive::Persist;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
@@ -49,6 +50,19 @@ pub struct FacetFields {
     pub normal_velocity: Vec<f64>,
     /// Number (from 1) of the layer that takes the largest part of the facet's area; 0 outside any.
     pub layer: Vec<f64>,
+}
+
+impl FacetFields {
+    /// What a facet, by its index here, has of a variable of facets; `None` where loads do not tell it.
+    pub fn value(&self, facet: usize, variable: Variable) -> Option<f64> {
+        let values = match variable {
+            Variable::FacetPressure => &self.pressure,
+            Variable::NormalVelocity => &self.normal_velocity,
+            Variable::Layer => &self.layer,
+            _ => return None,
+        };
+        values.get(facet).copied()
+    }
 }
 
 /// A force of the scene.

@@ -36,7 +36,7 @@ use crate::state::EffectId;
 use crate::user::{Routines, SharedEvents};
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
-pub use outputs::{COMPONENTS, Column, ElementVariable, FieldVariable, Outputs, Quantity, Schedule};
+pub use outputs::{Column, FrameField, Outputs, Schedule, Source};
 pub use solid::SolidPlaces;
 
 /// What is to be run: every effect the deck asks for, and nothing else.
@@ -56,7 +56,7 @@ pub struct Plan {
     /// Names of the history columns, the same in every step.
     pub columns: Vec<Column>,
     /// Variables shown on nodes in frames.
-    pub fields: Vec<FieldVariable>,
+    pub fields: Vec<FrameField>,
     /// User amplitudes: asked once an increment, whatever the step.
     pub asking: Vec<Box<dyn Asking>>,
     /// The user's routine that is told how the analysis goes.

@@ -11,6 +11,7 @@ use crate::element::group::Group;
 use crate::element::rings::Rings;
 use crate::kernel::quad::{self, corner_masses};
 use crate::model::{IncrementControl, InitialKind, SolidSection, Step};
+use crate::output::variables::Variable;
 use crate::state::nodes::Node;
 
 /// Where deformable nodes and elements of the mesh went.
@@ -184,7 +185,7 @@ impl Compiler<'_> {
                 }
                 InitialKind::Energy(value) => {
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
-                        if solid.groups[*group].energy(*i).is_none() {
+                        if solid.groups[*group].value(*i, Variable::SpecificEnergy.into()).is_none() {
                             let message = "an energy a mass needs a material with *EOS";
                             self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                             break;

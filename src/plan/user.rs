@@ -15,6 +15,8 @@ use crate::load::Force;
 use crate::load::user_amplitude::{Sensed, UserAmplitude};
 use crate::load::user_load::{Point, UserLoad, UserPressure};
 use crate::model::{AmplitudeDefinition, Boundary, ElementKind, Load, OutputRequest, Region, Sides};
+use crate::output::asked::Asked;
+use crate::output::variables::{Part, Variable};
 use crate::state::magnitude::Magnitude;
 use crate::state::magnitude::Shape;
 
@@ -163,10 +165,11 @@ impl Compiler<'_> {
         let Region::Nodes(set) = &request.region else { return None };
         let [node] = self.model.node_sets.get(set)?.members[..] else { return None };
         let body = *self.body_of_node.get(&node)?;
-        match request.variables.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-            ["U2"] => Some(Sensed::Displacement(body)),
-            ["V2"] => Some(Sensed::Velocity(body)),
-            ["A2"] => Some(Sensed::Acceleration(body)),
+        let [Asked::One(Part { variable, component: 1 })] = request.variables[..] else { return None };
+        match variable {
+            Variable::Displacement => Some(Sensed::Displacement(body)),
+            Variable::Velocity => Some(Sensed::Velocity(body)),
+            Variable::Acceleration => Some(Sensed::Acceleration(body)),
             _ => None,
         }
     }

@@ -27,7 +27,7 @@ use energy::Balance;
 pub use energy::Energy;
 use increment::{End, Increment, Pace};
 use observe::Observing;
-pub use observe::{Sink, element_value};
+pub use observe::{Sink, node_value};
 use restart::{At, Keeping};
 pub use restart::{Control, Every};
 

@@ -3,8 +3,11 @@
 
 use super::{Energy, Run};
 use crate::element::body::Solid;
+use crate::element::values;
+use crate::model::Position;
+use crate::output::variables::{Part, Place, Variable};
 use crate::output::{Field, Frame};
-use crate::plan::{COMPONENTS, ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
+use crate::plan::{Column, FrameField, Plan, Schedule, Source, StepPlan};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
@@ -175,7 +178,7 @@ impl Observing {
     fn show_row(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
         let energy = run.balance.energy();
         for (value, column) in self.row.iter_mut().zip(&run.plan.columns) {
-            *value = run.value(column.quantity, &energy);
+            *value = run.value(column, &energy);
         }
         self.shown[0] = Some(run.now.increment);
         sink.row(run.now.total_time, &self.row).map_err(unwritten)
@@ -186,73 +189,70 @@ pub(super) fn unwritten(reason: String) -> Halt {
     Halt { code: "R205", reason }
 }
 
-/// A number of an element; not a number where its group does not have it.
-pub fn element_value(solid: &Solid, group: usize, e: usize, variable: ElementVariable) -> f64 {
-    let (group, nodes) = (&*solid.groups[group], &solid.nodes);
-    if !variable.is_of(group, e) {
-        return f64::NAN;
+/// A number of a node of what deforms; not a number where nodes do not have it.
+pub fn node_value(solid: &Solid, node: usize, part: Part) -> f64 {
+    let axis = part.component;
+    match part.variable {
+        Variable::Displacement => solid.displacement(node)[axis],
+        Variable::Velocity => solid.velocity_now(node)[axis],
+        Variable::Acceleration => solid.acceleration[node][axis],
+        Variable::Reaction => solid.reaction(node, axis),
+        Variable::Coordinate => solid.place(node)[axis],
+        _ => f64::NAN,
     }
-    let followed = || group.followed(e).unwrap_or_default();
-    // Strains are told with the engineering shear, as ABAQUS does.
-    let strain = |tensor: [f64; 4], i: usize| if i == 3 { 2.0 * tensor[3] } else { tensor[i] };
-    let stress = group.stress(e);
-    let [rr, zz, hoop, rz] = stress;
+}
+
+/// A number of the whole model; not a number where it does not have it.
+fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
     match variable {
-        ElementVariable::Stress(i) => stress[i],
-        ElementVariable::Pressure => -(rr + zz + hoop) / 3.0,
-        ElementVariable::Mises => {
-            let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
-            (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()
-        }
-        ElementVariable::PlasticStrain => group.plastic_strain(e).unwrap_or(f64::NAN),
-        ElementVariable::Temperature => group.temperature(e).unwrap_or(f64::NAN),
-        ElementVariable::LogarithmicStrain(i) => strain(followed().strain, i),
-        ElementVariable::PlasticComponent(i) => strain(followed().plastic, i),
-        ElementVariable::StrainRate(i) => strain(followed().rate, i),
-        ElementVariable::StrainEnergy => followed().energy[0] / group.volume(e, nodes),
-        ElementVariable::PlasticEnergy => followed().energy[1] / group.volume(e, nodes),
-        ElementVariable::Status => group.status(e).unwrap_or(1.0),
-        ElementVariable::Volume => group.volume(e, nodes),
-        ElementVariable::Density => group.mass(e) / group.volume(e, nodes),
-        ElementVariable::State(i) => group.state_variable(e, i).unwrap_or(f64::NAN),
+        Variable::KineticEnergy => energy.kinetic,
+        Variable::Work => energy.work,
+        Variable::FrictionEnergy => energy.friction,
+        Variable::CavityEnergy => energy.cavity,
+        Variable::InternalEnergy => energy.internal,
+        Variable::AllStrainEnergy => energy.strain,
+        Variable::AllPlasticEnergy => energy.plastic,
+        Variable::ViscousEnergy => energy.viscous,
+        Variable::ArtificialEnergy => energy.artificial,
+        Variable::ConstraintWork => energy.contact,
+        Variable::DistortionEnergy => energy.distortion,
+        Variable::TotalEnergy => energy.total,
+        Variable::TimeIncrement => increment,
+        _ => f64::NAN,
     }
 }
 
 impl Run<'_> {
-    fn solid(&self) -> Option<&Solid> {
-        self.solid.as_ref()
-    }
-
-    fn value(&self, quantity: Quantity, energy: &Energy) -> f64 {
-        let bodies = &self.bodies;
-        match quantity {
-            Quantity::Displacement(b) => bodies[b].displacement,
-            Quantity::Velocity(b) => bodies[b].velocity,
-            Quantity::Acceleration(b) => bodies[b].acceleration,
-            Quantity::Reaction(b) => bodies[b].reaction,
-            Quantity::Coordinate(node, b) => self.plan.mesh.points[node][1] + bodies[b].displacement,
-            Quantity::NodeDisplacement(n, axis) => self.solid().map_or(0.0, |s| s.displacement(n)[axis]),
-            Quantity::NodeVelocity(n, axis) => self.solid().map_or(0.0, |s| s.velocity_now(n)[axis]),
-            Quantity::NodeAcceleration(n, axis) => self.solid().map_or(0.0, |s| s.acceleration[n][axis]),
-            Quantity::NodeReaction(n, axis) => self.solid().map_or(0.0, |s| s.reaction(n, axis)),
-            Quantity::NodeCoordinate(n, axis) => self.solid().map_or(0.0, |s| s.place(n)[axis]),
-            Quantity::Element(group, e, variable) => self.solid().map_or(0.0, |s| element_value(s, group, e, variable)),
-            Quantity::Internal => energy.internal,
-            Quantity::Strain => energy.strain,
-            Quantity::Plastic => energy.plastic,
-            Quantity::Viscous => energy.viscous,
-            Quantity::Contact => energy.contact,
-            Quantity::Artificial => energy.artificial,
-            Quantity::Distortion => energy.distortion,
-            Quantity::Zero => 0.0,
-            Quantity::Kinetic => energy.kinetic,
-            Quantity::Work => energy.work,
-            Quantity::Friction => energy.friction,
-            Quantity::Cavity => energy.cavity,
-            Quantity::Total => energy.total,
-            Quantity::Increment => self.last_increment,
+    fn value(&self, column: &Column, energy: &Energy) -> f64 {
+        let part = column.part;
+        match (column.source, &self.solid) {
+            (Source::Model, _) => model_value(energy, self.last_increment, part.variable),
+            (Source::Body { body, node }, _) => self.body_value(body, node, part),
+            (Source::Node(node), Some(solid)) => node_value(solid, node, part),
+            (Source::Element(group, e), Some(solid)) => element_value(solid, (group, e), part),
+            (_, None) => f64::NAN,
         }
     }
+
+    /// A number of a node (of the mesh) of a rigid body. Axial symmetry keeps it at its radius.
+    fn body_value(&self, body: usize, node: usize, part: Part) -> f64 {
+        let state = &self.bodies[body];
+        match (part.variable, part.component) {
+            (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
+            (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
+            (_, 0) => 0.0,
+            (Variable::Displacement, _) => state.displacement,
+            (Variable::Velocity, _) => state.velocity,
+            (Variable::Acceleration, _) => state.acceleration,
+            (Variable::Reaction, _) => state.reaction,
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// A number of an element; not a number where its group does not have it.
+fn element_value(solid: &Solid, (group, e): (usize, usize), part: Part) -> f64 {
+    values::value(&*solid.groups[group], &solid.nodes, e, part).unwrap_or(f64::NAN)
 }
 
 /// The scene now: what deforms, and facets of all rigid bodies at their current place.
@@ -274,18 +274,21 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.bodies[b].displacement]);
-            of_point.push(Owner::Body(b, node == body.reference));
+            of_point.push(Owner::Body(b, node));
         }
         elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
     }
     let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
     frame.cells = elements.iter().map(|&e| corners(e)).collect();
     let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
-    for &variable in &run.plan.fields {
-        match point_field(run, variable, &of_point) {
-            Some(field) => frame.point_fields.push(field),
-            None => frame.cell_fields.push(element_field(run, variable, &solid, elements.len())),
-        }
+    for field in &run.plan.fields {
+        let values = match (field.variable().place(), field.position) {
+            (Place::Node, _) => of_nodes(run, field, &of_point),
+            (_, Position::Element) => of_elements(run, field, &solid, elements.len()),
+            (_, Position::Nodes) => averaged_at_nodes(run, field, &solid, &frame),
+        };
+        let list = if field.is_on_points() { &mut frame.point_fields } else { &mut frame.cell_fields };
+        list.push(array(field, values));
     }
     frame.cell_fields.extend(facet_fields(run, step, &elements));
     frame
@@ -294,70 +297,62 @@ fn frame(run: &Run<'_>, step: &StepPlan) -> Frame {
 /// What a point of a frame moves with.
 #[derive(Clone, Copy)]
 enum Owner {
-    /// A rigid body; whether it is its reference node.
-    Body(usize, bool),
+    /// A rigid body, with the node of the mesh.
+    Body(usize, usize),
     /// Itself.
     Node(usize),
 }
 
-fn point_field(run: &Run<'_>, variable: FieldVariable, of_point: &[Owner]) -> Option<Field> {
-    let name = match variable {
-        FieldVariable::Displacement => "U",
-        FieldVariable::Velocity => "V",
-        FieldVariable::Acceleration => "A",
-        FieldVariable::Reaction => "RF",
-        _ => return None,
+fn array(field: &FrameField, values: Vec<f64>) -> Field {
+    let components = field.parts.len();
+    let labels = if components > 1 { field.parts.iter().map(|p| p.label()).collect() } else { Vec::new() };
+    Field { name: field.name.clone(), components, component_names: labels, values }
+}
+
+/// A variable of nodes over points. A rigid body's reaction is that of its reference node.
+fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[Owner]) -> Vec<f64> {
+    let value = |owner: &Owner, part: Part| match (*owner, &run.solid) {
+        (Owner::Body(b, node), _) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
+        (Owner::Body(b, node), _) => run.body_value(b, node, part),
+        (Owner::Node(n), Some(solid)) => node_value(solid, n, part),
+        (Owner::Node(_), None) => f64::NAN,
     };
-    let value = |owner: &Owner| match (*owner, &run.solid) {
-        (Owner::Body(b, reference), _) => {
-            let body = &run.bodies[b];
-            [
-                0.0,
-                match variable {
-                    FieldVariable::Displacement => body.displacement,
-                    FieldVariable::Velocity => body.velocity,
-                    FieldVariable::Reaction if reference => body.reaction,
-                    FieldVariable::Reaction => 0.0,
-                    _ => body.acceleration,
-                },
-            ]
+    let value = &value;
+    of_point.iter().flat_map(|owner| field.parts.iter().map(move |part| value(owner, *part))).collect()
+}
+
+/// A variable of elements over cells: those of deformable elements (group and element) come first. Cells that do not have
+/// it, as those of rigid bodies, hold NaN, which ParaView leaves out of ranges and draws in a colour of its own.
+fn of_elements(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)], cells: usize) -> Vec<f64> {
+    let value = |place, part: &Part| run.solid.as_ref().map_or(f64::NAN, |s| element_value(s, place, *part));
+    let value = &value;
+    let mut values: Vec<f64> = solid.iter().flat_map(|&e| field.parts.iter().map(move |p| value(e, p))).collect();
+    values.resize(cells * field.parts.len(), f64::NAN);
+    values
+}
+
+/// A variable of integration points over points: the mean over the elements around that have it and are not deleted, not
+/// weighted. An element has one such point, so that the value extrapolated to its corners is that of the point.
+fn averaged_at_nodes(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)], frame: &Frame) -> Vec<f64> {
+    let of_elements = of_elements(run, field, solid, solid.len());
+    let width = field.parts.len();
+    let (mut sums, mut counts) = (vec![0.0; width * frame.points.len()], vec![0_u32; frame.points.len()]);
+    let is_there = |&(group, e): &(usize, usize)| run.solid.as_ref().is_some_and(|s| !s.groups[group].is_deleted(e));
+    let elements = solid.iter().zip(of_elements.chunks(width)).zip(&frame.cells);
+    for ((_, values), corners) in elements.filter(|((e, v), _)| is_there(e) && v.iter().all(|x| !x.is_nan())) {
+        for &point in corners {
+            counts[point] += 1;
+            sums[width * point..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         }
-        (Owner::Node(n), Some(solid)) => match variable {
-            FieldVariable::Displacement => solid.displacement(n),
-            FieldVariable::Velocity => solid.velocity_now(n),
-            FieldVariable::Reaction => [solid.reaction(n, 0), solid.reaction(n, 1)],
-            _ => solid.acceleration[n],
-        },
-        (Owner::Node(_), None) => [0.0; 2],
-    };
-    Some(Field {
-        name: name.into(),
-        components: 2,
-        component_names: vec![format!("{name}1"), format!("{name}2")],
-        values: of_point.iter().flat_map(value).collect(),
-    })
-}
-
-/// A field over cells: those of deformable elements (group and element) come first. Cells that do not have it, as those of
-/// rigid bodies, hold NaN, which ParaView leaves out of ranges and draws in a colour of its own.
-fn element_field(run: &Run<'_>, variable: FieldVariable, solid: &[(usize, usize)], cells: usize) -> Field {
-    let (name, parts) = (variable.name(), variable.parts());
-    let value = |&(group, e): &(usize, usize), part: &ElementVariable| {
-        run.solid.as_ref().map_or(f64::NAN, |s| element_value(s, group, e, *part))
-    };
-    let (value, parts) = (&value, &parts);
-    let mut values: Vec<f64> = solid.iter().flat_map(|e| parts.iter().map(move |p| value(e, p))).collect();
-    values.resize(cells * parts.len(), f64::NAN);
-    let names = COMPONENTS.map(|c| format!("{name}{c}"));
-    Field {
-        name,
-        components: parts.len(),
-        component_names: if parts.len() == 4 { names.to_vec() } else { Vec::new() },
-        values,
     }
+    let mean = |(i, sum): (usize, f64)| match counts[i / width] {
+        0 => f64::NAN,
+        count => sum / f64::from(count),
+    };
+    sums.into_iter().enumerate().map(mean).collect()
 }
 
-/// Pressure, normal velocity and layer of the loaded facets; several loads on one facet add up.
+/// What loads show of facets; several loads on one facet come together as the variable says.
 fn facet_fields(run: &Run<'_>, step: &StepPlan, elements: &[usize]) -> Vec<Field> {
     let shown: Vec<_> = step.forces.iter().filter_map(|f| f.facet_fields(&run.bodies)).collect();
     if shown.is_empty() {
@@ -367,18 +362,18 @@ fn facet_fields(run: &Run<'_>, step: &StepPlan, elements: &[usize]) -> Vec<Field
     for (cell, &element) in elements.iter().enumerate() {
         cell_of_element[element] = cell;
     }
-    let zeros = || vec![0.0; elements.len()];
-    let (mut pressure, mut velocity, mut layer) = (zeros(), zeros(), zeros());
-    for fields in &shown {
-        for (i, &element) in fields.elements.iter().enumerate() {
-            let cell = cell_of_element[element];
-            pressure[cell] += fields.pressure[i];
-            velocity[cell] = fields.normal_velocity[i];
-            layer[cell] = f64::max(layer[cell], fields.layer[i]);
+    let facet_variables = Variable::ALL.iter().filter(|v| v.place() == Place::Facet);
+    let field = |variable: &Variable| {
+        let mut values = vec![0.0; elements.len()];
+        for fields in &shown {
+            for (facet, &element) in fields.elements.iter().enumerate() {
+                let value = &mut values[cell_of_element[element]];
+                *value = fields.value(facet, *variable).map_or(*value, |next| (variable.row().combined)(*value, next));
+            }
         }
-    }
-    let scalar = |name: &str, values| Field { name: name.into(), components: 1, component_names: Vec::new(), values };
-    vec![scalar("PRESSURE", pressure), scalar("NORMAL_VELOCITY", velocity), scalar("LAYER", layer)]
+        Field { name: variable.name().into(), components: 1, component_names: Vec::new(), values }
+    };
+    facet_variables.map(field).collect()
 }
 
 impl Persist for Rhythm {

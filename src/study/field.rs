@@ -3,37 +3,15 @@
 //! Never here: expressions, runs.
 
 use crate::element::body::Solid;
+use crate::element::values;
 use crate::kernel::quad;
-use crate::plan::{ElementVariable, Plan};
-use crate::solve::element_value;
+use crate::output::variables::{Part, Place, Variable};
+use crate::plan::Plan;
+use crate::solve::node_value;
 
-/// A variable that has a norm.
+/// A variable that has a norm: one of nodes or of elements. What elements follow only if an output asks has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FieldName {
-    /// Displacement of nodes along r (0) or z (1).
-    Displacement(usize),
-    /// Velocity.
-    Velocity(usize),
-    /// A number of elements.
-    Element(ElementVariable),
-}
-
-/// Variables by name. What elements follow only if an output asks is not among them.
-const NAMES: [(&str, FieldName); 13] = [
-    ("U1", FieldName::Displacement(0)),
-    ("U2", FieldName::Displacement(1)),
-    ("V1", FieldName::Velocity(0)),
-    ("V2", FieldName::Velocity(1)),
-    ("S11", FieldName::Element(ElementVariable::Stress(0))),
-    ("S22", FieldName::Element(ElementVariable::Stress(1))),
-    ("S33", FieldName::Element(ElementVariable::Stress(2))),
-    ("S12", FieldName::Element(ElementVariable::Stress(3))),
-    ("MISES", FieldName::Element(ElementVariable::Mises)),
-    ("PRESS", FieldName::Element(ElementVariable::Pressure)),
-    ("PEEQ", FieldName::Element(ElementVariable::PlasticStrain)),
-    ("TEMP", FieldName::Element(ElementVariable::Temperature)),
-    ("DENSITY", FieldName::Element(ElementVariable::Density)),
-];
+pub struct FieldName(Part);
 
 impl FieldName {
     /// The variable of that name, in any case.
@@ -41,11 +19,19 @@ impl FieldName {
     /// # Errors
     /// In words, with the names there are.
     pub fn parse(name: &str) -> Result<FieldName, String> {
-        let known = NAMES.iter().find(|n| n.0.eq_ignore_ascii_case(name.trim()));
-        known.map(|n| n.1).ok_or_else(|| {
-            let names: Vec<&str> = NAMES.iter().map(|n| n.0).collect();
-            format!("`{}` has no norm; there are {}", name.trim(), names.join(", "))
+        let wanted = name.trim().to_ascii_uppercase();
+        let known = Part::parse(&wanted).filter(|p| has_norm(p.variable)).map(FieldName);
+        known.ok_or_else(|| {
+            let names = Variable::ALL.iter().filter(|v| has_norm(**v)).flat_map(|v| v.parts()).map(Part::label);
+            format!("`{}` has no norm; there are {}", name.trim(), names.collect::<Vec<_>>().join(", "))
         })
+    }
+}
+
+fn has_norm(variable: Variable) -> bool {
+    match variable {
+        Variable::Displacement | Variable::Velocity => true,
+        _ => variable.place() == Place::Point && !variable.row().followed,
     }
 }
 
@@ -87,11 +73,10 @@ impl Field {
         let corners: Vec<[u32; 4]> =
             solid.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.corners(e))).collect();
         let cells: Vec<[[f64; 2]; 4]> = corners.iter().map(|c| c.map(|n| solid.start[n as usize])).collect();
-        let on_elements = matches!(name, FieldName::Element(_));
-        let points = match name {
-            FieldName::Element(variable) => of_elements(solid, variable, &cells),
-            _ => of_nodes(solid, name, &corners, &cells),
-        };
+        let FieldName(part) = name;
+        let on_elements = part.variable.is_of_elements();
+        let points =
+            if on_elements { of_elements(solid, part, &cells) } else { of_nodes(solid, part, &corners, &cells) };
         Ok(Field { points, on_elements, cells, corners, time })
     }
 
@@ -133,7 +118,7 @@ impl Field {
     }
 }
 
-fn of_elements(solid: &Solid, variable: ElementVariable, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+fn of_elements(solid: &Solid, part: Part, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
     let elements = solid.groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
     elements
         .zip(cells)
@@ -141,23 +126,19 @@ fn of_elements(solid: &Solid, variable: ElementVariable, cells: &[[[f64; 2]; 4]]
             start: middle(cell),
             now: middle(&solid.groups[g].corners(e).map(|n| solid.place(n as usize))),
             weight: quad::volume(*cell),
-            value: element_value(solid, g, e, variable),
+            value: values::value(&*solid.groups[g], &solid.nodes, e, part).unwrap_or(f64::NAN),
         })
         .collect()
 }
 
-fn of_nodes(solid: &Solid, name: FieldName, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+fn of_nodes(solid: &Solid, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
     let mut volume = vec![0.0; solid.nodes.len()];
     for (corner, cell) in corners.iter().zip(cells) {
         for (n, share) in corner.iter().zip(quad::corner_masses(*cell, 1.0)) {
             volume[*n as usize] += share;
         }
     }
-    let value = |n: usize| match name {
-        FieldName::Displacement(axis) => solid.displacement(n)[axis],
-        FieldName::Velocity(axis) => solid.velocity_now(n)[axis],
-        FieldName::Element(_) => 0.0,
-    };
+    let value = |n: usize| node_value(solid, n, part);
     let point = |n: usize| Point { start: solid.start[n], now: solid.place(n), weight: volume[n], value: value(n) };
     (0..solid.nodes.len()).map(point).collect()
 }
