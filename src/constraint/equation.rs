@@ -74,7 +74,12 @@ impl System {
         Ok(systems)
     }
 
-    fn new(all: &[Equation], members: &[usize], mass: &[f64], given: &HashSet<(usize, usize)>) -> Result<System, usize> {
+    fn new(
+        all: &[Equation],
+        members: &[usize],
+        mass: &[f64],
+        given: &HashSet<(usize, usize)>,
+    ) -> Result<System, usize> {
         let n = members.len();
         let mut system =
             System { freedoms: Vec::new(), rows: Vec::new(), factor: vec![0.0; n * n], lambda: vec![0.0; n] };
@@ -274,7 +279,10 @@ mod tests {
         let equation = |a: f64, b: f64| Equation { terms: vec![(0, 1, a), (1, 1, b)] };
         let mass = [1.0, 2.0];
         assert_eq!(System::all(&[equation(1.0, -1.0)], &mass, &HashSet::new()).map(|s| s.len()), Ok(1));
-        assert_eq!(System::all(&[equation(1.0, -1.0), equation(2.0, -2.0)], &mass, &HashSet::new()).map(|s| s.len()), Err(1));
+        assert_eq!(
+            System::all(&[equation(1.0, -1.0), equation(2.0, -2.0)], &mass, &HashSet::new()).map(|s| s.len()),
+            Err(1)
+        );
     }
 
     #[test]

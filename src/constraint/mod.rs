@@ -82,6 +82,12 @@ pub trait Constraint: Persist + Send + Sync {
     fn copy(&self) -> Box<dyn Constraint>;
 }
 
+impl Clone for Box<dyn Constraint> {
+    fn clone(&self) -> Self {
+        self.copy()
+    }
+}
+
 /// Force that constraints exert on a degree of freedom whose motion is prescribed; 0 where none is. A rigid body keeps its own.
 pub fn reaction(constraints: &[Box<dyn Constraint>], dofs: &Dofs, dof: Dof) -> f64 {
     if let Dof::Body(b) = dof {

@@ -138,7 +138,8 @@ impl Constraint for PrescribedMotion {
         let stops = dofs.nodes.behind == 0.0 && self.holds();
         for motion in &mut self.nodes {
             let node = &mut dofs.nodes[motion.node];
-            *motion = NodeMotion { origin: *node.coordinate(motion.axis), force: 0.0, kinetic: 0.0, travel: 0.0, ..*motion };
+            *motion =
+                NodeMotion { origin: *node.coordinate(motion.axis), force: 0.0, kinetic: 0.0, travel: 0.0, ..*motion };
             if stops {
                 *node.velocity(motion.axis) = 0.0;
             }
@@ -229,9 +230,7 @@ impl Constraint for PrescribedMotion {
 
     fn bytes(&self) -> usize {
         let magnitudes: usize = self.magnitudes.iter().map(|m| size_of::<Magnitude>() + m.bytes()).sum();
-        magnitudes
-            + size_of::<BodyMotion>() * self.bodies.capacity()
-            + size_of::<NodeMotion>() * self.nodes.capacity()
+        magnitudes + size_of::<BodyMotion>() * self.bodies.capacity() + size_of::<NodeMotion>() * self.nodes.capacity()
     }
 
     fn copy(&self) -> Box<dyn Constraint> {

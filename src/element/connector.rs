@@ -2,9 +2,9 @@
 //! their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
 //! Never here: deck words, elements of a continuum.
 
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
-use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// What a connector answers with.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,15 +1,16 @@
 //! All elements of a scene: their groups, the forces on their corners, springs and dashpots, and what bounds the increment.
 //! Never here: the motion of nodes, loads, deck words.
 
+use super::block::is_larger;
 use super::connector::Connectors;
 use super::distortion::DistortionControl;
 use super::frequency::HighestFrequency;
-use super::block::is_larger;
 use super::group::{ElementGroup, Pass, Totals};
 use super::mass_scaling::Masses;
 use super::quiescent::Awake;
 use super::rings::Rings;
 use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::quad;
 use crate::mesh::gather::Gather;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::dofs::Dofs;
@@ -158,7 +159,7 @@ impl Elements {
             connectors.add_forces(dofs);
         }
         if let Some(distortion) = &mut self.distortion {
-            let alive = |(group, element): (usize, usize)| self.groups[group].alive(element);
+            let alive = |(group, element): (usize, usize)| !self.groups[group].is_deleted(element);
             distortion.resist(dofs, alive, &mut self.limit.0.rate);
         }
         self.awake.update(&self.groups, &dofs.nodes.forces[0]);
@@ -174,7 +175,8 @@ impl Elements {
             return Ok(());
         }
         let element = totals.limiting;
-        Err(Collapsed { group, element, volume: self.groups[group].volume(element, nodes.as_slice()) })
+        let corners = self.groups[group].corners(element).map(|n| nodes[n as usize].place());
+        Err(Collapsed { group, element, volume: quad::volume(corners) })
     }
 
     /// Sums of corner forces of nodes from `first` on, brought from plane sections to rings under area weighting.
@@ -215,6 +217,11 @@ impl Elements {
     pub fn stable_increment(&self) -> f64 {
         let elements = self.limit.0.rate;
         1.0 / self.connectors.as_ref().map_or(elements, |c| c.rate(elements))
+    }
+
+    /// Bytes of what mass scaling remembers.
+    pub fn bytes_of_masses(&self) -> usize {
+        self.masses.as_ref().map_or(0, |m| m.bytes())
     }
 
     /// Bytes that belong to no single group: corner forces, and the way from corners to nodes.

@@ -11,9 +11,10 @@ use nalgebra::SMatrix;
 use sprs::CsMatI;
 
 use super::elements::Elements;
-use crate::state::nodes::Nodes;
 use super::group::ElementGroup;
+use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::nodes::Nodes;
 
 /// Steps of Lanczos' method.
 const STEPS: usize = 40;
@@ -30,6 +31,8 @@ type Operator = CsMatI<[f64; 4], u32>;
 /// The estimate, and what it is made from.
 #[derive(Clone, Debug)]
 pub struct HighestFrequency {
+    /// Its row of the ledger.
+    pub id: EffectId,
     /// M^-1/2 K M^-1/2.
     operator: Operator,
     /// One over the root of the mass of each degree of freedom; 0 where motion is given.
@@ -67,7 +70,13 @@ impl HighestFrequency {
         }
         let zeros = || vec![[0.0; 2]; nodes.len()];
         let (operator, roots) = (pattern(elements, nodes.len()), zeros());
-        Some(HighestFrequency { operator, roots, vectors: [zeros(), zeros(), zeros()], standing: Standing::default() })
+        Some(HighestFrequency {
+            id: 0,
+            operator,
+            roots,
+            vectors: [zeros(), zeros(), zeros()],
+            standing: Standing::default(),
+        })
     }
 
     /// Names and bytes of its arrays.
@@ -332,7 +341,7 @@ impl Elements {
 
     /// One over the increment that single elements allow.
     fn rate_by_elements(&self, nodes: &Nodes) -> f64 {
-        let alive = |group: &dyn ElementGroup, e: &usize| group.alive(*e);
+        let alive = |group: &dyn ElementGroup, e: &usize| !group.is_deleted(*e);
         let of_group = |group: &dyn ElementGroup| {
             let elements = (0..group.len()).filter(|e| alive(group, e));
             let rate = |e| group.own_rate(e, &group.corner_masses(e), nodes.as_slice()).unwrap_or(0.0);
@@ -362,7 +371,7 @@ impl HighestFrequency {
 impl Persist for HighestFrequency {
     /// The operator is made anew with each estimate.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let HighestFrequency { operator: _, roots, vectors: _, standing } = self;
+        let HighestFrequency { id: _, operator: _, roots, vectors: _, standing } = self;
         persist_fields!(archive; roots.as_mut_slice(), standing);
     }
 }

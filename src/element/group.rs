@@ -6,17 +6,18 @@ use std::sync::Arc;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::kernel::lanes::Corners;
 use crate::element::block::{Block, Nodes, Stage, Sums, across, is_larger};
 use crate::element::constants::Constants;
 use crate::element::quiescent::Rest;
 use crate::element::record::{Followed, Record};
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad;
 use crate::material::failure::Failure;
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
+use crate::output::variables::{Part, Variable};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
@@ -60,18 +61,16 @@ pub trait ElementGroup: Persist + Send + Sync {
     }
     /// Stresses at the end of an increment, and forces on the corners.
     fn update(&mut self, pass: Pass<'_>) -> Totals;
-    /// Stress of an element: rr, zz, hoop, rz.
-    fn stress(&self, element: usize) -> [f64; 4];
-    /// Equivalent plastic strain of an element; `None` if nothing flows.
-    fn plastic_strain(&self, element: usize) -> Option<f64>;
-    /// Temperature of an element, where it is followed.
-    fn temperature(&self, element: usize) -> Option<f64>;
+    /// What an element holds of a variable; `None` where it does not have it, or where it follows by a formula.
+    fn value(&self, element: usize, part: Part) -> Option<f64>;
+    /// Whether an element is deleted.
+    fn is_deleted(&self, element: usize) -> bool {
+        self.value(element, Variable::Status.into()) == Some(0.0)
+    }
     /// Sets stress and temperature of an element at the start.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
     /// Follows strains and energies from now on, because an output asks for them.
     fn follow(&mut self);
-    /// What is followed of an element; `None` if nothing is.
-    fn followed(&self, element: usize) -> Option<Followed>;
     /// One over the stable increment of an element with these corner masses on the present nodes, by the bound of the inner
     /// loop with linear bulk viscosity alone; `None` where masses cannot be scaled.
     fn own_rate(&self, _element: usize, _masses: &[f64; 4], _nodes: &[Node]) -> Option<f64> {
@@ -88,26 +87,12 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn corner_masses(&self, element: usize) -> [f64; 4];
     /// Gives the corners of an element other masses.
     fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]);
-    /// Mass of an element.
-    fn mass(&self, element: usize) -> f64;
-    /// Variable of an element that the user's routine keeps, counted from 0.
-    fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
-        None
-    }
-    /// Whether an element carries; one that does not is deleted.
-    fn alive(&self, element: usize) -> bool {
-        self.status(element) != Some(0.0)
-    }
     /// Whether elements can be deleted at all.
     fn can_delete(&self) -> bool;
-    /// 1 for an element that carries, 0 for one that is deleted.
-    fn status(&self, element: usize) -> Option<f64>;
     /// Adds the corner nodes of elements that the last update deleted.
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
     /// Whether the pressure follows from a state, so that no initial stress can be given.
     fn holds_state(&self) -> bool;
-    /// Energy a mass of an element, where its equation of state follows it.
-    fn energy(&self, element: usize) -> Option<f64>;
     /// Sets the energy a mass of an element at the start.
     fn set_energy(&mut self, element: usize, energy: f64);
     /// Whether a task of elements is passed over because all of it is at rest and free of stress.
@@ -122,10 +107,6 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn bytes(&self) -> usize;
     /// Another group in the same state.
     fn copy(&self) -> Box<dyn ElementGroup>;
-    /// Volume of an element now.
-    fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
-        quad::volume(self.corners(element).map(|n| nodes[n as usize].place()))
-    }
 }
 
 /// What a pass over the elements of a group is given.
@@ -231,6 +212,14 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Clone for Quads<
     }
 }
 
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
+    /// What is followed of an element; `None` if nothing is.
+    fn followed(&self, element: usize) -> Option<Followed> {
+        let block = element / LANES;
+        Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
+    }
+}
+
 /// Areas of the sections of a block's elements, and their volumes.
 fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
     let mut sizes = [[1.0; LANES]; 2];
@@ -276,7 +265,8 @@ pub(super) fn block<S, Q, X>(
 }
 
 impl<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static, const AREA: bool> ElementGroup
-    for Quads<H, V, F, AREA> {
+    for Quads<H, V, F, AREA>
+{
     fn len(&self) -> usize {
         self.count
     }
@@ -334,20 +324,24 @@ impl<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static, cons
         size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + records + rests + self.told.capacity()
     }
 
-    fn stress(&self, element: usize) -> [f64; 4] {
-        let block = &self.blocks[element / LANES];
-        [0, 1, 2, 3].map(|i| block.stress[i][element % LANES])
-    }
-
-    fn plastic_strain(&self, element: usize) -> Option<f64> {
-        let block = &self.blocks[element / LANES];
-        H::FLOWS.then(|| self.laws.0.plastic_strain(&block.state, element % LANES))
-    }
-
-    fn temperature(&self, element: usize) -> Option<f64> {
+    fn value(&self, element: usize, part: Part) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
-        let by_energy = self.laws.1.temperature(&block.volumetric, lane);
-        by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
+        match part.variable {
+            Variable::Stress => Some(block.stress.get(part.component)?[lane]),
+            Variable::PlasticStrain => H::FLOWS.then(|| self.laws.0.plastic_strain(&block.state, lane)),
+            Variable::Temperature => {
+                let by_energy = self.laws.1.temperature(&block.volumetric, lane);
+                by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
+            }
+            Variable::SpecificEnergy => self.laws.1.energy(&block.volumetric, lane),
+            Variable::Mass => Some(block.mass[lane]),
+            Variable::Status => {
+                let alive = self.laws.2.alive(&block.failure, lane);
+                Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
+            }
+            Variable::PlasticComponents if !H::FLOWS => None,
+            _ => self.followed(element)?.value(part),
+        }
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
@@ -365,11 +359,6 @@ impl<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static, cons
         for (stage, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
             stage.records = vec![Record::default(); blocks.len()];
         }
-    }
-
-    fn followed(&self, element: usize) -> Option<Followed> {
-        let block = element / LANES;
-        Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
     }
 
     fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
@@ -390,7 +379,7 @@ impl<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static, cons
         if V::VARIES || V::TOTAL || AREA {
             return None;
         }
-        if self.status(element) == Some(0.0) {
+        if self.is_deleted(element) {
             return Some([[0.0; 8]; 8]);
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -414,15 +403,6 @@ impl<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static, cons
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
     }
 
-    fn mass(&self, element: usize) -> f64 {
-        self.blocks[element / LANES].mass[element % LANES]
-    }
-
-    fn status(&self, element: usize) -> Option<f64> {
-        let alive = self.laws.2.alive(&self.blocks[element / LANES].failure, element % LANES);
-        Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
-    }
-
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
         if !F::FAILS || self.tasks.iter().all(|stage| stage.deaths == 0) {
             return;
@@ -442,10 +422,6 @@ impl<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static, cons
 
     fn holds_state(&self) -> bool {
         V::VARIES
-    }
-
-    fn energy(&self, element: usize) -> Option<f64> {
-        self.laws.1.energy(&self.blocks[element / LANES].volumetric, element % LANES)
     }
 
     fn set_energy(&mut self, element: usize, energy: f64) {
@@ -504,7 +480,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
 /// Adds the corner nodes of elements whose deletion has not been told, and counts it as told.
 pub(super) fn tell_deleted(group: &impl ElementGroup, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
     for (element, told) in told.iter_mut().enumerate() {
-        if !*told && group.status(element) == Some(0.0) {
+        if !*told && group.is_deleted(element) {
             *told = true;
             gone.push(group.corners(element));
         }
@@ -537,17 +513,7 @@ pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
 
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Quads {
-            laws: _,
-            constants: _,
-            count: _,
-            blocks,
-            tasks,
-            arch: _,
-            told,
-            rests,
-            cap,
-        } = self;
+        let Quads { laws: _, constants: _, count: _, blocks, tasks, arch: _, told, rests, cap } = self;
         persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), rests.as_mut_slice());
     }
 }
@@ -564,9 +530,9 @@ mod tests {
     use pulp::Arch;
 
     use super::{ElementGroup, Pass, Quads};
-    use crate::kernel::lanes::Corners;
     use crate::element::body::{Gather, Solid};
     use crate::element::constants::Constants;
+    use crate::kernel::lanes::Corners;
     use crate::kernel::lanes::LANES;
     use crate::kernel::quad;
     use crate::material::failure::Intact;

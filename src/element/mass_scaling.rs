@@ -3,10 +3,10 @@
 //! Never here: the inner loop, deck words.
 
 use super::elements::Elements;
-use crate::state::dofs::Dofs;
-use crate::state::nodes::Nodes;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::nodes::Nodes;
 
 /// How a stable increment that is aimed at decides on factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,9 @@ impl Elements {
         let Some(mut masses) = self.masses.take() else { return false };
         if let Some(fixed) = scaling.fixed.as_ref().filter(|_| starts) {
             masses.fixed.iter_mut().for_each(|list| list.fill(1.0));
-            fixed.iter().for_each(|request| self.find_factors(request, &dofs.nodes, &masses.corners, &mut masses.fixed));
+            fixed
+                .iter()
+                .for_each(|request| self.find_factors(request, &dofs.nodes, &masses.corners, &mut masses.fixed));
         }
         for (all, fixed) in masses.factors.iter_mut().zip(&masses.fixed) {
             all.copy_from_slice(fixed);
@@ -161,17 +163,11 @@ impl Elements {
     }
 
     /// Factors of one request, on top of those that are there. The frequency falls with the root of the mass.
-    fn find_factors(
-        &self,
-        request: &Request,
-        nodes: &Nodes,
-        corners: &[Vec<[f64; 4]>],
-        factors: &mut [Vec<f64>],
-    ) {
+    fn find_factors(&self, request: &Request, nodes: &Nodes, corners: &[Vec<[f64; 4]>], factors: &mut [Vec<f64>]) {
         // A deleted element has no increment; its mass stays.
         let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
             let group = &self.groups[g];
-            let own = if group.alive(e) { group.own_rate(e, &corners[g][e], nodes.as_slice()) } else { None };
+            let own = if group.is_deleted(e) { None } else { group.own_rate(e, &corners[g][e], nodes.as_slice()) };
             own.map_or(0.0, |rate| rate / factors[g][e].sqrt())
         };
         for &(g, e) in &request.elements {
@@ -191,13 +187,7 @@ impl Elements {
 
     /// Puts factors on elements and nodes. At the start of a step the elements may have been updated already: then the
     /// bound of the increment must serve those whose mass has fallen, too.
-    fn apply(
-        &mut self,
-        masses: &mut Masses,
-        starts: bool,
-        dofs: &mut Dofs,
-        changed: &mut dyn FnMut(usize, [f64; 2]),
-    ) {
+    fn apply(&mut self, masses: &mut Masses, starts: bool, dofs: &mut Dofs, changed: &mut dyn FnMut(usize, [f64; 2])) {
         masses.scaled.copy_from_slice(&masses.nodes);
         for (g, (group, factors)) in self.groups.iter_mut().zip(&masses.factors).enumerate() {
             for (e, &factor) in factors.iter().enumerate() {
@@ -233,11 +223,19 @@ impl Elements {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
                 let own = group.own_rate(e, &masses.corners[g][e].map(|m| m * factor), nodes.as_slice());
-                if let Some(rate) = own.filter(|_| group.alive(e)) {
+                if let Some(rate) = own.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);
                 }
             }
         }
+    }
+}
+
+impl Scaling {
+    /// Bytes of its requests.
+    pub fn bytes(&self) -> usize {
+        let of = |r: &Request| size_of_val(r) + size_of::<(usize, usize)>() * r.elements.capacity();
+        self.fixed.iter().flatten().map(of).sum::<usize>() + self.variable.iter().map(|v| of(&v.request)).sum::<usize>()
     }
 }
 
@@ -260,7 +258,11 @@ impl Masses {
     pub fn bytes(&self) -> usize {
         let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
         let corners: usize = self.corners.iter().map(|l| size_of::<[f64; 4]>() * l.capacity()).sum();
-        of(&self.fixed) + of(&self.factors) + of(&self.carried) + corners + 8 * (self.nodes.capacity() + self.scaled.capacity())
+        of(&self.fixed)
+            + of(&self.factors)
+            + of(&self.carried)
+            + corners
+            + 8 * (self.nodes.capacity() + self.scaled.capacity())
     }
 }
 

@@ -20,4 +20,5 @@ pub mod rings;
 #[cfg(test)]
 mod same_bits;
 pub mod user_quads;
+pub mod values;
 pub mod volume_guard;

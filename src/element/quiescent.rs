@@ -70,7 +70,8 @@ impl Awake {
 
     /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
-        let touching: usize = self.touching.iter().map(|l| size_of_val(l) + size_of::<(u32, u32)>() * l.capacity()).sum();
+        let touching: usize =
+            self.touching.iter().map(|l| size_of_val(l) + size_of::<(u32, u32)>() * l.capacity()).sum();
         touching + self.awake.capacity()
     }
 

@@ -3,9 +3,10 @@
 //! Never here: the forces of elements.
 
 use super::elements::Elements;
-use crate::state::nodes::Nodes;
 use super::group::ElementGroup;
+use crate::output::variables::Variable;
 use crate::state::archive::{Archive, Persist};
+use crate::state::nodes::Nodes;
 
 /// Nodes of elements that are weighted by area.
 #[derive(Clone, Debug)]
@@ -20,7 +21,8 @@ impl Rings {
     /// For all elements of a body.
     pub fn new(elements: &Elements, nodes: usize) -> Rings {
         let quarter = |mass: f64| 0.25 * mass / (2.0 * std::f64::consts::PI);
-        let of_group = |g: &dyn ElementGroup| (0..g.len()).map(|e| quarter(g.mass(e))).collect();
+        let mass = |g: &dyn ElementGroup, e| g.value(e, Variable::Mass.into()).unwrap_or_default();
+        let of_group = |g: &dyn ElementGroup| (0..g.len()).map(|e| quarter(mass(g, e))).collect();
         Rings { quarters: elements.groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; nodes] }
     }
 

@@ -3,10 +3,10 @@
 
 use pulp::Arch;
 
-use crate::kernel::lanes::Corners;
 use crate::element::constants::Constants;
 use crate::element::group::{Group, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::material::eos::{Eos, IdealGas, UsUp};
 use crate::material::failure::{Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
@@ -15,6 +15,7 @@ use crate::material::kinematic::Kinematic;
 use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::volumetric::{Linear, Volumetric};
+use crate::output::variables::Variable;
 use crate::state::nodes::Node;
 
 const COLUMNS: usize = 5;
@@ -73,11 +74,9 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     }
     let mut deleted = 0;
     for e in 0..elements.len() {
-        let state = [quads.plastic_strain(e), quads.temperature(e), quads.energy(e), quads.status(e)];
-        deleted += usize::from(state[3] == Some(0.0));
-        let followed = quads.followed(e).expect("it is followed");
-        let kept = state.into_iter().flatten().chain(quads.stress(e)).chain(followed.plastic).chain(followed.energy);
-        bits.extend(kept.map(f64::to_bits));
+        deleted += usize::from(quads.is_deleted(e));
+        let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
+        bits.extend(held.map(f64::to_bits));
     }
     Came { bits, plastic, deleted }
 }

@@ -2,17 +2,18 @@
 //! other elements, and between them a call for each block of material points.
 //! Never here: how the routine was made or loaded.
 
-use crate::kernel::lanes::Corners;
+use super::group::{ElementGroup, Pass, Totals, block, tell_deleted, totals};
 use crate::element::block::{Block, Nodes, Stage, Sums, dot};
 use crate::element::constants::Constants;
-use super::group::{ElementGroup, Pass, Totals, block, tell_deleted, totals};
 use crate::element::points::Points;
 use crate::element::record::{Followed, Record, spin};
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::rotated;
 use crate::material::plasticity::Elastic;
 use crate::material::volumetric::Linear;
+use crate::output::variables::{Part, Variable};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
@@ -216,6 +217,15 @@ impl UserQuads {
         failure.halt(&what, &self.now)
     }
 
+    /// What is followed of an element; `None` if nothing is.
+    fn followed(&self, element: usize) -> Option<Followed> {
+        let block = element / LANES;
+        let followed = self.stages[block % BLOCKS].records.get(block / BLOCKS)?.of(element % LANES);
+        let (chunk, i) = self.chunk(element);
+        let dissipated = self.blocks[block].mass[element % LANES] * chunk.points.inelastic(i);
+        Some(Followed { energy: [followed.energy[0] - dissipated, dissipated], ..followed })
+    }
+
     fn chunk(&self, element: usize) -> (&Chunk, usize) {
         (&self.chunks[element / (BLOCKS * LANES)], element % (BLOCKS * LANES))
     }
@@ -238,18 +248,22 @@ impl ElementGroup for UserQuads {
         if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
     }
 
-    fn stress(&self, element: usize) -> [f64; 4] {
-        let block = &self.blocks[element / LANES];
-        [0, 1, 2, 3].map(|i| block.stress[i][element % LANES])
-    }
-
-    fn plastic_strain(&self, _element: usize) -> Option<f64> {
-        None
-    }
-
-    fn temperature(&self, element: usize) -> Option<f64> {
+    fn value(&self, element: usize, part: Part) -> Option<f64> {
+        let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         let (chunk, i) = self.chunk(element);
-        Some(chunk.points.temperature(i))
+        match part.variable {
+            Variable::Stress => Some(block.stress.get(part.component)?[lane]),
+            Variable::Temperature => Some(chunk.points.temperature(i)),
+            Variable::State => {
+                let kept = part.component < self.description.variables;
+                kept.then(|| chunk.points.state_before(i, part.component))
+            }
+            Variable::Mass => Some(block.mass[lane]),
+            Variable::Status => Some(if chunk.deleted[i] { 0.0 } else { 1.0 }),
+            // Only the routine would know it.
+            Variable::PlasticComponents => None,
+            _ => self.followed(element)?.value(part),
+        }
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
@@ -264,29 +278,12 @@ impl ElementGroup for UserQuads {
         self.stages.iter_mut().for_each(|s| s.records = vec![Record::default(); self.chunks.len()]);
     }
 
-    fn followed(&self, element: usize) -> Option<Followed> {
-        let block = element / LANES;
-        let followed = self.stages[block % BLOCKS].records.get(block / BLOCKS)?.of(element % LANES);
-        let (chunk, i) = self.chunk(element);
-        let dissipated = self.mass(element) * chunk.points.inelastic(i);
-        Some(Followed { energy: [followed.energy[0] - dissipated, dissipated], ..followed })
-    }
-
     fn corner_masses(&self, element: usize) -> [f64; 4] {
         self.blocks[element / LANES].corner_masses(element % LANES)
     }
 
     fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
-    }
-
-    fn mass(&self, element: usize) -> f64 {
-        self.blocks[element / LANES].mass[element % LANES]
-    }
-
-    fn status(&self, element: usize) -> Option<f64> {
-        let (chunk, i) = self.chunk(element);
-        Some(if chunk.deleted[i] { 0.0 } else { 1.0 })
     }
 
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
@@ -310,16 +307,7 @@ impl ElementGroup for UserQuads {
         false
     }
 
-    fn energy(&self, _element: usize) -> Option<f64> {
-        None
-    }
-
     fn set_energy(&mut self, _element: usize, _energy: f64) {}
-
-    fn state_variable(&self, element: usize, variable: usize) -> Option<f64> {
-        let (chunk, i) = self.chunk(element);
-        (variable < self.description.variables).then(|| chunk.points.state_before(i, variable))
-    }
 
     fn corners(&self, element: usize) -> [u32; 4] {
         [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])

@@ -2,8 +2,8 @@
 //! Never here: what is stable.
 
 use super::elements::Elements;
-use crate::state::nodes::Nodes;
 use crate::kernel::quad;
+use crate::state::nodes::Nodes;
 
 /// The largest fraction of its volume by which an element may change over one increment at the rate at which it does: the
 /// increment adapts before an element turns inside out, and the work of what expands at once is followed.

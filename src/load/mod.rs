@@ -3,12 +3,12 @@
 
 pub mod cavity;
 pub mod concentrated;
+pub mod fields;
 pub mod gravity;
 pub mod pressure;
 pub mod user_amplitude;
 pub mod user_load;
 
-use crate::mesh::surface::FacetFields;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -16,6 +16,7 @@ use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
 use crate::user::Locked;
+use fields::FacetFields;
 
 /// Which energy a force's work is booked under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,6 +124,12 @@ pub trait Load: Persist + Send + Sync {
 
     /// Another one in the same state.
     fn copy(&self) -> Box<dyn Load>;
+}
+
+impl Clone for Box<dyn Load> {
+    fn clone(&self) -> Self {
+        self.copy()
+    }
 }
 
 /// The increment behind, for the work of forces on nodes.

@@ -3,7 +3,8 @@
 
 use super::{Account, Load, Slot, View};
 use crate::kernel::facet::ring_pressure;
-use crate::mesh::surface::{Face, FacetFields, Surface};
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
@@ -28,7 +29,8 @@ pub struct Pressure {
 impl Pressure {
     /// A pressure on a surface.
     pub fn new(id: EffectId, surface: Surface, magnitude: Magnitude) -> Self {
-        let axial = |facets: &[(usize, crate::kernel::facet::Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();
+        let axial =
+            |facets: &[(usize, crate::kernel::facet::Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();
         let axial_areas = surface.patches.iter().map(|p| axial(&p.facets)).collect();
         Pressure { id, surface, axial_areas, magnitude, current: 0.0 }
     }

@@ -3,7 +3,6 @@
 
 use crate::kernel::facet::Facet;
 use crate::state::archive::{Archive, Persist};
-use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
 /// A surface of a scene; either part may be empty.
@@ -126,44 +125,6 @@ impl Skin {
 fn is_of(face: [usize; 2], elements: &[[u32; 4]]) -> bool {
     let [a, b] = face.map(|n| n as u32);
     elements.iter().any(|corners| (0..4).any(|i| corners[i] == a && corners[(i + 1) % 4] == b))
-}
-
-/// What a load shows of a surface in a frame, one entry a facet or face.
-#[derive(Clone, Debug, Default)]
-pub struct FacetFields {
-    /// Index of its element in the mesh.
-    pub elements: Vec<usize>,
-    /// Pressure, area mean.
-    pub pressure: Vec<f64>,
-    /// Velocity along the outward normal.
-    pub normal_velocity: Vec<f64>,
-    /// Number (from 1) of the layer that takes the largest part of the area; 0 outside any.
-    pub layer: Vec<f64>,
-}
-
-impl FacetFields {
-    /// A facet or face in no layer.
-    pub fn push(&mut self, element: usize, pressure: f64, normal_velocity: f64) {
-        self.elements.push(element);
-        self.pressure.push(pressure);
-        self.normal_velocity.push(normal_velocity);
-        self.layer.push(0.0);
-    }
-
-    /// One pressure all over a surface.
-    pub fn uniform(surface: &Surface, pressure: f64, dofs: &Dofs) -> FacetFields {
-        let mut fields = FacetFields::default();
-        for patch in &surface.patches {
-            let velocity = dofs.bodies[patch.body].velocity;
-            patch.facets.iter().for_each(|(e, f)| fields.push(*e, pressure, velocity * f.normal[1]));
-        }
-        let skin = &surface.skin;
-        for ((&face, &element), &carries) in skin.faces.iter().zip(&skin.elements).zip(&skin.carries) {
-            let velocity = Face::new(face, &dofs.nodes).normal_velocity(&dofs.nodes);
-            fields.push(element, if carries { pressure } else { 0.0 }, velocity);
-        }
-        fields
-    }
 }
 
 impl Persist for Skin {

@@ -61,7 +61,11 @@ pub const CODES: &[Code] = &[
         "displacement ignored",
         "As in ABAQUS/Explicit, a displacement without AMPLITUDE would be a jump; its value is ignored and the motion is held.",
     ),
-    code("M141", "unknown output variable", "No output variable has this name; it is left out."),
+    code(
+        "M141",
+        "unknown output variable",
+        "No output variable has this name; it is left out. `revolve explain variables` lists those there are.",
+    ),
     code(
         "M142",
         "time marks",
@@ -71,6 +75,11 @@ pub const CODES: &[Code] = &[
         "M143",
         "arrays of a mesh file not read",
         "Sets are arrays named NSET_name (points) or ELSET_name (cells), not zero on members; labels are NODE_LABEL and ELEMENT_LABEL.",
+    ),
+    code(
+        "M144",
+        "position of element output",
+        "Elements have one integration point, in their middle. With POSITION=NODES or AVERAGED AT NODES frames show variables of integration points on nodes, as the mean over the elements around that are not deleted; variables of whole elements (STATUS, EVOL) and histories stay with elements.",
     ),
     code(
         "M150",

@@ -99,7 +99,8 @@ impl NodePass<'_> {
                     *force = [force[0] + more[0], force[1] + more[1]];
                 }
             }
-            let masses = self.nodes.mass[first..first + count].iter().zip(&self.nodes.inverse_mass[first..first + count]);
+            let masses =
+                self.nodes.mass[first..first + count].iter().zip(&self.nodes.inverse_mass[first..first + count]);
             let nodes = self.nodes.as_slice()[first..first + count].iter().zip(masses);
             let all = accelerations.iter_mut().zip(&*forces).zip(nodes).zip(&mut energies);
             for (((acceleration, force), (node, (mass, inverse))), energy) in all {

@@ -5,6 +5,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::Run;
 use crate::element::group::ElementGroup;
+use crate::output::variables::{Part, Variable};
 
 /// Takes numbers in by their bits.
 struct Bits(Sha256);
@@ -21,12 +22,14 @@ impl Bits {
     }
 
     fn element(&mut self, group: &dyn ElementGroup, e: usize) {
-        self.add(&group.stress(e));
-        self.add(&[group.mass(e)]);
-        for value in [group.plastic_strain(e), group.temperature(e), group.energy(e), group.status(e)] {
-            self.add_if(value);
+        for part in Variable::Stress.parts().chain(Variable::Mass.parts()) {
+            self.add(group.value(e, part).as_slice());
         }
-        let mut kept = (0..).map_while(|variable| group.state_variable(e, variable));
+        for variable in [Variable::PlasticStrain, Variable::Temperature, Variable::SpecificEnergy, Variable::Status] {
+            self.add_if(group.value(e, variable.into()));
+        }
+        let state = |component| Part { variable: Variable::State, component };
+        let mut kept = (0..).map_while(|i| group.value(e, state(i)));
         kept.by_ref().for_each(|value| self.add(&[value]));
     }
 }

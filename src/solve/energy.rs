@@ -3,12 +3,12 @@
 
 use serde::Serialize;
 
-use crate::state::energies::Energies;
-use crate::state::dofs::Dofs;
 use crate::load::Account;
 use crate::load::Slot;
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::energies::Energies;
 
 /// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]

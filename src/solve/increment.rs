@@ -2,13 +2,13 @@
 //! Never here: forces, the motion itself.
 
 use super::Run;
-use crate::model::IncrementControl;
 use crate::load::View;
+use crate::model::IncrementControl;
 use crate::plan::StepPlan;
-use crate::state::magnitude::Clock;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
+use crate::state::magnitude::Clock;
 use crate::state::{BodyState, Instant};
 
 /// What an increment ends in.

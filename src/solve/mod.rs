@@ -4,6 +4,7 @@
 mod central_difference;
 mod digest;
 mod energy;
+mod frames;
 mod guard;
 mod increment;
 mod observe;
@@ -32,9 +33,10 @@ use crate::state::{Before, BodyState, Instant, direction};
 use crate::user::{Locked, Wish};
 use energy::Balance;
 pub use energy::Energy;
+pub use frames::node_value;
 use increment::{End, Increment, Pace};
 use observe::Observing;
-pub use observe::{Sink, element_value};
+pub use observe::Sink;
 use restart::{At, Keeping};
 pub use restart::{Control, Every};
 use timing::Timing;
@@ -146,11 +148,11 @@ pub fn run_with(
         }
     }
     run.outcome.digest = run.digest();
-    let Run { mut outcome, balance, dofs, elements, timing, .. } = run;
+    let Run { mut outcome, balance, dofs, elements, constraints, timing, .. } = run;
     outcome.energy = balance.energy();
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
-    Ok((outcome, State { dofs, elements }))
+    Ok((outcome, State { dofs, elements, constraints }))
 }
 
 /// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
@@ -210,14 +212,14 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(plan: &'a Plan, State { dofs, elements }: State) -> Self {
+    fn new(plan: &'a Plan, State { dofs, elements, constraints }: State) -> Self {
         let balance = Balance::start(&dofs.bodies);
         Run {
             plan,
             step: &plan.steps[0],
             now: Instant::default(),
             loads: Vec::new(),
-            constraints: Vec::new(),
+            constraints,
             scaling: None,
             told: vec![Track::default(); plan.told],
             amplitudes: plan.amplitudes.clone(),
@@ -342,8 +344,8 @@ impl<'a> Run<'a> {
 
     fn begin(&mut self) {
         let step = self.step;
-        self.loads = step.loads.iter().map(|load| load.copy()).collect();
-        self.constraints = step.constraints.iter().map(|c| c.copy()).collect();
+        self.loads.clone_from(&step.loads);
+        self.constraints.clone_from(&step.constraints);
         self.motions.clone_from(&step.user_motions);
         self.scaling.clone_from(&step.scaling);
         self.begin_slots();
@@ -447,7 +449,8 @@ impl<'a> Run<'a> {
         self.elements.link(&mut self.dofs);
         self.elements.check(&self.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
         let (elements, nodes) = (&self.elements, &self.dofs.nodes);
-        let force = |n: usize| [0, 1].map(|k| elements.nodal_force(n)[k] + nodes.forces[0].get(n).map_or(0.0, |f| f[k]));
+        let force =
+            |n: usize| [0, 1].map(|k| elements.nodal_force(n)[k] + nodes.forces[0].get(n).map_or(0.0, |f| f[k]));
         let mut start = 0;
         for constraint in self.constraints.iter().filter(|c| !c.carries().is_empty()) {
             constraint.passes_on(&force, &mut self.forces[start..=start]);
@@ -543,7 +546,11 @@ impl<'a> Run<'a> {
         if !self.elements.is_empty() && self.now.increment < STARTING && automatic {
             self.elements.guard_start(&self.dofs.nodes);
         }
-        if self.dofs.bodies.iter().all(|b| b.acceleration.abs() < f64::INFINITY) { Ok(()) } else { Err(self.not_finite()) }
+        if self.dofs.bodies.iter().all(|b| b.acceleration.abs() < f64::INFINITY) {
+            Ok(())
+        } else {
+            Err(self.not_finite())
+        }
     }
 
     fn book(&mut self) {

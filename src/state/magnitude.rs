@@ -18,11 +18,7 @@ impl Clock<'_> {
     /// A time later.
     #[must_use]
     pub fn later(self, time: f64) -> Self {
-        let now = Instant {
-            step_time: self.now.step_time + time,
-            total_time: self.now.total_time + time,
-            ..self.now
-        };
+        let now = Instant { step_time: self.now.step_time + time, total_time: self.now.total_time + time, ..self.now };
         Clock { now, ..self }
     }
 }

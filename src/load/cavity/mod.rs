@@ -7,7 +7,8 @@ mod skin;
 mod stack;
 
 use super::{Account, Behind, Load, Slot, VelocityUse, View};
-use crate::mesh::surface::{FacetFields, Surface};
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::Surface;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;

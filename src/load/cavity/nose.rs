@@ -5,7 +5,8 @@
 use super::stack::Stack;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
-use crate::mesh::surface::{FacetFields, Patch};
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::Patch;
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist};
 use crate::state::limit::Limit;

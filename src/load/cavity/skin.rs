@@ -3,8 +3,9 @@
 
 use super::stack::Stack;
 use crate::kernel::facet::{Facet, ring_pressure};
+use crate::load::fields::FacetFields;
 use crate::load::{Behind, View};
-use crate::mesh::surface::{Face, FacetFields, Skin};
+use crate::mesh::surface::{Face, Skin};
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::limit::Limit;
 use crate::state::nodes::Nodes;

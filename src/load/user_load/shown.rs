@@ -97,7 +97,12 @@ impl Shown {
     /// # Errors
     /// Its own.
     #[inline(always)]
-    pub(super) fn call(&mut self, load: &Description, clock: &Clock<'_>, routine: &mut dyn UserLoad) -> Result<(), LoadFailure> {
+    pub(super) fn call(
+        &mut self,
+        load: &Description,
+        clock: &Clock<'_>,
+        routine: &mut dyn UserLoad,
+    ) -> Result<(), LoadFailure> {
         let n = self.count;
         let points = LoadPoints {
             surface: &load.name,
