@@ -239,6 +239,34 @@ fn positions_at_nodes_are_means_over_the_elements_around() {
     assert_eq!((memory.frames[0].cell_fields.len(), memory.frames[0].point_fields.len()), (1, 0));
 }
 
+/// What is deleted has no part in a mean; where all elements around are gone, and on rigid bodies, there is none.
+#[test]
+fn positions_at_nodes_leave_out_what_is_not_there() {
+    let rigid = "*Node, nset=REF\n 90, 0., 9.\n*Node\n 91, 1., 9.\n*Element, type=RAX2, elset=WALL\n 90, 90, 91\n\
+                 *Rigid Body, ref node=REF, elset=WALL\n*Element, type=MASS, elset=M\n 92, 90\n*Mass, elset=M\n 1.,\n";
+    let request = "*Output, field, number interval=20\n*Element Output\n MISES, STATUS\n*Element Output, position=NODES\n MISES\n";
+    let fragile = steel().replace("*Initial", "*Shear Failure\n 0.03,\n*Initial") + rigid;
+    let (_, memory) = run(&block(&fragile, request));
+    let (mut partly, mut nowhere) = (0, 0);
+    for frame in &memory.frames {
+        let [mises, status] = ["MISES", "STATUS"].map(|n| &field(&frame.cell_fields, n).expect(n).values);
+        let points = &field(&frame.point_fields, "MISES").expect("MISES").values;
+        for (node, value) in points.iter().enumerate() {
+            let around = (0..frame.cells.len()).filter(|c| frame.cells[*c].contains(&node));
+            let all: Vec<usize> = around.collect();
+            let there: Vec<usize> = all.iter().copied().filter(|c| status[*c] == 1.0).collect();
+            let mean = there.iter().map(|e| mises[*e]).sum::<f64>() / there.len() as f64;
+            partly += usize::from(!there.is_empty() && there.len() < all.len());
+            nowhere += usize::from(there.is_empty() && all.iter().any(|c| status[*c] == 0.0));
+            assert!(value.is_nan() && mean.is_nan() || (value - mean).abs() <= 1e-14 * mean, "{node}: {value} {mean}");
+        }
+    }
+    assert!(partly > 0 && nowhere > 0, "elements are deleted: {partly} {nowhere}");
+    assert!(
+        field(&memory.frames[0].point_fields, "MISES").is_some_and(|f| f.values[9].is_nan() && f.values[10].is_nan())
+    );
+}
+
 /// Errors, warnings and notes of a deck, rendered.
 fn findings(requests: &str) -> String {
     let prepared = job::prepare_text("test.inp", &block(&steel(), requests), &Vec::new(), &Routines::none());
