@@ -245,7 +245,11 @@ fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &Drawn) {
 /// A field that has a value at all.
 fn field(name: &str, on_cells: bool, frames: &[Vec<f64>]) -> Option<Field> {
     let finite = || frames.iter().flatten().copied().filter(|v| v.is_finite());
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    let (mut low, mut high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    if name == Variable::Status.name() && low <= high {
+        // The page leaves out what is below the middle, also where all elements are alike.
+        (low, high) = (0.0, 1.0);
+    }
     let values = base64(frames.iter().flatten().map(|v| scale(*v, low, high)));
     (low <= high).then(|| Field { name: name.to_owned(), on_cells, low, high, values })
 }

@@ -186,8 +186,7 @@ function drawMeridian(m, onTime) {
   const places = numbers(m.places), corners = numbers(m.corners), frames = m.times.length;
   const [r0, r1, z0, z1] = m.bounds, chains = outlines(m, corners);
   const fields = m.fields.filter(f => f.name !== 'STATUS').map(f => ({ ...f, at: numbers(f.values) }));
-  const [gone] = m.fields.filter(f => f.name === 'STATUS' && f.on_cells).map(f => ({ low: f.low, high: f.high, at: numbers(f.values) }));
-  const status = gone && (k => gone.at[k] === NONE ? null : gone.low + (gone.high - gone.low) * gone.at[k] / (NONE - 1));
+  const status = m.fields.filter(f => f.name === 'STATUS' && f.on_cells).map(f => numbers(f.values))[0];
   const layers = layersOf(m.scene), faces = layers.flatMap(l => [l.from, l.to]).filter(Number.isFinite);
   const canvas = make('canvas', { role: 'img', tabindex: 0, 'aria-label': 'Meridian of the scene, mirrored about the axis' });
   const slider = make('input', { type: 'range', min: 0, max: frames - 1, value: frames - 1, step: 1, 'aria-label': 'frame' });
@@ -379,8 +378,7 @@ function drawBodies(g, chains, point, project) {
 function drawCells(g, m, corners, field, status, frame, point, project, [low, high], edges) {
   const seen = [], plain = ink('--body'), line = ink('--soft'), none = ink('--soft');
   for (let c = 0; c < m.cells; c++) {
-    const there = status && status(frame * m.cells + c);
-    if (typeof there === 'number' && there < 0.5) continue;
+    if (status && status[frame * m.cells + c] < NONE / 2) continue;
     const list = [0, 1, 2, 3].map(i => corners[4 * c + i]).filter(p => p !== NONE);
     const value = valueOf(field, m, c, list, frame);
     const part = value === null ? 0 : high > low ? (value - low) / (high - low) : 0;
