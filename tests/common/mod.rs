@@ -1,5 +1,5 @@
 //! What several tests share: the seed deck, runs in memory, exact depths by quadrature.
-#![allow(dead_code)] // Each test file uses a part.
+#![allow(dead_code)] // Each binary uses a part.
 
 pub mod solid;
 

@@ -1,0 +1,8 @@
+//! Words: the deck language, what a deck means, mesh files.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod language;
+mod mesh_files;
+mod shared_decks;
