@@ -181,14 +181,6 @@ pub struct HistoryOnly {
 }
 
 impl Sink for HistoryOnly {
-    fn wants_frames(&self) -> bool {
-        false
-    }
-
-    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
-        Ok(())
-    }
-
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
         self.summary.observe(&self.columns, time, values);
         Ok(())

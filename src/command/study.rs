@@ -15,7 +15,6 @@ use revolve::study::refinement::{self, Study as Results};
 use revolve::study::settings::{self, Axis};
 use revolve::study::table;
 use revolve::study::target::{self, Met, Target};
-use revolve::user::Routines;
 use revolve::user::compile::Compiled;
 use revolve::{deck, job, model, output};
 
@@ -70,7 +69,7 @@ impl Study {
         let target = self.target.as_deref().map(Target::parse).transpose()?;
         let overrides = pairs(&self.set)?;
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
-        let routines = compiled.as_ref().map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)?;
+        let routines = Compiled::open_any(compiled.as_ref())?;
         let first = job::prepare(&self.deck, &overrides, &routines);
         if !accepted(&first, self.quiet) {
             return Ok(ExitCode::from(REFUSED));

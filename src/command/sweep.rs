@@ -8,7 +8,6 @@ use revolve::study::compare::Reference;
 use revolve::study::grid::Grid;
 use revolve::study::quantity::Quantity;
 use revolve::study::{sweep, table};
-use revolve::user::Routines;
 use revolve::user::compile::Compiled;
 use revolve::{deck, job, output};
 
@@ -48,7 +47,7 @@ impl Sweep {
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let reference = self.compare.as_deref().map(Reference::read).transpose()?;
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
-        let routines = compiled.as_ref().map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)?;
+        let routines = Compiled::open_any(compiled.as_ref())?;
         let first = job::prepare(&self.deck, &grid.combination(0), &routines);
         if !accepted(&first, self.quiet) {
             return Ok(ExitCode::from(REFUSED));

@@ -16,6 +16,17 @@ pub enum Prescribed {
     Acceleration,
 }
 
+impl Prescribed {
+    /// As a user's routine is told: the order of the time derivative (`jTyp` of VDISP).
+    pub fn number(self) -> i32 {
+        match self {
+            Prescribed::Displacement => 0,
+            Prescribed::Velocity => 1,
+            Prescribed::Acceleration => 2,
+        }
+    }
+}
+
 /// A motion that a body follows whatever forces act; the force needed is its reaction.
 #[derive(Clone, Debug)]
 pub struct Motion {

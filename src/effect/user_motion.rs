@@ -42,11 +42,7 @@ impl Asking for UserMotion {
         }
         let call = MotionCall {
             set: &self.set,
-            kind: match self.kind {
-                Prescribed::Displacement => 0,
-                Prescribed::Velocity => 1,
-                Prescribed::Acceleration => 2,
-            },
+            kind: self.kind.number(),
             node: self.node,
             dof: 2,
             now: *arrival,

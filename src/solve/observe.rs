@@ -13,12 +13,16 @@ use crate::user::Wish;
 /// Takes what a run shows.
 pub trait Sink {
     /// Whether frames are wanted at all.
-    fn wants_frames(&self) -> bool;
+    fn wants_frames(&self) -> bool {
+        false
+    }
     /// The scene at an instant.
     ///
     /// # Errors
     /// In words, if it cannot be kept; the run halts.
-    fn frame(&mut self, frame: &Frame) -> Result<(), String>;
+    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
+        Ok(())
+    }
     /// A history row at a total time, one value a column.
     ///
     /// # Errors

@@ -8,7 +8,6 @@ use super::increment::Pace;
 use super::observe::{Observing, Rhythm, unwritten};
 use super::{Rest, Run, Sink, StepSummary};
 use crate::effect::Halt;
-use crate::output::Frame;
 use crate::plan::StepPlan;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
@@ -199,9 +198,6 @@ struct Nowhere;
 impl Sink for Nowhere {
     fn wants_frames(&self) -> bool {
         true
-    }
-    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
-        Ok(())
     }
     fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), String> {
         Ok(())

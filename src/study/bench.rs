@@ -9,7 +9,6 @@ use super::measure::{Found, Measure};
 use super::settings::{Axis, Edit, Knob, edit};
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, Overrides};
-use crate::user::Routines;
 use crate::user::compile::Compiled;
 
 /// Gives the deck for values of its parameters.
@@ -132,7 +131,7 @@ impl<'a> Bench<'a> {
     }
 
     fn once(&self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, String> {
-        let routines = self.user.map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)?;
+        let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
         let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));
         let mut prepared = job::prepare_edited((self.source)(overrides), &mut change, &routines);

@@ -4,7 +4,7 @@
 use super::field::{Field, FieldName};
 use super::quantity::{FUNCTIONS, value};
 use crate::deck::expression::{Argument, Expression};
-use crate::output::{Frame, HistorySummary};
+use crate::output::HistorySummary;
 use crate::plan::Plan;
 use crate::solve::Sink;
 
@@ -181,14 +181,6 @@ impl Recorder {
 }
 
 impl Sink for Recorder {
-    fn wants_frames(&self) -> bool {
-        false
-    }
-
-    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
-        Ok(())
-    }
-
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
         self.summary.observe(&self.columns, time, values);
         if self.keeps_rows {

@@ -10,7 +10,6 @@ use super::compare::{Reference, rms};
 use super::grid::Grid;
 use super::quantity::Quantity;
 use crate::job;
-use crate::user::Routines;
 use crate::user::compile::Compiled;
 
 /// The results of a sweep, in the grid's order.
@@ -51,7 +50,7 @@ fn one(
     quantities: &[Quantity],
     user: Option<&Compiled>,
 ) -> Result<Vec<f64>, String> {
-    let routines = user.map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)?;
+    let routines = Compiled::open_any(user)?;
     let mut prepared = job::prepare(deck, overrides, &routines);
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources));

@@ -75,6 +75,14 @@ impl Compiled {
     pub fn open(&self) -> Result<Routines, Diagnostic> {
         library::open(&self.libraries, self.third_coordinate)
     }
+
+    /// The same where there may be no files: then there are no routines.
+    ///
+    /// # Errors
+    /// As [`Compiled::open`], in words.
+    pub fn open_any(compiled: Option<&Compiled>) -> Result<Routines, String> {
+        compiled.map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)
+    }
 }
 
 /// Makes libraries of user files; `checked` builds with bounds checks.

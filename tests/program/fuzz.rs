@@ -13,7 +13,6 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use revolve::job;
 use revolve::model::mesh_file::mesh_frame;
-use revolve::output::Frame;
 use revolve::output::checkpoint::{Checkpoint, Identity};
 use revolve::output::vtu::VtuWriter;
 use revolve::solve::{self, Control, Every, Sink};
@@ -271,12 +270,6 @@ fn mesh_files() {
 struct First(Vec<u8>);
 
 impl Sink for First {
-    fn wants_frames(&self) -> bool {
-        false
-    }
-    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
-        Ok(())
-    }
     fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), String> {
         Ok(())
     }

@@ -83,7 +83,7 @@ impl HighestFrequency {
         }
         // Nodes that a rigid body moves have no mass of their own here. Together they have at least that of their elements
         // and no more stiffness than each alone.
-        let own = solid.masses_of_elements();
+        let own = if solid.ties.is_empty() { Vec::new() } else { solid.masses_of_elements() };
         for &n in solid.ties.iter().flat_map(|tie| &tie.nodes) {
             self.roots[n] = [0.0, 1.0 / own[n].sqrt()];
         }

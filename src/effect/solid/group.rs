@@ -380,12 +380,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         if !F::FAILS || self.tasks.iter().all(|stage| stage.deaths == 0) {
             return;
         }
-        for element in 0..self.count {
-            if !self.told[element] && self.status(element) == Some(0.0) {
-                self.told[element] = true;
-                gone.push(self.corners(element));
-            }
-        }
+        let mut told = std::mem::take(&mut self.told);
+        tell_deleted(self, &mut told, gone);
+        self.told = told;
     }
 
     fn holds_state(&self) -> bool {
@@ -444,6 +441,16 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
             if !stage.records.is_empty() {
                 stage.follow(i, block, H::FLOWS, &places, pass.dt);
             }
+        }
+    }
+}
+
+/// Adds the corner nodes of elements whose deletion has not been told, and counts it as told.
+pub(super) fn tell_deleted(group: &impl Group, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
+    for (element, told) in told.iter_mut().enumerate() {
+        if !*told && group.status(element) == Some(0.0) {
+            *told = true;
+            gone.push(group.corners(element));
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Never here: how the routine was made or loaded.
 
 use super::block::{Block, Nodes, Stage, Sums, dot, rotated};
-use super::group::{Group, Totals, block, totals};
+use super::group::{Group, Totals, block, tell_deleted, totals};
 use super::law::{Constants, Elastic};
 use super::points::Points;
 use super::record::{Followed, Record, spin};
@@ -290,12 +290,9 @@ impl Group for UserQuads {
         if self.description.delete.is_none() {
             return;
         }
-        for element in 0..self.count {
-            if !self.told[element] && self.status(element) == Some(0.0) {
-                self.told[element] = true;
-                gone.push(self.corners(element));
-            }
-        }
+        let mut told = std::mem::take(&mut self.told);
+        tell_deleted(self, &mut told, gone);
+        self.told = told;
     }
 
     fn holds_state(&self) -> bool {

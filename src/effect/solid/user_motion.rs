@@ -60,11 +60,7 @@ impl NodeMotions {
             }
             let call = MotionCall {
                 set: &self.set,
-                kind: match self.kind {
-                    Prescribed::Displacement => 0,
-                    Prescribed::Velocity => 1,
-                    Prescribed::Acceleration => 2,
-                },
+                kind: self.kind.number(),
                 node: asked.number,
                 dof: self.axis + 1,
                 now: *arrival,
