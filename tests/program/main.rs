@@ -14,4 +14,5 @@ mod same_bits;
 mod study;
 mod study_cases;
 mod study_effects;
+mod tidy;
 mod vtk;

@@ -13,7 +13,6 @@ mod table_resistance;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use revolve::job;
 use revolve::user::compile::compile;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
