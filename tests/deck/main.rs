@@ -3,6 +3,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod dialects;
 mod language;
 mod mesh_files;
-mod shared_decks;

@@ -1,9 +1,10 @@
 //! Mesh files: a mesh written by Revolve reads back to the same model; damaged and wrong files are told.
 
 use revolve::deck;
-use revolve::model::mesh_file::mesh_frame;
 use revolve::model::{self, Model};
 use revolve::output::vtu::VtuWriter;
+
+use crate::common::mesh::mesh_frame;
 
 const DECK: &str = "*Node, nset=ALL\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 5, 0., 2.\n 20, 3., 0.\n 21, 3., 1.\n\
 *Element, type=CAX4R, elset=BODY\n 10, 1, 2, 3, 4\n*Element, type=CAX3, elset=BODY\n 11, 4, 3, 5\n\

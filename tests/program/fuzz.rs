@@ -12,7 +12,6 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use revolve::job;
-use revolve::model::mesh_file::mesh_frame;
 use revolve::output::checkpoint::{Checkpoint, Identity};
 use revolve::output::vtu::VtuWriter;
 use revolve::solve::{self, Control, Every, Sink};
@@ -20,6 +19,7 @@ use revolve::user::Routines;
 use sha2::{Digest as _, Sha256};
 
 use crate::common;
+use crate::common::mesh::mesh_frame;
 
 /// What is done to a text: kind, place, and what with.
 type Change = (u8, u32, u32);

@@ -4,7 +4,6 @@
 //! Needs gfortran for the routines in Fortran; without it those tests say so and pass, except in CI.
 
 use std::fmt::Write as _;
-use std::process::Command;
 
 use revolve::job;
 use revolve::solve::Outcome;
@@ -15,14 +14,8 @@ use crate::common;
 use crate::common::Memory;
 use crate::common::solid::grid;
 
-/// Whether there is a Fortran compiler; says so if not. In CI there must be.
 fn fortran() -> bool {
-    let found = Command::new("gfortran").arg("--version").output().is_ok_and(|o| o.status.success());
-    assert!(found || std::env::var_os("CI").is_none(), "in CI gfortran must be installed");
-    if !found {
-        println!("left out: user materials in Fortran (no gfortran)");
-    }
-    found
+    common::fortran("user materials in Fortran")
 }
 
 /// The routines of a source in Fortran, or what is said against it.

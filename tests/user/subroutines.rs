@@ -18,14 +18,8 @@ use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;
 
-/// Whether there is a Fortran compiler; says so if not. In CI there must be.
 fn fortran() -> bool {
-    let found = Command::new("gfortran").arg("--version").output().is_ok_and(|o| o.status.success());
-    assert!(found || std::env::var_os("CI").is_none(), "in CI gfortran must be installed");
-    if !found {
-        println!("left out: user subroutines in Fortran (no gfortran)");
-    }
-    found
+    common::fortran("user subroutines in Fortran")
 }
 
 /// A folder with the user's files; compiled libraries go below it, too.
