@@ -1,10 +1,13 @@
 //! Revolve: axisymmetric explicit finite elements with user-load hooks.
 #![warn(missing_docs)]
+pub mod constraint;
 pub mod deck;
-pub mod effect;
+pub mod element;
 pub mod explain;
 pub mod job;
 pub mod kernel;
+pub mod load;
+pub mod material;
 pub mod model;
 pub mod output;
 pub mod plan;

@@ -5,6 +5,8 @@ pub mod amplitude;
 pub mod cavity;
 pub mod facet;
 pub mod hardening;
+pub mod lanes;
 pub mod levels;
 pub mod quad;
+pub mod rotation;
 pub mod solid;

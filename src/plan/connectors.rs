@@ -3,8 +3,8 @@
 
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
-use crate::effect::solid::body::Solid;
-use crate::effect::solid::connector::{Connector, Law};
+use crate::element::body::Solid;
+use crate::element::connector::{Connector, Law};
 use crate::model::{ConnectorLaw, ConnectorProperty, ElementKind};
 
 impl Compiler<'_> {

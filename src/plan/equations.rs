@@ -2,9 +2,9 @@
 //! Never here: their solution.
 
 use super::Compiler;
+use crate::constraint::equation::{Equation, System};
 use crate::deck::Diagnostic;
-use crate::effect::solid::body::{Given, Solid};
-use crate::effect::solid::equation::{Equation, System};
+use crate::element::body::{Given, Solid};
 use crate::model::Step;
 
 impl Compiler<'_> {

@@ -4,17 +4,20 @@
 use std::collections::BTreeMap;
 
 use super::Compiler;
+use crate::constraint::motion::{Motion, Prescribed};
 use crate::deck::{Diagnostic, Span};
-use crate::effect::cavity::{CavityExpansion, Stack};
-use crate::effect::concentrated::Concentrated;
-use crate::effect::gravity::Gravity;
-use crate::effect::motion::{Motion, Prescribed};
-use crate::effect::pressure::Pressure;
-use crate::effect::{Asking, Force, Magnitude, Shape};
 use crate::kernel::amplitude::Curve;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
+use crate::load::Asking;
+use crate::load::Force;
+use crate::load::cavity::{CavityExpansion, Stack};
+use crate::load::concentrated::Concentrated;
+use crate::load::gravity::Gravity;
+use crate::load::pressure::Pressure;
 use crate::model::{self, AmplitudeDefinition, Boundary, IncrementControl, Load, LoadKind, Side, Sides, Step};
+use crate::state::magnitude::Magnitude;
+use crate::state::magnitude::Shape;
 
 /// Facets with their element index, by body.
 pub(super) type FacetsByBody = BTreeMap<usize, Vec<(usize, Facet)>>;

@@ -3,8 +3,8 @@
 
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
-use crate::effect::solid::body::Solid;
-use crate::effect::solid::mass_scaling::{Aim, Request, Rhythm, Scaling, Variable};
+use crate::element::body::Solid;
+use crate::element::mass_scaling::{Aim, Request, Rhythm, Scaling, Variable};
 use crate::model::{LoadKind, MassScaling, ScalingRhythm, ScalingType, Step};
 
 impl Compiler<'_> {

@@ -21,15 +21,18 @@ use std::rc::Rc;
 
 use indexmap::IndexMap;
 
+use crate::constraint::equation::System;
+use crate::constraint::motion::Motion;
+use crate::constraint::node_user_motion::NodeMotions;
+use crate::constraint::wall::Wall;
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
-use crate::effect::solid::body::{Given, NodeForce, Solid};
-use crate::effect::solid::equation::System;
-use crate::effect::solid::mass_scaling::Scaling;
-use crate::effect::solid::user_motion::NodeMotions;
-use crate::effect::solid::wall::Wall;
-use crate::effect::{Asking, Cause, Force, motion::Motion};
+use crate::element::body::{Given, NodeForce, Solid};
+use crate::element::mass_scaling::Scaling;
 use crate::kernel::amplitude::Track;
+use crate::load::Asking;
+use crate::load::Force;
 use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
+use crate::state::EffectId;
 use crate::user::{Routines, SharedEvents};
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
@@ -105,7 +108,7 @@ struct Compiler<'a> {
     routines: &'a Routines,
     diagnostics: Diagnostics,
     ledger: Ledger,
-    causes: IndexMap<(Span, &'static str), Cause>,
+    causes: IndexMap<(Span, &'static str), EffectId>,
     bodies: Vec<Body>,
     /// Body of each node that moves with one.
     body_of_node: IndexMap<usize, usize>,
@@ -166,7 +169,14 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
 impl Compiler<'_> {
     /// The ledger row of an effect that a span asked for; made at the first asking, so that a load that stays in force
     /// over several steps has one row.
-    fn cause(&mut self, span: Span, effect: &'static str, count: usize, unit: &'static str, detail: String) -> Cause {
+    fn cause(
+        &mut self,
+        span: Span,
+        effect: &'static str,
+        count: usize,
+        unit: &'static str,
+        detail: String,
+    ) -> EffectId {
         if let Some(&cause) = self.causes.get(&(span, effect)) {
             return cause;
         }

@@ -8,17 +8,18 @@ use indexmap::IndexMap;
 
 use super::Compiler;
 use super::loads::prescribed;
-use crate::effect::cavity::Stack;
-use crate::effect::motion::Prescribed;
-use crate::effect::solid::body::{Given, NodeForce, Solid};
-use crate::effect::solid::loads::{Face, FaceCavity, FacePressure, FaceUser, NodeConcentrated, NodeGravity};
-use crate::effect::solid::user_body::BodyUser;
-use crate::effect::solid::user_motion::{Asked, NodeMotions};
-use crate::effect::user_load::UserLoad;
-use crate::effect::{Magnitude, Shape};
+use crate::constraint::motion::Prescribed;
+use crate::constraint::node_user_motion::{Asked, NodeMotions};
+use crate::element::body::{Given, NodeForce, Solid};
 use crate::kernel::amplitude::Track;
 use crate::kernel::quad::corner_masses;
+use crate::load::cavity::Stack;
+use crate::load::faces::{Face, FaceCavity, FacePressure, FaceUser, NodeConcentrated, NodeGravity};
+use crate::load::user_body::BodyUser;
+use crate::load::user_load::UserLoad;
 use crate::model::{Boundary, Load, LoadKind, Side, Sides, Step};
+use crate::state::magnitude::Magnitude;
+use crate::state::magnitude::Shape;
 
 /// Nodes and axes that are given already.
 type Taken = HashSet<(usize, usize)>;

@@ -3,8 +3,8 @@
 
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
-use crate::effect::solid::body::Solid;
-use crate::effect::solid::group::Group;
+use crate::element::body::Solid;
+use crate::element::group::Group;
 use crate::model::{Interval, OutputKind, OutputRequest, Region, Step};
 
 /// What a history column holds.

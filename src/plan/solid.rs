@@ -5,10 +5,10 @@ use indexmap::IndexMap;
 
 use super::{Compiler, owned};
 use crate::deck::Diagnostic;
-use crate::effect::solid::area::Rings;
-use crate::effect::solid::body::{Gather, Solid};
-use crate::effect::solid::frequency::HighestFrequency;
-use crate::effect::solid::group::Group;
+use crate::element::body::{Gather, Solid};
+use crate::element::frequency::HighestFrequency;
+use crate::element::group::Group;
+use crate::element::rings::Rings;
 use crate::kernel::quad::{self, corner_masses};
 use crate::model::{IncrementControl, InitialKind, SolidSection, Step};
 use crate::state::nodes::Node;

@@ -4,16 +4,17 @@
 use super::Compiler;
 use super::solid::add_masses;
 use crate::deck::{Diagnostic, Span};
-use crate::effect::solid::eos::{Eos, IdealGas, UsUp};
-use crate::effect::solid::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
-use crate::effect::solid::group::{Group, Quads};
-use crate::effect::solid::hyperelastic::NeoHooke;
-use crate::effect::solid::kinematic::Kinematic;
-use crate::effect::solid::law::{Constants, Elastic, General, Hardening, Lines};
-use crate::effect::solid::moving::Moving;
-use crate::effect::solid::volumetric::{Linear, Volumetric};
+use crate::element::constants::Constants;
+use crate::element::group::{Group, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
 use crate::kernel::levels::Levels;
+use crate::material::eos::{Eos, IdealGas, UsUp};
+use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
+use crate::material::hyperelastic::NeoHooke;
+use crate::material::kinematic::Kinematic;
+use crate::material::kinematic_rate::Moving;
+use crate::material::plasticity::{Elastic, General, Hardening, Lines};
+use crate::material::volumetric::{Linear, Volumetric};
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SolidSection,
     StrainAtFailure,

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::Compiler;
-use crate::effect::solid::tie::Tie;
+use crate::constraint::tie::Tie;
 
 impl Compiler<'_> {
     /// Ties of shared nodes; the mass that elements put on them goes over to the bodies.

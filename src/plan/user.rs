@@ -5,15 +5,18 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::Compiler;
+use crate::constraint::motion::{Motion, Prescribed};
+use crate::constraint::user_motion::UserMotion;
 use crate::deck::{Diagnostic, Span};
-use crate::effect::motion::{Motion, Prescribed};
-use crate::effect::user_amplitude::{Sensed, UserAmplitude};
-use crate::effect::user_load::{Point, UserLoad, UserPressure};
-use crate::effect::user_motion::UserMotion;
-use crate::effect::{Asking, Force, Magnitude, Shape};
 use crate::kernel::amplitude::Track;
 use crate::kernel::solid;
+use crate::load::Asking;
+use crate::load::Force;
+use crate::load::user_amplitude::{Sensed, UserAmplitude};
+use crate::load::user_load::{Point, UserLoad, UserPressure};
 use crate::model::{AmplitudeDefinition, Boundary, ElementKind, Load, OutputRequest, Region, Sides};
+use crate::state::magnitude::Magnitude;
+use crate::state::magnitude::Shape;
 
 impl Compiler<'_> {
     /// `PNU` and `P1NU` to `P4NU`.

@@ -5,9 +5,9 @@ use super::Compiler;
 use super::solid::add_masses;
 use super::solid_material::Moduli;
 use crate::deck::Diagnostic;
-use crate::effect::solid::group::Group;
-use crate::effect::solid::law::Constants;
-use crate::effect::solid::user_material::{Description, UserQuads};
+use crate::element::constants::Constants;
+use crate::element::group::Group;
+use crate::element::user_quads::{Description, UserQuads};
 use crate::model::{Hourglass, Material, SolidSection, StateVariables};
 use crate::state::nodes::Node;
 

@@ -2,9 +2,9 @@
 //! Never here: the contact itself.
 
 use super::Compiler;
+use crate::constraint::wall::Wall;
 use crate::deck::Diagnostic;
-use crate::effect::solid::body::{Given, Solid};
-use crate::effect::solid::wall::Wall;
+use crate::element::body::{Given, Solid};
 use crate::model::{Contact, Plane, Step};
 
 impl Compiler<'_> {

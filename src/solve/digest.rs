@@ -4,7 +4,7 @@
 use sha2::{Digest as _, Sha256};
 
 use super::Run;
-use crate::effect::solid::group::Group;
+use crate::element::group::Group;
 
 /// Takes numbers in by their bits.
 struct Bits(Sha256);

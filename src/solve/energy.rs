@@ -3,9 +3,10 @@
 
 use serde::Serialize;
 
-use crate::effect::motion::Motion;
-use crate::effect::solid::body::Energies;
-use crate::effect::{Account, Slot};
+use crate::constraint::motion::Motion;
+use crate::element::body::Energies;
+use crate::load::Account;
+use crate::load::Slot;
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
 

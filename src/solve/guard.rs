@@ -3,10 +3,10 @@
 //! Never here: how energies are booked, how an increment is chosen.
 
 use super::Run;
-use crate::effect::Halt;
-use crate::effect::solid::body::Solid;
+use crate::element::body::Solid;
 use crate::plan::StepPlan;
 use crate::state::Instant;
+use crate::state::halt::Halt;
 
 /// The smallest stable increment over the length of the step: below it the step would take more than ten thousand million
 /// increments, which only an element that collapses asks for.

@@ -2,10 +2,11 @@
 //! Never here: forces, the motion itself.
 
 use super::Run;
-use crate::effect::{Halt, Limit};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::halt::Halt;
+use crate::state::limit::Limit;
 use crate::state::{BodyState, Instant};
 
 /// What an increment ends in.

@@ -13,11 +13,14 @@ use std::time::Instant as Stopwatch;
 
 use serde::Serialize;
 
-use crate::effect::solid::body::Solid;
-use crate::effect::solid::guard::STARTING;
-use crate::effect::{Account, Asking, Halt, Slot};
+use crate::element::body::Solid;
+use crate::element::volume_guard::STARTING;
+use crate::load::Account;
+use crate::load::Asking;
+use crate::load::Slot;
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, StepPlan};
+use crate::state::halt::Halt;
 use crate::state::{Before, BodyState, Instant, direction};
 use crate::user::Wish;
 use energy::Balance;

@@ -2,12 +2,12 @@
 //! Never here: files.
 
 use super::{Energy, Run};
-use crate::effect::Halt;
-use crate::effect::solid::body::Solid;
+use crate::element::body::Solid;
 use crate::output::{Field, Frame};
 use crate::plan::{COMPONENTS, ElementVariable, FieldVariable, Plan, Quantity, Schedule, StepPlan};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::halt::Halt;
 use crate::user::Wish;
 
 /// Takes what a run shows.

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant as Stopwatch};
 use super::increment::Pace;
 use super::observe::{Observing, Rhythm, unwritten};
 use super::{Rest, Run, Sink, StepSummary};
-use crate::effect::Halt;
 use crate::plan::StepPlan;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
+use crate::state::halt::Halt;
 use crate::user::{Moment, Wish};
 
 /// How often the state is kept, beside what the deck's `*RESTART, WRITE` asks.

@@ -3,9 +3,9 @@
 
 use super::Run;
 use super::increment::Increment;
-use crate::effect::Halt;
 use crate::plan::StepPlan;
 use crate::state::Instant;
+use crate::state::halt::Halt;
 use crate::user::{Moment, Wish};
 
 impl Run<'_> {
@@ -70,7 +70,7 @@ impl Run<'_> {
     pub(super) fn tell(&mut self, moment: Moment, increment: f64) -> Result<(), Halt> {
         let Some(events) = &self.plan.events else { return Ok(()) };
         let wish = events.with(|e| e.moment(moment, &self.now, increment));
-        let failed = |f| Halt::of_routine("the user's routine that is told of events", &self.now, &f);
+        let failed = |f: crate::user::LoadFailure| f.halt("the user's routine that is told of events", &self.now);
         self.wish = self.wish.max(wish.map_err(failed)?);
         Ok(())
     }

@@ -2,9 +2,15 @@
 //! Never here: anything no effect asked for.
 
 pub mod archive;
+pub mod halt;
+pub mod limit;
+pub mod magnitude;
 pub mod nodes;
 
 use archive::{Archive, Persist, persist_fields};
+
+/// Index into the ledger: the only thing an effect knows of the deck.
+pub type EffectId = usize;
 
 /// Where the clock stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 //! same variable on a finer mesh.
 //! Never here: expressions, runs.
 
-use crate::effect::solid::body::Solid;
+use crate::element::body::Solid;
 use crate::kernel::quad;
 use crate::plan::{ElementVariable, Plan};
 use crate::solve::element_value;

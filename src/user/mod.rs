@@ -11,6 +11,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use crate::state::Instant;
+use crate::state::halt::Halt;
 
 /// Points a routine is shown in one call at most: `maxblk` of `vaba_param.inc`. Larger surfaces come in blocks.
 pub const MAX_BLOCK: usize = 512;
@@ -67,6 +68,15 @@ impl LoadFailure {
     /// Without a point.
     pub fn new(reason: impl Into<String>) -> Self {
         LoadFailure { point: None, reason: reason.into() }
+    }
+
+    /// The halt that follows; `what` names routine and place.
+    pub fn halt(&self, what: &str, now: &Instant) -> Halt {
+        let reason = format!(
+            "{what} failed in step {}, increment {}, total time {:e}: {}",
+            now.step, now.increment, now.total_time, self.reason
+        );
+        Halt { code: "R201", reason }
     }
 }
 

@@ -3,11 +3,13 @@
 
 use std::time::Instant;
 
-use revolve::effect::solid::failure::Intact;
-use revolve::effect::solid::group::{Group, Quads};
-use revolve::effect::solid::law::{Constants, Flow, Hardening};
-use revolve::effect::solid::volumetric::Linear;
-use revolve::effect::solid::{Corners, LANES};
+use revolve::element::Corners;
+use revolve::element::constants::Constants;
+use revolve::element::group::{Group, Quads};
+use revolve::kernel::lanes::LANES;
+use revolve::material::failure::Intact;
+use revolve::material::plasticity::{Flow, Hardening};
+use revolve::material::volumetric::Linear;
 use revolve::state::nodes::Node;
 use revolve::user::Routines;
 

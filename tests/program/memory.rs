@@ -3,11 +3,12 @@
 //! Goal: nothing is allocated inside an increment; an elastic deck holds no byte for plasticity.
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
-use revolve::effect::solid::failure::Intact;
-use revolve::effect::solid::group::{Group, Quads};
-use revolve::effect::solid::law::{Constants, Flow, Hardening};
-use revolve::effect::solid::volumetric::Linear;
+use revolve::element::constants::Constants;
+use revolve::element::group::{Group, Quads};
 use revolve::job;
+use revolve::material::failure::Intact;
+use revolve::material::plasticity::{Flow, Hardening};
+use revolve::material::volumetric::Linear;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;

@@ -16,7 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["job", "explain"],
     &["solve"],
     &["plan"],
-    &["effect"],
+    &["load", "constraint", "element", "material"],
     &["user", "output", "state"],
     &["model", "deck"],
     &["kernel"],
@@ -30,8 +30,9 @@ const TELLING: &[&str] = &["Code", "Diagnostic", "Diagnostics", "Severity", "Sou
 /// Files that may use each other in a circle.
 const CIRCLE: usize = 3;
 
-/// Rooms that still hold larger ones.
-const TANGLED: &[&str] = &["effect", "solve"];
+/// Rooms that still use one above them, and rooms that still hold a larger circle. What is mended leaves the list.
+const UPWARD: &[(&str, &str)] = &[("constraint", "load"), ("element", "constraint")];
+const TANGLED: &[&str] = &["element", "solve"];
 
 /// Segments of a path from the root of the crate.
 type Module = Vec<String>;
@@ -212,13 +213,16 @@ fn allowed(from: &str, to: &str, name: Option<&str>) -> bool {
 #[test]
 fn no_arrow_runs_upward() {
     let house = House::read();
-    let mut wrong = BTreeSet::new();
+    let (mut rooms, mut wrong) = (BTreeSet::new(), BTreeSet::new());
     for (from, to, name) in house.arrows() {
-        if from[0] != to[0] && !allowed(&from[0], &to[0], name.as_deref()) {
+        let pair = (from[0].as_str(), to[0].as_str());
+        if pair.0 != pair.1 && !allowed(pair.0, pair.1, name.as_deref()) {
+            rooms.insert((from[0].clone(), to[0].clone()));
             wrong.insert(format!("{} uses {} {}", house.0[from].file, house.0[&to].file, name.unwrap_or_default()));
         }
     }
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    let known: BTreeSet<_> = UPWARD.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+    assert_eq!(rooms, known, "{wrong:#?}");
 }
 
 #[test]
@@ -243,12 +247,9 @@ fn no_room_holds_a_large_circle() {
     let circle = |m: &Module| -> BTreeSet<&str> {
         all[m].iter().filter(|to| all[*to].contains(m)).map(|to| house.0[*to].file.as_str()).collect()
     };
-    let large: BTreeSet<_> = house
-        .0
-        .keys()
-        .filter(|m| !TANGLED.contains(&m[0].as_str()))
-        .map(circle)
-        .filter(|files| files.len() > CIRCLE)
-        .collect();
-    assert!(large.is_empty(), "{large:#?}");
+    let large: BTreeMap<&Module, _> = house.0.keys().map(|m| (m, circle(m))).filter(|c| c.1.len() > CIRCLE).collect();
+    let rooms: BTreeSet<&str> = large.keys().map(|m| m[0].as_str()).collect();
+    let known: BTreeSet<&str> = TANGLED.iter().copied().collect();
+    let circles: BTreeSet<_> = large.values().collect();
+    assert_eq!(rooms, known, "{circles:#?}");
 }

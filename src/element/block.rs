@@ -1,0 +1,492 @@
+//! A block of elements and what one increment does to it: the inner loop of deformable bodies.
+//! Each phase is a loop of plain arithmetic over lanes, without a branch, so that every instruction set gives the same
+//! bits. Never here: which elements a block holds, threads.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use super::constants::Constants;
+use crate::element::Corners;
+use crate::element::record::Record;
+use crate::element::volume_guard::CHANGE;
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
+use crate::kernel::quad::{UNIT, operators};
+use crate::kernel::rotation::rotated;
+use crate::material::failure::Failure;
+use crate::material::plasticity::{Flow, Hardening};
+use crate::material::volumetric::Volumetric;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::nodes::Node;
+
+/// Elements side by side, each quantity an array over lanes.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct Block<S, Q, X> {
+    /// Nodes at the corners, counter-clockwise.
+    pub nodes: [[u32; LANES]; 4],
+    /// Cauchy stress: rr, zz, hoop, rz.
+    pub stress: [Lanes; 4],
+    /// Generalised hourglass stresses along r and z.
+    pub hourglass: [Lanes; 2],
+    /// Stress of the bulk viscosity.
+    pub viscous: Lanes,
+    /// Mass of each element.
+    pub mass: Lanes,
+    /// One over the masses of the corners.
+    pub inverse_mass: [Lanes; 4],
+    /// What hardening keeps.
+    pub state: S,
+    /// What the volumetric law keeps.
+    pub volumetric: Q,
+    /// What failure keeps.
+    pub failure: X,
+}
+
+/// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    /// Work of the stress.
+    pub internal: Lanes,
+    /// Plastic dissipation.
+    pub plastic: Lanes,
+    /// Work of the bulk viscosity.
+    pub viscous: Lanes,
+    /// Work of the hourglass control.
+    pub artificial: Lanes,
+    /// Two over the stable increment of the element that limits each lane.
+    pub rate: Lanes,
+    /// Block of that element; a float, so that lanes choose it side by side.
+    pub limiting: Lanes,
+}
+
+/// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it. Loops over lanes read them with a
+/// stride of four, which compilers turn into a transposition in registers.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+pub struct Nodes(pub [[[f64; 4]; LANES]; 4]);
+
+impl Nodes {
+    /// Copies the corner nodes of a block.
+    #[inline(always)]
+    pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4]) {
+        for (to, of) in self.0.iter_mut().zip(of) {
+            // Two at once, both read before either is written: one wide store, which the wide loads behind can take up.
+            for (to, two) in to.as_chunks_mut::<2>().0.iter_mut().zip(of.as_chunks::<2>().0) {
+                *to = two.map(|node| nodes[node as usize].as_array());
+            }
+        }
+    }
+
+    /// One component of the four corners of a lane.
+    #[inline(always)]
+    pub(super) fn of(&self, l: usize, component: usize) -> [f64; 4] {
+        let Nodes(corners) = self;
+        [corners[0][l][component], corners[1][l][component], corners[2][l][component], corners[3][l][component]]
+    }
+}
+
+/// Scratch memory of one task.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+pub struct Stage {
+    /// Coordinates and velocities of the corners.
+    r: [Lanes; 4],
+    z: [Lanes; 4],
+    v_r: [Lanes; 4],
+    v_z: [Lanes; 4],
+    /// Strain increments rr, zz, hoop, rz.
+    pub(super) strain: [Lanes; 4],
+    /// Stress before the increment, carried along by the rotation.
+    pub(super) carried: [Lanes; 4],
+    /// Mean stress and deviator of the trial.
+    pub(super) mean: Lanes,
+    pub(super) deviator: [Lanes; 4],
+    /// At the middle of the increment, 0 for lanes without element.
+    pub(super) volume: Lanes,
+    pub(super) trial: Lanes,
+    pub(super) flow: Lanes,
+    pub(super) weight: Lanes,
+    /// Spin increment, and of a yield surface that moves the back stress that it carried along.
+    pub(super) spin: Lanes,
+    pub(super) back: [Lanes; 4],
+    /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
+    pub(super) bulk: Lanes,
+    pub(super) heat: Lanes,
+    /// Of the task so far.
+    pub(super) sums: Sums,
+    block: f64,
+    pub(super) count: usize,
+    /// Of the task's blocks, what outputs ask for; empty if none does.
+    pub(super) records: Vec<Record>,
+    /// Elements that failure deleted in this pass.
+    pub(super) deaths: usize,
+    /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
+    pub(super) cap: f64,
+    /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
+    /// under a cap.
+    pub(super) deformed: [Lanes; 2],
+}
+
+impl<S, Q, X> Block<S, Q, X> {
+    /// Masses of the corners of a lane.
+    pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
+        [0, 1, 2, 3].map(|c| 1.0 / self.inverse_mass[c][lane])
+    }
+
+    /// Gives the corners of a lane other masses.
+    pub(super) fn set_corner_masses(&mut self, lane: usize, masses: [f64; 4]) {
+        let total = (masses[0] + masses[1]) + (masses[2] + masses[3]);
+        self.mass[lane] = total;
+        for (list, mass) in self.inverse_mass.iter_mut().zip(masses) {
+            list[lane] = 1.0 / mass;
+        }
+    }
+}
+
+impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
+    /// One increment: stresses at its end, corner forces, and what is added to the sums.
+    #[inline(always)]
+    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>, const AREA: bool>(
+        &mut self,
+        (hardening, volumetric, failure): (&H, &V, &F),
+        constants: &Constants,
+        dt: f64,
+        nodes: &mut Nodes,
+        stage: &mut Stage,
+        corners: &mut Corners,
+    ) {
+        if F::FAILS {
+            self.mask_deleted(failure, nodes, stage);
+        }
+        self.strain::<H, V, AREA>(constants, dt, nodes, stage);
+        if stage.cap < f64::INFINITY {
+            stage.measure();
+        }
+        if H::SHIFTS {
+            stage.back = hardening.back_stress(&self.state);
+            stage.shift();
+        }
+        if H::FLOWS {
+            let (shear3, count) = (3.0 * constants.shear, stage.count);
+            let flow = &mut Flow { trial: &stage.trial, shear3, dt, count, increment: &mut stage.flow };
+            hardening.flow(&mut self.state, flow);
+        }
+        if H::SHIFTS {
+            hardening.follow(&mut self.state, &stage.back, &stage.deviator, &stage.trial, &stage.flow);
+        }
+        if V::VARIES {
+            self.respond::<H, V, AREA>(volumetric, 3.0 * constants.shear, nodes, stage);
+        }
+        self.stress::<H>(constants, stage);
+        if F::FAILS {
+            self.fail((hardening, volumetric, failure), constants, dt, stage);
+        }
+        self.forces::<V, AREA>(constants, dt, stage, corners);
+        if F::FAILS {
+            self.clear_deleted(failure, corners);
+        }
+        if V::VARIES {
+            volumetric.settle(&mut self.volumetric, &stage.heat, &self.mass);
+        }
+    }
+
+    /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
+    #[inline(always)]
+    pub(super) fn strain<H: Hardening, V: Volumetric, const AREA: bool>(
+        &mut self,
+        constants: &Constants,
+        dt: f64,
+        nodes: &Nodes,
+        stage: &mut Stage,
+    ) {
+        let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
+        let half = 0.5 * dt;
+        for l in 0..LANES {
+            let [r, z, v_r, v_z] = [0, 1, 2, 3].map(|component| nodes.of(l, component));
+            for i in 0..4 {
+                stage.r[i][l] = r[i];
+                stage.z[i][l] = z[i];
+                stage.v_r[i][l] = v_r[i];
+                stage.v_z[i][l] = v_z[i];
+            }
+            let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
+            let g = operators::<AREA>(middle(r, v_r), middle(z, v_z));
+            let per = dt / g.volume;
+            let (d_rr, d_zz, d_hoop) = (per * dot(g.r, v_r), per * dot(g.z, v_z), per * dot(g.hoop, v_r));
+            let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
+            let d_rz = 0.5 * (rz + zr);
+            let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
+            if H::SHIFTS || V::TOTAL {
+                stage.spin[l] = 0.5 * (rz - zr);
+            }
+            let dilation = d_rr + d_zz + d_hoop;
+            let mean = (carried[0] + carried[1] + carried[2]) * (1.0 / 3.0);
+            let base = mean + shear2 * (1.0 / 3.0) * dilation;
+            let deviator = [
+                carried[0] - base + shear2 * d_rr,
+                carried[1] - base + shear2 * d_zz,
+                carried[2] - base + shear2 * d_hoop,
+                carried[3] + shear2 * d_rz,
+            ];
+            for (i, d) in [d_rr, d_zz, d_hoop, d_rz].into_iter().enumerate() {
+                stage.strain[i][l] = d;
+                stage.carried[i][l] = carried[i];
+                stage.deviator[i][l] = deviator[i];
+            }
+            stage.mean[l] = mean + bulk * dilation;
+            stage.volume[l] = UNIT * stage.weight[l] * g.volume;
+            if H::FLOWS {
+                let [a, b, c, d] = deviator.map(|s| s * s);
+                stage.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+            }
+        }
+    }
+
+    /// The stress on the yield surface, and the work done on the way.
+    #[inline(always)]
+    fn stress<H: Hardening>(&mut self, constants: &Constants, stage: &mut Stage) {
+        let shear3 = 3.0 * constants.shear;
+        for l in 0..LANES {
+            let mut factor = 1.0;
+            if H::FLOWS {
+                let (trial, flow) = (stage.trial[l], stage.flow[l]);
+                let returned = trial - shear3 * flow;
+                factor = if flow > 0.0 { returned / trial } else { 1.0 };
+                stage.sums.plastic[l] += stage.volume[l] * returned * flow;
+            }
+            let mean = stage.mean[l];
+            let mut s = [
+                mean + factor * stage.deviator[0][l],
+                mean + factor * stage.deviator[1][l],
+                mean + factor * stage.deviator[2][l],
+                factor * stage.deviator[3][l],
+            ];
+            if H::SHIFTS {
+                stage.sums.plastic[l] += stage.work_against_back(l);
+                for i in 0..4 {
+                    s[i] += stage.back[i][l];
+                }
+            }
+            let double = |i: usize| stage.strain[i][l] * (stage.carried[i][l] + s[i]);
+            stage.sums.internal[l] += 0.5 * stage.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            for i in 0..4 {
+                self.stress[i][l] = s[i];
+            }
+        }
+    }
+
+    /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
+    #[inline(always)]
+    pub(super) fn forces<V: Volumetric, const AREA: bool>(
+        &mut self,
+        constants: &Constants,
+        dt: f64,
+        stage: &mut Stage,
+        corners: &mut Corners,
+    ) {
+        let shear43 = 4.0 / 3.0 * constants.shear;
+        let modulus = constants.bulk + shear43;
+        let pressing = modulus / constants.bulk;
+        let [linear, quadratic] = constants.bulk_viscosity;
+        let quadratic2 = quadratic * quadratic;
+        let stiffness = dt * UNIT * constants.hourglass_stiffness * constants.shear;
+        let viscosity = constants.hourglass_viscosity / 8.0;
+        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let block = stage.block;
+        // Without an increment behind, the velocities say how fast the volume changes.
+        let starts = V::VARIES && per_dt == 0.0;
+        for l in 0..LANES {
+            let modulus = if V::VARIES { stage.bulk[l] + shear43 } else { modulus };
+            let (r, z) = (column(&stage.r, l), column(&stage.z, l));
+            let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
+            let g = operators::<AREA>(r, z);
+            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
+            let corner =
+                |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) * self.inverse_mass[i][l];
+            let sum = modulus * UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+            // omega = root / V; one division serves 1/V and 1/omega.
+            let root = (sum * g.volume).sqrt();
+            let inverse = 1.0 / (g.volume * root);
+            let per = root * inverse;
+            let omega = root * per;
+            // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
+            // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
+            // of a flat element: then rho c times the length is 2 (K + 4/3 G)/omega.
+            let mut period = g.volume * g.volume * inverse;
+            if AREA {
+                // Of the section alone: the ring would show in what is spherical.
+                let (square, mass) = (dot(g.r, g.r) + dot(g.z, g.z), self.inverse_mass[0][l]);
+                period = g.volume / (modulus * UNIT * square * mass * g.volume).sqrt();
+            }
+            let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
+            let mut dilation_rate = dilation * per_dt;
+            if starts {
+                dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
+            }
+            let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
+            let fraction = linear - quadratic2 * 2.0 * period * compression;
+            let damping = 2.0 * modulus * period * dilation_rate * fraction;
+            let work = stage.volume[l] * 0.5 * (self.viscous[l] + damping) * dilation;
+            stage.sums.viscous[l] += work;
+            if V::VARIES {
+                stage.heat[l] = work - stage.heat[l];
+            }
+            self.viscous[l] = damping;
+            // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
+            let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
+            let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
+            let shape = [1.0 - rest[0], -1.0 - rest[1], 1.0 - rest[2], -1.0 - rest[3]];
+            let (q_r, q_z) = (dot(shape, v_r), dot(shape, v_z));
+            let square = dot(g.r, g.r) + dot(g.z, g.z);
+            let spring = stiffness * square * per;
+            // The pattern moves a sixteenth of the mass: a fraction of what is critical at the highest frequency.
+            let dashpot = viscosity * self.mass[l] * omega;
+            let (old_r, old_z) = (self.hourglass[0][l], self.hourglass[1][l]);
+            let (new_r, new_z) = (old_r + spring * q_r, old_z + spring * q_z);
+            self.hourglass[0][l] = new_r;
+            self.hourglass[1][l] = new_z;
+            let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
+            let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
+            stage.sums.artificial[l] += dt * stage.weight[l] * power;
+            let (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
+            let s_rr = UNIT * (self.stress[0][l] + damping);
+            let s_zz = UNIT * (self.stress[1][l] + damping);
+            let s_hoop = UNIT * (self.stress[2][l] + damping);
+            let s_rz = UNIT * self.stress[3][l];
+            // Weighted by area the equation of motion itself is integrated over the section, its terms with 1/r included; the
+            // ring is put back node by node (area.rs).
+            let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
+            let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, 0.0) };
+            for i in 0..4 {
+                let along_r = (s_rr * g.r[i] + s_rz * g.z[i]) + (hoop_r * g.hoop[i] + f_r * shape[i]);
+                let along_z = (s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i];
+                corners.0[2 * i][l] = if AREA { -flat * along_r } else { -along_r };
+                corners.0[2 * i + 1][l] = if AREA { -flat * (along_z + hoop_z * g.hoop[i]) } else { -along_z };
+            }
+            // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
+            // root, never below it.
+            // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
+            let share = stage.cap * period;
+            let capped = share < 1.0;
+            let xi = if capped { fraction * share * pressing } else { fraction };
+            // In a cold gas, where xi has no bound, the root itself.
+            let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
+            let highest = if capped { stage.cap } else { omega };
+            // Two over the increment in which the element would lose or gain as much of its volume as it may.
+            let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
+            let rate = stage.weight[l] * if changing > stable { changing } else { stable };
+            // Not a number counts as the largest: it must be found.
+            let best = stage.sums.rate[l];
+            let larger = is_larger(rate, best);
+            stage.sums.rate[l] = if larger { rate } else { best };
+            stage.sums.limiting[l] = if larger { block } else { stage.sums.limiting[l] };
+        }
+    }
+}
+
+#[inline(always)]
+fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
+    [list[0][l], list[1][l], list[2][l], list[3][l]]
+}
+
+#[inline(always)]
+pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
+
+impl Stage {
+    /// Scratch memory of a task whose frequencies are not capped.
+    pub fn new() -> Self {
+        Stage { cap: f64::INFINITY, ..Stage::default() }
+    }
+
+    /// A lane whose element is not there weighs nothing.
+    pub(super) fn park(&mut self, lane: usize) {
+        self.weight[lane] = 0.0;
+    }
+
+    /// Whether a lane counts.
+    pub(super) fn weighs(&self, lane: usize) -> bool {
+        self.weight[lane] > 0.0
+    }
+
+    /// Lets the record of a block of the task follow an increment.
+    #[inline(never)]
+    pub(super) fn follow<S, Q, X>(
+        &mut self,
+        index: usize,
+        block: &Block<S, Q, X>,
+        flows: bool,
+        nodes: &Nodes,
+        dt: f64,
+    ) {
+        let mut record = self.records[index];
+        record.follow(block, flows, nodes, dt, self);
+        self.records[index] = record;
+    }
+
+    /// Follows the largest strain increment.
+    #[inline(always)]
+    fn measure(&mut self) {
+        for l in 0..LANES {
+            let [rr, zz, hoop, rz] = column(&self.strain, l);
+            let square = self.weight[l] * ((rr * rr + zz * zz) + (hoop * hoop + 2.0 * rz * rz));
+            let dilation = self.weight[l] * (rr + zz + hoop);
+            let larger = |a: f64, b: f64| if a > b { a } else { b };
+            self.deformed[0][l] = larger(square, self.deformed[0][l]);
+            self.deformed[1][l] = larger(dilation * dilation, self.deformed[1][l]);
+        }
+    }
+
+    /// Prepares for a block of which the first `count` lanes hold elements; the others weigh nothing.
+    #[inline(always)]
+    pub fn prepare(&mut self, block: usize, count: usize) {
+        self.block = block as f64;
+        self.count = count.min(LANES);
+        self.weight = [1.0; LANES];
+        if count < LANES {
+            self.weight[count..].fill(0.0);
+        }
+    }
+}
+
+/// Whether a rate takes the place of the largest so far. Not a number counts as the largest, and the first stays: it must
+/// be found.
+#[inline(always)]
+pub fn is_larger(rate: f64, largest: f64) -> bool {
+    (rate > largest) | (rate.is_nan() & !largest.is_nan())
+}
+
+/// Sum over lanes, always in the same order.
+pub fn across(list: &Lanes) -> f64 {
+    let mut sums = *list;
+    let mut width = LANES / 2;
+    while width > 0 {
+        for l in 0..width {
+            sums[l] += sums[l + width];
+        }
+        width /= 2;
+    }
+    sums[0]
+}
+
+impl<S: Persist, Q: Persist, X: Persist> Persist for Block<S, Q, X> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Block { nodes: _, stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure } = self;
+        persist_fields!(archive; stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure);
+    }
+}
+
+impl Persist for Sums {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Sums { internal, plastic, viscous, artificial, rate, limiting } = self;
+        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting);
+    }
+}
+
+impl Persist for Stage {
+    /// The rest of it is scratch memory of one pass; the sums hold while a task sleeps.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Stage { sums, records, .. } = self;
+        persist_fields!(archive; sums, records.as_mut_slice());
+    }
+}

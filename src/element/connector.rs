@@ -1,0 +1,198 @@
+//! Springs and dashpots between nodes, or between a node and the ground: SPRINGA and DASHPOTA act along the line between
+//! their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
+//! Never here: deck words, elements of a continuum.
+
+use crate::element::body::Solid;
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// What a connector answers with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Law {
+    /// Force a length.
+    Spring(f64),
+    /// Rows of relative displacement and force, ascending; constant beyond the ends.
+    Table(Vec<[f64; 2]>),
+    /// Force a velocity.
+    Dashpot(f64),
+    /// Rows of relative velocity and force, ascending; constant beyond the ends.
+    DashpotTable(Vec<[f64; 2]>),
+}
+
+/// Force by rows of an abscissa and the force.
+fn between(rows: &[[f64; 2]], at: f64) -> f64 {
+    let next = rows.partition_point(|r| r[0] <= at);
+    let (Some(a), Some(b)) = (rows.get(next.wrapping_sub(1)), rows.get(next)) else {
+        return if next == 0 { rows[0][1] } else { rows[next - 1][1] };
+    };
+    a[1] + (b[1] - a[1]) * (at - a[0]) / (b[0] - a[0])
+}
+
+/// The steepest slope of a table.
+fn steepest(rows: &[[f64; 2]]) -> f64 {
+    rows.windows(2).map(|w| ((w[1][1] - w[0][1]) / (w[1][0] - w[0][0])).abs()).fold(0.0, f64::max)
+}
+
+impl Law {
+    /// Force at a relative displacement and velocity.
+    fn force(&self, displacement: f64, velocity: f64) -> f64 {
+        match self {
+            Law::Spring(stiffness) => stiffness * displacement,
+            Law::Dashpot(coefficient) => coefficient * velocity,
+            Law::Table(rows) => between(rows, displacement),
+            Law::DashpotTable(rows) => between(rows, velocity),
+        }
+    }
+
+    /// Stiffness and damping that bound the stable increment; of a table the steepest slope, or the largest force over the
+    /// length where it is more (across the line a force stiffens by itself).
+    fn bounds(&self, length: f64) -> [f64; 2] {
+        match self {
+            Law::Spring(stiffness) => [stiffness.abs(), 0.0],
+            Law::Dashpot(coefficient) => [0.0, coefficient.abs()],
+            Law::Table(rows) => {
+                let across = rows.iter().map(|r| if length > 0.0 { r[1].abs() / length } else { 0.0 });
+                [across.fold(steepest(rows), f64::max), 0.0]
+            }
+            Law::DashpotTable(rows) => [0.0, steepest(rows)],
+        }
+    }
+}
+
+/// A spring or a dashpot.
+#[derive(Clone, Debug)]
+pub struct Connector {
+    /// Its nodes; without a second one it stands on the ground.
+    pub ends: [Option<usize>; 2],
+    /// 0 along r, 1 along z; `None` along the line between its ends.
+    pub axis: Option<usize>,
+    /// Law.
+    pub law: Law,
+    /// Force on the first end at the instant before.
+    force: [f64; 2],
+}
+
+impl Connector {
+    /// A connector without force.
+    pub fn new(ends: [Option<usize>; 2], axis: Option<usize>, law: Law) -> Self {
+        Connector { ends, axis, law, force: [0.0; 2] }
+    }
+}
+
+/// Squared frequency and damping rate of connectors alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounds {
+    square: f64,
+    damping: f64,
+}
+
+impl Bounds {
+    /// One over the stable increment of elements and connectors together. Frequencies add by their squares (Rayleigh), and
+    /// forces of the velocity half an increment behind are stable up to 2/omega (sqrt(1 + xi^2) - xi), xi = damping/2 omega.
+    pub fn rate(&self, elements: f64) -> f64 {
+        let square = 4.0 * elements * elements + self.square;
+        let half = 0.5 * self.damping;
+        0.5 * ((square + half * half).sqrt() + half)
+    }
+}
+
+impl Solid {
+    /// Takes in connectors.
+    ///
+    /// Their highest frequency: K = B^T k B has the eigenvalues of sqrt(k) B M^-1 B^T sqrt(k), bounded by the largest row
+    /// sum, for each connector the stiffnesses at its ends over the masses there (Gershgorin).
+    pub fn connect(&mut self, connectors: Vec<Connector>) {
+        let mut sums = vec![[0.0; 2]; self.nodes.len()];
+        for c in &connectors {
+            let length = self.line(c, true).map_or(0.0, |l| l.1);
+            let bounds = c.law.bounds(length);
+            for n in c.ends.into_iter().flatten() {
+                sums[n] = [sums[n][0] + bounds[0], sums[n][1] + bounds[1]];
+            }
+        }
+        self.sums = sums;
+        self.connectors = connectors;
+        self.bound_connectors();
+    }
+
+    /// What the connectors allow with the masses as they are.
+    pub(super) fn bound_connectors(&mut self) {
+        self.bounds = Bounds::default();
+        for c in &self.connectors {
+            let ends = || c.ends.into_iter().flatten();
+            let row = |i: usize| ends().map(|n| self.sums[n][i] * self.inverse_mass[n]).sum::<f64>();
+            self.bounds.square = self.bounds.square.max(row(0));
+            self.bounds.damping = self.bounds.damping.max(row(1));
+        }
+    }
+
+    /// Direction from the first to the second end, and the distance; `None` for one along an axis.
+    fn line(&self, connector: &Connector, start: bool) -> Option<([f64; 2], f64)> {
+        let ([Some(a), Some(b)], None) = (connector.ends, connector.axis) else { return None };
+        let [[r_a, z_a], [r_b, z_b]] =
+            if start { [self.start[a], self.start[b]] } else { [self.place(a), self.place(b)] };
+        let (dr, dz) = (r_b - r_a, z_b - z_a);
+        let length = dr.hypot(dz);
+        Some(([dr / length, dz / length], length))
+    }
+
+    /// Direction in which the connector opens, how far it is open, and how fast: the velocity is that of the middle of the
+    /// increment behind, as ABAQUS/Explicit takes it.
+    fn opening(&self, connector: &Connector) -> ([f64; 2], f64, f64) {
+        let speed = |n: usize| [self.nodes[n].v_r, self.nodes[n].v_z];
+        match (connector.ends, self.line(connector, false)) {
+            ([Some(a), Some(b)], Some((along, length))) => {
+                let before = self.line(connector, true).map_or(0.0, |l| l.1);
+                let relative = [speed(b)[0] - speed(a)[0], speed(b)[1] - speed(a)[1]];
+                (along, length - before, relative[0] * along[0] + relative[1] * along[1])
+            }
+            ([Some(a), _], _) => {
+                let axis = connector.axis.unwrap_or(1);
+                let mut along = [0.0; 2];
+                along[axis] = -1.0;
+                // The ground stays behind: what moves along the axis opens it.
+                (along, self.displacement(a)[axis], speed(a)[axis])
+            }
+            _ => ([0.0; 2], 0.0, 0.0),
+        }
+    }
+
+    /// Adds the forces of connectors to those on nodes. Their work over the increment behind, by the trapezoid that books
+    /// the forces on nodes, is strain energy or dissipation and not of the outside.
+    pub(super) fn add_connectors(&mut self) {
+        let dt = if self.moved { self.behind } else { 0.0 };
+        for i in 0..self.connectors.len() {
+            let connector = &self.connectors[i];
+            let (along, displacement, velocity) = self.opening(connector);
+            let size = connector.law.force(displacement, velocity);
+            let (force, before) = (along.map(|a| size * a), connector.force);
+            let mut work = 0.0;
+            for (n, sign) in connector.ends.into_iter().zip([1.0, -1.0]).filter_map(|(n, s)| Some((n?, s))) {
+                let node = &self.nodes[n];
+                work += 0.5 * dt * sign * ((force[0] + before[0]) * node.v_r + (force[1] + before[1]) * node.v_z);
+                self.external[0][n][0] += sign * force[0];
+                self.external[0][n][1] += sign * force[1];
+            }
+            self.energies.external -= work;
+            if matches!(self.connectors[i].law, Law::Dashpot(_) | Law::DashpotTable(_)) {
+                self.energies.viscous -= work;
+            } else {
+                self.energies.internal -= work;
+            }
+            self.connectors[i].force = force;
+        }
+    }
+}
+
+impl Persist for Connector {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Connector { ends: _, axis: _, law: _, force } = self;
+        force.persist(archive);
+    }
+}
+
+impl Persist for Bounds {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Bounds { square, damping } = self;
+        persist_fields!(archive; square, damping);
+    }
+}

@@ -1,0 +1,96 @@
+//! Elements that fail: what is left of their stress, and those that are deleted, which are masked.
+//! Never here: criteria of failure.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
+
+use super::Corners;
+use super::block::{Block, Nodes, Stage};
+use super::constants::Constants;
+use crate::kernel::lanes::LANES;
+use crate::kernel::quad::UNIT;
+use crate::material::failure::{Failure, Seen};
+use crate::material::plasticity::Hardening;
+use crate::material::volumetric::Volumetric;
+
+impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
+    /// Before an increment: the stress of the undamaged material, and in place of a deleted element one of its volume at
+    /// rest, whose answers weigh nothing.
+    #[inline(always)]
+    pub(super) fn mask_deleted<F: Failure<State = X>>(&mut self, failure: &F, nodes: &mut Nodes, stage: &mut Stage) {
+        for l in 0..LANES {
+            let share = failure.share(&self.failure, l);
+            // A lane behind the last element repeats one that may be gone.
+            if share > 0.0 && l < stage.count {
+                self.stress.iter_mut().for_each(|s| s[l] /= share);
+                continue;
+            }
+            // A ring from 1 to 2 has the volume 3 pi a height.
+            let height = failure.volume(&self.failure, l) / (9.0 * UNIT);
+            for (i, (r, z)) in [(1.0, 0.0), (2.0, 0.0), (2.0, height), (1.0, height)].into_iter().enumerate() {
+                nodes.0[i][l] = [r, z, 0.0, 0.0];
+            }
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
+            self.hourglass.iter_mut().for_each(|h| h[l] = 0.0);
+            stage.weight[l] = 0.0;
+            // Laws are asked for lanes with elements only: what another block left would stay.
+            stage.flow[l] = 0.0;
+        }
+    }
+
+    /// After the stress: what failure leaves of it. The work booked becomes that of the stress that acts; the elastic
+    /// energy that is lost counts as dissipated.
+    #[inline(always)]
+    pub(super) fn fail<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>>(
+        &mut self,
+        (hardening, volumetric, failure): (&H, &V, &F),
+        constants: &Constants,
+        dt: f64,
+        stage: &mut Stage,
+    ) {
+        for l in 0..stage.count {
+            let before = failure.share(&self.failure, l);
+            if before == 0.0 {
+                self.stress.iter_mut().for_each(|s| s[l] = 0.0);
+                continue;
+            }
+            let plastic = if H::FLOWS { stage.flow[l] } else { 0.0 };
+            let temperature =
+                volumetric.temperature(&self.volumetric, l).or_else(|| hardening.temperature(&self.state, l));
+            let stress = [0, 1, 2, 3].map(|i| self.stress[i][l]);
+            let [mean, mises] = invariants(stress);
+            let seen = Seen { plastic, mean, mises, temperature: temperature.unwrap_or(0.0), dt };
+            let left = failure.degrade(&mut self.failure, l, &seen);
+            let shift = [left.mean - mean, left.mean - mean, left.mean - mean, 0.0];
+            let (mut work, volume) = (0.0, stage.volume[l]);
+            for i in 0..4 {
+                let acts = left.stress * (stress[i] + shift[i]);
+                let booked = stage.carried[i][l] + stress[i];
+                let twice = if i == 3 { 2.0 } else { 1.0 };
+                work += twice * stage.strain[i][l] * (before * stage.carried[i][l] + acts - booked);
+                self.stress[i][l] = acts;
+            }
+            stage.sums.internal[l] += 0.5 * volume * work;
+            let bulk = if V::VARIES { stage.bulk[l] } else { constants.bulk };
+            let distortion = if constants.shear > 0.0 { mises * mises / (6.0 * constants.shear) } else { 0.0 };
+            let [had, has] = [(before, mean), (left.stress, left.mean)]
+                .map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
+            stage.sums.plastic[l] += volume * ((had - has) - (1.0 - left.stress) * mises * plastic);
+            stage.deaths += usize::from(left.stress == 0.0);
+        }
+    }
+
+    /// Takes the forces of deleted elements away.
+    #[inline(always)]
+    pub(super) fn clear_deleted<F: Failure<State = X>>(&self, failure: &F, corners: &mut Corners) {
+        for l in 0..LANES {
+            if failure.share(&self.failure, l) == 0.0 {
+                corners.0.iter_mut().for_each(|list| list[l] = 0.0);
+            }
+        }
+    }
+}
+
+/// Mean stress and von Mises stress of rr, zz, hoop, rz.
+fn invariants([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 2] {
+    let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
+    [(rr + zz + hoop) / 3.0, (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()]
+}

@@ -1,0 +1,620 @@
+//! A group of elements: its blocks, dispatched to the instruction set of the machine, spread over threads.
+//! Never here: arithmetic.
+
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
+
+use crate::element::Corners;
+use crate::element::block::{Block, Nodes, Stage, Sums, across, is_larger};
+use crate::element::body::PARALLEL;
+use crate::element::constants::Constants;
+use crate::element::quiescent::Rest;
+use crate::element::record::{Followed, Record};
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
+use crate::kernel::quad;
+use crate::material::failure::Failure;
+use crate::material::plasticity::Hardening;
+use crate::material::volumetric::Volumetric;
+use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::halt::Halt;
+use crate::state::nodes::Node;
+
+/// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
+pub(super) const TASK: usize = 64;
+
+/// What an increment of a group came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Work of the stress.
+    pub internal: f64,
+    /// Plastic dissipation.
+    pub plastic: f64,
+    /// Work of the bulk viscosity.
+    pub viscous: f64,
+    /// Work of the hourglass control.
+    pub artificial: f64,
+    /// One over the stable increment.
+    pub rate: f64,
+    /// Element (of the group) that limits it.
+    pub limiting: usize,
+    /// By how much what deformed in this increment can raise a frequency, relative: gradients by the largest strain (the norm
+    /// of the tensor), the root of the volume by half its largest change. 0 unless frequencies are capped.
+    pub deformed: f64,
+}
+
+/// Elements of one kind and one material.
+pub trait Group: Persist {
+    /// Number of elements.
+    fn len(&self) -> usize;
+    /// Whether there is none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Tells the time at the end of the increment that comes next.
+    fn tell(&mut self, _now: &Instant) {}
+    /// Why no stress could be given, where the user's routine failed.
+    fn failure(&self) -> Option<Halt> {
+        None
+    }
+    /// Stresses at the end of an increment, and forces on the corners.
+    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals;
+    /// Stress of an element: rr, zz, hoop, rz.
+    fn stress(&self, element: usize) -> [f64; 4];
+    /// Equivalent plastic strain of an element; `None` if nothing flows.
+    fn plastic_strain(&self, element: usize) -> Option<f64>;
+    /// Temperature of an element, where it is followed.
+    fn temperature(&self, element: usize) -> Option<f64>;
+    /// Sets stress and temperature of an element at the start.
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
+    /// Follows strains and energies from now on, because an output asks for them.
+    fn follow(&mut self);
+    /// What is followed of an element; `None` if nothing is.
+    fn followed(&self, element: usize) -> Option<Followed>;
+    /// One over the stable increment of an element with these corner masses on the present nodes, by the bound of the inner
+    /// loop with linear bulk viscosity alone; `None` where masses cannot be scaled.
+    fn own_rate(&self, _element: usize, _masses: &[f64; 4], _nodes: &[Node]) -> Option<f64> {
+        None
+    }
+    /// Elastic stiffness of an element on the present nodes, `[r, z]` of each corner in turn; `None` where it is not linear,
+    /// so that no highest frequency can be told from it.
+    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
+        None
+    }
+    /// Says that no mode of the whole scene has a higher frequency, angle over time; infinite if it is not known.
+    fn cap(&mut self, _frequency: f64) {}
+    /// Masses of the corners of an element.
+    fn corner_masses(&self, element: usize) -> [f64; 4];
+    /// Gives the corners of an element other masses.
+    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]);
+    /// Mass of an element.
+    fn mass(&self, element: usize) -> f64;
+    /// Variable of an element that the user's routine keeps, counted from 0.
+    fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
+        None
+    }
+    /// 1 for an element that carries, 0 for one that is deleted.
+    fn status(&self, element: usize) -> Option<f64>;
+    /// Adds the corner nodes of elements that the last update deleted.
+    fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
+    /// Whether the pressure follows from a state, so that no initial stress can be given.
+    fn holds_state(&self) -> bool;
+    /// Energy a mass of an element, where its equation of state follows it.
+    fn energy(&self, element: usize) -> Option<f64>;
+    /// Sets the energy a mass of an element at the start.
+    fn set_energy(&mut self, element: usize, energy: f64);
+    /// Whether a task of elements is passed over because all of it is at rest and free of stress.
+    fn sleeps(&self, _task: usize) -> bool {
+        false
+    }
+    /// Corner nodes of an element.
+    fn corners(&self, element: usize) -> [u32; 4];
+    /// Uses another instruction set from now on; the bits stay the same. What calls the user's routine has none.
+    fn use_arch(&mut self, _arch: Arch) {}
+    /// Bytes that the elements occupy.
+    fn bytes(&self) -> usize;
+    /// Volume of an element now.
+    fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
+        quad::volume(self.corners(element).map(|n| nodes[n as usize].place()))
+    }
+}
+
+/// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area.
+pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false> {
+    hardening: H,
+    volumetric: V,
+    failure: F,
+    constants: Constants,
+    count: usize,
+    blocks: Vec<Block<H::State, V::State, F::State>>,
+    tasks: Vec<Stage>,
+    arch: Arch,
+    parallel: bool,
+    /// Elements whose deletion has been told.
+    told: Vec<bool>,
+    rests: Vec<Rest>,
+    /// Highest frequency that counts.
+    cap: f64,
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
+    /// Elements by their corner nodes, at their places now.
+    pub fn new(laws: (H, V, F), constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        Quads::weighted(laws, constants, density, elements, nodes)
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
+    /// The same on another instruction set, which gives the same bits.
+    #[must_use]
+    pub fn on(mut self, arch: Arch) -> Self {
+        self.arch = arch;
+        self
+    }
+
+    /// The same, weighted by volume or by area.
+    pub fn weighted(
+        (hardening, volumetric, failure): (H, V, F),
+        constants: Constants,
+        density: f64,
+        elements: &[[u32; 4]],
+        nodes: &[Node],
+    ) -> Self {
+        let fresh = |part: &[_]| {
+            let [area, volume] = sizes(part, nodes);
+            let states = (hardening.fresh(), volumetric.fresh(), failure.fresh(&area, &volume));
+            let mut block = block(states, density, part, nodes);
+            if AREA {
+                block.inverse_mass = [block.mass.map(|mass| 4.0 / mass); 4];
+            }
+            block
+        };
+        let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
+        let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
+        Quads {
+            hardening,
+            volumetric,
+            failure,
+            constants,
+            count: elements.len(),
+            tasks: vec![Stage::new(); blocks.len().div_ceil(TASK)],
+            blocks,
+            arch: Arch::new(),
+            parallel,
+            rests: Rest::of_tasks(elements),
+            told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            cap: f64::INFINITY,
+        }
+    }
+}
+
+/// Areas of the sections of a block's elements, and their volumes.
+fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
+    let mut sizes = [[1.0; LANES]; 2];
+    for l in 0..LANES {
+        // Lanes behind the last element repeat it.
+        let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
+        let [a, b, c, d] = corners;
+        sizes[0][l] = 0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (d[0] - b[0]) * (c[1] - a[1]));
+        sizes[1][l] = quad::volume(corners);
+    }
+    sizes
+}
+
+/// A block of at most eight elements at rest.
+pub(super) fn block<S, Q, X>(
+    (state, volumetric, failure): (S, Q, X),
+    density: f64,
+    elements: &[[u32; 4]],
+    nodes: &[Node],
+) -> Block<S, Q, X> {
+    let mut block = Block {
+        nodes: [[0; LANES]; 4],
+        stress: [[0.0; LANES]; 4],
+        hourglass: [[0.0; LANES]; 2],
+        mass: [0.0; LANES],
+        viscous: [0.0; LANES],
+        inverse_mass: [[0.0; LANES]; 4],
+        state,
+        volumetric,
+        failure,
+    };
+    for l in 0..LANES {
+        // Lanes behind the last element repeat it; nothing reads their answers.
+        let element = elements[l.min(elements.len() - 1)];
+        let corners = element.map(|n| nodes[n as usize].place());
+        for (corner, mass) in quad::corner_masses(corners, density).into_iter().enumerate() {
+            block.nodes[corner][l] = element[corner];
+            block.inverse_mass[corner][l] = 1.0 / mass;
+        }
+        block.mass[l] = density * quad::volume(corners);
+    }
+    block
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<H, V, F, AREA> {
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn use_arch(&mut self, arch: Arch) {
+        self.arch = arch;
+    }
+
+    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
+        let laws = (&self.hardening, &self.volumetric, &self.failure);
+        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
+        let arch = self.arch;
+        let run = |index, blocks: &mut [Block<_, _, _>], corners: &mut [Corners], stage: &mut _, rest: &mut Rest| {
+            if rest.asleep && rest.is_still(nodes) {
+                return;
+            }
+            arch.dispatch(Task::<_, _, _, AREA> {
+                pass: &pass,
+                index,
+                blocks: &mut *blocks,
+                corners: &mut *corners,
+                stage,
+            });
+            // Without an increment behind nothing has been added to the sums, so they hold while the task sleeps. The
+            // pressure of an equation of state is not in the state looked at here.
+            let zero = |list: &[Lanes]| list.as_flattened().iter().all(|x| *x == 0.0);
+            rest.asleep = dt == 0.0
+                && !V::VARIES
+                && corners.iter().all(|c| zero(&c.0))
+                && blocks.iter().all(|b| zero(&b.stress))
+                && rest.is_still(nodes);
+        };
+        if !self.parallel {
+            let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK));
+            let parts = parts.zip(self.tasks.iter_mut().zip(&mut self.rests)).enumerate();
+            parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
+        } else {
+            let parts = self.blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK));
+            let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.rests)).enumerate();
+            parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
+        }
+        let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
+        let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
+        let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
+        totals(&self.tasks, |task| if self.rests[task].asleep { still } else { f64::INFINITY })
+    }
+
+    fn sleeps(&self, task: usize) -> bool {
+        self.rests[task].asleep
+    }
+
+    fn bytes(&self) -> usize {
+        let records: usize = self.tasks.iter().map(|t| size_of_val(&*t.records)).sum();
+        size_of_val(&*self.blocks) + records
+    }
+
+    fn stress(&self, element: usize) -> [f64; 4] {
+        let block = &self.blocks[element / LANES];
+        [0, 1, 2, 3].map(|i| block.stress[i][element % LANES])
+    }
+
+    fn plastic_strain(&self, element: usize) -> Option<f64> {
+        let block = &self.blocks[element / LANES];
+        H::FLOWS.then(|| self.hardening.plastic_strain(&block.state, element % LANES))
+    }
+
+    fn temperature(&self, element: usize) -> Option<f64> {
+        let (block, lane) = (&self.blocks[element / LANES], element % LANES);
+        let by_energy = self.volumetric.temperature(&block.volumetric, lane);
+        by_energy.or_else(|| self.hardening.temperature(&block.state, lane))
+    }
+
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
+        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
+        for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
+            list[lane] = value;
+        }
+        if let Some(temperature) = temperature {
+            self.hardening.heat(&mut block.state, lane, temperature);
+            self.volumetric.heat(&mut block.volumetric, lane, temperature);
+        }
+    }
+
+    fn follow(&mut self) {
+        for (stage, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            stage.records = vec![Record::default(); blocks.len()];
+        }
+    }
+
+    fn followed(&self, element: usize) -> Option<Followed> {
+        let block = element / LANES;
+        Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
+    }
+
+    fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
+        // Where the pressure follows from density or energy a mass, the mass is part of the state.
+        if V::VARIES || AREA {
+            return None;
+        }
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let g = quad::gradient(corners.map(|c| c[0]), corners.map(|c| c[1]));
+        let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
+        let modulus = self.constants.bulk + 4.0 / 3.0 * self.constants.shear;
+        let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+        let xi = self.constants.bulk_viscosity[0];
+        Some(0.5 * (sum / g.volume).sqrt() * (1.0 + xi * (1.0 + 0.5 * xi)))
+    }
+
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
+        if V::VARIES || V::TOTAL || AREA {
+            return None;
+        }
+        if self.status(element) == Some(0.0) {
+            return Some([[0.0; 8]; 8]);
+        }
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let Constants { bulk, shear, hourglass_stiffness, .. } = self.constants;
+        Some(quad::stiffness(corners, [bulk, shear], hourglass_stiffness))
+    }
+
+    fn cap(&mut self, frequency: f64) {
+        // The hourglass control damps the highest modes too.
+        let xi = self.constants.hourglass_viscosity;
+        self.cap = frequency * (1.0 + xi * (1.0 + 0.5 * xi));
+    }
+
+    fn corner_masses(&self, element: usize) -> [f64; 4] {
+        self.blocks[element / LANES].corner_masses(element % LANES)
+    }
+
+    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
+        // The increment that a sleeping task allows is no longer what it was.
+        self.rests[element / (TASK * LANES)].asleep = false;
+        self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
+    }
+
+    fn mass(&self, element: usize) -> f64 {
+        self.blocks[element / LANES].mass[element % LANES]
+    }
+
+    fn status(&self, element: usize) -> Option<f64> {
+        let alive = self.failure.alive(&self.blocks[element / LANES].failure, element % LANES);
+        Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
+    }
+
+    fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
+        if !F::FAILS || self.tasks.iter().all(|stage| stage.deaths == 0) {
+            return;
+        }
+        let mut told = std::mem::take(&mut self.told);
+        tell_deleted(self, &mut told, gone);
+        self.told = told;
+    }
+
+    fn holds_state(&self) -> bool {
+        V::VARIES
+    }
+
+    fn energy(&self, element: usize) -> Option<f64> {
+        self.volumetric.energy(&self.blocks[element / LANES].volumetric, element % LANES)
+    }
+
+    fn set_energy(&mut self, element: usize, energy: f64) {
+        self.volumetric.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
+    }
+
+    fn corners(&self, element: usize) -> [u32; 4] {
+        [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
+    }
+}
+
+/// One pass over the elements.
+struct Pass<'a, H, V, F> {
+    laws: (&'a H, &'a V, &'a F),
+    constants: &'a Constants,
+    count: usize,
+    nodes: &'a [Node],
+    dt: f64,
+    cap: f64,
+}
+
+/// The blocks that a thread takes at once.
+struct Task<'a, H: Hardening, V: Volumetric, F: Failure, const AREA: bool> {
+    pass: &'a Pass<'a, H, V, F>,
+    index: usize,
+    blocks: &'a mut [Block<H::State, V::State, F::State>],
+    corners: &'a mut [Corners],
+    stage: &'a mut Stage,
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce for Task<'_, H, V, F, AREA> {
+    type Output = ();
+
+    /// Inlined into a function of the machine's instruction set.
+    #[inline(always)]
+    fn call(self) {
+        let stage = self.stage;
+        let pass = self.pass;
+        stage.sums = Sums::default();
+        stage.deaths = 0;
+        (stage.cap, stage.deformed) = (pass.cap, [[0.0; LANES]; 2]);
+        let mut places = Nodes::default();
+        for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
+            let index = self.index * TASK + i;
+            stage.prepare(index, pass.count - index * LANES);
+            places.collect(pass.nodes, &block.nodes);
+            block.update::<H, V, F, AREA>(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
+            if !stage.records.is_empty() {
+                stage.follow(i, block, H::FLOWS, &places, pass.dt);
+            }
+        }
+    }
+}
+
+/// Adds the corner nodes of elements whose deletion has not been told, and counts it as told.
+pub(super) fn tell_deleted(group: &impl Group, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
+    for (element, told) in told.iter_mut().enumerate() {
+        if !*told && group.status(element) == Some(0.0) {
+            *told = true;
+            gone.push(group.corners(element));
+        }
+    }
+}
+
+/// Folds the tasks in their order; no rate of a task is larger than `most` says.
+pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
+    let mut totals = Totals::default();
+    let mut largest = 0.0;
+    for (task, Stage { sums, deformed, .. }) in tasks.iter().enumerate() {
+        let most = most(task);
+        let [strain, dilation] = deformed.map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
+        totals.deformed = totals.deformed.max(strain + 0.5 * dilation);
+        totals.internal += across(&sums.internal);
+        totals.plastic += across(&sums.plastic);
+        totals.viscous += across(&sums.viscous);
+        totals.artificial += across(&sums.artificial);
+        for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
+            let rate = if rate > most { most } else { rate };
+            if is_larger(rate, largest) {
+                largest = rate;
+                totals.limiting = block as usize * LANES + l;
+            }
+        }
+    }
+    totals.rate = 0.5 * largest;
+    totals
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Quads {
+            hardening: _,
+            volumetric: _,
+            failure: _,
+            constants: _,
+            count: _,
+            blocks,
+            tasks,
+            arch: _,
+            parallel: _,
+            told,
+            rests,
+            cap,
+        } = self;
+        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), rests.as_mut_slice());
+    }
+}
+
+impl Persist for Totals {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Totals { internal, plastic, viscous, artificial, rate, limiting, deformed } = self;
+        persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting, deformed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::Arch;
+
+    use super::{Group, Quads};
+    use crate::element::Corners;
+    use crate::element::body::{Gather, Solid};
+    use crate::element::constants::Constants;
+    use crate::kernel::lanes::LANES;
+    use crate::kernel::quad;
+    use crate::material::failure::Intact;
+    use crate::material::plasticity::{Elastic, Lines};
+    use crate::material::volumetric::Linear;
+    use crate::state::Instant;
+    use crate::state::nodes::Node;
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let (columns, rows) = (5, 4);
+        let wobble = |i: usize| ((i * 7919) % 101) as f64 * 1e-3;
+        let node = |n: usize| {
+            let (i, j) = (n % (columns + 1), n / (columns + 1));
+            Node { r: i as f64 + wobble(n), z: j as f64 - wobble(n + 3), v_r: wobble(n + 5), v_z: wobble(n + 9) }
+        };
+        let nodes: Vec<Node> = (0..(columns + 1) * (rows + 1)).map(node).collect();
+        let corner = |e: usize| {
+            let first = (e / columns * (columns + 1) + e % columns) as u32;
+            let row = columns as u32 + 1;
+            [first, first + 1, first + row + 1, first + row]
+        };
+        let elements: Vec<[u32; 4]> = (0..columns * rows).map(corner).collect();
+        let constants = Constants {
+            bulk: 3.0,
+            shear: 1.0,
+            hourglass_stiffness: 0.005,
+            hourglass_viscosity: 0.01,
+            bulk_viscosity: [0.06, 1.2],
+        };
+        let run = |arch: Arch| {
+            let lines = Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
+            let mut quads = Quads::new((lines, Linear, Intact), constants, 2.0, &elements, &nodes).on(arch);
+            let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
+            let totals = (0..3).map(|_| quads.update(&nodes, 0.3, &mut corners)).last().expect("totals");
+            let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();
+            assert!(totals.plastic > 0.0 && totals.rate > 0.0);
+            (corners, totals)
+        };
+        let plain = run(Arch::Scalar);
+        assert_eq!(plain, run(Arch::new()));
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert_eq!(plain, run(Arch::V3(v3)));
+        }
+    }
+
+    /// A wave that enters a long bar at rest: with sleeping elements and without, bit by bit.
+    #[test]
+    fn what_sleeps_changes_no_bit() {
+        let (columns, rows) = (2, 1500);
+        let at = |n: usize| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64];
+        let count = (columns + 1) * (rows + 1);
+        let mut nodes: Vec<Node> = (0..count).map(|n| Node { r: at(n)[0], z: at(n)[1], ..Node::default() }).collect();
+        nodes[..3].iter_mut().for_each(|n| n.v_z = 1e-3);
+        // A node without mass, of no element, that never rests: a task that counts it stays awake.
+        nodes.push(Node { v_r: 1.0, ..Node::default() });
+        let elements: Vec<[u32; 4]> = (0..columns * rows)
+            .map(|e| (e / columns * (columns + 1) + e % columns) as u32)
+            .map(|n| [n, n + 1, n + columns as u32 + 2, n + columns as u32 + 1])
+            .collect();
+        let mut mass = vec![0.0; count + 1];
+        for corners in &elements {
+            let places = corners.map(|n| nodes[n as usize].place());
+            for (n, m) in corners.iter().zip(quad::corner_masses(places, 1.0)) {
+                mass[*n as usize] += m;
+            }
+        }
+        let constants = Constants {
+            bulk: 3.0,
+            shear: 1.0,
+            hourglass_stiffness: 0.005,
+            hourglass_viscosity: 0.0,
+            bulk_viscosity: [0.06, 1.2],
+        };
+        let run = |sleepless: bool| {
+            let mut quads = Quads::new((Elastic, Linear, Intact), constants, 1.0, &elements, &nodes);
+            if sleepless {
+                quads.rests.iter_mut().for_each(|rest| rest.nodes.push(count as u32));
+            }
+            let gather = Gather::new(count + 1, &[&elements]);
+            let mut solid = Solid::new(nodes.clone(), mass.clone(), vec![Box::new(quads)], vec![vec![]], gather);
+            solid.begin(&[], 0);
+            let now = Instant::default();
+            let mut slept = Vec::new();
+            for _ in 0..600 {
+                solid.evaluate(&now, &mut []).expect("stresses");
+                slept.push((0..6).filter(|t| solid.groups[0].sleeps(*t)).count());
+                solid.accelerate(&[]);
+                let dt = 0.9 * solid.stable_increment();
+                solid.advance(&[], &now, dt);
+            }
+            (solid.nodes, solid.energies, slept)
+        };
+        let (asleep, awake) = (run(false), run(true));
+        assert_eq!((asleep.2[1], *asleep.2.last().expect("a count"), awake.2[1]), (5, 3, 0));
+        assert_eq!(asleep.1, awake.1);
+        let bits = |nodes: &[Node]| nodes.iter().flat_map(|n| n.as_array()).map(f64::to_bits).collect::<Vec<_>>();
+        assert_eq!(bits(&asleep.0[..count]), bits(&awake.0[..count]));
+    }
+}

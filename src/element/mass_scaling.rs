@@ -1,0 +1,242 @@
+//! Mass scaling (`*FIXED MASS SCALING`, `*VARIABLE MASS SCALING`): which factor each element's mass carries, when it is
+//! found anew, and what follows it: masses of nodes, of elements, forces by mass, the work that added mass costs.
+//! Never here: the inner loop, deck words.
+
+use crate::element::body::{NodeForce, Solid};
+use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// How a stable increment that is aimed at decides on factors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// Elements whose own stable increment is below it are brought up to it.
+    BelowMin,
+    /// One factor for all of the set: that of its smallest own stable increment.
+    Uniform,
+    /// Every element is brought to it, up or down.
+    SetEqual,
+}
+
+/// One request.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Group and element of those that it scales.
+    pub elements: Vec<(usize, usize)>,
+    /// Factor on the mass; comes before the increment that is aimed at.
+    pub factor: f64,
+    /// Stable increment aimed at, time, and how.
+    pub aim: Option<(Aim, f64)>,
+}
+
+/// When variable requests are evaluated anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rhythm {
+    /// Every so many increments of the step.
+    Increments(u64),
+    /// Whenever so much time of the step has gone by.
+    Time(f64),
+}
+
+/// A variable request with its rhythm, and when it is due next: increments or intervals of the step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// What is scaled and how.
+    pub request: Request,
+    /// How often.
+    pub rhythm: Rhythm,
+    due: u64,
+}
+
+impl Variable {
+    /// Due at the start of the step for the first time.
+    pub fn new(request: Request, rhythm: Rhythm) -> Self {
+        Variable { request, rhythm, due: 0 }
+    }
+
+    /// Whether it is due at this instant; if so it waits for the next turn.
+    fn take_turn(&mut self, increment: u64, step_time: f64) -> bool {
+        let (reached, next) = match self.rhythm {
+            Rhythm::Increments(every) => (increment >= self.due, increment + every),
+            Rhythm::Time(every) => (step_time >= self.due as f64 * every, (step_time / every) as u64 + 1),
+        };
+        if reached {
+            self.due = next;
+        }
+        reached
+    }
+}
+
+/// Mass scaling of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scaling {
+    /// Those evaluated once, at the start of the step; `None` where those of an earlier step go on.
+    pub fixed: Option<Vec<Request>>,
+    /// Those evaluated again and again.
+    pub variable: Vec<Variable>,
+    /// Increment in which the step began.
+    first: Option<u64>,
+}
+
+impl Scaling {
+    /// For a step that has not begun.
+    pub fn new(fixed: Option<Vec<Request>>, variable: Vec<Variable>) -> Self {
+        Scaling { fixed, variable, first: None }
+    }
+}
+
+/// Masses without scaling and the factors on them. Room for all, so that nothing allocates inside an increment.
+#[derive(Clone, Debug)]
+pub struct Masses {
+    /// Of nodes.
+    nodes: Vec<f64>,
+    /// Of the corners of elements, by group.
+    corners: Vec<Vec<[f64; 4]>>,
+    /// Factors of fixed requests, and all together.
+    fixed: Vec<Vec<f64>>,
+    factors: Vec<Vec<f64>>,
+    /// Factors that the elements have now.
+    carried: Vec<Vec<f64>>,
+    /// Masses of nodes with the factors.
+    scaled: Vec<f64>,
+}
+
+impl Solid {
+    /// Keeps the masses as they are now, from which all factors count.
+    pub fn remember_masses(&mut self) {
+        let corners: Vec<Vec<[f64; 4]>> =
+            self.groups.iter().map(|g| (0..g.len()).map(|e| g.corner_masses(e)).collect()).collect();
+        let ones: Vec<Vec<f64>> = corners.iter().map(|c| vec![1.0; c.len()]).collect();
+        let nodes = self.mass.clone();
+        let scaled = nodes.clone();
+        self.masses = Some(Box::new(Masses {
+            nodes,
+            corners,
+            fixed: ones.clone(),
+            factors: ones.clone(),
+            carried: ones,
+            scaled,
+        }));
+    }
+
+    /// Mass that scaling has added so far; `None` without scaling.
+    pub fn added_mass(&self) -> Option<f64> {
+        let masses = self.masses.as_deref()?;
+        Some(self.mass.iter().zip(&masses.nodes).map(|(scaled, plain)| scaled - plain).sum())
+    }
+
+    /// Scales the masses where it is due, before the forces of this instant. Returns whether masses may have changed.
+    pub fn scale_masses(&mut self, scaling: &mut Scaling, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> bool {
+        let starts = scaling.first.is_none();
+        let increment = now.increment - *scaling.first.get_or_insert(now.increment);
+        let mut due = false;
+        for variable in &mut scaling.variable {
+            due |= variable.take_turn(increment, now.step_time);
+        }
+        if !(starts || due) {
+            return false;
+        }
+        let Some(mut masses) = self.masses.take() else { return false };
+        if let Some(fixed) = scaling.fixed.as_ref().filter(|_| starts) {
+            masses.fixed.iter_mut().for_each(|list| list.fill(1.0));
+            fixed.iter().for_each(|request| self.find_factors(request, &masses.corners, &mut masses.fixed));
+        }
+        for (all, fixed) in masses.factors.iter_mut().zip(&masses.fixed) {
+            all.copy_from_slice(fixed);
+        }
+        for variable in &scaling.variable {
+            self.find_factors(&variable.request, &masses.corners, &mut masses.factors);
+        }
+        self.apply(&mut masses, starts);
+        self.masses = Some(masses);
+        forces.iter_mut().for_each(|force| force.weigh(&self.mass));
+        true
+    }
+
+    /// Factors of one request, on top of those that are there. The frequency falls with the root of the mass.
+    fn find_factors(&self, request: &Request, corners: &[Vec<[f64; 4]>], factors: &mut [Vec<f64>]) {
+        // A deleted element has no increment; its mass stays.
+        let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
+            let group = &self.groups[g];
+            let own = if group.status(e) == Some(0.0) { None } else { group.own_rate(e, &corners[g][e], &self.nodes) };
+            own.map_or(0.0, |rate| rate / factors[g][e].sqrt())
+        };
+        for &(g, e) in &request.elements {
+            factors[g][e] *= request.factor;
+        }
+        let Some((aim, dt)) = request.aim else { return };
+        let usable = |rate: f64| rate.is_finite() && rate > 0.0;
+        let largest = request.elements.iter().map(|&at| rate(factors, at)).filter(|r| usable(*r)).fold(0.0, f64::max);
+        for &(g, e) in &request.elements {
+            let own = if aim == Aim::Uniform { largest } else { rate(factors, (g, e)) };
+            let ratio = dt * own;
+            if usable(own) && (aim != Aim::BelowMin || ratio > 1.0) {
+                factors[g][e] *= ratio * ratio;
+            }
+        }
+    }
+
+    /// Puts factors on elements and nodes. At the start of a step the elements may have been updated already: then the
+    /// bound of the increment must serve those whose mass has fallen, too.
+    fn apply(&mut self, masses: &mut Masses, starts: bool) {
+        masses.scaled.copy_from_slice(&masses.nodes);
+        for (g, (group, factors)) in self.groups.iter_mut().zip(&masses.factors).enumerate() {
+            for (e, &factor) in factors.iter().enumerate() {
+                let plain = masses.corners[g][e];
+                // What is not scaled keeps its masses to the last bit.
+                if factor != masses.carried[g][e] {
+                    group.set_corner_masses(e, plain.map(|m| m * factor));
+                    masses.carried[g][e] = factor;
+                }
+                for (n, m) in group.corners(e).into_iter().zip(plain) {
+                    masses.scaled[n as usize] += (factor - 1.0) * m;
+                }
+            }
+        }
+        for (n, &mass) in masses.scaled.iter().enumerate() {
+            // What a rigid body carries has no mass here.
+            if masses.nodes[n] > 0.0 {
+                self.change_mass(n, mass);
+            }
+        }
+        self.bound_connectors();
+        if starts {
+            self.bound_again(masses);
+        }
+    }
+
+    fn bound_again(&mut self, masses: &Masses) {
+        for (g, factors) in masses.factors.iter().enumerate() {
+            for (e, &factor) in factors.iter().enumerate() {
+                let group = &self.groups[g];
+                let own = group.own_rate(e, &masses.corners[g][e].map(|m| m * factor), &self.nodes);
+                if let Some(rate) = own.filter(|_| group.status(e) != Some(0.0)) {
+                    self.raise_limit(g, e, rate);
+                }
+            }
+        }
+    }
+}
+
+impl Persist for Variable {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Variable { request: _, rhythm: _, due } = self;
+        due.persist(archive);
+    }
+}
+
+impl Persist for Scaling {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Scaling { fixed: _, variable, first } = self;
+        persist_fields!(archive; variable.as_mut_slice(), first);
+    }
+}
+
+impl Persist for Masses {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        // Of nodes and corners, masses without factors are those of the plan; the scaled ones are computed anew.
+        let Masses { nodes: _, corners: _, fixed, factors, carried, scaled: _ } = self;
+        for lists in [fixed, factors, carried] {
+            lists.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! What is at rest costs nothing: tasks of elements without stress whose nodes do not move, and the nodes that only such
+//! elements touch, are passed over until something reaches them. Skipping them changes no bit.
+//! Never here: arithmetic of elements and nodes.
+
+use crate::element::group::{Group, TASK};
+use crate::kernel::lanes::LANES;
+use crate::state::archive::{Archive, Persist};
+use crate::state::nodes::Node;
+
+/// Nodes that are passed over together.
+pub(super) const FEW: usize = 32;
+
+/// Whether a task of elements sleeps, and its nodes.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    pub nodes: Vec<u32>,
+    /// Since the start of the analysis nothing has reached the task.
+    pub asleep: bool,
+}
+
+impl Rest {
+    /// The tasks of a group, all awake.
+    pub fn of_tasks(elements: &[[u32; 4]]) -> Vec<Rest> {
+        let task = |part: &[[u32; 4]]| {
+            let mut nodes: Vec<u32> = part.as_flattened().to_vec();
+            nodes.sort_unstable();
+            nodes.dedup();
+            Rest { nodes, asleep: false }
+        };
+        elements.chunks(TASK * LANES).map(task).collect()
+    }
+
+    /// Whether no node of the task moves.
+    pub fn is_still(&self, nodes: &[Node]) -> bool {
+        self.nodes.iter().all(|&n| nodes[n as usize].v_r == 0.0 && nodes[n as usize].v_z == 0.0)
+    }
+}
+
+/// Which nodes have work, a few at a time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Awake {
+    /// Groups and tasks that touch each few nodes; empty once all are awake for good.
+    touching: Vec<Vec<(u32, u32)>>,
+    /// Whether they have work in this increment; empty if all have.
+    awake: Vec<bool>,
+}
+
+impl Awake {
+    /// From the corner nodes of each group's elements.
+    pub fn new(count: usize, groups: &[Box<dyn Group>]) -> Self {
+        let mut touching = vec![Vec::new(); count.div_ceil(FEW)];
+        for (g, group) in groups.iter().enumerate() {
+            for e in 0..group.len() {
+                let task = (g as u32, (e / (TASK * LANES)) as u32);
+                for node in group.corners(e) {
+                    let list = &mut touching[node as usize / FEW];
+                    if list.last() != Some(&task) && !list.contains(&task) {
+                        list.push(task);
+                    }
+                }
+            }
+        }
+        Awake { touching, awake: Vec::new() }
+    }
+
+    /// Wakes all nodes for good.
+    pub fn wake(&mut self) {
+        *self = Awake::default();
+    }
+
+    /// After the elements: nodes of tasks that sleep have no work, unless a force acts on them.
+    pub fn update(&mut self, groups: &[Box<dyn Group>], external: &[[f64; 2]]) {
+        if self.touching.is_empty() {
+            return;
+        }
+        let asleep = |(group, task): &(u32, u32)| groups[*group as usize].sleeps(*task as usize);
+        self.awake.clear();
+        self.awake.extend(self.touching.iter().map(|list| !list.iter().all(asleep)));
+        if self.awake.iter().all(|awake| *awake) {
+            self.wake();
+            return;
+        }
+        for (awake, forces) in self.awake.iter_mut().zip(external.chunks(FEW)) {
+            *awake |= forces.iter().any(|f| f[0] != 0.0 || f[1] != 0.0);
+        }
+    }
+
+    /// Whether the nodes from `first` on, a few, have work.
+    #[inline(always)]
+    pub fn has_work(&self, first: usize) -> bool {
+        self.awake.is_empty() || self.awake[first / FEW]
+    }
+}
+
+impl Persist for Rest {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Rest { nodes: _, asleep } = self;
+        asleep.persist(archive);
+    }
+}
+
+impl Persist for Awake {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Awake { touching, awake } = self;
+        let mut for_good = touching.is_empty();
+        for_good.persist(archive);
+        if for_good {
+            touching.clear();
+        }
+        awake.persist(archive);
+        // On the way back all may be awake for good by now, which changes no bit.
+        if touching.is_empty() {
+            awake.clear();
+        }
+        if !(awake.is_empty() || awake.len() == touching.len()) {
+            archive.refuse(|| format!("{} parts of the nodes, of which the deck has {}", awake.len(), touching.len()));
+            awake.clear();
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! What is followed over increments only because some output asks for it: strains and energies of elements.
+//! Never here: anything that stresses or forces need.
+#![allow(clippy::needless_range_loop)] // Loops over lanes, as in the inner loop.
+
+use crate::element::block::{Block, Nodes, Stage, dot};
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
+use crate::kernel::quad::{Gradient, gradient};
+use crate::kernel::rotation::rotated;
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Output variables of the eight elements of a block.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Record {
+    /// Logarithmic strain rr, zz, hoop, rz (tensor component), integrated with the rotation of the stress.
+    strain: [Lanes; 4],
+    /// Plastic part of it.
+    plastic: [Lanes; 4],
+    /// Strain rate of the increment behind.
+    rate: [Lanes; 4],
+    /// Work of the stress, and the part of it that flow has dissipated.
+    work: [Lanes; 2],
+}
+
+/// What a record tells of one element. Tensors as rr, zz, hoop, rz with tensor shear.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Followed {
+    /// Logarithmic strain.
+    pub strain: [f64; 4],
+    /// Plastic strain.
+    pub plastic: [f64; 4],
+    /// Strain rate, 1/time.
+    pub rate: [f64; 4],
+    /// Recoverable and dissipated energy.
+    pub energy: [f64; 2],
+}
+
+/// Gradient operators at the middle of an increment.
+#[inline(always)]
+pub(super) fn middle(nodes: &Nodes, lane: usize, dt: f64) -> Gradient {
+    let place = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - 0.5 * dt * v[i]);
+    gradient(place(nodes.of(lane, 0), nodes.of(lane, 2)), place(nodes.of(lane, 1), nodes.of(lane, 3)))
+}
+
+/// Spin increment in the (r, z) plane, as the stress sees it.
+#[inline(always)]
+pub(super) fn spin(nodes: &Nodes, lane: usize, dt: f64) -> f64 {
+    let g = middle(nodes, lane, dt);
+    let per = dt / g.volume;
+    0.5 * (per * dot(g.z, nodes.of(lane, 2)) - per * dot(g.r, nodes.of(lane, 3)))
+}
+
+impl Record {
+    /// Follows an increment, after the stress of its end is known.
+    pub(super) fn follow<S, Q, X>(
+        &mut self,
+        block: &Block<S, Q, X>,
+        flows: bool,
+        nodes: &Nodes,
+        dt: f64,
+        stage: &Stage,
+    ) {
+        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        for l in 0..LANES {
+            let spin = spin(nodes, l, dt);
+            let turn = |x: &[Lanes; 4]| rotated([0, 1, 2, 3].map(|i| x[i][l]), spin);
+            let (strain, mut plastic) = (turn(&self.strain), turn(&self.plastic));
+            let increment = [0, 1, 2, 3].map(|i| stage.strain[i][l]);
+            let doubled = [0, 1, 2, 3].map(|i| increment[i] * (stage.carried[i][l] + block.stress[i][l]));
+            self.work[0][l] += 0.5 * stage.volume[l] * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
+            if flows && stage.flow[l] > 0.0 {
+                // Associated flow: 3/2 dp s/q, the direction of the trial.
+                let per = 1.5 * stage.flow[l] / stage.trial[l];
+                plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * stage.deviator[i][l]);
+                let [a, b, c, d] = [0, 1, 2, 3].map(|i| block.stress[i][l]);
+                let squares = [a - b, b - c, c - a].map(|x| x * x);
+                let mises = (0.5 * (squares[0] + squares[1] + squares[2]) + 3.0 * d * d).sqrt();
+                self.work[1][l] += stage.volume[l] * mises * stage.flow[l];
+            }
+            for i in 0..4 {
+                self.strain[i][l] = strain[i] + increment[i];
+                self.plastic[i][l] = plastic[i];
+                self.rate[i][l] = per_dt * increment[i];
+            }
+        }
+    }
+
+    /// What is told of one element.
+    pub(super) fn of(&self, lane: usize) -> Followed {
+        let tensor = |x: &[Lanes; 4]| [0, 1, 2, 3].map(|i| x[i][lane]);
+        let [work, dissipated] = [self.work[0][lane], self.work[1][lane]];
+        Followed {
+            strain: tensor(&self.strain),
+            plastic: tensor(&self.plastic),
+            rate: tensor(&self.rate),
+            energy: [work - dissipated, dissipated],
+        }
+    }
+}
+
+impl Persist for Record {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Record { strain, plastic, rate, work } = self;
+        persist_fields!(archive; strain, plastic, rate, work);
+    }
+}

@@ -1,0 +1,55 @@
+//! Area weighting: elements give forces and masses of their plane sections, and a node moves by their ratio. Here that ratio
+//! is brought back to rings, so that loads and motions act on a node as everywhere else.
+//! Never here: the forces of elements.
+
+use crate::element::body::Solid;
+use crate::element::group::Group;
+use crate::state::archive::{Archive, Persist};
+
+/// Nodes of elements that are weighted by area.
+#[derive(Clone, Debug)]
+pub struct Rings {
+    /// A quarter of the mass of each element over 2 pi, group by group.
+    quarters: Vec<Vec<f64>>,
+    /// Ring of each node, length: its mass over that of the plane sections around it.
+    pub(super) factors: Vec<f64>,
+}
+
+impl Rings {
+    /// For all elements of a body.
+    pub fn new(solid: &Solid) -> Rings {
+        let quarter = |mass: f64| 0.25 * mass / (2.0 * std::f64::consts::PI);
+        let of_group = |g: &dyn Group| (0..g.len()).map(|e| quarter(g.mass(e))).collect();
+        Rings { quarters: solid.groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; solid.nodes.len()] }
+    }
+
+    /// Bytes of its arrays.
+    pub fn bytes(&self) -> usize {
+        self.quarters.iter().map(|q| size_of_val(&**q)).sum::<usize>() + size_of_val(&*self.factors)
+    }
+}
+
+impl Solid {
+    /// Rings of the nodes where they are now: a section has the mass of its element over its length around the axis.
+    pub(super) fn measure_rings(&mut self) {
+        let Some(rings) = &mut self.rings else { return };
+        rings.factors.fill(0.0);
+        for (group, quarters) in self.groups.iter().zip(&rings.quarters) {
+            for (e, quarter) in quarters.iter().enumerate() {
+                let corners = group.corners(e).map(|n| n as usize);
+                let radius = 0.25 * corners.iter().map(|&n| self.nodes[n].r).sum::<f64>();
+                corners.iter().for_each(|&n| rings.factors[n] += quarter / radius);
+            }
+        }
+        for (factor, mass) in rings.factors.iter_mut().zip(&self.mass) {
+            *factor = if *factor > 0.0 { mass / *factor } else { 0.0 };
+        }
+    }
+}
+
+impl Persist for Rings {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Rings { quarters: _, factors } = self;
+        factors.as_mut_slice().persist(archive);
+    }
+}

@@ -1,0 +1,176 @@
+//! Every composition of laws gives the same bits on every instruction set.
+//! Never here: whether the laws are right.
+
+use pulp::Arch;
+
+use crate::element::Corners;
+use crate::element::constants::Constants;
+use crate::element::group::{Group, Quads};
+use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
+use crate::kernel::lanes::LANES;
+use crate::material::eos::{Eos, IdealGas, UsUp};
+use crate::material::failure::{Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
+use crate::material::hyperelastic::NeoHooke;
+use crate::material::kinematic::Kinematic;
+use crate::material::kinematic_rate::Moving;
+use crate::material::plasticity::{Elastic, General, Hardening, Lines};
+use crate::material::volumetric::{Linear, Volumetric};
+use crate::state::nodes::Node;
+
+const COLUMNS: usize = 5;
+const ROWS: usize = 4;
+const DT: f64 = 0.02;
+
+/// A distorted mesh of twenty elements (the last block is not full) that moves without order.
+fn nodes() -> Vec<Node> {
+    let wobble = |i: usize| ((i * 7919) % 101) as f64 * 1e-3;
+    let node = |n: usize| {
+        let (i, j) = (n % (COLUMNS + 1), n / (COLUMNS + 1));
+        let (v_r, v_z) = (wobble(n + 5) - 0.03, wobble(n + 9) - 0.06);
+        Node { r: i as f64 + wobble(n), z: j as f64 - wobble(n + 3), v_r, v_z }
+    };
+    (0..(COLUMNS + 1) * (ROWS + 1)).map(node).collect()
+}
+
+fn elements() -> Vec<[u32; 4]> {
+    let row = COLUMNS as u32 + 1;
+    let corner = |e: usize| (e / COLUMNS * (COLUMNS + 1) + e % COLUMNS) as u32;
+    (0..COLUMNS * ROWS).map(corner).map(|n| [n, n + 1, n + row + 1, n + row]).collect()
+}
+
+/// What a composition came to after some increments of a motion that does not depend on it.
+#[derive(Debug, PartialEq)]
+struct Came {
+    bits: Vec<u64>,
+    plastic: f64,
+    deleted: usize,
+}
+
+fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> Came {
+    let constants = Constants {
+        bulk: 3.0,
+        shear: 1.0,
+        hourglass_stiffness: 0.005,
+        hourglass_viscosity: 0.01,
+        bulk_viscosity: [0.06, 1.2],
+    };
+    let (mut nodes, elements) = (nodes(), elements());
+    let mut quads = Quads::new(laws, constants, 2.0, &elements, &nodes).on(arch);
+    for e in 0..elements.len() {
+        quads.set(e, None, Some(25.0 + e as f64));
+        quads.set_energy(e, 1e-3 * (1 + e) as f64);
+    }
+    quads.follow();
+    let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
+    let (mut bits, mut plastic) = (Vec::new(), 0.0);
+    for _ in 0..20 {
+        nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
+        let totals = quads.update(&nodes, DT, &mut corners);
+        plastic += totals.plastic;
+        let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];
+        assert!(sums.iter().all(|x| x.is_finite()) && totals.rate > 0.0, "{totals:?}");
+        bits.extend(corners.iter().flat_map(|c| c.0.as_flattened()).chain(&sums).map(|x| x.to_bits()));
+    }
+    let mut deleted = 0;
+    for e in 0..elements.len() {
+        let state = [quads.plastic_strain(e), quads.temperature(e), quads.energy(e), quads.status(e)];
+        deleted += usize::from(state[3] == Some(0.0));
+        let followed = quads.followed(e).expect("it is followed");
+        let kept = state.into_iter().flatten().chain(quads.stress(e)).chain(followed.plastic).chain(followed.energy);
+        bits.extend(kept.map(f64::to_bits));
+    }
+    Came { bits, plastic, deleted }
+}
+
+/// The composition on every instruction set that the machine has.
+fn agrees<H: Hardening, V: Volumetric, F: Failure>(name: &str, laws: impl Fn() -> (H, V, F)) {
+    let plain = run(laws(), Arch::Scalar);
+    // What is stored in an element that is deleted counts as dissipated.
+    assert_eq!(H::FLOWS || F::FAILS, plain.plastic > 0.0, "{name}: {}", plain.plastic);
+    assert_eq!(F::FAILS, plain.deleted > 0, "{name}: {} deleted", plain.deleted);
+    assert!(plain.deleted < elements().len(), "{name}: something carries on");
+    #[cfg(target_arch = "x86_64")]
+    {
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert!(plain == run(laws(), Arch::V3(v3)), "{name}: AVX2");
+        }
+        if let Some(v4) = pulp::x86::V4::try_new() {
+            assert!(plain == run(laws(), Arch::V4(v4)), "{name}: AVX-512");
+        }
+    }
+    assert!(plain == run(laws(), Arch::new()), "{name}: what the machine chooses");
+}
+
+fn lines() -> Lines {
+    Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall")
+}
+
+fn johnson_cook() -> RateDependent<JohnsonCook> {
+    let base = JohnsonCook { a: 0.02, b: 0.01, n: 0.3, m: 1.1, melt: 500.0, transition: 20.0 };
+    RateDependent { base, factor: RateFactor::JohnsonCook { c: 0.02, reference: 1e-3 } }
+}
+
+fn general() -> General {
+    General { law: Box::new(johnson_cook()), heating: 50.0 }
+}
+
+fn kinematic() -> Kinematic {
+    Kinematic { yield_stress: 0.02, slope: 0.1 }
+}
+
+fn moving() -> Moving {
+    let slope = Table { rows: vec![[0.1, 20.0], [0.05, 200.0]] };
+    Moving { size: Box::new(johnson_cook()), slope, heating: 50.0 }
+}
+
+fn gas() -> Eos<IdealGas> {
+    Eos { law: IdealGas { gas_constant: 0.4, specific_heat: 1.0, ambient: 0.01, absolute_zero: -273.0 } }
+}
+
+fn us_up() -> Eos<UsUp> {
+    Eos { law: UsUp { density: 2.0, c0: 1.2, s: 1.5, gamma0: 2.0 } }
+}
+
+/// Damage over a displacement that some elements use up; Johnson and Cook's strain where the law flows.
+fn failing() -> Failing {
+    let strain =
+        FailureStrain::JohnsonCook { d: [5e-4, 1e-3, 1.5, 0.01, 1.0], melt: 500.0, transition: 20.0, reference: 1e-3 };
+    Failing { criteria: vec![Criterion { strain, evolution: Evolution::Displacement(0.002) }], cutoff: None }
+}
+
+/// A cutoff that some elements reach.
+fn tearing() -> Failing {
+    Failing { criteria: Vec::new(), cutoff: Some(Cutoff { stress: 0.005, deletes: true }) }
+}
+
+/// Calls [`agrees`] for each hardening law with each volumetric law and each way to fail.
+macro_rules! table {
+    ($($hardening:ident: $volumetrics:tt x $failures:tt;)*) => {
+        $(table!(@row $hardening $volumetrics $failures);)*
+    };
+    (@row $hardening:ident [$($volumetric:expr),*] $failures:tt) => {
+        $(table!(@cell $hardening ($volumetric) $failures);)*
+    };
+    (@cell $hardening:ident $volumetric:tt [$($failure:expr),*]) => {
+        $(agrees(
+            concat!(stringify!($hardening), ", ", stringify!($volumetric), ", ", stringify!($failure)),
+            || ($hardening(), $volumetric, $failure),
+        );)*
+    };
+}
+
+fn elastic() -> Elastic {
+    Elastic
+}
+
+#[test]
+fn every_composition_of_laws_gives_the_same_bits_on_every_instruction_set() {
+    table! {
+        elastic: [Linear, gas(), us_up()] x [Intact, tearing()];
+        elastic: [NeoHooke { c10: 0.5, d1: 0.7 }] x [Intact];
+        lines: [Linear, gas(), us_up()] x [Intact];
+        general: [Linear, gas(), us_up()] x [Intact, failing()];
+        kinematic: [Linear, gas(), us_up()] x [Intact];
+        moving: [Linear, gas(), us_up()] x [Intact];
+    }
+}

@@ -1,0 +1,16 @@
+//! The rotation of a tensor with the material.
+//! Never here: spins.
+
+/// The stress turned with the material: Hughes and Winget 1980 (Int. J. Numer. Meth. Eng. 15, 1862), a rotation of which the
+/// tangent of half the angle is half the spin increment; orthogonal for any increment.
+#[inline(always)]
+pub fn rotated([rr, zz, hoop, rz]: [f64; 4], spin: f64) -> [f64; 4] {
+    let quarter = 0.25 * spin * spin;
+    let inverse = 1.0 / (1.0 + quarter);
+    let (cosine, sine) = ((1.0 - quarter) * inverse, spin * inverse);
+    // Components turn by twice the angle.
+    let (cosine2, sine2) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
+    let (centre, radius) = (0.5 * (rr + zz), 0.5 * (rr - zz));
+    let turned = radius * cosine2 + rz * sine2;
+    [centre + turned, centre - turned, hoop, rz * cosine2 - radius * sine2]
+}

@@ -1,0 +1,222 @@
+//! Equations of state: pressure by density and energy, and the energy an element gains in an increment.
+//! Never here: deviators, meshes.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
+use crate::material::volumetric::{Squeeze, Volumetric};
+use crate::state::archive::{Archive, Persist};
+
+/// Pressure at one density, linear in the energy a mass: p = cold + per_energy e.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curve {
+    /// Pressure without energy.
+    pub cold: f64,
+    /// Pressure for the energy a mass (density times the Grueneisen coefficient).
+    pub per_energy: f64,
+    /// Derivative of `cold` by density.
+    pub cold_slope: f64,
+    /// Derivative of `per_energy` by density.
+    pub energy_slope: f64,
+}
+
+/// An equation of state that is linear in the energy.
+pub trait Pressure: Send + Sync {
+    /// The line at a density.
+    fn curve(&self, density: f64) -> Curve;
+    /// Pressure of the surroundings, which the stress does not hold but the gas works against.
+    fn ambient(&self) -> f64 {
+        0.0
+    }
+    /// The least bulk modulus: a state without stiffness still has an increment.
+    fn floor(&self) -> f64;
+    /// Temperature by energy and energy by temperature, where there is a specific heat: heat capacity and absolute zero.
+    fn thermal(&self) -> Option<[f64; 2]> {
+        None
+    }
+}
+
+/// Ideal gas: p + p_A = rho R (T - T_Z), e = c_v (T - T_Z), so p = (R/c_v) rho e - p_A (ABAQUS Analysis User's Guide,
+/// "Equation of state", ideal gas).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IdealGas {
+    /// R, energy a mass and temperature.
+    pub gas_constant: f64,
+    /// Heat capacity at constant volume, energy a mass and temperature.
+    pub specific_heat: f64,
+    /// p_A.
+    pub ambient: f64,
+    /// T_Z.
+    pub absolute_zero: f64,
+}
+
+impl Pressure for IdealGas {
+    #[inline(always)]
+    fn curve(&self, density: f64) -> Curve {
+        let ratio = self.gas_constant / self.specific_heat;
+        Curve { cold: -self.ambient, per_energy: ratio * density, cold_slope: 0.0, energy_slope: ratio }
+    }
+
+    fn ambient(&self) -> f64 {
+        self.ambient
+    }
+
+    fn floor(&self) -> f64 {
+        1e-40
+    }
+
+    fn thermal(&self) -> Option<[f64; 2]> {
+        Some([self.specific_heat, self.absolute_zero])
+    }
+}
+
+/// Mie and Grueneisen with a linear Hugoniot U_s = c0 + s U_p: p = rho0 c0^2 eta (1 - Gamma0 eta/2)/(1 - s eta)^2 +
+/// Gamma0 rho0 e with eta = 1 - rho0/rho (the same section, linear U_s - U_p Hugoniot form).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UsUp {
+    /// Density without pressure and energy.
+    pub density: f64,
+    /// Sound speed there.
+    pub c0: f64,
+    /// Slope of the shock speed over the particle velocity.
+    pub s: f64,
+    /// Grueneisen coefficient.
+    pub gamma0: f64,
+}
+
+impl Pressure for UsUp {
+    /// Not a number at the compression that no shock reaches, 1/s, and beyond.
+    #[inline(always)]
+    fn curve(&self, density: f64) -> Curve {
+        let (stiffness, per) = (self.density * self.c0 * self.c0, 1.0 / density);
+        let eta = 1.0 - self.density * per;
+        let rest = 1.0 - self.s * eta;
+        let inverse = if rest > 0.0 { 1.0 / rest } else { f64::NAN };
+        let square = stiffness * inverse * inverse;
+        let thermal = 1.0 - 0.5 * self.gamma0 * eta;
+        let by_eta = square * ((1.0 - self.gamma0 * eta) + 2.0 * self.s * eta * thermal * inverse);
+        Curve {
+            cold: square * eta * thermal,
+            per_energy: self.gamma0 * self.density,
+            cold_slope: by_eta * self.density * per * per,
+            energy_slope: 0.0,
+        }
+    }
+
+    fn floor(&self) -> f64 {
+        1e-6 * self.density * self.c0 * self.c0
+    }
+}
+
+/// An equation of state with the energy of each element.
+#[derive(Clone, Debug)]
+pub struct Eos<P> {
+    /// The equation.
+    pub law: P,
+}
+
+/// What a block keeps under an equation of state.
+#[derive(Clone, Debug)]
+pub struct Heat {
+    /// Energy a mass.
+    energy: Lanes,
+}
+
+impl<P: Pressure> Volumetric for Eos<P> {
+    type State = Heat;
+    const VARIES: bool = true;
+
+    fn fresh(&self) -> Heat {
+        Heat { energy: [0.0; LANES] }
+    }
+
+    /// m de = -(p + p') / 2 dV + deviatoric and viscous work, with p' = a + b e' at the end: linear in e', solved in closed
+    /// form. The work of the bulk viscosity is expected with its stress of the increment before.
+    #[inline(always)]
+    fn squeeze(&self, state: &mut Heat, ask: Squeeze<'_>) {
+        let (ambient, floor) = (self.law.ambient(), self.law.floor());
+        for l in 0..LANES {
+            let inverse = 1.0 / ask.mass[l];
+            let density = ask.mass[l] / ask.volume[l];
+            let Curve { cold, per_energy, cold_slope, energy_slope } = self.law.curve(density);
+            let change = ask.middle[l] * ask.dilation[l];
+            let expected = ask.viscous[l] * change;
+            let absolute = 0.5 * (ask.mean[l] - ambient - cold - ambient);
+            let gained = absolute * change + ask.work[l] + expected;
+            let energy = (state.energy[l] + gained * inverse) / (1.0 + 0.5 * per_energy * change * inverse);
+            let pressure = cold + per_energy * energy;
+            // rho dp/drho with de = (p + p_A) drho/rho^2. Not a number stays: it must be found.
+            let bulk =
+                density * (cold_slope + energy_slope * energy) + per_energy * (pressure + ambient) * (1.0 / density);
+            ask.bulk[l] = if bulk < floor { floor } else { bulk };
+            ask.mean[l] = -pressure;
+            ask.heat[l] = expected;
+            state.energy[l] = energy;
+        }
+    }
+
+    #[inline(always)]
+    fn settle(&self, state: &mut Heat, heat: &Lanes, mass: &Lanes) {
+        for l in 0..LANES {
+            state.energy[l] += heat[l] / mass[l];
+        }
+    }
+
+    fn energy(&self, state: &Heat, lane: usize) -> Option<f64> {
+        Some(state.energy[lane])
+    }
+
+    fn set_energy(&self, state: &mut Heat, lane: usize, energy: f64) {
+        state.energy[lane] = energy;
+    }
+
+    fn temperature(&self, state: &Heat, lane: usize) -> Option<f64> {
+        self.law.thermal().map(|[heat, zero]| zero + state.energy[lane] / heat)
+    }
+
+    fn heat(&self, state: &mut Heat, lane: usize, temperature: f64) {
+        if let Some([heat, zero]) = self.law.thermal() {
+            state.energy[lane] = heat * (temperature - zero);
+        }
+    }
+}
+
+impl Persist for Heat {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Heat { energy } = self;
+        energy.persist(archive);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{IdealGas, Pressure, UsUp};
+
+    /// On the Hugoniot e = p (1/rho0 - 1/rho)/2 the pressure is rho0 Us up for every particle velocity.
+    #[test]
+    fn the_hugoniot_is_met() {
+        let law = UsUp { density: 2.785, c0: 5.328, s: 1.338, gamma0: 2.0 };
+        for up in [0.01, 0.5, 2.0] {
+            let us = law.c0 + law.s * up;
+            let (p, density) = (law.density * us * up, law.density * us / (us - up));
+            let energy = 0.5 * p * (1.0 / law.density - 1.0 / density);
+            let curve = law.curve(density);
+            assert!(((curve.cold + curve.per_energy * energy) / p - 1.0).abs() < 1e-12);
+        }
+        assert!(law.curve(law.density / (1.0 - 1.0 / law.s)).cold.is_nan());
+    }
+
+    #[test]
+    fn slopes_are_derivatives() {
+        let law = UsUp { density: 2.785, c0: 5.328, s: 1.338, gamma0: 2.0 };
+        for density in [2.5, 2.785, 3.3] {
+            let step = 1e-6;
+            let slope = (law.curve(density + step).cold - law.curve(density - step).cold) / (2.0 * step);
+            assert!((slope / law.curve(density).cold_slope - 1.0).abs() < 1e-7);
+        }
+        let gas = IdealGas { gas_constant: 287.0, specific_heat: 717.5, ambient: 1e5, absolute_zero: 0.0 };
+        // Air at 300 K and 1.2 kg/m^3: rho R T.
+        let curve = gas.curve(1.2);
+        assert!((curve.cold + curve.per_energy * 717.5 * 300.0 - (1.2 * 287.0 * 300.0 - 1e5)).abs() < 1e-6);
+    }
+}

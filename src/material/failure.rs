@@ -1,0 +1,269 @@
+//! Failure of elements: criteria over the plastic strain or the mean stress, degradation of the stress, deletion.
+//! Never here: yield stresses, forces.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
+
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
+use crate::kernel::levels::Levels;
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Whether and how elements fail. An absent one is a type without state, and costs nothing.
+pub trait Failure: Send + Sync {
+    /// What a block of elements keeps.
+    type State: Clone + Send + Sync + Persist;
+    /// Whether anything fails at all.
+    const FAILS: bool;
+    /// State of a block: the areas of its elements' sections, whose roots are their lengths, and their volumes.
+    fn fresh(&self, area: &Lanes, volume: &Lanes) -> Self::State;
+    /// Whether an element of a block still carries; `None` if none can fail.
+    fn alive(&self, state: &Self::State, lane: usize) -> Option<bool>;
+    /// What an increment leaves of the stress.
+    fn degrade(&self, state: &mut Self::State, lane: usize, seen: &Seen) -> Shares;
+    /// Volume of an element at the start.
+    fn volume(&self, state: &Self::State, lane: usize) -> f64;
+    /// Share of the stress that damage leaves; 0 of a deleted element.
+    fn share(&self, state: &Self::State, lane: usize) -> f64;
+}
+
+/// What failure sees of an element at the end of an increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Increment of the equivalent plastic strain.
+    pub plastic: f64,
+    /// Mean stress of the undamaged material.
+    pub mean: f64,
+    /// Von Mises stress of the undamaged material.
+    pub mises: f64,
+    /// Temperature, 0 where it is not followed.
+    pub temperature: f64,
+    /// Length of the increment.
+    pub dt: f64,
+}
+
+impl Seen {
+    /// Rate of the equivalent plastic strain.
+    fn rate(&self) -> f64 {
+        if self.dt > 0.0 { self.plastic / self.dt } else { 0.0 }
+    }
+}
+
+/// What an increment leaves of the stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shares {
+    /// Factor on the stress of the undamaged material.
+    pub stress: f64,
+    /// Mean stress that the material bears, where tension is cut off.
+    pub mean: f64,
+}
+
+/// Nothing fails.
+#[derive(Clone, Copy, Debug)]
+pub struct Intact;
+
+impl Failure for Intact {
+    type State = ();
+    const FAILS: bool = false;
+
+    fn fresh(&self, _area: &Lanes, _volume: &Lanes) {}
+
+    fn volume(&self, (): &(), _lane: usize) -> f64 {
+        1.0
+    }
+
+    fn alive(&self, (): &(), _lane: usize) -> Option<bool> {
+        None
+    }
+
+    fn degrade(&self, (): &mut (), _lane: usize, seen: &Seen) -> Shares {
+        Shares { stress: 1.0, mean: seen.mean }
+    }
+
+    fn share(&self, (): &(), _lane: usize) -> f64 {
+        1.0
+    }
+}
+
+/// Equivalent plastic strain at which an element fails or its damage begins.
+#[derive(Clone, Debug)]
+pub enum FailureStrain {
+    /// A constant.
+    Constant(f64),
+    /// (d1 + d2 exp(-d3 x)) (1 + d4 ln(rate/reference)) (1 + d5 theta), x = mean stress over von Mises stress
+    /// (Johnson and Cook 1985, Eng. Fract. Mech. 21, 31; sign of d3 as ABAQUS has it).
+    JohnsonCook {
+        /// d1 to d5.
+        d: [f64; 5],
+        /// Melting temperature.
+        melt: f64,
+        /// Transition temperature.
+        transition: f64,
+        /// Reference rate.
+        reference: f64,
+    },
+    /// Over the triaxiality (mean stress over von Mises stress), the rate of the plastic strain, and the temperature.
+    Ductile(Levels),
+    /// Over the rate, pressure over von Mises stress, and the temperature.
+    Shear(Levels),
+}
+
+impl FailureStrain {
+    /// The strain under a state.
+    pub fn at(&self, seen: &Seen) -> f64 {
+        let triaxiality = if seen.mises > 0.0 { seen.mean / seen.mises } else { 0.0 };
+        match self {
+            FailureStrain::Constant(strain) => *strain,
+            FailureStrain::Ductile(levels) => levels.at(&[triaxiality, seen.rate(), seen.temperature]),
+            FailureStrain::Shear(levels) => levels.at(&[seen.rate(), -triaxiality, seen.temperature]),
+            FailureStrain::JohnsonCook { d, melt, transition, reference } => {
+                let rate = seen.rate() / reference;
+                let by_rate = if rate > 1.0 { 1.0 + d[3] * libm::log(rate) } else { 1.0 };
+                let theta = ((seen.temperature - transition) / (melt - transition)).clamp(0.0, 1.0);
+                let theta = if theta.is_nan() { 0.0 } else { theta };
+                (d[0] + d[1] * libm::exp(-d[2] * triaxiality)) * by_rate * (1.0 + d[4] * theta)
+            }
+        }
+    }
+}
+
+/// How damage grows once it has begun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Evolution {
+    /// At once: the element is deleted.
+    Sudden,
+    /// Linear in the plastic displacement, which is the plastic strain times the element's length; the value at failure.
+    Displacement(f64),
+    /// Linear, so that failure takes this energy an area: the displacement at failure is twice it over the yield stress
+    /// where damage began.
+    Energy(f64),
+}
+
+/// A criterion over the plastic strain and what follows it.
+#[derive(Clone, Debug)]
+pub struct Criterion {
+    /// Strain at failure: the sum of dp over it reaches 1.
+    pub strain: FailureStrain,
+    /// What follows.
+    pub evolution: Evolution,
+}
+
+/// Mean stress that is not exceeded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cutoff {
+    /// Its value, tension.
+    pub stress: f64,
+    /// Whether the element that reaches it is deleted; if not, its mean stress stays there.
+    pub deletes: bool,
+}
+
+/// Failure of a material: criteria over the plastic strain, and a cutoff of tension.
+#[derive(Clone, Debug, Default)]
+pub struct Failing {
+    /// At most one of each kind; the greatest damage counts.
+    pub criteria: Vec<Criterion>,
+    /// Cutoff.
+    pub cutoff: Option<Cutoff>,
+}
+
+/// The most criteria a material has.
+pub const CRITERIA: usize = 3;
+
+/// What a block keeps of its failing elements.
+#[derive(Clone, Debug)]
+pub struct Damaged {
+    alive: [bool; LANES],
+    /// Of each criterion, the sum of dp over the strain at failure.
+    begun: [Lanes; CRITERIA],
+    /// Of each criterion, its damage and the displacement at failure, 0 before it begins.
+    damage: [Lanes; CRITERIA],
+    at_failure: [Lanes; CRITERIA],
+    length: Lanes,
+    volume: Lanes,
+    /// 1 less the greatest damage.
+    share: Lanes,
+}
+
+impl Failure for Failing {
+    type State = Damaged;
+    const FAILS: bool = true;
+
+    fn volume(&self, state: &Damaged, lane: usize) -> f64 {
+        state.volume[lane]
+    }
+
+    fn fresh(&self, area: &Lanes, volume: &Lanes) -> Damaged {
+        Damaged {
+            alive: [true; LANES],
+            begun: [[0.0; LANES]; CRITERIA],
+            damage: [[0.0; LANES]; CRITERIA],
+            at_failure: [[0.0; LANES]; CRITERIA],
+            length: area.map(f64::sqrt),
+            volume: *volume,
+            share: [1.0; LANES],
+        }
+    }
+
+    fn alive(&self, state: &Damaged, lane: usize) -> Option<bool> {
+        Some(state.alive[lane])
+    }
+
+    fn share(&self, state: &Damaged, lane: usize) -> f64 {
+        if state.alive[lane] { state.share[lane] } else { 0.0 }
+    }
+
+    fn degrade(&self, state: &mut Damaged, l: usize, seen: &Seen) -> Shares {
+        let mut worst: f64 = 0.0;
+        for (c, criterion) in self.criteria.iter().enumerate() {
+            worst = worst.max(criterion.grow(state, c, l, seen));
+        }
+        let mut mean = seen.mean;
+        if let Some(cutoff) = self.cutoff.filter(|cutoff| mean > cutoff.stress) {
+            mean = cutoff.stress;
+            if cutoff.deletes {
+                worst = 1.0;
+            }
+        }
+        // What is left of the stress divides the stress of the next increment: the last trace of it is let go.
+        state.alive[l] &= worst < 1.0 - 1e-6;
+        state.share[l] = 1.0 - worst;
+        Shares { stress: self.share(state, l), mean }
+    }
+}
+
+impl Criterion {
+    /// Damage by this criterion.
+    fn grow(&self, state: &mut Damaged, c: usize, l: usize, seen: &Seen) -> f64 {
+        // Not a number is no reason to fail: it must be found.
+        if seen.plastic <= 0.0 || seen.plastic.is_nan() {
+            return state.damage[c][l];
+        }
+        let begun = state.begun[c][l] >= 1.0;
+        if !begun {
+            let strain = self.strain.at(seen);
+            state.begun[c][l] += if strain > 0.0 { seen.plastic / strain } else { 1.0 };
+        }
+        if state.begun[c][l] < 1.0 {
+            return 0.0;
+        }
+        if !begun {
+            state.at_failure[c][l] = match self.evolution {
+                Evolution::Sudden => 0.0,
+                Evolution::Displacement(displacement) => displacement,
+                Evolution::Energy(energy) => 2.0 * energy / seen.mises,
+            };
+        }
+        let at_failure = state.at_failure[c][l];
+        let more = if at_failure > 0.0 { seen.plastic * state.length[l] / at_failure } else { 1.0 };
+        // The increment in which damage begins counts from its end.
+        if begun || at_failure == 0.0 {
+            state.damage[c][l] = (state.damage[c][l] + more).min(1.0);
+        }
+        state.damage[c][l]
+    }
+}
+
+impl Persist for Damaged {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Damaged { alive, begun, damage, at_failure, length: _, volume: _, share } = self;
+        persist_fields!(archive; alive, begun, damage, at_failure, share);
+    }
+}

@@ -1,0 +1,75 @@
+//! Linear kinematic hardening: the yield surface moves with the plastic strain and keeps its size.
+//! Never here: isotropic hardening, the rotation of the stress.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
+use crate::material::plasticity::{Flow, Hardening};
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
+/// loading", linear kinematic hardening): the back stress grows by 2/3 C times the plastic strain and turns with the stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kinematic {
+    /// Radius of the yield surface: yield stress without plastic strain.
+    pub yield_stress: f64,
+    /// C, slope of the stress over the plastic strain in uniaxial tension.
+    pub slope: f64,
+}
+
+/// What a block keeps under kinematic hardening.
+#[derive(Clone, Debug)]
+pub struct Shifted {
+    strain: Lanes,
+    /// Back stress: rr, zz, hoop, rz; its trace is zero.
+    back: [Lanes; 4],
+}
+
+impl Hardening for Kinematic {
+    type State = Shifted;
+    const FLOWS: bool = true;
+    const SHIFTS: bool = true;
+
+    fn fresh(&self) -> Shifted {
+        Shifted { strain: [0.0; LANES], back: [[0.0; LANES]; 4] }
+    }
+
+    /// Radial return: the trial stress, reckoned from the back stress, less (3 G + C) dp is the yield stress.
+    #[inline(always)]
+    fn flow(&self, state: &mut Shifted, flow: &mut Flow<'_>) {
+        let per = 1.0 / (flow.shear3 + self.slope);
+        for l in 0..LANES {
+            let asked = (flow.trial[l] - self.yield_stress) * per;
+            let increment = if asked > 0.0 { asked } else { 0.0 };
+            flow.increment[l] = increment;
+            state.strain[l] += increment;
+        }
+    }
+
+    #[inline(always)]
+    fn back_stress(&self, state: &Shifted) -> [Lanes; 4] {
+        state.back
+    }
+
+    /// The plastic strain increment is 3/2 dp times the direction of the relative stress.
+    #[inline(always)]
+    fn follow(&self, state: &mut Shifted, carried: &[Lanes; 4], relative: &[Lanes; 4], trial: &Lanes, flow: &Lanes) {
+        for l in 0..LANES {
+            let part = if flow[l] > 0.0 { self.slope * flow[l] / trial[l] } else { 0.0 };
+            for i in 0..4 {
+                state.back[i][l] = carried[i][l] + part * relative[i][l];
+            }
+        }
+    }
+
+    fn plastic_strain(&self, state: &Shifted, lane: usize) -> f64 {
+        state.strain[lane]
+    }
+}
+
+impl Persist for Shifted {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Shifted { strain, back } = self;
+        persist_fields!(archive; strain, back);
+    }
+}

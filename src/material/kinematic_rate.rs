@@ -1,0 +1,96 @@
+//! Linear kinematic hardening whose yield stress depends on rate and temperature, and whose slope on temperature.
+//! Never here: isotropic hardening, the rotation of the stress.
+
+use crate::kernel::hardening::{Table, YieldStress, plastic_increment};
+use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
+use crate::material::plasticity::{Flow, Hardening};
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Linear kinematic hardening over rate and temperature (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
+/// loading"): the yield surface has the size that rate and temperature give it; the back stress grows by 2/3 C times the
+/// plastic strain, and where C changes with the temperature it changes in proportion.
+pub struct Moving {
+    /// Radius of the yield surface, over rate and temperature.
+    pub size: Box<dyn YieldStress>,
+    /// C, slope of the stress over the plastic strain, over temperature.
+    pub slope: Table,
+    /// Rise of temperature for plastic work a volume; 0 if nothing heats.
+    pub heating: f64,
+}
+
+/// What a block keeps.
+#[derive(Clone, Debug)]
+pub struct Moved {
+    strain: Lanes,
+    temperature: Lanes,
+    /// C at the temperature before the increment.
+    slope: Lanes,
+    /// Back stress: rr, zz, hoop, rz; its trace is zero.
+    back: [Lanes; 4],
+}
+
+impl Hardening for Moving {
+    type State = Moved;
+    const FLOWS: bool = true;
+    const SHIFTS: bool = true;
+
+    fn fresh(&self) -> Moved {
+        let zero = [0.0; LANES];
+        Moved { strain: zero, temperature: zero, slope: zero, back: [zero; 4] }
+    }
+
+    /// The trial stress, reckoned from the back stress, less (3 G + C) dp is the yield stress at the rate of dp.
+    fn flow(&self, state: &mut Moved, flow: &mut Flow<'_>) {
+        for l in 0..flow.count {
+            let temperature = state.temperature[l];
+            let slope = self.slope.value(temperature);
+            let trial = flow.trial[l];
+            let dp = plastic_increment(&*self.size, trial, state.strain[l], temperature, flow.shear3 + slope, flow.dt);
+            flow.increment[l] = dp;
+            state.strain[l] += dp;
+            state.slope[l] = slope;
+            state.temperature[l] += self.heating * (trial - flow.shear3 * dp) * dp;
+        }
+    }
+
+    fn back_stress(&self, state: &Moved) -> [Lanes; 4] {
+        state.back
+    }
+
+    /// The plastic strain increment is 3/2 dp times the direction of the relative stress; the work against the back stress
+    /// heats as well.
+    fn follow(&self, state: &mut Moved, carried: &[Lanes; 4], relative: &[Lanes; 4], trial: &Lanes, flow: &Lanes) {
+        for l in 0..LANES {
+            let per = if flow[l] > 0.0 { flow[l] / trial[l] } else { 0.0 };
+            let part = |i: usize| carried[i][l] * relative[i][l];
+            let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
+            state.temperature[l] += self.heating * 1.5 * per * along;
+            let before = state.slope[l];
+            let now = if self.heating > 0.0 { self.slope.value(state.temperature[l]) } else { before };
+            let ratio = if before > 0.0 { now / before } else { 1.0 };
+            for i in 0..4 {
+                state.back[i][l] = ratio * (carried[i][l] + before * per * relative[i][l]);
+            }
+        }
+    }
+
+    fn plastic_strain(&self, state: &Moved, lane: usize) -> f64 {
+        state.strain[lane]
+    }
+
+    fn temperature(&self, state: &Moved, lane: usize) -> Option<f64> {
+        Some(state.temperature[lane])
+    }
+
+    fn heat(&self, state: &mut Moved, lane: usize, temperature: f64) {
+        state.temperature[lane] = temperature;
+    }
+}
+
+impl Persist for Moved {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Moved { strain, temperature, slope, back } = self;
+        persist_fields!(archive; strain, temperature, slope, back);
+    }
+}

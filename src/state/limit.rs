@@ -1,0 +1,22 @@
+//! How far in time something lets an increment go.
+//! Never here: the choice of an increment.
+
+/// A bound on the next increment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// From now on.
+    pub time: f64,
+    /// Whether the force jumps there: central differences then start afresh.
+    pub jump: bool,
+}
+
+impl Limit {
+    /// No limit.
+    pub const NONE: Limit = Limit { time: f64::INFINITY, jump: false };
+
+    /// The nearer of two.
+    #[must_use]
+    pub fn nearer(self, other: Limit) -> Limit {
+        if other.time < self.time { other } else { self }
+    }
+}
