@@ -73,6 +73,31 @@ pub const CODES: &[Code] = &[
         "Sets are arrays named NSET_name (points) or ELSET_name (cells), not zero on members; labels are NODE_LABEL and ELEMENT_LABEL.",
     ),
     code(
+        "M144",
+        "loads that add",
+        "Two lines of one step give a load of the same kind at the same place: they add. A load of an earlier step is replaced instead.",
+    ),
+    code(
+        "M145",
+        "boundary given twice",
+        "Two lines of one step say different things of a degree of freedom of a node: the later acts.",
+    ),
+    code(
+        "M146",
+        "jump in a displacement",
+        "A prescribed displacement does not begin where its nodes are. As in ABAQUS/Explicit no displacement jumps: the motion goes on from where they are, by the changes of the amplitude.",
+    ),
+    code(
+        "M147",
+        "displacement after another motion",
+        "The nodes were free or followed a velocity before, so a displacement cannot be compared with where they are; it counts from there.",
+    ),
+    code(
+        "M148",
+        "output ends",
+        "The first *OUTPUT of a step with OP=NEW, which is the default, ends all output requests of earlier steps, fields and histories.",
+    ),
+    code(
         "M150",
         "mesh file cannot be read",
         "The file is missing, damaged, or in a form that is not read; the message says how to save it again.",

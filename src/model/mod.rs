@@ -3,6 +3,7 @@
 
 mod amplitudes;
 mod bodies;
+mod boundary;
 mod builder;
 pub mod codes;
 mod connectors;
@@ -12,6 +13,7 @@ mod energy_limit;
 mod eos;
 mod equations;
 mod failure;
+mod history;
 mod loads;
 mod mass_scaling;
 mod materials;

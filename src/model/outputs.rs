@@ -123,12 +123,10 @@ impl Builder<'_> {
             self.diagnostics.push(finding);
             return;
         }
-        if card.value("OP").is_none_or(|w| !w.is("ADD")) && !self.state().cleared.contains(&kind_name(kind)) {
-            // The first *OUTPUT of a kind in a step takes the place of what earlier steps asked for.
-            self.state().cleared.push(kind_name(kind));
-            self.state().outputs.retain(|o| o.kind != kind);
-        }
         let Some(interval) = self.interval(card) else { return };
+        if !self.output_operation(card, kind, interval) {
+            return;
+        }
         self.note_time_marks(card);
         let variables: Vec<String> = card.value("VARIABLE").map(preselected).into_iter().collect();
         let Some(sensor) = self.sensor(card) else { return };
@@ -137,6 +135,26 @@ impl Builder<'_> {
             self.state().outputs.push(request.clone());
         }
         self.output = Some(request);
+    }
+
+    /// What a request does to those of earlier steps: NEW, the default, ends them all, fields and histories; REPLACE those of
+    /// its type and frequency; ADD none (ABAQUS Keywords Reference Guide, *OUTPUT).
+    fn output_operation(&mut self, card: &Card, kind: OutputKind, interval: Interval) -> bool {
+        match card.value("OP").map(|w| upper(&w.text)).as_deref() {
+            None | Some("NEW") => {
+                self.state().earlier_outputs.clear();
+                if !self.state().cleared.contains(&"OUTPUT") {
+                    self.state().cleared.push("OUTPUT");
+                }
+            }
+            Some("ADD") => {}
+            Some("REPLACE") => self.state().earlier_outputs.retain(|o| (o.kind, o.interval) != (kind, interval)),
+            Some(other) => {
+                self.out_of_range(card.span, format!("OP is NEW, ADD or REPLACE, not {other}"));
+                return false;
+            }
+        }
+        true
     }
 
     /// `*RESTART, WRITE`, in force until another takes its place; without an interval once a step, FREQUENCY=0 never.
@@ -253,13 +271,6 @@ impl Builder<'_> {
             None => finding,
         });
         None
-    }
-}
-
-fn kind_name(kind: OutputKind) -> &'static str {
-    match kind {
-        OutputKind::Field => "FIELD OUTPUT",
-        OutputKind::History => "HISTORY OUTPUT",
     }
 }
 

@@ -345,6 +345,8 @@ pub struct Amplitude {
     pub name: String,
     /// What gives its values.
     pub definition: AmplitudeDefinition,
+    /// Whether its values are magnitudes themselves, and those of loads and motions mean nothing (`VALUE=ABSOLUTE`).
+    pub absolute: bool,
     /// The card.
     pub span: Span,
 }
@@ -545,9 +547,9 @@ pub struct Step {
     pub bulk_viscosity: [f64; 2],
     /// Whether heat stays where plastic work makes it (`ADIABATIC`).
     pub adiabatic: bool,
-    /// Prescribed motions in force.
+    /// Prescribed motions in force, each with the nodes on which no later one acts.
     pub boundaries: Vec<Boundary>,
-    /// Loads in force.
+    /// Loads in force, each at the places where no later step gives another of its kind.
     pub loads: Vec<Load>,
     /// Contact in force.
     pub contacts: Vec<Contact>,
@@ -663,9 +665,9 @@ pub struct Boundary {
 }
 
 /// What a boundary prescribes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Motion {
-    /// Displacement.
+    /// Displacement; in a step, since its beginning: none jumps.
     Displacement,
     /// Velocity.
     Velocity,
