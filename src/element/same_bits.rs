@@ -6,6 +6,7 @@ use pulp::Arch;
 use crate::element::Corners;
 use crate::element::constants::Constants;
 use crate::element::group::{Group, Quads};
+use crate::kernel::heating::Heating;
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
 use crate::kernel::lanes::LANES;
 use crate::material::eos::{Eos, IdealGas, UsUp};
@@ -111,7 +112,7 @@ fn johnson_cook() -> RateDependent<JohnsonCook> {
 }
 
 fn general() -> General {
-    General { law: Box::new(johnson_cook()), heating: 50.0 }
+    General { law: Box::new(johnson_cook()), heating: Heating::Constant(50.0) }
 }
 
 fn kinematic() -> Kinematic {
@@ -120,7 +121,7 @@ fn kinematic() -> Kinematic {
 
 fn moving() -> Moving {
     let slope = Table { rows: vec![[0.1, 20.0], [0.05, 200.0]] };
-    Moving { size: Box::new(johnson_cook()), slope, heating: 50.0 }
+    Moving { size: Box::new(johnson_cook()), slope, heating: Heating::Constant(50.0) }
 }
 
 fn gas() -> Eos<IdealGas> {

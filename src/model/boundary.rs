@@ -2,6 +2,7 @@
 //! Never here: what becomes of boundaries over the steps.
 
 use super::builder::Builder;
+use super::completion::Rotational;
 use super::names::upper;
 use super::types::{Boundary, Motion};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
@@ -33,6 +34,10 @@ impl Builder<'_> {
                 );
                 let finding = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
                 self.diagnostics.push(finding.help("give AMPLITUDE=, or prescribe a velocity"));
+            }
+            if first > 2 {
+                let (span, set, nodes) = (line.span, set.text.clone(), nodes.clone());
+                self.rotational.push(Rotational { span, set, dofs: [first, last], nodes, lost: "is held", value });
             }
             for dof in first..=last {
                 let boundary = Boundary {

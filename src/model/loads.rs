@@ -164,6 +164,11 @@ impl Builder<'_> {
             self.out_of_range(line.span, "GRAV needs a direction: magnitude, r, z");
             return None;
         }
+        if r != 0.0 && magnitude != 0.0 {
+            let message = "gravity along r is none in a body of revolution: only its part along z acts";
+            let finding = Diagnostic::warning("M152", message).at(line.span, "a direction with a part along r");
+            self.diagnostics.push(finding.help("give the direction as 0., 1. or 0., -1."));
+        }
         Some((LoadKind::Gravity { elements, direction: [r / length, z / length] }, magnitude))
     }
 }

@@ -6,6 +6,7 @@ mod bodies;
 mod boundary;
 mod builder;
 pub mod codes;
+mod completion;
 mod connectors;
 mod contact;
 mod elements;

@@ -185,6 +185,15 @@ impl Builder<'_> {
         self.refuse(card, &["FIXED TIME INCREMENTATION"]);
         let Some(line) = self.first_line(card) else { return };
         let Some(duration) = self.number(line, 1, "the length of the step") else { return };
+        for index in [0, 2].into_iter().filter(|i| *i == 2 || !card.has("DIRECT USER CONTROL")) {
+            // Fields that ABAQUS/Explicit wants empty.
+            let Some(value) = self.number_or(line, index, 0.0) else { return };
+            if value != 0.0 {
+                let message = format!("field {} of *DYNAMIC, EXPLICIT is empty, and not {value}", index + 1);
+                self.out_of_range(line.span, message);
+                return;
+            }
+        }
         if duration <= 0.0 {
             self.out_of_range(line.span, format!("the length of the step must be above zero, not {duration}"));
             return;
@@ -233,7 +242,24 @@ impl Builder<'_> {
             self.out_of_range(card.span, format!("ACCURACY must lie between 1e-14 and 0.1, not {accuracy}"));
             return None;
         }
-        Some(IncrementControl::Automatic { accuracy, element_by_element: card.has("ELEMENT BY ELEMENT") })
+        let element_by_element = card.has("ELEMENT BY ELEMENT");
+        let largest = self.largest_increment(line, duration)?;
+        Some(IncrementControl::Automatic { accuracy, element_by_element, largest })
+    }
+
+    /// The fourth field of an automatic step; infinite where it is empty or zero (ABAQUS Keywords Reference Guide, *DYNAMIC).
+    fn largest_increment(&mut self, line: &DataLine, duration: f64) -> Option<f64> {
+        let given = self.number_or(line, 3, 0.0)?;
+        if given < 0.0 {
+            self.out_of_range(line.span, format!("the largest increment must not be below zero, not {given}"));
+            return None;
+        }
+        if given > 0.0 && duration / given > MOST_INCREMENTS {
+            let message = format!("the step would take {:.1e} increments: it would never end", duration / given);
+            self.out_of_range(line.span, message);
+            return None;
+        }
+        Some(if given == 0.0 { f64::INFINITY } else { given })
     }
 
     fn load_velocity(&mut self, card: &Card) -> Option<LoadVelocity> {

@@ -154,8 +154,10 @@ pub struct Material {
     pub name: String,
     /// `*MATERIAL` card.
     pub span: Span,
-    /// Mass per volume.
+    /// Mass per volume, at the initial temperature.
     pub density: Option<f64>,
+    /// Rows of the mass per volume and temperature; empty where there is no temperature.
+    pub densities: Vec<[f64; 2]>,
     /// Young's modulus and Poisson's ratio.
     pub elastic: Option<[f64; 2]>,
     /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
@@ -166,12 +168,15 @@ pub struct Material {
     pub eos: Option<EquationOfState>,
     /// Yield description.
     pub plastic: Option<Plastic>,
+    /// Whether the yield stress goes on beyond the last plastic strain of a table as between its last two rows
+    /// (`EXTRAPOLATION=LINEAR`).
+    pub extrapolates: bool,
     /// Rate dependence.
     pub rate: Option<RateDependence>,
     /// Fraction of plastic work turned into heat.
     pub inelastic_heat_fraction: Option<f64>,
-    /// Heat per mass and temperature.
-    pub specific_heat: Option<f64>,
+    /// Rows of the heat per mass and temperature, and the temperature (NaN where absent).
+    pub specific_heat: Option<Vec<[f64; 2]>>,
     /// Failure by the plastic strain, in the order of the deck.
     pub failures: Vec<FailureCriterion>,
     /// `*TENSILE FAILURE`.
@@ -276,10 +281,10 @@ pub enum Plastic {
 pub enum RateDependence {
     /// C and the reference strain rate.
     JohnsonCook([f64; 2]),
-    /// D and n rows.
-    PowerLaw(Vec<[f64; 2]>),
-    /// Yield stress ratio and strain rate rows.
-    YieldRatio(Vec<[f64; 2]>),
+    /// Rows of D, n and temperature (NaN where absent).
+    PowerLaw(Vec<[f64; 3]>),
+    /// Rows of yield stress ratio, strain rate and temperature, likewise.
+    YieldRatio(Vec<[f64; 3]>),
 }
 
 /// Resistance of a material to an expanding cavity: `sigma_n = Y (A + B x + C x^2)`, `x = v_n sqrt(rho / Y)`.
@@ -323,6 +328,8 @@ pub struct SectionControls {
     pub by_area: bool,
     /// LENGTH RATIO of distortion control; `None` without it.
     pub distortion: Option<f64>,
+    /// `ELEMENT DELETION=NO`, where the deck says so.
+    pub keeps_failed: Option<Span>,
 }
 
 /// What resists hourglassing.
@@ -629,6 +636,8 @@ pub enum IncrementControl {
         accuracy: f64,
         /// `ELEMENT BY ELEMENT`.
         element_by_element: bool,
+        /// Largest increment, time; infinite where the deck gives none.
+        largest: f64,
     },
     /// `DIRECT USER CONTROL`: this increment.
     Fixed(f64),
