@@ -61,7 +61,8 @@ impl Builder<'_> {
         let new = self.is_new(card);
         let Some(step) = &mut self.step else { return };
         if step.new_boundaries.is_some_and(|other| other != new) {
-            let message = "OP must be the same on every *BOUNDARY of a step: NEW removes all of earlier steps, MOD keeps them";
+            let message =
+                "OP must be the same on every *BOUNDARY of a step: NEW removes all of earlier steps, MOD keeps them";
             self.out_of_range(card.span, message);
             return;
         }
@@ -88,7 +89,8 @@ impl Builder<'_> {
             "YSYMM" => return Some(([2, 2], 0.0)),
             "ZSYMM" => return Some(([3, 3], 0.0)),
             other @ ("XASYMM" | "YASYMM" | "ZASYMM") => {
-                let message = format!("antisymmetry ({other}) is not supported: ABAQUS has it in implicit analyses alone");
+                let message =
+                    format!("antisymmetry ({other}) is not supported: ABAQUS has it in implicit analyses alone");
                 self.unsupported(word.span, message, "name the degrees of freedom: 1 is r, 2 is z");
                 return None;
             }

@@ -102,11 +102,7 @@ pub const CODES: &[Code] = &[
         "degree of freedom that nodes do not have",
         "Nodes of an axisymmetric body move along r (1) and z (2); the reference node of a rigid body turns as well (6), which symmetry holds. A condition on another one holds, moves or loads nothing.",
     ),
-    code(
-        "M152",
-        "gravity along r",
-        "A body of revolution has no weight along r; only the part of GRAV along z acts.",
-    ),
+    code("M152", "gravity along r", "A body of revolution has no weight along r; only the part of GRAV along z acts."),
     code(
         "M150",
         "mesh file cannot be read",

@@ -38,7 +38,14 @@ impl Builder<'_> {
         let velocities = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
             InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 => {
                 let nodes = c.members.clone();
-                Some(Rotational { span: c.span, set: "initial velocity".into(), dofs: [dof; 2], nodes, lost: "moves", value })
+                Some(Rotational {
+                    span: c.span,
+                    set: "initial velocity".into(),
+                    dofs: [dof; 2],
+                    nodes,
+                    lost: "moves",
+                    value,
+                })
             }
             _ => None,
         });

@@ -293,11 +293,7 @@ fn same_condition(a: &Boundary, b: &Boundary) -> bool {
 
 /// Earlier boundaries and then those of a step: a later one acts on the nodes that it names, where it says something else.
 /// Two that differ in one step are told.
-fn merge_boundaries(
-    inherited: Vec<Boundary>,
-    given: Vec<Boundary>,
-    words: &mut Vec<Diagnostic>,
-) -> Vec<Boundary> {
+fn merge_boundaries(inherited: Vec<Boundary>, given: Vec<Boundary>, words: &mut Vec<Diagnostic>) -> Vec<Boundary> {
     let own = inherited.len();
     let all: Vec<Boundary> = inherited.into_iter().chain(given).collect();
     // Which boundary says last what a degree of freedom does.
@@ -372,14 +368,17 @@ fn places(kind: &LoadKind) -> Vec<Place> {
 fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
     let taken: HashSet<Place> = given.iter().flat_map(|l| places(&l.kind)).collect();
     let kept = |load: &mut Load| {
-        let mut keep = places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
+        let mut keep =
+            places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
         let mut next = || keep.next().unwrap_or(true);
         match &mut load.kind {
             LoadKind::Concentrated { nodes: list, .. } | LoadKind::UserBody { elements: list, .. } => {
                 list.retain(|_| next());
                 !list.is_empty()
             }
-            LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. } if !s.surface => {
+            LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. }
+                if !s.surface =>
+            {
                 s.faces.retain(|_| next());
                 !s.faces.is_empty()
             }
@@ -414,8 +413,7 @@ fn ramped_load(load: Load, before: &HashMap<Place, f64>, step: &StepTime, model:
     if load.amplitude.is_some() || !scaled {
         return vec![load];
     }
-    let from: Vec<u64> =
-        places(&load.kind).iter().map(|p| before.get(p).copied().unwrap_or(0.0).to_bits()).collect();
+    let from: Vec<u64> = places(&load.kind).iter().map(|p| before.get(p).copied().unwrap_or(0.0).to_bits()).collect();
     let mut values = from.clone();
     values.sort_unstable();
     values.dedup();

@@ -250,7 +250,9 @@ impl Builder<'_> {
         let defaults = [0.0, 1.0, f64::NAN];
         let rows: Vec<[f64; 3]> = card.lines.iter().filter_map(|l| self.numbers::<3>(l, &defaults)).collect();
         let rate = match kind.as_str() {
-            "JOHNSONCOOK" => self.only_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]])),
+            "JOHNSONCOOK" => {
+                self.only_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]]))
+            }
             "POWERLAW" => self.power_law(card, rows),
             "YIELDRATIO" => self.yield_ratios(card, rows),
             other => {

@@ -2,8 +2,8 @@
 //! Never here: conditions, and what becomes of them over the steps.
 
 use super::builder::Builder;
-use super::names::upper;
 use super::history::{History, StepTime};
+use super::names::upper;
 use super::types::{
     Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind, OutputRequest,
     Restart, Step,

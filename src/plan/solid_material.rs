@@ -295,7 +295,8 @@ impl Compiler<'_> {
                 Plastic::Kinematic(_) => "linear kinematic",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-            let heat = if self.adiabatic() && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
+            let heat =
+                if self.adiabatic() && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
         self.control_rows(section, count, constants);
@@ -386,12 +387,7 @@ impl Compiler<'_> {
         })
     }
 
-    fn yield_stress(
-        &mut self,
-        plastic: &Plastic,
-        material: &Material,
-        span: Span,
-    ) -> Option<Box<dyn YieldStress>> {
+    fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<Box<dyn YieldStress>> {
         let factor = rate_factor(material.rate.as_ref());
         match plastic {
             // It has a law of its own.
