@@ -158,3 +158,149 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threa
     }
     (dofs.nodes.behind, dofs.nodes.half, dofs.nodes.moved) = (dt, half, true);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{accelerate_nodes, advance_nodes, room_for_parts};
+    use crate::element::constants::Constants;
+    use crate::element::elements::Elements;
+    use crate::element::frequency::{Held, HighestFrequency};
+    use crate::element::group::Quads;
+    use crate::kernel::quad;
+    use crate::material::failure::Intact;
+    use crate::material::plasticity::Elastic;
+    use crate::material::volumetric::Linear;
+    use crate::mesh::gather::Gather;
+    use crate::state::Instant;
+    use crate::state::dofs::Dofs;
+    use crate::state::nodes::{Node, Nodes};
+
+    /// A rectangle of elements, nodes row by row, with one node more of no element.
+    struct Mesh {
+        nodes: Vec<Node>,
+        elements: Vec<[u32; 4]>,
+    }
+
+    impl Mesh {
+        fn new(columns: usize, rows: usize, place: impl Fn(usize) -> [f64; 2]) -> Mesh {
+            let count = (columns + 1) * (rows + 1);
+            let mut nodes: Vec<Node> = (0..count).map(place).map(|[r, z]| Node { r, z, ..Node::default() }).collect();
+            nodes.push(Node::default());
+            let elements = (0..columns * rows)
+                .map(|e| (e / columns * (columns + 1) + e % columns) as u32)
+                .map(|n| [n, n + 1, n + columns as u32 + 2, n + columns as u32 + 1])
+                .collect();
+            Mesh { nodes, elements }
+        }
+
+        fn free(&self, bulk_viscosity: [f64; 2], awake: bool) -> Free {
+            let constants = Constants {
+                bulk: 3.0,
+                shear: 1.0,
+                hourglass_stiffness: 0.005,
+                hourglass_viscosity: 0.0,
+                bulk_viscosity,
+            };
+            let count = self.nodes.len();
+            let mut mass = vec![0.0; count];
+            for corners in &self.elements {
+                let places = corners.map(|n| self.nodes[n as usize].place());
+                for (n, m) in corners.iter().zip(quad::corner_masses(places, 1.0)) {
+                    mass[*n as usize] += m;
+                }
+            }
+            let mut quads = Quads::new((Elastic, Linear, Intact), constants, 1.0, &self.elements, &self.nodes);
+            if awake {
+                quads.keep_awake(count as u32 - 1);
+            }
+            let gather = Gather::new(count, &[&self.elements]);
+            let elements = Elements::new(vec![Box::new(quads)], vec![0], gather, count);
+            let dofs = Dofs { nodes: Nodes::new(self.nodes.clone(), mass), ..Dofs::default() };
+            Free { parts: room_for_parts(&dofs.nodes), dofs, elements }
+        }
+    }
+
+    /// A body that nothing pushes or holds.
+    struct Free {
+        dofs: Dofs,
+        elements: Elements,
+        parts: Vec<f64>,
+    }
+
+    impl Free {
+        fn evaluate(&mut self) {
+            self.elements.update(&mut self.dofs, &Instant::default(), false, None, None);
+            self.elements.link(&mut self.dofs);
+            accelerate_nodes(&self.elements, &mut self.dofs, &mut self.parts, false);
+            self.dofs.nodes.moved = false;
+        }
+
+        fn advance(&mut self, dt: f64) {
+            advance_nodes(&self.elements, &mut self.dofs, dt, false);
+            self.elements.moved();
+        }
+    }
+
+    /// A wave that enters a long bar at rest: with quiescent elements and without, bit by bit.
+    #[test]
+    fn what_is_quiescent_changes_no_bit() {
+        let (columns, rows) = (2, 1500);
+        let mut mesh = Mesh::new(columns, rows, |n| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64]);
+        mesh.nodes[..3].iter_mut().for_each(|n| n.v_z = 1e-3);
+        // The node of no element never rests: a task that counts it stays awake.
+        let count = mesh.nodes.len() - 1;
+        mesh.nodes[count].v_r = 1.0;
+        let run = |awake: bool| {
+            let mut free = mesh.free([0.06, 1.2], awake);
+            let mut quiescent = Vec::new();
+            for _ in 0..600 {
+                free.evaluate();
+                quiescent.push((0..6).filter(|t| free.elements.groups[0].sleeps(*t)).count());
+                let dt = 0.9 * free.elements.stable_increment();
+                free.advance(dt);
+            }
+            (free.dofs, quiescent)
+        };
+        let (quiescent, awake) = (run(false), run(true));
+        let last = *quiescent.1.last().expect("a count");
+        assert_eq!((quiescent.1[1], last, awake.1[1]), (5, 3, 0));
+        assert_eq!(quiescent.0.energies, awake.0.energies);
+        let bits = |dofs: &Dofs| -> Vec<u64> {
+            let nodes = &dofs.nodes.as_slice()[..count];
+            nodes.iter().flat_map(Node::as_array).map(f64::to_bits).collect()
+        };
+        assert_eq!(bits(&quiescent.0), bits(&awake.0));
+    }
+
+    /// Free vibration from a start with all frequencies in it: stable at the estimate, unstable a little above the exact
+    /// bound, so that the estimate is worth what it says.
+    #[test]
+    fn vibration_is_stable_just_up_to_the_estimate() {
+        let noise = |i: usize| 0.3 * (((i * 7919) % 101) as f64 / 101.0 - 0.5);
+        let mut mesh = Mesh::new(6, 6, |n| [1.0 + (n % 7) as f64 + noise(n), (n / 7) as f64 + noise(n + 3)]);
+        for (n, node) in mesh.nodes.iter_mut().enumerate() {
+            node.v_r = 1e-8 * (((n * 7907) % 89) as f64 / 89.0 - 0.5);
+            node.v_z = 1e-8 * (((n * 7901) % 97) as f64 / 97.0 - 0.5);
+        }
+        let run = |factor: f64| {
+            let mut free = mesh.free([0.0, 0.0], false);
+            free.elements.frequency = HighestFrequency::new(&free.elements, &free.dofs.nodes).map(Box::new);
+            free.elements.begin_frequency(true, &free.dofs.nodes, &Held { prescribed: &[], carried: &[] });
+            let (mut largest, mut stable): (f64, f64) = (0.0, 0.0);
+            for increment in 0..4000 {
+                free.evaluate();
+                if increment <= 1 {
+                    stable = free.elements.stable_increment();
+                }
+                free.advance(if increment == 0 { stable } else { factor * stable });
+                largest = largest.max(free.dofs.energies.kinetic.abs());
+                if largest > 1e-10 {
+                    break;
+                }
+            }
+            largest
+        };
+        assert!(run(1.0) < 1e-12);
+        assert!(run(1.03) > 1e-10);
+    }
+}

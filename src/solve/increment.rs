@@ -81,6 +81,8 @@ const SLIVER: f64 = 1e-3;
 pub struct Pace {
     fixed: Option<f64>,
     factor: f64,
+    /// The longest increment that the deck allows.
+    most: f64,
     resolution: f64,
     largest: f64,
     free: f64,
@@ -91,14 +93,15 @@ pub struct Pace {
 impl Pace {
     /// The pace of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
-        let (fixed, accuracy) = match step.control {
-            IncrementControl::Fixed(length) => (Some(length), 1.0),
-            IncrementControl::Automatic { accuracy, .. } => (None, accuracy),
+        let (fixed, accuracy, most) = match step.control {
+            IncrementControl::Fixed(length) => (Some(length), 1.0, f64::INFINITY),
+            IncrementControl::Automatic { accuracy, largest, .. } => (None, accuracy, largest),
         };
         let largest = accuracy.sqrt() * step.duration;
         Pace {
             fixed,
             factor: step.scale_factor,
+            most,
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
@@ -119,6 +122,7 @@ impl Pace {
                 if !run.elements.is_empty() {
                     next.length = next.length.min(run.elements.stable_increment() * self.factor);
                 }
+                next.length = next.length.min(self.most);
                 let clock = Clock { now: run.now, told: &run.told };
                 let view = View { clock, dofs: &run.dofs, reach: run.reach };
                 run.loads.iter().for_each(|load| next.shorten(load.limit(&view)));
@@ -181,7 +185,7 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
 
 impl Persist for Pace {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Pace { fixed: _, factor: _, resolution: _, largest: _, free, speed } = self;
+        let Pace { fixed: _, factor: _, most: _, resolution: _, largest: _, free, speed } = self;
         persist_fields!(archive; free, speed.as_mut_slice());
     }
 }

@@ -4,12 +4,10 @@
 //! page of variables and messages say what the table says; POSITION puts variables of integration points on nodes.
 //! Source: Abaqus Analysis User's Guide, "Writing element output to the output database" (positions).
 
-mod common;
-
 use std::collections::BTreeSet;
 
-use common::solid::{grid, material};
-use common::{Memory, ogive, prepared};
+use crate::common::solid::{grid, material};
+use crate::common::{Memory, ogive, prepared};
 use revolve::explain::explain;
 use revolve::job;
 use revolve::output::asked::NOT_SIMULATED;
@@ -80,7 +78,7 @@ fn material_with(variable: Variable) -> String {
 fn run(deck: &str) -> (Vec<String>, Memory) {
     let routines = Routines::none().with_material(Elastic);
     let columns = prepared(deck, &[], &routines).plan.columns.iter().map(|c| c.name.clone()).collect();
-    let (outcome, memory) = common::run(deck, &[], &routines);
+    let (outcome, memory) = crate::common::run(deck, &[], &routines);
     assert_eq!(outcome.halt, None, "{deck}");
     (columns, memory)
 }
@@ -311,7 +309,7 @@ fn what_comes_to_nothing_is_listed_with_its_reason() {
 
 #[test]
 fn explain_and_the_page_say_what_the_table_says() {
-    let path = common::project("docs/variables.md");
+    let path = crate::common::project("docs/variables.md");
     let manual = variable_manual();
     if std::env::var_os("REVOLVE_BLESS").is_some() {
         std::fs::write(&path, &manual).expect("the page written");

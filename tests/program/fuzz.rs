@@ -286,8 +286,8 @@ impl Sink for First {
 fn take_up(text: &str, control: Control<'_>) -> (Result<u64, String>, Vec<u8>) {
     let mut prepared = common::prepared(text, &[], &Routines::none());
     let mut first = First::default();
-    let outcome = solve::run_with(&mut prepared.plan, &mut first, control);
-    (outcome.map(|o| o.increments), first.0)
+    let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
+    (outcome.map(|(o, _)| o.increments), first.0)
 }
 
 /// Bytes changed at random, with a checksum that is right again: the file is refused with a reason, or it is the one that

@@ -68,9 +68,9 @@ fn ending(outcome: &Outcome) -> String {
 }
 
 fn run(text: &str, routines: &Routines, control: Control<'_>) -> (Outcome, Keeper) {
-    let mut prepared = prepared(text, &[], routines);
+    let prepared = prepared(text, &[], routines);
     let mut keeper = Keeper::default();
-    let outcome = solve::run_with(&mut prepared.plan, &mut keeper, control).expect("the state fits");
+    let (outcome, _) = solve::run_with(&prepared.plan, prepared.state, &mut keeper, control).expect("the state fits");
     (outcome, keeper)
 }
 
@@ -277,15 +277,15 @@ impl UserAmplitude for Peak {
 
 /// The moments it is told of, with the increment; `R` where its state will be kept.
 #[derive(Clone, Default)]
-struct Diary(std::rc::Rc<std::cell::RefCell<Vec<String>>>);
+struct Diary(std::sync::Arc<std::sync::Mutex<Vec<String>>>);
 
 impl UserEvents for Diary {
     fn moment(&mut self, moment: Moment, now: &Instant, _increment: f64) -> Result<Wish, LoadFailure> {
-        self.0.borrow_mut().push(format!("{} {}", moment as i32, now.increment));
+        self.0.lock().expect("a diary").push(format!("{} {}", moment as i32, now.increment));
         Ok(Wish::Continue)
     }
     fn restart_follows(&mut self) {
-        self.0.borrow_mut().push("R".into());
+        self.0.lock().expect("a diary").push("R".into());
     }
 }
 
@@ -436,8 +436,8 @@ fn a_state_that_does_not_fit_is_refused() {
     {
         let mut prepared = prepared(&text, &[], &Routines::none());
         let control = Control { state: Some(&keeper.states[0].0), ..Control::default() };
-        let refused = solve::run_with(&mut prepared.plan, &mut Keeper::default(), control);
-        assert!(refused.is_err(), "{:?}", refused.map(|o| o.digest));
+        let refused = solve::run_with(&prepared.plan, prepared.state.clone(), &mut Keeper::default(), control);
+        assert!(refused.is_err(), "{:?}", refused.map(|(o, _)| o.digest));
     }
 }
 
