@@ -290,7 +290,8 @@ mod tests {
     #[test]
     fn a_chain_is_solved_together() {
         let equal = |a: usize, b: usize| Equation { terms: vec![(a, 1, 1.0), (b, 1, -1.0)] };
-        let mut systems = System::all(&[equal(0, 1), equal(1, 2)], &[1.0, 2.0, 3.0], &HashSet::new()).expect("one system");
+        let mut systems =
+            System::all(&[equal(0, 1), equal(1, 2)], &[1.0, 2.0, 3.0], &HashSet::new()).expect("one system");
         assert_eq!(systems.len(), 1);
         let values = [6.0, 0.0, 0.0];
         systems[0].solve(|n, _| values[n]);

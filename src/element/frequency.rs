@@ -387,18 +387,18 @@ impl Persist for Standing {
 mod tests {
     use faer::{Mat, Side};
 
-    use super::HighestFrequency;
     use super::Held;
-    use crate::element::elements::Elements;
-    use crate::mesh::gather::Gather;
-    use crate::state::nodes::Nodes;
+    use super::HighestFrequency;
     use crate::element::constants::Constants;
+    use crate::element::elements::Elements;
     use crate::element::group::Quads;
     use crate::kernel::quad;
     use crate::material::failure::Intact;
     use crate::material::plasticity::Elastic;
     use crate::material::volumetric::Linear;
+    use crate::mesh::gather::Gather;
     use crate::state::nodes::Node;
+    use crate::state::nodes::Nodes;
 
     const CONSTANTS: Constants = Constants {
         bulk: 3.0,

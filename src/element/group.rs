@@ -272,9 +272,7 @@ pub(super) fn block<S, Q, X>(
     block
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup
-    for Quads<H, V, F, AREA>
-{
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for Quads<H, V, F, AREA> {
     fn len(&self) -> usize {
         self.count
     }

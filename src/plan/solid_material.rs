@@ -52,11 +52,7 @@ struct Make<'a, const AREA: bool> {
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
-    fn quads<H: Hardening, V: Volumetric>(
-        self,
-        hardening: H,
-        volumetric: V,
-    ) -> Box<dyn ElementGroup> {
+    fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
         self.failing(hardening, volumetric, Intact)
     }
 

@@ -311,11 +311,11 @@ fn events_tell_of_states_that_are_kept() {
     let routines = |diary: &Diary| Routines::none().with_events(diary.clone());
     let every = Some(Every::Increments(10));
     let (_, keeper) = run(&linked(), &routines(&diary), Control { every, ..Control::default() });
-    let told = diary.0.take();
+    let told = std::mem::take(&mut *diary.0.lock().expect("a diary"));
     let at = told.iter().position(|t| t == "R").expect("a state");
     assert_eq!(told[at..at + 4], ["R", "4 10", "2 10", "3 10"]);
     run(&linked(), &routines(&diary), Control { state: Some(&keeper.states[0].0), ..Control::default() });
-    let again = diary.0.take();
+    let again = std::mem::take(&mut *diary.0.lock().expect("a diary"));
     assert_eq!(again[..3], ["0 10", "2 10", "3 10"]);
     assert_eq!(again[1..], told.iter().filter(|t| *t != "R").skip(at + 1).cloned().collect::<Vec<_>>());
 }
@@ -434,7 +434,7 @@ fn a_state_that_does_not_fit_is_refused() {
     for text in
         [common::ogive(), bar(4, &steel(""), 1e4, 5e-6, ""), linked().replace("*Plastic\n 0.02, 0.\n 0.2, 0.2\n", "")]
     {
-        let mut prepared = prepared(&text, &[], &Routines::none());
+        let prepared = prepared(&text, &[], &Routines::none());
         let control = Control { state: Some(&keeper.states[0].0), ..Control::default() };
         let refused = solve::run_with(&prepared.plan, prepared.state.clone(), &mut Keeper::default(), control);
         assert!(refused.is_err(), "{:?}", refused.map(|(o, _)| o.digest));

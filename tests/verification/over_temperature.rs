@@ -8,6 +8,7 @@
 
 use std::f64::consts::PI;
 
+use crate::common;
 use crate::common::solid;
 use revolve::job;
 use revolve::user::Routines;
