@@ -11,6 +11,7 @@ pub mod material;
 pub mod model;
 pub mod output;
 pub mod plan;
+#[cfg(feature = "cli")]
 pub mod report;
 pub mod solve;
 pub mod state;

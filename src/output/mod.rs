@@ -3,6 +3,7 @@
 
 pub mod checkpoint;
 pub mod codes;
+pub mod columns;
 pub mod history;
 pub mod pvd;
 pub mod vtu;
