@@ -24,7 +24,7 @@ pub fn keyword_manual() -> String {
     text
 }
 
-const HEAD: &str = "# Keywords\n\nWritten from the keyword table; do not edit by hand (`REVOLVE_BLESS=1 cargo test --test deck_language` writes it anew).\n\
+const HEAD: &str = "# Keywords\n\nWritten from the keyword table; do not edit by hand (`REVOLVE_BLESS=1 cargo test --test deck` writes it anew).\n\
 Case and blanks do not count, unambiguous abbreviations are understood. An empty field means its default.\n";
 
 fn chapter(title: &str, about: &str, belongs: fn(&Keyword) -> bool) -> String {

@@ -2,9 +2,9 @@
 //! Never here: criteria of failure.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
-use super::Corners;
 use super::block::{Block, Nodes, Stage};
 use super::constants::Constants;
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::quad::UNIT;
 use crate::kernel::stress;

@@ -2,12 +2,12 @@
 //! other elements, and between them a call for each block of material points.
 //! Never here: how the routine was made or loaded.
 
-use crate::element::Corners;
+use super::group::{ElementGroup, Pass, Totals, block, tell_deleted, totals};
 use crate::element::block::{Block, Nodes, Stage, Sums, dot};
 use crate::element::constants::Constants;
-use crate::element::group::{Group, Totals, block, tell_deleted, totals};
 use crate::element::points::Points;
 use crate::element::record::{Followed, Record, spin};
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::rotated;
@@ -18,12 +18,13 @@ use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
-use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, SharedMaterial};
+use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, UserMaterial};
 
 /// Blocks of elements that one call shows.
 const BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 
 /// What a deck says of a user material.
+#[derive(Clone, Debug)]
 pub struct Description {
     /// Name, upper case (`cmname`).
     pub name: String,
@@ -33,11 +34,10 @@ pub struct Description {
     pub variables: usize,
     /// The one of them, counted from 0, that deletes an element when it becomes zero.
     pub delete: Option<usize>,
-    /// The routine.
-    pub routine: SharedMaterial,
 }
 
 /// Quadrilaterals of a user material.
+#[derive(Clone)]
 pub struct UserQuads {
     description: Description,
     /// Moduli are those that the routine's answer at time zero has.
@@ -56,6 +56,7 @@ pub struct UserQuads {
 }
 
 /// The elements of one call.
+#[derive(Clone)]
 struct Chunk {
     points: Points,
     /// Geometry at the start.
@@ -100,13 +101,13 @@ impl UserQuads {
 
     /// Moduli from the routine's answer to fictitious strains at time zero, as ABAQUS/Explicit asks for it: the largest of
     /// all elements.
-    fn probe(&mut self, nodes: &[Node]) -> Result<(), Halt> {
+    fn probe(&mut self, nodes: &[Node], routine: &mut dyn UserMaterial) -> Result<(), Halt> {
         let (mut bulk, mut shear) = (0_f64, 0_f64);
         for c in 0..self.chunks.len() {
             self.strain(c, nodes, 0.0);
             let points = &mut self.chunks[c].points;
             points.show_fictitious();
-            let called = points.call(&self.description, &self.now, 1.0).and_then(|()| points.moduli());
+            let called = points.call(&self.description, routine, &self.now, 1.0).and_then(|()| points.moduli());
             let [k, g] = called.map_err(|failure| self.halt(c, &failure))?;
             (bulk, shear) = (bulk.max(k), shear.max(g));
         }
@@ -146,10 +147,10 @@ impl UserQuads {
     }
 
     /// The routine's stresses of one call, and the work done on the way to them.
-    fn stress(&mut self, c: usize, dt: f64) -> Result<(), Halt> {
+    fn stress(&mut self, c: usize, dt: f64, routine: &mut dyn UserMaterial) -> Result<(), Halt> {
         let chunk = &mut self.chunks[c];
         if dt > 0.0 {
-            let called = chunk.points.call(&self.description, &self.now, dt);
+            let called = chunk.points.call(&self.description, routine, &self.now, dt);
             if let Err(failure) = called {
                 return Err(self.halt(c, &failure));
             }
@@ -194,13 +195,15 @@ impl UserQuads {
         }
     }
 
-    fn pass(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Result<(), Halt> {
+    fn pass(&mut self, pass: Pass<'_>) -> Result<(), Halt> {
+        let Pass { nodes, dt, corners, user, .. } = pass;
+        let Some(routine) = user else { return Ok(()) };
         if dt == 0.0 {
-            self.probe(nodes)?;
+            self.probe(nodes, routine)?;
         }
         for c in 0..self.chunks.len() {
             self.strain(c, nodes, dt);
-            self.stress(c, dt)?;
+            self.stress(c, dt, routine)?;
             self.forces(c, dt, corners);
         }
         Ok(())
@@ -228,22 +231,19 @@ impl UserQuads {
     }
 }
 
-impl Group for UserQuads {
+impl ElementGroup for UserQuads {
     fn len(&self) -> usize {
         self.count
-    }
-
-    fn tell(&mut self, now: &Instant) {
-        self.now = *now;
     }
 
     fn failure(&self) -> Option<Halt> {
         self.failure.clone()
     }
 
-    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
+    fn update(&mut self, pass: Pass<'_>) -> Totals {
+        self.now = *pass.now;
         self.stages.iter_mut().for_each(|s| s.sums = Sums::default());
-        self.failure = self.pass(nodes, dt, corners).err();
+        self.failure = self.pass(pass).err();
         let totals = totals(&self.stages, |_| f64::INFINITY);
         if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
     }
@@ -293,6 +293,14 @@ impl Group for UserQuads {
         let mut told = std::mem::take(&mut self.told);
         tell_deleted(self, &mut told, gone);
         self.told = told;
+    }
+
+    fn can_delete(&self) -> bool {
+        self.description.delete.is_some()
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
     }
 
     fn holds_state(&self) -> bool {

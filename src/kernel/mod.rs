@@ -5,6 +5,7 @@ pub mod amplitude;
 pub mod cavity;
 pub mod facet;
 pub mod hardening;
+pub mod heating;
 pub mod lanes;
 pub mod levels;
 pub mod quad;

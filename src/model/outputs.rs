@@ -29,12 +29,10 @@ impl Builder<'_> {
             self.diagnostics.push(finding);
             return;
         }
-        if card.value("OP").is_none_or(|w| !w.is("ADD")) && !self.state().cleared.contains(&kind_name(kind)) {
-            // The first *OUTPUT of a kind in a step takes the place of what earlier steps asked for.
-            self.state().cleared.push(kind_name(kind));
-            self.state().outputs.retain(|o| o.kind != kind);
-        }
         let Some(interval) = self.interval(card) else { return };
+        if !self.output_operation(card, kind, interval) {
+            return;
+        }
         self.note_time_marks(card);
         let variables = self.default_variables(card);
         let Some(sensor) = self.sensor(card) else { return };
@@ -52,6 +50,26 @@ impl Builder<'_> {
             self.state().outputs.push(request.clone());
         }
         self.output = Some(request);
+    }
+
+    /// What a request does to those of earlier steps: NEW, the default, ends them all, fields and histories; REPLACE those of
+    /// its type and frequency; ADD none (ABAQUS Keywords Reference Guide, *OUTPUT).
+    fn output_operation(&mut self, card: &Card, kind: OutputKind, interval: Interval) -> bool {
+        match card.value("OP").map(|w| upper(&w.text)).as_deref() {
+            None | Some("NEW") => {
+                self.state().earlier_outputs.clear();
+                if !self.state().cleared.contains(&"OUTPUT") {
+                    self.state().cleared.push("OUTPUT");
+                }
+            }
+            Some("ADD") => {}
+            Some("REPLACE") => self.state().earlier_outputs.retain(|o| (o.kind, o.interval) != (kind, interval)),
+            Some(other) => {
+                self.out_of_range(card.span, format!("OP is NEW, ADD or REPLACE, not {other}"));
+                return false;
+            }
+        }
+        true
     }
 
     /// `*RESTART, WRITE`, in force until another takes its place; without an interval once a step, FREQUENCY=0 never.
@@ -158,12 +176,12 @@ impl Builder<'_> {
             "INTEGRATIONPOINTS" | "CENTROIDAL" => Position::Element,
             "NODES" | "AVERAGEDATNODES" if kind == OutputKind::Field => {
                 let message = "elements have one integration point; a node shows the mean over the elements around it";
-                self.diagnostics.push(Diagnostic::note("M144", message).at(word.span, "on nodes"));
+                self.diagnostics.push(Diagnostic::note("M153", message).at(word.span, "on nodes"));
                 Position::Nodes
             }
             "NODES" | "AVERAGEDATNODES" => {
                 let message = "histories of elements are always those of their integration points";
-                self.diagnostics.push(Diagnostic::warning("M144", message).at(word.span, "not at nodes"));
+                self.diagnostics.push(Diagnostic::warning("M153", message).at(word.span, "not at nodes"));
                 Position::Element
             }
             _ => {
@@ -210,12 +228,5 @@ impl Builder<'_> {
             self.diagnostics.push(finding.help(asked::help(&name, card.places())));
         }
         asked
-    }
-}
-
-fn kind_name(kind: OutputKind) -> &'static str {
-    match kind {
-        OutputKind::Field => "FIELD OUTPUT",
-        OutputKind::History => "HISTORY OUTPUT",
     }
 }

@@ -1,9 +1,8 @@
 //! Output requests as history columns, frame fields and schedules.
 //! Never here: files, the table of variables.
 
-use super::Compiler;
+use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::element::body::Solid;
 use crate::element::values;
 use crate::model::{Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Step};
 use crate::output::asked::Asked;
@@ -53,6 +52,11 @@ impl FrameField {
     fn new(parts: Vec<Part>) -> FrameField {
         let name = if parts.len() == 1 { parts[0].label() } else { parts[0].variable.name().into() };
         FrameField { name, parts, position: Position::Element }
+    }
+
+    /// Bytes of its lists.
+    pub fn bytes(&self) -> usize {
+        self.name.capacity() + size_of::<Part>() * self.parts.capacity()
     }
 
     /// The variable.
@@ -112,14 +116,14 @@ impl Schedule {
 
 impl Compiler<'_> {
     /// Columns and frame fields of all steps together: a file keeps its columns from step to step.
-    pub(super) fn variables(&mut self, solid: Option<&mut Solid>) -> (Vec<Column>, Vec<FrameField>) {
+    pub(super) fn variables(&mut self, state: &mut State) -> (Vec<Column>, Vec<FrameField>) {
         let (mut columns, mut fields) = (Vec::new(), Vec::new());
         let model = self.model;
-        let there = self.fields_there_are(solid.as_deref());
+        let there = self.fields_there_are(state);
         for step in &model.steps {
             for request in &step.outputs {
                 match request.kind {
-                    OutputKind::History => self.history_columns(request, solid.as_deref(), &mut columns),
+                    OutputKind::History => self.history_columns(request, state, &mut columns),
                     OutputKind::Field => self.frame_fields(request, &there, &mut fields),
                 }
             }
@@ -132,16 +136,15 @@ impl Compiler<'_> {
         dedup(&mut fields);
         let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.iter().map(|c| &c.part));
         let follows = parts.any(|p| p.variable.row().followed);
-        if let Some(solid) = solid.filter(|_| follows) {
-            solid.groups.iter_mut().for_each(|g| g.follow());
-            self.followed_row(solid);
+        if follows && !state.elements.is_empty() {
+            state.elements.groups.iter_mut().for_each(|g| g.follow());
+            self.followed_row(state.elements.count());
         }
         (columns, fields)
     }
 
     /// The row of strains and energies that elements follow because an output asks for them.
-    fn followed_row(&mut self, solid: &Solid) {
-        let count = solid.groups.iter().map(|g| g.len()).sum();
+    fn followed_row(&mut self, count: usize) {
         let follows = |asked: &Asked| match asked {
             Asked::Preselect | Asked::All => true,
             _ => asked.variables().iter().any(|v| v.row().followed),
@@ -179,12 +182,12 @@ impl Compiler<'_> {
         outputs
     }
 
-    fn history_columns(&mut self, request: &OutputRequest, solid: Option<&Solid>, columns: &mut Vec<Column>) {
+    fn history_columns(&mut self, request: &OutputRequest, state: &State, columns: &mut Vec<Column>) {
         let first = columns.len();
         for &asked in &request.variables {
             let before = columns.len();
             match &request.region {
-                Region::Elements(set) => self.element_columns(asked, set, solid, columns),
+                Region::Elements(set) => self.element_columns(asked, set, state, columns),
                 Region::Nodes(set) => self.node_columns(asked, set, columns),
                 Region::Whole => columns.extend(self.model_variables(asked, request.card).map(model_column)),
             }
@@ -233,14 +236,15 @@ impl Compiler<'_> {
         }
     }
 
-    fn element_columns(&self, asked: Asked, set: &str, solid: Option<&Solid>, columns: &mut Vec<Column>) {
+    fn element_columns(&self, asked: Asked, set: &str, state: &State, columns: &mut Vec<Column>) {
         let model = self.model;
-        let (Some(members), Some(solid)) = (model.element_sets.get(set).map(|s| &s.members), solid) else { return };
+        let Some(members) = model.element_sets.get(set).map(|s| &s.members) else { return };
         let parts = self.parts(asked, Variable::is_of_elements);
         for &element in members {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
             let place = if members.len() == 1 { set } else { &model.mesh.elements[element].name };
-            let has = |part: &&Part| values::has(&*solid.groups[group], &solid.nodes, index, **part);
+            let has =
+                |part: &&Part| values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), index, **part);
             let source = Source::Element(group, index);
             columns.extend(parts.iter().filter(has).map(|&part| column(part, place, source)));
         }
@@ -294,9 +298,8 @@ impl Compiler<'_> {
     }
 
     /// What frames of this scene can show: of nodes, and what some element has. (Others would be NaN everywhere.)
-    fn fields_there_are(&self, solid: Option<&Solid>) -> Vec<FrameField> {
-        let groups = solid.map_or(&[][..], |s| &s.groups);
-        let nodes = solid.map_or(&[][..], |s| &s.nodes);
+    fn fields_there_are(&self, state: &State) -> Vec<FrameField> {
+        let (groups, nodes) = (&state.elements.groups, state.dofs.nodes.as_slice());
         let somewhere = |part: &Part| groups.iter().any(|g| (0..g.len()).any(|e| values::has(&**g, nodes, e, *part)));
         let mut fields = Vec::new();
         for &variable in Variable::ALL {

@@ -2,11 +2,10 @@
 //! same variable on a finer mesh.
 //! Never here: expressions, runs.
 
-use crate::element::body::Solid;
 use crate::element::values;
 use crate::kernel::quad;
 use crate::output::variables::{Part, Place, Variable};
-use crate::plan::Plan;
+use crate::plan::State;
 use crate::solve::node_value;
 
 /// A variable that has a norm: one of nodes or of elements. What elements follow only if an output asks has none.
@@ -68,15 +67,17 @@ impl Field {
     ///
     /// # Errors
     /// In words, where nothing deforms.
-    pub fn of(plan: &Plan, name: FieldName, time: f64) -> Result<Field, String> {
-        let solid = plan.solid.as_ref().ok_or("a norm is taken over what deforms, and nothing here does")?;
+    pub fn of(state: &State, name: FieldName, time: f64) -> Result<Field, String> {
+        if state.elements.is_empty() {
+            return Err("a norm is taken over what deforms, and nothing here does".into());
+        }
         let corners: Vec<[u32; 4]> =
-            solid.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.corners(e))).collect();
-        let cells: Vec<[[f64; 2]; 4]> = corners.iter().map(|c| c.map(|n| solid.start[n as usize])).collect();
+            state.elements.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.corners(e))).collect();
+        let cells: Vec<[[f64; 2]; 4]> = corners.iter().map(|c| c.map(|n| state.dofs.nodes.start[n as usize])).collect();
         let FieldName(part) = name;
         let on_elements = part.variable.is_of_elements();
         let points =
-            if on_elements { of_elements(solid, part, &cells) } else { of_nodes(solid, part, &corners, &cells) };
+            if on_elements { of_elements(state, part, &cells) } else { of_nodes(state, part, &corners, &cells) };
         Ok(Field { points, on_elements, cells, corners, time })
     }
 
@@ -118,29 +119,31 @@ impl Field {
     }
 }
 
-fn of_elements(solid: &Solid, part: Part, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
-    let elements = solid.groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
+fn of_elements(state: &State, part: Part, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+    let (groups, nodes) = (&state.elements.groups, &state.dofs.nodes);
+    let elements = groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
     elements
         .zip(cells)
         .map(|((g, e), cell)| Point {
             start: middle(cell),
-            now: middle(&solid.groups[g].corners(e).map(|n| solid.place(n as usize))),
+            now: middle(&groups[g].corners(e).map(|n| nodes[n as usize].place())),
             weight: quad::volume(*cell),
-            value: values::value(&*solid.groups[g], &solid.nodes, e, part).unwrap_or(f64::NAN),
+            value: values::value(&*groups[g], nodes.as_slice(), e, part).unwrap_or(f64::NAN),
         })
         .collect()
 }
 
-fn of_nodes(solid: &Solid, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
-    let mut volume = vec![0.0; solid.nodes.len()];
+fn of_nodes(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+    let nodes = &state.dofs.nodes;
+    let mut volume = vec![0.0; nodes.len()];
     for (corner, cell) in corners.iter().zip(cells) {
         for (n, share) in corner.iter().zip(quad::corner_masses(*cell, 1.0)) {
             volume[*n as usize] += share;
         }
     }
-    let value = |n: usize| node_value(solid, n, part);
-    let point = |n: usize| Point { start: solid.start[n], now: solid.place(n), weight: volume[n], value: value(n) };
-    (0..solid.nodes.len()).map(point).collect()
+    let value = |n: usize| node_value(&state.dofs, &state.constraints, n, part);
+    let point = |n: usize| Point { start: nodes.start[n], now: nodes[n].place(), weight: volume[n], value: value(n) };
+    (0..nodes.len()).map(point).collect()
 }
 
 fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {
