@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if prepared.diagnostics.has_errors() {
             return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
         }
-        let (outcome, history) = job::run_in_memory(&mut prepared);
+        let (outcome, history) = job::run_in_memory(&prepared);
         println!("{name}: depth {:.9} mm, {} increments", -1e3 * history.0["U2@REF"].last, outcome.increments);
     }
     Ok(())

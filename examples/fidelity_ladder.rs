@@ -91,7 +91,7 @@ fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources));
     }
-    let (outcome, history) = job::run_in_memory(&mut prepared);
+    let (outcome, history) = job::run_in_memory(&prepared);
     match outcome.halt {
         Some(halt) => Err(format!("{deck} at {velocity}: {}: {}", halt.code, halt.reason)),
         None => Quantity::parse(quantity)?.evaluate(&history),

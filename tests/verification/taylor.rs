@@ -14,7 +14,7 @@ fn taylor(settings: &[(&str, &str)]) -> (Outcome, revolve::output::HistorySummar
     let mut prepared =
         job::prepare(&common::project("input/taylor_copper.inp"), &common::pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
-    job::run_in_memory(&mut prepared)
+    job::run_in_memory(&prepared)
 }
 
 /// Other codes: length 21.26 to 21.51 mm, foot radius 6.80 to 7.24 mm; OpenRadioss on 20x100: 21.428 and 7.169 mm.
