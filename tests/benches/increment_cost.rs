@@ -97,7 +97,7 @@ impl UserLoad for Cavity {
 
 /// Nanoseconds an increment of the solver, and where the body got to.
 fn solver(deck: &str, routines: &Routines) -> (f64, f64) {
-    let mut prepared = job::prepare_text("ogive.inp", deck, &[], routines);
+    let prepared = job::prepare_text("ogive.inp", deck, &[], routines);
     let text = prepared.diagnostics.render(&prepared.deck.sources);
     assert!(!prepared.diagnostics.has_errors(), "{text}");
     let (outcome, _) = job::run_in_memory(&prepared);

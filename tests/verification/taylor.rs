@@ -11,7 +11,7 @@ use crate::common;
 use crate::common::solid::{grid, last, material, run};
 
 fn taylor(settings: &[(&str, &str)]) -> (Outcome, revolve::output::HistorySummary) {
-    let mut prepared =
+    let prepared =
         job::prepare(&common::project("input/taylor_copper.inp"), &common::pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
     job::run_in_memory(&prepared)
