@@ -21,7 +21,7 @@ const EXPECTED: &[(&str, &[&str])] = &[
     ("pantale__DynELA-v3.0/Radial.inp", &[]),
     ("pantale__DynELA-v3.0/Taylor.inp", &[]),
     ("pantale__DynELA-v3.0/Torus.inp", &["M106", "M121"]),
-    ("philipcardiff__abaqus-example-vumat/test.inp", &["M121"]),
+    ("philipcardiff__abaqus-example-vumat/test.inp", &["M104", "M121"]),
     ("sfepy__sfepy/abaqus_quad_tri.inp", &["M121"]),
 ];
 

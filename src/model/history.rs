@@ -56,13 +56,14 @@ impl History {
         let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, words);
         self.boundaries = merged.iter().map(|b| self.settled_boundary(b, step, model)).collect();
         let places = self.places_after(&merged, step, model);
-        let from_place = |b: Boundary| {
+        let begun = |b: Boundary| {
+            words.extend(self.unknown_start(&b, model));
             if spans.contains(&b.span) {
                 words.extend(self.jump(&b, model));
             }
-            self.from_place(b, model)
+            self.since_start(b, model)
         };
-        let in_force = merged.into_iter().map(from_place).collect();
+        let in_force = merged.into_iter().map(begun).collect();
         self.places = places;
         in_force
     }
@@ -163,6 +164,17 @@ impl History {
         if self.begun { self.places.get(&dof).copied() } else { Some(0.0) }
     }
 
+    /// A displacement that a routine gives by its amplitude begins a later step with a value that nothing knows beforehand.
+    fn unknown_start(&self, b: &Boundary, model: &Model) -> Option<Diagnostic> {
+        let routine = self.amplitude(b.amplitude, 0.0, model).is_none();
+        if !(self.begun && routine && b.kind == Motion::Displacement && !b.user) {
+            return None;
+        }
+        let message = "a displacement that follows a user amplitude beyond the first step is not supported";
+        let finding = Diagnostic::error("M104", message).at(b.span, "in force in a later step");
+        Some(finding.help("prescribe a velocity, or give *BOUNDARY, USER"))
+    }
+
     /// What to say of a displacement that does not begin where its nodes are.
     fn jump(&self, b: &Boundary, model: &Model) -> Option<Diagnostic> {
         let first = self.amplitude(b.amplitude, 0.0, model)? * b.value;
@@ -189,7 +201,7 @@ impl History {
     }
 
     /// A displacement counts from where its nodes are: what its amplitude begins with is taken off.
-    fn from_place(&self, mut b: Boundary, model: &mut Model) -> Boundary {
+    fn since_start(&self, mut b: Boundary, model: &mut Model) -> Boundary {
         if b.kind != Motion::Displacement || b.user {
             return b;
         }
