@@ -3,11 +3,11 @@
 
 use pulp::Arch;
 
-use crate::element::Corners;
 use crate::element::constants::Constants;
-use crate::element::group::{Group, Quads};
+use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
 use crate::kernel::heating::Heating;
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::material::eos::{Eos, IdealGas, UsUp};
 use crate::material::failure::{Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
@@ -16,6 +16,8 @@ use crate::material::kinematic::Kinematic;
 use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::volumetric::{Linear, Volumetric};
+use crate::output::variables::Variable;
+use crate::state::Instant;
 use crate::state::nodes::Node;
 
 const COLUMNS: usize = 5;
@@ -66,7 +68,14 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     let (mut bits, mut plastic) = (Vec::new(), 0.0);
     for _ in 0..20 {
         nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
-        let totals = quads.update(&nodes, DT, &mut corners);
+        let totals = quads.update(Pass {
+            nodes: &nodes,
+            dt: DT,
+            now: &Instant::default(),
+            threads: false,
+            user: None,
+            corners: &mut corners,
+        });
         plastic += totals.plastic;
         let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];
         assert!(sums.iter().all(|x| x.is_finite()) && totals.rate > 0.0, "{totals:?}");
@@ -74,11 +83,9 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     }
     let mut deleted = 0;
     for e in 0..elements.len() {
-        let state = [quads.plastic_strain(e), quads.temperature(e), quads.energy(e), quads.status(e)];
-        deleted += usize::from(state[3] == Some(0.0));
-        let followed = quads.followed(e).expect("it is followed");
-        let kept = state.into_iter().flatten().chain(quads.stress(e)).chain(followed.plastic).chain(followed.energy);
-        bits.extend(kept.map(f64::to_bits));
+        deleted += usize::from(quads.is_deleted(e));
+        let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
+        bits.extend(held.map(f64::to_bits));
     }
     Came { bits, plastic, deleted }
 }

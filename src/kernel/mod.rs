@@ -11,3 +11,4 @@ pub mod levels;
 pub mod quad;
 pub mod rotation;
 pub mod solid;
+pub mod stress;

@@ -8,7 +8,7 @@ use crate::kernel::lanes::Lanes;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// How the yield stress of von Mises plasticity develops. An absent one is a type without state.
-pub trait Hardening: Send + Sync {
+pub trait Hardening: Send + Sync + 'static {
     /// What a block of elements keeps.
     type State: Clone + Send + Sync + Persist;
 

@@ -61,7 +61,11 @@ pub const CODES: &[Code] = &[
         "displacement ignored",
         "As in ABAQUS/Explicit, a displacement without AMPLITUDE would be a jump; its value is ignored and the motion is held.",
     ),
-    code("M141", "unknown output variable", "No output variable has this name; it is left out."),
+    code(
+        "M141",
+        "unknown output variable",
+        "No output variable has this name; it is left out. `revolve explain variables` lists those there are.",
+    ),
     code(
         "M142",
         "time marks",
@@ -101,6 +105,11 @@ pub const CODES: &[Code] = &[
         "M149",
         "degree of freedom that nodes do not have",
         "Nodes of an axisymmetric body move along r (1) and z (2); the reference node of a rigid body turns as well (6), which symmetry holds. A condition on another one holds, moves or loads nothing.",
+    ),
+    code(
+        "M153",
+        "position of element output",
+        "Elements have one integration point, in their middle. With POSITION=NODES or AVERAGED AT NODES frames show variables of integration points on nodes, as the mean over the elements around that are not deleted; variables of whole elements (STATUS, EVOL) and histories stay with elements.",
     ),
     code("M152", "gravity along r", "A body of revolution has no weight along r; only the part of GRAV along z acts."),
     code(

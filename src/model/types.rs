@@ -4,6 +4,8 @@
 use indexmap::IndexMap;
 
 use crate::deck::{Span, Word};
+use crate::output::asked::Asked;
+use crate::output::variables::Place;
 
 /// Everything a deck describes.
 #[derive(Clone, Debug, Default)]
@@ -64,6 +66,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Bytes of its lists.
+    pub fn bytes(&self) -> usize {
+        let names: usize = self.node_names.iter().map(String::capacity).sum();
+        let element = |e: &Element| e.name.capacity() + size_of::<usize>() * e.nodes.capacity();
+        names
+            + size_of::<String>() * self.node_names.capacity()
+            + size_of::<[f64; 2]>() * self.points.capacity()
+            + size_of::<Element>() * self.elements.capacity()
+            + self.elements.iter().map(element).sum::<usize>()
+    }
+
     /// The corners of a solid element, counter-clockwise. A triangle is a quadrilateral whose last two corners coincide:
     /// the formulas of polygons hold, and every motion of three nodes is linear, so hourglass control finds nothing.
     pub fn corners(&self, element: usize) -> [usize; 4] {
@@ -763,8 +776,12 @@ pub struct OutputRequest {
     pub kind: OutputKind,
     /// How often.
     pub interval: Interval,
-    /// Upper-case variable names; `PRESELECT` and `ALL` stand for themselves.
-    pub variables: Vec<String>,
+    /// The card that asks: `PRESELECT` and `ALL` mean what lives there.
+    pub card: OutputCard,
+    /// What is asked for.
+    pub variables: Vec<Asked>,
+    /// Where fields of elements are shown.
+    pub position: Position,
     /// What the variables are taken from.
     pub region: Region,
     /// Name of the sensor that it is (`SENSOR, NAME=`), upper case.
@@ -780,6 +797,47 @@ pub enum OutputKind {
     Field,
     /// `*OUTPUT, HISTORY`.
     History,
+}
+
+/// The card of an output request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputCard {
+    /// `*OUTPUT, VARIABLE=` itself.
+    Output,
+    /// `*NODE OUTPUT`.
+    Node,
+    /// `*ELEMENT OUTPUT`.
+    Element,
+    /// `*ENERGY OUTPUT`.
+    Energy,
+    /// `*INCREMENTATION OUTPUT`.
+    Incrementation,
+}
+
+impl OutputCard {
+    /// Where the variables live that it may ask for.
+    pub fn places(self) -> &'static [Place] {
+        match self {
+            OutputCard::Output => {
+                &[Place::Node, Place::Point, Place::Element, Place::Facet, Place::Energy, Place::Increment]
+            }
+            OutputCard::Node => &[Place::Node],
+            OutputCard::Element => &[Place::Point, Place::Element, Place::Facet],
+            OutputCard::Energy => &[Place::Energy],
+            OutputCard::Incrementation => &[Place::Increment],
+        }
+    }
+}
+
+/// `POSITION` of `*ELEMENT OUTPUT`: where a frame shows variables of integration points. An element has one such point, in
+/// its middle, so that those and centroids are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Position {
+    /// `INTEGRATION POINTS`, `CENTROIDAL`: on elements.
+    #[default]
+    Element,
+    /// `NODES`, `AVERAGED AT NODES`: on nodes, the mean over the elements around.
+    Nodes,
 }
 
 /// How often output is written.

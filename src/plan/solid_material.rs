@@ -5,7 +5,7 @@ use super::Compiler;
 use super::solid::add_masses;
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::Constants;
-use crate::element::group::{Group, Quads};
+use crate::element::group::{ElementGroup, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
 use crate::kernel::heating::Heating;
 use crate::kernel::levels::Levels;
@@ -52,16 +52,16 @@ struct Make<'a, const AREA: bool> {
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
-    fn quads<H: Hardening + 'static, V: Volumetric + 'static>(self, hardening: H, volumetric: V) -> Box<dyn Group> {
+    fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
         self.failing(hardening, volumetric, Intact)
     }
 
-    fn failing<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static>(
+    fn failing<H: Hardening, V: Volumetric, F: Failure>(
         self,
         hardening: H,
         volumetric: V,
         failure: F,
-    ) -> Box<dyn Group> {
+    ) -> Box<dyn ElementGroup> {
         let laws = (hardening, volumetric, failure);
         Box::new(Quads::<_, _, _, AREA>::weighted(laws, self.constants, self.density, self.corners, self.nodes))
     }
@@ -81,7 +81,7 @@ impl Compiler<'_> {
         corners: &[[u32; 4]],
         nodes: &[Node],
         mass: &mut [f64],
-    ) -> Option<Box<dyn Group>> {
+    ) -> Option<Box<dyn ElementGroup>> {
         let material = &self.model.materials[section.material];
         if let Some(properties) = &material.user {
             if self.is_by_area(section) {
@@ -182,13 +182,13 @@ impl Compiler<'_> {
     }
 
     /// The group of a volumetric law, with the yield stress of the material.
-    fn with_volumetric<V: Volumetric + 'static, const AREA: bool>(
+    fn with_volumetric<V: Volumetric, const AREA: bool>(
         &mut self,
         material: &Material,
         span: Span,
         volumetric: V,
         make: Make<'_, AREA>,
-    ) -> Option<Box<dyn Group>> {
+    ) -> Option<Box<dyn ElementGroup>> {
         let heating = if self.adiabatic() { heating(material, make.density) } else { Heating::None };
         let failing = self.failing(material)?;
         let Some(plastic) = &material.plastic else {
@@ -233,7 +233,12 @@ impl Compiler<'_> {
     }
 
     /// The group of a section that is weighted by area, where that can be.
-    fn by_area(&mut self, section: &SolidSection, material: &Material, make: Make<'_, true>) -> Option<Box<dyn Group>> {
+    fn by_area(
+        &mut self,
+        section: &SolidSection,
+        material: &Material,
+        make: Make<'_, true>,
+    ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
         let refusal = if material.eos.is_some() || material.neo_hooke.is_some() {
             Some("WEIGHTING=AREA needs *ELASTIC")

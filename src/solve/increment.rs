@@ -2,11 +2,13 @@
 //! Never here: forces, the motion itself.
 
 use super::Run;
+use crate::load::View;
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
+use crate::state::magnitude::Clock;
 use crate::state::{BodyState, Instant};
 
 /// What an increment ends in.
@@ -109,35 +111,33 @@ impl Pace {
 
     /// The next increment.
     #[inline]
-    pub fn choose(&mut self, run: &Run<'_>, step: &StepPlan) -> Increment {
+    pub fn choose(&mut self, run: &Run<'_>) -> Increment {
         let mut next = Increment { length: f64::INFINITY, end: End::Plain };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
-                if run.bodies.iter().any(|b| !b.tied) {
+                if run.dofs.bodies.iter().any(|b| !b.tied) {
                     next.length = self.automatic(run) * self.factor;
                 }
-                if let Some(solid) = &run.solid {
-                    next.length = next.length.min(solid.stable_increment() * self.factor);
+                if !run.elements.is_empty() {
+                    next.length = next.length.min(run.elements.stable_increment() * self.factor);
                 }
                 next.length = next.length.min(self.most);
-                for force in &step.forces {
-                    next.shorten(force.limit(&run.now, &run.bodies));
-                }
-                for motion in &step.motions {
-                    next.shorten(motion.magnitude.limit(&run.now));
-                }
+                let clock = Clock { now: run.now, told: &run.told };
+                let view = View { clock, dofs: &run.dofs, reach: run.reach };
+                run.loads.iter().for_each(|load| next.shorten(load.limit(&view)));
+                run.constraints.iter().for_each(|c| next.shorten(c.limit(&clock)));
             }
         }
-        self.fit_step(&mut next, step.duration - run.now.step_time);
-        meet_rest(&mut next, &run.bodies);
+        self.fit_step(&mut next, run.step.duration - run.now.step_time);
+        meet_rest(&mut next, &run.dofs.bodies);
         next
     }
 
     /// From the error estimate: neither velocity nor acceleration may change much over an increment.
     fn automatic(&mut self, run: &Run<'_>) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
-        for (body, speed) in run.bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
+        for (body, speed) in run.dofs.bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
             *speed = speed.max(body.velocity.abs());
             let acceleration = body.acceleration.abs();
             let scale = speed.max(acceleration * self.largest);

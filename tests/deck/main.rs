@@ -1,0 +1,9 @@
+//! Words: the deck language, what a deck means, mesh files.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod dialects;
+mod language;
+mod mesh_files;
+mod variables;
