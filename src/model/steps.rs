@@ -189,8 +189,11 @@ impl Builder<'_> {
             // Fields that ABAQUS/Explicit wants empty.
             let Some(value) = self.number_or(line, index, 0.0) else { return };
             if value != 0.0 {
-                let message = format!("field {} of *DYNAMIC, EXPLICIT is empty, and not {value}", index + 1);
-                self.out_of_range(line.span, message);
+                let message = format!("field {} of *DYNAMIC, EXPLICIT must be empty, not {value}", index + 1);
+                let finding = Diagnostic::error("M103", message).at(line.span, "here");
+                let help =
+                    "the second field is the length of the step; DIRECT USER CONTROL fixes the increment of the first";
+                self.diagnostics.push(finding.help(help));
                 return;
             }
         }
