@@ -189,8 +189,11 @@ impl Builder<'_> {
             // Fields that ABAQUS/Explicit wants empty.
             let Some(value) = self.number_or(line, index, 0.0) else { return };
             if value != 0.0 {
-                let message = format!("field {} of *DYNAMIC, EXPLICIT is empty, and not {value}", index + 1);
-                self.out_of_range(line.span, message);
+                let message = format!("field {} of *DYNAMIC, EXPLICIT must be empty, not {value}", index + 1);
+                let finding = Diagnostic::error("M103", message).at(line.span, "here");
+                let help =
+                    "the second field is the length of the step; DIRECT USER CONTROL fixes the increment of the first";
+                self.diagnostics.push(finding.help(help));
                 return;
             }
         }
@@ -209,6 +212,11 @@ impl Builder<'_> {
         let (span, adiabatic) = (card.span, card.has("ADIABATIC"));
         let procedure = Procedure { span, duration, increment, scale_factor, load_velocity, adiabatic };
         match &mut self.step {
+            Some(StepState { procedure: Some(earlier), .. }) => {
+                let finding = Diagnostic::error("M105", "a step has one *DYNAMIC").at(card.span, "the second");
+                let first = earlier.span;
+                self.diagnostics.push(finding.at(first, "the first"));
+            }
             Some(step) => step.procedure = Some(procedure),
             None => self.outside_step(card),
         }
