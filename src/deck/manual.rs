@@ -2,6 +2,7 @@
 //! Never here: anything the table does not say.
 
 use super::keywords::{KEYWORDS, Keyword, Lookup, ParameterRule, Tier, find_keyword};
+use super::names::fold;
 
 /// The text of `docs/keywords.md`.
 pub fn keyword_manual() -> String {
@@ -69,6 +70,12 @@ pub fn explain_keyword(name: &str) -> Option<String> {
         Lookup::Found(keyword) => Some(explain(keyword)),
         _ => None,
     }
+}
+
+/// Whether a word, with or without its star, is the whole name of a keyword.
+pub fn is_keyword(name: &str) -> bool {
+    let wanted = fold(name.trim().trim_start_matches('*'));
+    KEYWORDS.iter().any(|k| fold(k.name) == wanted)
 }
 
 fn explain(keyword: &Keyword) -> String {

@@ -441,7 +441,7 @@ pub static KEYWORDS: &[Keyword] = &[
         "ELSET": "Elements",
         "VARIABLE": "PRESELECT or ALL",
         "DIRECTIONS": "YES or NO; no meaning here",
-        "POSITION": "INTEGRATION POINTS (default), CENTROIDAL, NODES",
+        "POSITION": "INTEGRATION POINTS (default) or CENTROIDAL, which are the same; NODES or AVERAGED AT NODES: in frames, on nodes the mean over the elements around",
         "EXTERIOR": "Outside elements only",
         "REBAR": "Not supported",
         "SECTION POINTS": "Shells and beams only",

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Parameter, Span, Word};
 use crate::deck::{keywords::Tier, names::nearest};
 
+use super::completion::Rotational;
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
 use super::types::{Inert, Material, Model};
@@ -42,6 +43,8 @@ pub(super) struct Builder<'a> {
     pub elements_refused: bool,
     /// Surface interactions that contact pairs name.
     pub interactions_used: Vec<Word>,
+    /// Boundaries on degrees of freedom above 2 alone.
+    pub rotational: Vec<Rotational>,
 }
 
 impl<'a> Builder<'a> {
@@ -62,6 +65,7 @@ impl<'a> Builder<'a> {
             output: None,
             elements_refused: false,
             interactions_used: Vec::new(),
+            rotational: Vec::new(),
         }
     }
 
@@ -147,6 +151,7 @@ impl<'a> Builder<'a> {
         self.close_step();
         self.apply_masses();
         self.apply_interactions();
+        self.complete();
         (self.model, self.diagnostics)
     }
 

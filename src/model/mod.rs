@@ -3,8 +3,10 @@
 
 mod amplitudes;
 mod bodies;
+mod boundary;
 mod builder;
 pub mod codes;
+mod completion;
 mod connectors;
 mod contact;
 mod elements;
@@ -12,6 +14,7 @@ mod energy_limit;
 mod eos;
 mod equations;
 mod failure;
+mod history;
 mod loads;
 mod mass_scaling;
 mod materials;

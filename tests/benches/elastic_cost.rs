@@ -1,15 +1,15 @@
 //! Goal: an elastic deck pays nothing for plasticity, failure or equations of state. The group that a deck brings to life is
 //! measured in alternation with the same loop built for a law that holds no code of plasticity at all.
 
-use std::time::Instant;
+use std::time::Instant as Stopwatch;
 
-use revolve::element::Corners;
 use revolve::element::constants::Constants;
-use revolve::element::group::{Group, Quads};
-use revolve::kernel::lanes::LANES;
+use revolve::element::group::{ElementGroup, Pass, Quads};
+use revolve::kernel::lanes::{Corners, LANES};
 use revolve::material::failure::Intact;
 use revolve::material::plasticity::{Flow, Hardening};
 use revolve::material::volumetric::Linear;
+use revolve::state::Instant;
 use revolve::state::nodes::Node;
 use revolve::user::Routines;
 
@@ -35,10 +35,10 @@ impl Hardening for Bare {
 }
 
 /// Nanoseconds an element of one pass, the best of some.
-fn pass(group: &mut dyn Group, nodes: &[Node], corners: &mut [Corners], best: &mut f64) {
-    let begin = Instant::now();
+fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], best: &mut f64) {
+    let begin = Stopwatch::now();
     for _ in 0..4 {
-        group.update(nodes, 1e-9, corners);
+        group.update(Pass { nodes, dt: 1e-9, now: &Instant::default(), threads: false, user: None, corners });
     }
     *best = best.min(begin.elapsed().as_secs_f64() * 1e9 / (4 * group.len()) as f64);
 }
@@ -52,12 +52,13 @@ pub fn run() {
             // Without the strains that a deck without requests would follow.
             + "*Step\n*Dynamic, Explicit\n , 1.\n*Output, history\n*Energy Output\n ALLIE\n*End Step\n"
     };
-    let groups = |plastic: &str| common::prepared(&deck(plastic), &[], &Routines::none()).plan.solid.expect("deforms");
+    let groups = |plastic: &str| common::prepared(&deck(plastic), &[], &Routines::none()).state;
     let (mut elastic, mut plastic) = (groups(""), groups("*Plastic\n 1e9, 0.\n"));
     let wobble = |i: usize| ((i * 7919) % 101) as f64 * 1e-3;
-    elastic.nodes.iter_mut().enumerate().for_each(|(i, n)| (n.v_r, n.v_z) = (wobble(i), wobble(i + 7)));
-    let nodes = &elastic.nodes;
-    let elements: Vec<[u32; 4]> = (0..n * n).map(|e| elastic.groups[0].corners(e)).collect();
+    let moving = |(i, n): (usize, &Node)| Node { v_r: wobble(i), v_z: wobble(i + 7), ..*n };
+    let nodes: Vec<Node> = elastic.dofs.nodes.as_slice().iter().enumerate().map(moving).collect();
+    let nodes = &nodes[..];
+    let elements: Vec<[u32; 4]> = (0..n * n).map(|e| elastic.elements.groups[0].corners(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
     let constants =
         Constants { bulk, shear, hourglass_stiffness: 0.005, hourglass_viscosity: 0.0, bulk_viscosity: [0.06, 1.2] };
@@ -65,9 +66,9 @@ pub fn run() {
     let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
     for _ in 0..150 {
-        pass(&mut *elastic.groups[0], nodes, &mut corners, &mut deck);
+        pass(&mut *elastic.elements.groups[0], nodes, &mut corners, &mut deck);
         pass(&mut bare, nodes, &mut corners, &mut without);
-        pass(&mut *plastic.groups[0], nodes, &mut corners, &mut with);
+        pass(&mut *plastic.elements.groups[0], nodes, &mut corners, &mut with);
     }
     println!(
         "elastic deck {deck:.2} ns an element ({:.3}), without plasticity {without:.2}, with it {with:.2} ({:.3})",

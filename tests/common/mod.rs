@@ -64,9 +64,9 @@ pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> P
 
 /// Runs a deck text in memory.
 pub fn run(text: &str, settings: &[(&str, &str)], routines: &Routines) -> (Outcome, Memory) {
-    let mut prepared = prepared(text, settings, routines);
+    let prepared = prepared(text, settings, routines);
     let mut memory = Memory::default();
-    let outcome = solve::run(&mut prepared.plan, &mut memory);
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     (outcome, memory)
 }
 

@@ -6,3 +6,4 @@ mod common;
 mod dialects;
 mod language;
 mod mesh_files;
+mod variables;

@@ -284,10 +284,10 @@ impl Sink for First {
 
 /// Takes a state up in a plan and ends behind one increment; the increments behind, or why it does not fit.
 fn take_up(text: &str, control: Control<'_>) -> (Result<u64, String>, Vec<u8>) {
-    let mut prepared = common::prepared(text, &[], &Routines::none());
+    let prepared = common::prepared(text, &[], &Routines::none());
     let mut first = First::default();
-    let outcome = solve::run_with(&mut prepared.plan, &mut first, control);
-    (outcome.map(|o| o.increments), first.0)
+    let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
+    (outcome.map(|(o, _)| o.increments), first.0)
 }
 
 /// Bytes changed at random, with a checksum that is right again: the file is refused with a reason, or it is the one that

@@ -4,7 +4,7 @@
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
 use revolve::element::constants::Constants;
-use revolve::element::group::{Group, Quads};
+use revolve::element::group::{ElementGroup, Quads};
 use revolve::job;
 use revolve::material::failure::Intact;
 use revolve::material::plasticity::{Flow, Hardening};
@@ -84,11 +84,12 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
     let deck = grid(8, 8, false, |i, j| [0.1 * i as f64, 0.1 * j as f64])
         + &material(200e3, 0.3, 7.85e-9, "")
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Output, history\n*Energy Output\n ALLIE\n*End Step\n";
-    let elastic = common::prepared(&deck, &[], &Routines::none()).plan.solid.expect("deforms");
+    let state = common::prepared(&deck, &[], &Routines::none()).state;
+    let elastic = &state.elements;
     let elements: Vec<[u32; 4]> = (0..64).map(|e| elastic.groups[0].corners(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
     let constants =
         Constants { bulk, shear, hourglass_stiffness: 0.005, hourglass_viscosity: 0.0, bulk_viscosity: [0.06, 1.2] };
-    let bare = Quads::new((Bare, Linear, Intact), constants, 7.85e-9, &elements, &elastic.nodes);
+    let bare = Quads::new((Bare, Linear, Intact), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());
     assert_eq!(elastic.groups[0].bytes(), bare.bytes());
 }

@@ -91,6 +91,22 @@ fn a_deformable_run_brings_its_shape_and_the_element_that_limits() {
     assert!((velocity.low + 227.0).abs() < 23.0, "the bar starts at -227: {}", velocity.low);
 }
 
+/// The page leaves out cells below the middle of their range: nothing is deleted here, so nothing must be.
+#[test]
+fn status_is_told_apart_where_nothing_is_deleted() {
+    let (folder, out) = folder();
+    let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
+    let text = text.replace("*Element Output\n", "*Element Output\n STATUS\n");
+    let deck = folder.path().join("whole.inp");
+    std::fs::write(&deck, text).expect("a deck");
+    assert!(run(deck.to_str().expect("a name"), &out, &["nr=4", "nz=20"]).status.success());
+    let page = report::gather(folder.path()).expect("a page");
+    let fields = &page.runs[0].meridian.as_ref().expect("frames").fields;
+    let status = fields.iter().find(|f| f.name == "STATUS").expect("a field");
+    assert_eq!([status.low, status.high], [0.0, 1.0]);
+    assert!(numbers(&status.values).iter().all(|v| *v == 65534), "all are there");
+}
+
 #[test]
 fn a_large_run_stays_within_its_size_and_says_what_was_left_out() {
     let (folder, out) = folder();

@@ -68,9 +68,9 @@ fn ending(outcome: &Outcome) -> String {
 }
 
 fn run(text: &str, routines: &Routines, control: Control<'_>) -> (Outcome, Keeper) {
-    let mut prepared = prepared(text, &[], routines);
+    let prepared = prepared(text, &[], routines);
     let mut keeper = Keeper::default();
-    let outcome = solve::run_with(&mut prepared.plan, &mut keeper, control).expect("the state fits");
+    let (outcome, _) = solve::run_with(&prepared.plan, prepared.state, &mut keeper, control).expect("the state fits");
     (outcome, keeper)
 }
 
@@ -277,15 +277,15 @@ impl UserAmplitude for Peak {
 
 /// The moments it is told of, with the increment; `R` where its state will be kept.
 #[derive(Clone, Default)]
-struct Diary(std::rc::Rc<std::cell::RefCell<Vec<String>>>);
+struct Diary(std::sync::Arc<std::sync::Mutex<Vec<String>>>);
 
 impl UserEvents for Diary {
     fn moment(&mut self, moment: Moment, now: &Instant, _increment: f64) -> Result<Wish, LoadFailure> {
-        self.0.borrow_mut().push(format!("{} {}", moment as i32, now.increment));
+        self.0.lock().expect("a diary").push(format!("{} {}", moment as i32, now.increment));
         Ok(Wish::Continue)
     }
     fn restart_follows(&mut self) {
-        self.0.borrow_mut().push("R".into());
+        self.0.lock().expect("a diary").push("R".into());
     }
 }
 
@@ -311,11 +311,11 @@ fn events_tell_of_states_that_are_kept() {
     let routines = |diary: &Diary| Routines::none().with_events(diary.clone());
     let every = Some(Every::Increments(10));
     let (_, keeper) = run(&linked(), &routines(&diary), Control { every, ..Control::default() });
-    let told = diary.0.take();
+    let told = std::mem::take(&mut *diary.0.lock().expect("a diary"));
     let at = told.iter().position(|t| t == "R").expect("a state");
     assert_eq!(told[at..at + 4], ["R", "4 10", "2 10", "3 10"]);
     run(&linked(), &routines(&diary), Control { state: Some(&keeper.states[0].0), ..Control::default() });
-    let again = diary.0.take();
+    let again = std::mem::take(&mut *diary.0.lock().expect("a diary"));
     assert_eq!(again[..3], ["0 10", "2 10", "3 10"]);
     assert_eq!(again[1..], told.iter().filter(|t| *t != "R").skip(at + 1).cloned().collect::<Vec<_>>());
 }
@@ -434,10 +434,10 @@ fn a_state_that_does_not_fit_is_refused() {
     for text in
         [common::ogive(), bar(4, &steel(""), 1e4, 5e-6, ""), linked().replace("*Plastic\n 0.02, 0.\n 0.2, 0.2\n", "")]
     {
-        let mut prepared = prepared(&text, &[], &Routines::none());
+        let prepared = prepared(&text, &[], &Routines::none());
         let control = Control { state: Some(&keeper.states[0].0), ..Control::default() };
-        let refused = solve::run_with(&mut prepared.plan, &mut Keeper::default(), control);
-        assert!(refused.is_err(), "{:?}", refused.map(|o| o.digest));
+        let refused = solve::run_with(&prepared.plan, prepared.state.clone(), &mut Keeper::default(), control);
+        assert!(refused.is_err(), "{:?}", refused.map(|(o, _)| o.digest));
     }
 }
 

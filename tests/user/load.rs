@@ -7,7 +7,7 @@ use crate::common;
 /// A load made of a closure.
 struct Routine<F>(F);
 
-impl<F: FnMut(&LoadPoints<'_>, &mut [f64]) -> Result<(), LoadFailure>> UserLoad for Routine<F> {
+impl<F: FnMut(&LoadPoints<'_>, &mut [f64]) -> Result<(), LoadFailure> + Send> UserLoad for Routine<F> {
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
         (self.0)(points, pressure)
     }

@@ -96,7 +96,7 @@ struct Answer {
 
 fn answer(scene: &Scene, deck: &str, label: impl Fn(usize) -> usize) -> Answer {
     let prepared = common::prepared(deck, &[], &revolve::user::Routines::none());
-    let solid = prepared.plan.solid.as_ref().expect("deforms");
+    let nodes = &prepared.state.dofs.nodes;
     let node = |n: usize| {
         let at = prepared.plan.mesh.node_names.iter().position(|name| *name == label(n).to_string()).expect("a node");
         prepared.plan.places.nodes[&at]
@@ -108,7 +108,7 @@ fn answer(scene: &Scene, deck: &str, label: impl Fn(usize) -> usize) -> Answer {
     assert!(all.into_iter().all(|f| f.values.iter().all(|v| v.is_finite())), "a number that is not finite");
     let field = |name: &str| &frame.point_fields.iter().find(|f| f.name == name).expect("a field").values;
     let (moved, speed) = (field("U"), field("V"));
-    let components = moved.len() / solid.mass.len();
+    let components = moved.len() / nodes.len();
     let mut answer = Answer { fields: Vec::new(), momentum: [0.0; 2], drift: outcome.energy.drift };
     for n in 0..scene.count() {
         let at = node(n);
@@ -116,8 +116,8 @@ fn answer(scene: &Scene, deck: &str, label: impl Fn(usize) -> usize) -> Answer {
             answer.fields.push(moved[components * at + axis]);
             answer.fields.push(speed[components * at + axis]);
         }
-        answer.momentum[0] += solid.mass[at] * solid.nodes[at].v_z;
-        answer.momentum[1] += solid.mass[at] * speed[components * at + 1];
+        answer.momentum[0] += nodes.mass[at] * nodes[at].v_z;
+        answer.momentum[1] += nodes.mass[at] * speed[components * at + 1];
     }
     answer
 }

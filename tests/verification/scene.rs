@@ -59,10 +59,10 @@ fn steps_carry_loads_on_and_replace_them() {
         .replace("*End Step\n", second)
         .replace(" NOSE, CAVITY\n", " NOSE, CAVITY\n*Cload\n REF, 2, 50.\n");
     let prepared = common::prepared(&text, &[], &Routines::none());
-    assert_eq!(prepared.plan.steps[1].forces.len(), 2, "the resistance stays, the force is replaced");
+    assert_eq!(prepared.plan.steps[1].loads.len(), 2, "the resistance stays, the force is replaced");
     let cleared = text.replace("*Cload\n REF, 2, 100.", "*Dsload, op=NEW\n NOSE, P, 1.\n*Cload, op=NEW\n REF, 2, 100.");
     assert_eq!(
-        common::prepared(&cleared, &[], &Routines::none()).plan.steps[1].forces.len(),
+        common::prepared(&cleared, &[], &Routines::none()).plan.steps[1].loads.len(),
         2,
         "pressure and force only"
     );

@@ -7,6 +7,8 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
+use revolve::element::values;
+use revolve::output::variables::Variable;
 use revolve::solve::Outcome;
 
 use crate::common;
@@ -67,17 +69,17 @@ struct Cells {
 
 fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
     let prepared = common::prepared(deck, &[], &revolve::user::Routines::none());
-    let solid = prepared.plan.solid.as_ref().expect("deforms");
+    let nodes = &prepared.state.dofs.nodes;
     let frame = memory.frames.last().expect("a frame");
     let moved = &frame.point_fields.iter().find(|f| f.name == "U").expect("U").values;
     let stress = &frame.cell_fields.iter().find(|f| f.name == "S").expect("S").values;
-    let components = moved.len() / solid.nodes.len();
-    let group = &solid.groups[0];
+    let components = moved.len() / nodes.len();
+    let group = &prepared.state.elements.groups[0];
     let mut cells = Cells { place: Vec::new(), density: Vec::new(), mean: Vec::new() };
     for e in 0..group.len() {
         let corners = group.corners(e).map(|n| n as usize);
-        let before = corners.map(|n| solid.start[n]);
-        let now = corners.map(|n| [0, 1].map(|axis| solid.start[n][axis] + moved[components * n + axis]));
+        let before = corners.map(|n| nodes.start[n]);
+        let now = corners.map(|n| [0, 1].map(|axis| nodes.start[n][axis] + moved[components * n + axis]));
         let ratio = revolve::kernel::quad::volume(before) / revolve::kernel::quad::volume(now);
         cells.density.push(density * ratio);
         cells.place.push([0, 1].map(|axis| now.iter().map(|c| c[axis]).sum::<f64>() / 4.0));
@@ -210,8 +212,8 @@ fn sedovs_blast_reaches_its_radius() {
         &[],
         &revolve::user::Routines::none(),
     );
-    let solid = prepared.plan.solid.as_ref().expect("deforms");
-    let volume: f64 = (0..around).map(|e| solid.groups[0].volume(e, &solid.nodes)).sum();
+    let (group, nodes) = (&*prepared.state.elements.groups[0], prepared.state.dofs.nodes.as_slice());
+    let volume: f64 = (0..around).filter_map(|e| values::value(group, nodes, e, Variable::Volume.into())).sum();
     assert!((2.0 * volume / core - 1.0).abs() < 0.02, "{volume}");
     let energy = 0.5 * 0.851072 / volume;
     let deck = inside

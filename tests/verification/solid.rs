@@ -155,9 +155,9 @@ fn every_hourglass_control_keeps_the_pattern_small() {
             writeln!(deck, " {}, 2, {}", n + 1, 0.01 * sign).expect("text");
         }
         deck += "*Step\n*Dynamic, Explicit\n , 20.\n*Output, history, number interval=100\n*Node Output, nset=ALL\n U2\n*Energy Output\n ALLAE\n*End Step\n";
-        let mut prepared = common::prepared(&deck, &[], &Routines::none());
+        let prepared = common::prepared(&deck, &[], &Routines::none());
         let mut memory = Memory::default();
-        let outcome = solve::run(&mut prepared.plan, &mut memory);
+        let (outcome, _) = solve::run(&prepared.plan, prepared.state, &mut memory);
         assert!(outcome.halt.is_none(), "{control}: {:?}", outcome.halt);
         let largest = memory.rows.iter().flat_map(|r| r.1.iter().take(45)).fold(0.0f64, |m, u| m.max(u.abs()));
         // Without control the pattern would reach v t = 0.2.

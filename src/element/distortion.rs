@@ -2,8 +2,9 @@
 //! line between their neighbours, where the element would turn inside out (ABAQUS Analysis User's Guide, "Section
 //! controls"). Never here: which elements are controlled, stress.
 
-use crate::element::body::Solid;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::nodes::Nodes;
 
 /// The share of a corner's velocity towards its line that one increment takes away; so small because four elements may act
 /// on a node at once, and two is where a dashpot no longer is stable.
@@ -97,36 +98,38 @@ impl Controlled {
     }
 }
 
-impl Solid {
-    /// Takes the elements of a group under control; `ratio` is LENGTH RATIO.
-    pub fn control_distortion(&mut self, group: usize, ratio: f64) {
-        for element in 0..self.groups[group].len() {
-            let corners = self.groups[group].corners(element);
-            let at = corners.map(|n| self.start[n as usize]);
-            let softness = corners.map(|n| self.inverse_mass[n as usize]);
-            self.distortion.push(Controlled::new((group, element), corners, softness, at, ratio));
+/// All elements under control.
+#[derive(Clone, Debug, Default)]
+pub struct DistortionControl {
+    list: Vec<Controlled>,
+    /// Stable increment at the start, by which corners are led back.
+    time: f64,
+}
+
+impl DistortionControl {
+    /// Takes the elements of a group, by their corner nodes at the start, under control; `ratio` is LENGTH RATIO.
+    pub fn add(&mut self, group: usize, elements: impl Iterator<Item = [u32; 4]>, nodes: &Nodes, ratio: f64) {
+        for (element, corners) in elements.enumerate() {
+            let at = corners.map(|n| nodes.start[n as usize]);
+            let softness = corners.map(|n| nodes.inverse_mass[n as usize]);
+            self.list.push(Controlled::new((group, element), corners, softness, at, ratio));
         }
     }
 
-    /// Adds the forces of distortion control to those on nodes. Their work over the increment behind, by the trapezoid that
-    /// books the forces on nodes, is its own account and not work of the outside.
-    pub(crate) fn resist_distortion(&mut self) {
-        if self.distortion.is_empty() {
+    /// Adds the forces on nodes. Their work over the increment behind, by the trapezoid that books the forces on nodes, is its
+    /// own account and not work of the outside. `rate` is one over the increment that elements allow.
+    pub(super) fn resist(&mut self, dofs: &mut Dofs, alive: impl Fn((usize, usize)) -> bool, rate: &mut f64) {
+        if dofs.nodes.behind == 0.0 {
+            self.time = 1.0 / *rate;
             return;
         }
-        if self.behind == 0.0 {
-            self.distortion_time = 1.0 / self.limit.0.rate;
-            return;
-        }
-        let dt = if self.moved { self.behind } else { 0.0 };
+        let dt = dofs.nodes.unbooked();
         let mut active = false;
-        let mut list = std::mem::take(&mut self.distortion);
-        for controlled in &mut list {
-            let nodes = controlled.corners.map(|n| self.nodes[n as usize]);
+        for controlled in &mut self.list {
+            let nodes = controlled.corners.map(|n| dofs.nodes[n as usize]);
             let (places, velocities) = (nodes.map(|n| [n.r, n.z]), nodes.map(|n| [n.v_r, n.v_z]));
-            let mut found = controlled.push(&places, &velocities, self.behind, self.distortion_time);
-            let (group, element) = controlled.place;
-            if found.is_some() && self.groups[group].status(element) == Some(0.0) {
+            let mut found = controlled.push(&places, &velocities, dofs.nodes.behind, self.time);
+            if found.is_some() && !alive(controlled.place) {
                 found = None;
             }
             if found.is_none() && controlled.force == [[0.0; 2]; 4] {
@@ -138,17 +141,28 @@ impl Solid {
             for (i, &n) in controlled.corners.iter().enumerate() {
                 let (now, before) = (forces[i], controlled.force[i]);
                 work += 0.5 * dt * ((now[0] + before[0]) * velocities[i][0] + (now[1] + before[1]) * velocities[i][1]);
-                self.external[0][n as usize][0] += now[0];
-                self.external[0][n as usize][1] += now[1];
+                dofs.nodes.forces[0][n as usize][0] += now[0];
+                dofs.nodes.forces[0][n as usize][1] += now[1];
             }
-            self.energies.external -= work;
-            self.energies.distortion -= work;
+            dofs.energies.external -= work;
+            dofs.energies.distortion -= work;
             controlled.force = forces;
         }
-        self.distortion = list;
         if active {
-            self.limit.0.rate *= CAUTION;
+            *rate *= CAUTION;
         }
+    }
+
+    /// Bytes of the list.
+    pub fn bytes(&self) -> usize {
+        size_of::<Controlled>() * self.list.capacity()
+    }
+}
+
+impl Persist for DistortionControl {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let DistortionControl { list, time } = self;
+        persist_fields!(archive; list.as_mut_slice(), time);
     }
 }
 
