@@ -1,6 +1,7 @@
 //! Constraints: what is prescribed, tied, linked or kept apart, one file a kind. The integrator knows none by name.
 //! Never here: loads.
 
+mod dependence;
 pub mod equation;
 pub mod motion;
 pub mod tie;
