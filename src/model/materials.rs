@@ -20,7 +20,6 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no material above"));
             return;
         }
-        self.refuse(card, &["RATE", "SCALESTRESS"]);
         match card.keyword.name {
             "DENSITY" => {
                 let density = self.positive(card, "the density");
@@ -79,14 +78,6 @@ impl Builder<'_> {
             self.unsupported(card.span, format!("TYPE={kind} is not supported"), "ISOTROPIC and SHEAR are");
             return;
         }
-        if card.has("DEPENDENCIES") || card.lines.len() > 1 {
-            self.unsupported(
-                card.span,
-                "elasticity that depends on fields or temperature is not supported",
-                "give one line",
-            );
-            return;
-        }
         if kind == "SHEAR" {
             let shear = self.positive(card, "the shear modulus");
             self.last_material().shear_modulus = shear;
@@ -108,8 +99,8 @@ impl Builder<'_> {
 
     /// `*HYPERELASTIC, NEO HOOKE`: C10 and D1, both above zero: what does not give way in volume has no stable increment.
     fn hyperelastic(&mut self, card: &Card) {
-        if !card.has("NEO HOOKE") || card.lines.len() > 1 {
-            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE with one line is");
+        if !card.has("NEO HOOKE") {
+            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE is");
             return;
         }
         let Some(line) = self.first_line(card) else { return };
@@ -122,7 +113,6 @@ impl Builder<'_> {
     }
 
     fn plastic(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
         let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
         match hardening.as_str() {
             "JOHNSONCOOK" => {
@@ -187,7 +177,6 @@ impl Builder<'_> {
     }
 
     fn rate_dependent(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
         let kind = card.value("TYPE").map_or("POWERLAW".into(), |w| upper(&w.text).replace(' ', ""));
         if self.first_line(card).is_none() {
             return;
@@ -239,23 +228,25 @@ impl Builder<'_> {
             self.unknown("M111", "material", material, &names);
             return;
         }
+        self.claim("section", &elements, card.span);
         let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
         let controls = card.value("CONTROLS").map(|w| upper(&w.text));
+        self.controls_used.extend(card.value("CONTROLS").cloned());
         self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
+    }
+
+    /// `*EXPANSION`: where temperatures change, its strains would be missing.
+    pub(super) fn expansion(&mut self, card: &Card) {
+        if self.deck.cards.iter().any(|c| c.keyword.name == "DYNAMIC" && c.has("ADIABATIC")) {
+            self.unsupported(card.span, "thermal expansion in an adiabatic step is not supported", "remove one of them");
+        } else {
+            self.inert(card, "temperatures do not change".into());
+        }
     }
 
     /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
     pub(super) fn section_controls(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        let refused = ["MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
-        self.refuse(card, &refused);
-        // The second and third factor are of shells.
-        for word in card.lines.first().into_iter().flat_map(|l| [l.field(3), l.field(4)]).flatten() {
-            if word.number(&mut self.diagnostics).is_some_and(|factor| factor != 1.0) {
-                let help = "give *BULK VISCOSITY in the step";
-                self.unsupported(word.span, "a factor on bulk viscosity by section is not supported", help);
-            }
-        }
         let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
         let Ok(distortion) = self.distortion_control(card) else { return };
         let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
@@ -308,6 +299,19 @@ impl Builder<'_> {
             return Err(());
         }
         Ok(wanted.then_some(ratio))
+    }
+
+    /// Sections may name controls that come later; at the end all must be there.
+    pub(super) fn check_controls(&mut self) {
+        let names: Vec<String> = self.model.controls.iter().map(|c| c.name.clone()).collect();
+        let refused = |c: &&Card| c.keyword.name == "SECTION CONTROLS" && c.has("NAME");
+        let given: Vec<String> =
+            self.deck.cards.iter().filter(refused).filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
+        for word in std::mem::take(&mut self.controls_used) {
+            if !given.contains(&upper(&word.text)) {
+                self.unknown("M116", "section controls", &word, &names);
+            }
+        }
     }
 
     /// Names of all materials of the deck, in order, whether read yet or not.

@@ -4,6 +4,7 @@
 mod amplitudes;
 mod bodies;
 mod builder;
+mod check;
 pub mod codes;
 mod connectors;
 mod contact;
@@ -34,6 +35,7 @@ use crate::deck::{Deck, Diagnostics};
 /// Resolves a deck. Always returns a model; it may be run only where the diagnostics hold no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::Builder::new(deck);
+    builder.model.inert = check::check(deck, &mut builder.diagnostics);
     for card in &deck.cards {
         builder.card(card);
     }

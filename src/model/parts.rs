@@ -16,13 +16,13 @@ pub struct Placement {
 
 impl Placement {
     /// A point of the part in the assembly.
-    pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
-        let moved = Point3::from(point) + self.translation;
+    pub fn apply(&self, [r, z]: [f64; 2]) -> [f64; 2] {
+        let moved = Point3::new(r, z, 0.0) + self.translation;
         let placed = match &self.rotation {
             Some((centre, rotation)) => centre + rotation * (moved - centre),
             None => moved,
         };
-        [placed.x, placed.y, placed.z]
+        [placed.x, placed.y]
     }
 }
 

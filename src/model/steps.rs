@@ -55,7 +55,7 @@ impl Builder<'_> {
             "BULK VISCOSITY" => self.bulk_viscosity(card),
             "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
             "ENERGY LIMIT" => self.energy_limit(card),
-            _ => self.not_yet(card),
+            _ => {}
         }
     }
 
@@ -103,7 +103,6 @@ impl Builder<'_> {
             self.unsupported(card.span, "implicit dynamics is not supported", "write *DYNAMIC, EXPLICIT");
             return;
         }
-        self.refuse(card, &["FIXED TIME INCREMENTATION"]);
         let Some(line) = self.first_line(card) else { return };
         let Some(duration) = self.number(line, 1, "the length of the step") else { return };
         if duration <= 0.0 {
@@ -162,7 +161,17 @@ impl Builder<'_> {
             self.out_of_range(card.span, format!("ACCURACY must lie between 1e-14 and 0.1, not {accuracy}"));
             return None;
         }
-        Some(IncrementControl::Automatic { accuracy, element_by_element: card.has("ELEMENT BY ELEMENT") })
+        let element_by_element = card.has("ELEMENT BY ELEMENT");
+        if element_by_element && card.has("GLOBAL") {
+            self.out_of_range(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
+            return None;
+        }
+        let largest = self.number_or(line, 3, f64::INFINITY)?;
+        if largest.is_nan() || largest <= 0.0 || duration / largest > MOST_INCREMENTS {
+            self.out_of_range(line.span, format!("the largest increment must be above zero, and end the step, not {largest}"));
+            return None;
+        }
+        Some(IncrementControl::Automatic { accuracy, element_by_element, largest })
     }
 
     fn load_velocity(&mut self, card: &Card) -> Option<LoadVelocity> {

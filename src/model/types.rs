@@ -627,6 +627,8 @@ pub enum IncrementControl {
         accuracy: f64,
         /// `ELEMENT BY ELEMENT`.
         element_by_element: bool,
+        /// The largest increment allowed, time; infinite where the deck gives none.
+        largest: f64,
     },
     /// `DIRECT USER CONTROL`: this increment.
     Fixed(f64),

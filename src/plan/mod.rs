@@ -252,7 +252,7 @@ impl Compiler<'_> {
     }
 
     fn increment_rows(&mut self, step: &crate::model::Step, forces: &[Box<dyn Force>]) {
-        let detail = match step.increment {
+        let mut detail = match step.increment {
             IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
                 format!("stable increment times {}", step.scale_factor)
             }
@@ -261,6 +261,11 @@ impl Compiler<'_> {
                 format!("nothing limits the increment: error estimate, accuracy {accuracy:e}")
             }
         };
+        if let IncrementControl::Automatic { largest, .. } = step.increment
+            && largest.is_finite()
+        {
+            detail += &format!(", at most {largest:e}");
+        }
         self.cause(step.span, "central difference", 1, "step", detail);
         if forces.iter().any(|f| f.reads_velocity()) {
             let scheme = match step.load_velocity {

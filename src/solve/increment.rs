@@ -78,6 +78,8 @@ const SLIVER: f64 = 1e-3;
 #[derive(Debug)]
 pub struct Pace {
     fixed: Option<f64>,
+    /// Largest increment that the deck allows, time.
+    allowed: f64,
     factor: f64,
     resolution: f64,
     largest: f64,
@@ -89,13 +91,14 @@ pub struct Pace {
 impl Pace {
     /// The pace of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
-        let (fixed, accuracy) = match step.control {
-            IncrementControl::Fixed(length) => (Some(length), 1.0),
-            IncrementControl::Automatic { accuracy, .. } => (None, accuracy),
+        let (fixed, accuracy, allowed) = match step.control {
+            IncrementControl::Fixed(length) => (Some(length), 1.0, length),
+            IncrementControl::Automatic { accuracy, largest, .. } => (None, accuracy, largest),
         };
         let largest = accuracy.sqrt() * step.duration;
         Pace {
             fixed,
+            allowed,
             factor: step.scale_factor,
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
@@ -117,6 +120,7 @@ impl Pace {
                 if let Some(solid) = &run.solid {
                     next.length = next.length.min(solid.stable_increment() * self.factor);
                 }
+                next.length = next.length.min(self.allowed);
                 for force in &step.forces {
                     next.shorten(force.limit(&run.now, &run.bodies));
                 }
@@ -181,7 +185,7 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
 
 impl Persist for Pace {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Pace { fixed: _, factor: _, resolution: _, largest: _, free, speed } = self;
+        let Pace { fixed: _, allowed: _, factor: _, resolution: _, largest: _, free, speed } = self;
         persist_fields!(archive; free, speed.as_mut_slice());
     }
 }
