@@ -32,6 +32,8 @@ pub struct Prepared {
     pub plan: Plan,
     /// Findings of all rooms.
     pub diagnostics: Diagnostics,
+    /// The `*HEADING`.
+    pub title: String,
     /// What no mesh shows.
     scene: Scene,
     /// Whether routines of the user take part.
@@ -98,12 +100,22 @@ pub fn prepare_edited(
     if !diagnostics.has_errors() {
         diagnostics.append(found);
     }
-    Prepared { scene: Scene::of(&model), deck, plan, diagnostics, has_routines: routines.any() }
+    Prepared {
+        title: model.title.clone(),
+        scene: Scene::of(&model),
+        deck,
+        plan,
+        diagnostics,
+        has_routines: routines.any(),
+    }
 }
 
 /// What `<job>.json` holds. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
+    /// The `*HEADING`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub title: String,
     /// `completed` or `halted`.
     pub status: &'static str,
     /// Why it halted.
@@ -420,6 +432,7 @@ fn column_names(plan: &Plan) -> Vec<String> {
 fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> Summary {
     let deck = &prepared.deck;
     Summary {
+        title: prepared.title.clone(),
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),

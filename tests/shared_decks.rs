@@ -10,7 +10,7 @@ const EXPECTED: &[(&str, &[&str])] = &[
     ("Ferrite-FEM__FerriteMeshParser.jl/twoinstances.inp", &["M121"]),
     ("Ferrite-FEM__FerriteMeshParser.jl/unsupported_element.inp", &["M120", "M121"]),
     ("JuliaFEM__AbaqusReader.jl/contact_hertz.inp", &["D201", "M104", "M121"]),
-    ("JuliaFEM__AbaqusReader.jl/hypermesh_model.inp", &[]),
+    ("JuliaFEM__AbaqusReader.jl/hypermesh_model.inp", &["M104"]),
     ("USArmyResearchLab__PyVUMAT/example.inp", &["M121"]),
     ("YB-LIM__Powder_Metal_CREEP/Indentation.inp", &["D201", "M104", "M106", "M121"]),
     ("calculix__CalculiX-Examples/solve_acd.inp", &["D002", "D201", "M110"]),

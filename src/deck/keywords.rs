@@ -126,9 +126,8 @@ impl Keyword {
     pub fn shape<'v>(&self, value: impl Fn(&str) -> Option<Option<&'v str>>) -> &'static Shape {
         let applies = |data: &&Data| match data.when {
             None => true,
-            Some((name, wanted)) => {
-                value(name).is_some_and(|v| wanted.is_empty() || v.is_some_and(|v| names::fold(v) == names::fold(wanted)))
-            }
+            Some((name, wanted)) => value(name)
+                .is_some_and(|v| wanted.is_empty() || v.is_some_and(|v| names::fold(v) == names::fold(wanted))),
         };
         self.data.iter().find(applies).map_or(&Shape::Nothing, |data| &data.shape)
     }
@@ -199,11 +198,7 @@ pub fn is_parameter(keyword: &Keyword, text: &str) -> bool {
     keyword.parameters.iter().any(|p| same(&wanted, p.name))
 }
 
-fn find<T>(
-    text: &str,
-    table: impl Iterator<Item = &'static T> + Clone,
-    name: fn(&T) -> &'static str,
-) -> Lookup<T> {
+fn find<T>(text: &str, table: impl Iterator<Item = &'static T> + Clone, name: fn(&T) -> &'static str) -> Lookup<T> {
     let wanted = names::fold(text);
     if let Some(row) = table.clone().find(|row| same(&wanted, name(row))) {
         return Lookup::Found(row);

@@ -88,7 +88,9 @@ fn data_lines(data: &Data) -> Vec<String> {
         Shape::Text(rule) => vec![format!("{when}{}", field(rule))],
         Shape::List(rule) => vec![format!("{when}{}; any number of them, on any number of lines", field(rule))],
         Shape::Stream(rules) => vec![format!("{when}{}; in turn, on any number of lines", row(rules))],
-        Shape::Wrapped(count, rules) => vec![format!("{when}{}; {count} values, if need be on several lines", row(rules))],
+        Shape::Wrapped(count, rules) => {
+            vec![format!("{when}{}; {count} values, if need be on several lines", row(rules))]
+        }
         Shape::Lines(lines, repeats) => {
             let last = lines.len() - 1;
             let again = |i: usize| if *repeats && i == last { "; any number of such lines" } else { "" };
@@ -127,8 +129,7 @@ pub fn explain_keyword(name: &str) -> Option<String> {
 fn explain(keyword: &Keyword) -> String {
     let width = keyword.parameters.iter().map(|r| r.name.len()).max().unwrap_or(0);
     let (place, standing) = (standing_place(keyword), standing(keyword.tier));
-    let mut text =
-        format!("*{}{}: {}.\n{standing}.{place}\n", keyword.name, mark(keyword.extension), keyword.summary);
+    let mut text = format!("*{}{}: {}.\n{standing}.{place}\n", keyword.name, mark(keyword.extension), keyword.summary);
     for rule in keyword.parameters {
         text += &format!("  {:width$} {}\n", rule.name, about(rule).trim_start_matches(':'));
     }

@@ -3,8 +3,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 use crate::deck::names::nearest;
+use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;

@@ -209,7 +209,9 @@ impl Builder<'_> {
                 Some("runs clockwise: number its nodes the other way")
             }
             ElementKind::Cax3 | ElementKind::Cax4r if area == 0.0 => Some("has no area"),
-            ElementKind::Cax4r if has_inward_corner(&points, area) => Some("is concave: one of its corners points inward"),
+            ElementKind::Cax4r if has_inward_corner(&points, area) => {
+                Some("is concave: one of its corners points inward")
+            }
             _ => None,
         }
     }

@@ -235,12 +235,12 @@ impl Builder<'_> {
         self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
     }
 
-    /// `*EXPANSION`: where temperatures change, its strains would be missing.
+    /// `*EXPANSION`: where temperatures change, its strains are missing.
     pub(super) fn expansion(&mut self, card: &Card) {
         if self.deck.cards.iter().any(|c| c.keyword.name == "DYNAMIC" && c.has("ADIABATIC")) {
-            self.unsupported(card.span, "thermal expansion in an adiabatic step is not supported", "remove one of them");
-        } else {
-            self.inert(card, "temperatures do not change".into());
+            let message = "temperatures change, and the thermal strain of *EXPANSION is left out";
+            let finding = Diagnostic::warning("M167", message).at(card.span, "thermal strain is not simulated");
+            self.diagnostics.push(finding);
         }
     }
 

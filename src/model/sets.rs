@@ -83,7 +83,9 @@ impl Builder<'_> {
             let what = if nodes { "nodes" } else { "elements" };
             let message = match missing {
                 0 => format!("{last} is not reached from {first} in steps of {step}"),
-                _ => format!("{missing} of the {count} {what} from {first} to {last} in steps of {step} are not defined"),
+                _ => {
+                    format!("{missing} of the {count} {what} from {first} to {last} in steps of {step} are not defined")
+                }
             };
             let finding = Diagnostic::warning("M166", message).at(line.span, "the set holds the others");
             self.diagnostics.push(finding.help("give the first and last label that are there"));

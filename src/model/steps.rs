@@ -168,7 +168,10 @@ impl Builder<'_> {
         }
         let largest = self.number_or(line, 3, f64::INFINITY)?;
         if largest.is_nan() || largest <= 0.0 || duration / largest > MOST_INCREMENTS {
-            self.out_of_range(line.span, format!("the largest increment must be above zero, and end the step, not {largest}"));
+            self.out_of_range(
+                line.span,
+                format!("the largest increment must be above zero, and end the step, not {largest}"),
+            );
             return None;
         }
         Some(IncrementControl::Automatic { accuracy, element_by_element, largest })

@@ -159,14 +159,14 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines ["A", "B", "C"])]),
     row!(inert "nothing here conducts heat", "CONDUCTIVITY", "Heat conduction"),
     row!(inert "nothing here is anisotropic", "ORIENTATION", "A local coordinate system"),
-    row!("EXPANSION", "Thermal expansion; refused in an adiabatic step, inert in any other", (once below "MATERIAL"), {
-        "TYPE" inert "temperatures do not change",
-        "ZERO" inert "temperatures do not change",
-        "DEPENDENCIES" inert "temperatures do not change",
+    row!("EXPANSION", "Thermal expansion; inert, with a warning in an adiabatic step", (once below "MATERIAL"), {
+        "TYPE" inert "thermal strain is not simulated",
+        "ZERO" inert "thermal strain is not simulated",
+        "DEPENDENCIES" inert "thermal strain is not simulated",
         "USER" refused "expansion of the user is not called",
         "PORE FLUID" refused "pores are not simulated",
         "FIELD" refused "nothing here depends on field variables",
-    }, [(rows ["coefficient" inert "temperatures do not change", "temperature" inert "temperatures do not change"])]),
+    }, [(rows ["coefficient" inert "thermal strain is not simulated", "temperature" inert "thermal strain is not simulated"])]),
     row!("SOLID SECTION", "Gives solid elements their material; an element has one section", (), {
         "ELSET" read "Elements",
         "MATERIAL" read "Material",

@@ -81,19 +81,37 @@ macro_rules! data {
 use data;
 
 macro_rules! times {
-    () => { Times::Any };
-    (once $(step)? $(below $parent:literal)?) => { Times::Once };
-    (unique $name:literal) => { Times::Unique($name) };
-    ($($other:tt)*) => { Times::Any };
+    () => {
+        Times::Any
+    };
+    (once $(step)? $(below $parent:literal)?) => {
+        Times::Once
+    };
+    (unique $name:literal) => {
+        Times::Unique($name)
+    };
+    ($($other:tt)*) => {
+        Times::Any
+    };
 }
 use times;
 
 macro_rules! place {
-    (once step) => { Place::Step };
-    (step) => { Place::Step };
-    (once below $parent:literal) => { Place::Below($parent) };
-    (below $parent:literal) => { Place::Below($parent) };
-    ($($other:tt)*) => { Place::Anywhere };
+    (once step) => {
+        Place::Step
+    };
+    (step) => {
+        Place::Step
+    };
+    (once below $parent:literal) => {
+        Place::Below($parent)
+    };
+    (below $parent:literal) => {
+        Place::Below($parent)
+    };
+    ($($other:tt)*) => {
+        Place::Anywhere
+    };
 }
 use place;
 
