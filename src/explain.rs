@@ -1,16 +1,24 @@
-//! `revolve explain`: keywords and diagnostic codes.
+//! `revolve explain`: keywords, output variables and diagnostic codes.
 //! Never here: the tables themselves.
 
 use crate::deck::{self, Code, manual};
 use crate::{model, output, plan, user};
 
-/// What is to be said of a word, if it is a keyword, a code, or `keywords`.
+/// What is to be said of a word, if it is a keyword, an output variable, a code, `keywords` or `variables`. Of a word that is
+/// a variable's name a keyword is meant only if it is the whole of the keyword's.
 pub fn explain(word: &str) -> Option<String> {
-    if word.eq_ignore_ascii_case("keywords") {
-        return Some(manual::keyword_manual());
+    match word.trim().to_ascii_lowercase().as_str() {
+        "keywords" => return Some(manual::keyword_manual()),
+        "variables" => return Some(output::manual::variable_manual()),
+        _ => {}
     }
-    let code = codes().find(|c| c.code.eq_ignore_ascii_case(word.trim()));
-    code.map(|c| format!("{}: {}\n\n{}\n", c.code, c.title, c.text)).or_else(|| manual::explain_keyword(word))
+    if let Some(code) = codes().find(|c| c.code.eq_ignore_ascii_case(word.trim())) {
+        return Some(format!("{}: {}\n\n{}\n", code.code, code.title, code.text));
+    }
+    let variable = output::manual::explain_variable(word);
+    let keyword = manual::explain_keyword(word).filter(|_| variable.is_none() || manual::is_keyword(word));
+    let texts: Vec<String> = keyword.into_iter().chain(variable).collect();
+    (!texts.is_empty()).then(|| texts.join("\n"))
 }
 
 /// All diagnostic codes of all rooms.

@@ -15,7 +15,7 @@ use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
-use crate::plan::{self, Plan};
+use crate::plan::{self, Plan, State};
 use crate::solve::{self, Control, Energy, Every, Outcome, Rest, Sink, StepSummary};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
@@ -30,6 +30,8 @@ pub struct Prepared {
     pub deck: Deck,
     /// What will run; not to be run where there are errors.
     pub plan: Plan,
+    /// The state that it starts from.
+    pub state: State,
     /// Findings of all rooms.
     pub diagnostics: Diagnostics,
     /// The `*HEADING`.
@@ -57,9 +59,7 @@ impl Prepared {
     /// Where the machine does not have it.
     pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), String> {
         let arch = instructions.arch().ok_or_else(|| format!("this machine does not have {instructions:?}"))?;
-        if let Some(solid) = &mut self.plan.solid {
-            solid.use_arch(arch);
-        }
+        self.state.elements.use_arch(arch);
         Ok(())
     }
 
@@ -95,7 +95,7 @@ pub fn prepare_edited(
     if !diagnostics.has_errors() {
         edit(&mut model);
     }
-    let (plan, found) = plan::compile(&deck, &model, routines);
+    let (plan, state, found) = plan::compile(&deck, &model, routines);
     // What follows from a fault already told would only hide it.
     if !diagnostics.has_errors() {
         diagnostics.append(found);
@@ -105,6 +105,7 @@ pub fn prepare_edited(
         scene: Scene::of(&model),
         deck,
         plan,
+        state,
         diagnostics,
         has_routines: routines.any(),
     }
@@ -211,6 +212,8 @@ pub struct Options<'a> {
     pub interrupt: Option<&'a AtomicUsize>,
     /// State to go on from, as [`find_checkpoint`] gives it.
     pub from: Option<Checkpoint>,
+    /// State to start from in place of a copy of the prepared one, where memory is dear.
+    pub state: Option<State>,
     /// What the user's routines are ([`crate::user::compile::Compiled::identity`]); empty without any.
     pub user: String,
 }
@@ -320,27 +323,23 @@ impl Sink for Files<'_> {
 }
 
 /// Runs a prepared deck and keeps only what its histories came to.
-pub fn run_in_memory(prepared: &mut Prepared) -> (Outcome, HistorySummary) {
+pub fn run_in_memory(prepared: &Prepared) -> (Outcome, HistorySummary) {
     let mut sink = HistoryOnly { columns: column_names(&prepared.plan), ..HistoryOnly::default() };
-    let outcome = run_into(prepared, &mut sink);
+    let (outcome, _) = run_into(prepared, &mut sink);
     (outcome, sink.summary)
 }
 
 /// Runs a prepared deck into a sink of the caller's; no file is written.
-pub fn run_into(prepared: &mut Prepared, sink: &mut dyn Sink) -> Outcome {
+pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
     announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
-    solve::run(&mut prepared.plan, sink)
+    solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
 /// Runs a prepared deck and writes its files.
 ///
 /// # Errors
 /// Where the folder cannot be written; a file that cannot be written later halts the run instead.
-pub fn run_to_files<'a>(
-    prepared: &mut Prepared,
-    job: &'a Job,
-    progress: &'a mut Progress<'a>,
-) -> std::io::Result<Summary> {
+pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Progress<'a>) -> std::io::Result<Summary> {
     run_with(prepared, job, Options::default(), progress).map_err(|refusal| match refusal {
         Refusal::Folder(e) => e,
         Refusal::Checkpoint(finding) => std::io::Error::other(finding.message),
@@ -352,7 +351,7 @@ pub fn run_to_files<'a>(
 /// # Errors
 /// Where the folder cannot be written, or a state does not fit.
 pub fn run_with<'a>(
-    prepared: &mut Prepared,
+    prepared: &Prepared,
     job: &'a Job,
     options: Options<'_>,
     progress: &'a mut Progress<'a>,
@@ -373,10 +372,10 @@ pub fn run_with<'a>(
     let frames = frames.map_err(Refusal::Folder)?;
     let history_written = Stopwatch::now();
     let mut files = Files { job, frames, history, summary, identity, progress, history_written };
-    let state = options.from.as_ref().map(|c| &c.state[..]);
-    let control = Control { every: options.every, interrupt: options.interrupt, state };
-    let outcome = solve::run_with(&mut prepared.plan, &mut files, control).map_err(unfit)?;
-    prepared.plan.ledger.share(&outcome.effect_seconds, outcome.seconds);
+    let kept = options.from.as_ref().map(|c| &c.state[..]);
+    let control = Control { every: options.every, interrupt: options.interrupt, state: kept };
+    let state = options.state.unwrap_or_else(|| prepared.state.clone());
+    let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(unfit)?;
     let kept = outcome.checkpoint_seconds;
     let history_failed = files.write_history().err();
     let mut summary = summarise(prepared, outcome, files.summary);
@@ -431,6 +430,8 @@ fn column_names(plan: &Plan) -> Vec<String> {
 
 fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> Summary {
     let deck = &prepared.deck;
+    let mut ledger = prepared.plan.ledger.clone();
+    ledger.share(&outcome.effect_seconds, outcome.seconds);
     Summary {
         title: prepared.title.clone(),
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
@@ -444,7 +445,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         energy: outcome.energy,
         digest: outcome.digest,
         rests: outcome.rests,
-        ledger: prepared.plan.ledger.clone(),
+        ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),
         timing: Timing {

@@ -8,6 +8,7 @@ pub mod job;
 pub mod kernel;
 pub mod load;
 pub mod material;
+pub mod mesh;
 pub mod model;
 pub mod output;
 pub mod plan;

@@ -6,6 +6,7 @@ cargo fmt --check
 cargo clippy --release --all-targets --locked -- -D warnings
 cargo test --release --locked -- --show-output 2>&1 | tee target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --locked --quiet
+grep -E "^on this machine:" target/tests.log | sort -u || true
 if grep -qE "^(left out|skipped):" target/tests.log; then
     echo "Some tests left something out:"
     grep -E "^(left out|skipped):" target/tests.log | sort -u

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 use clap::Args;
 use revolve::explain::explain;
 
-/// Explain a keyword or a diagnostic code; `keywords` prints the whole manual.
+/// Explain a keyword, an output variable or a diagnostic code; `keywords` and `variables` print all of them.
 #[derive(Args)]
 pub struct Explain {
-    /// Keyword or code.
+    /// Keyword, variable or code.
     word: Vec<String>,
 }
 
@@ -22,7 +22,8 @@ impl Explain {
                 Ok(ExitCode::SUCCESS)
             }
             None => Err(format!(
-                "`{word}` is no keyword and no diagnostic code; `revolve explain keywords` lists all keywords"
+                "`{word}` is no keyword, no output variable and no diagnostic code; `revolve explain keywords` and `revolve \
+                 explain variables` list them"
             )),
         }
     }

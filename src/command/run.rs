@@ -110,8 +110,10 @@ impl Run {
             println!("{}", prepared.plan.ledger.render());
         }
         let signal = watch_signals()?;
-        let options = Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, user };
-        let summary = match run(&mut prepared, &job, options, self.quiet) {
+        // Only once: the state itself, which may be large, and not a copy.
+        let state = Some(std::mem::take(&mut prepared.state));
+        let options = Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user };
+        let summary = match run(&prepared, &job, options, self.quiet) {
             Ok(summary) => summary,
             Err(Refusal::Folder(e)) => return Err(e.to_string()),
             Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
@@ -154,7 +156,7 @@ fn refused(finding: Diagnostic) -> ExitCode {
     ExitCode::from(REFUSED)
 }
 
-fn run(prepared: &mut Prepared, job: &output::Job, options: Options<'_>, quiet: bool) -> Result<Summary, Refusal> {
+fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool) -> Result<Summary, Refusal> {
     let bar = progress_bar(1000, quiet);
     let mut progress = |step: &str, fraction: f64, increment: u64| {
         bar.set_position((1000.0 * fraction) as u64);

@@ -6,9 +6,13 @@
 //! (Lagrange multipliers; Belytschko, Liu and Moran, Nonlinear Finite Elements, 6.2). Velocities are then held to the same
 //! equations, which takes in motions that are given and change within the increment.
 
-use crate::element::body::{Given, Solid};
+use std::collections::HashSet;
+
+use super::Constraint;
+use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
-use crate::state::nodes::Node;
+use crate::state::dofs::{Dof, Dofs};
+use crate::state::magnitude::Clock;
 
 /// One equation: node, axis (0 along r, 1 along z) and coefficient of each term.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,7 +49,7 @@ impl System {
     ///
     /// # Errors
     /// The index of an equation that follows from others, or has nothing that could move to keep it.
-    pub fn all(equations: &[Equation], mass: &[f64], given: &[Given]) -> Result<Vec<System>, usize> {
+    pub fn all(equations: &[Equation], mass: &[f64], given: &HashSet<(usize, usize)>) -> Result<Vec<System>, usize> {
         let mut taken = vec![false; equations.len()];
         let mut systems = Vec::new();
         for first in 0..equations.len() {
@@ -70,7 +74,12 @@ impl System {
         Ok(systems)
     }
 
-    fn new(all: &[Equation], members: &[usize], mass: &[f64], given: &[Given]) -> Result<System, usize> {
+    fn new(
+        all: &[Equation],
+        members: &[usize],
+        mass: &[f64],
+        given: &HashSet<(usize, usize)>,
+    ) -> Result<System, usize> {
         let n = members.len();
         let mut system =
             System { freedoms: Vec::new(), rows: Vec::new(), factor: vec![0.0; n * n], lambda: vec![0.0; n] };
@@ -90,14 +99,19 @@ impl System {
         }
     }
 
-    fn freedom(&mut self, node: usize, axis: usize, mass: &[f64], given: &[Given]) -> usize {
+    fn freedom(&mut self, node: usize, axis: usize, mass: &[f64], given: &HashSet<(usize, usize)>) -> usize {
         if let Some(known) = self.freedoms.iter().position(|f| (f.node, f.axis) == (node, axis)) {
             return known;
         }
-        let is_given = given.iter().any(|g| (g.node, g.axis) == (node, axis));
+        let is_given = given.contains(&(node, axis));
         let softness = if is_given { 0.0 } else { 1.0 / mass[node] };
         self.freedoms.push(Freedom { node, axis, softness, pull: 0.0, change: 0.0 });
         self.freedoms.len() - 1
+    }
+
+    fn bytes(&self) -> usize {
+        let rows: usize = self.rows.iter().map(|r| size_of_val(r) + size_of::<(usize, f64)>() * r.capacity()).sum();
+        rows + size_of::<Freedom>() * self.freedoms.capacity() + 8 * (self.factor.capacity() + self.lambda.capacity())
     }
 
     /// An entry of C M^-1 C^T.
@@ -149,51 +163,88 @@ fn factorise(matrix: &mut [f64], n: usize) -> Result<(), usize> {
     Ok(())
 }
 
-fn velocity(node: &mut Node, axis: usize) -> &mut f64 {
-    if axis == 0 { &mut node.v_r } else { &mut node.v_z }
+/// The equations of a step.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    id: EffectId,
+    systems: Vec<System>,
 }
 
-impl Solid {
-    /// Holds accelerations to the equations. The kinetic energy needs no correction: on velocities that satisfy the
-    /// equations their forces do no work.
-    pub(crate) fn constrain_accelerations(&mut self) {
-        for system in &mut self.equations {
-            system.solve(|node, axis| self.acceleration[node][axis]);
-            for f in &mut system.freedoms {
-                self.acceleration[f.node][f.axis] += f.change * f.softness;
-                f.pull = f.change;
-            }
-        }
+impl Equations {
+    /// Equations in independent systems.
+    pub fn new(id: EffectId, systems: Vec<System>) -> Self {
+        Equations { id, systems }
     }
 
     /// Holds velocities to the equations, and takes places along over the increment `dt`. An impulse acts over the time
-    /// `half`; the work on freedoms that move on their own comes from motions that are given, as the sum over all is zero.
-    pub(crate) fn constrain_velocities(&mut self, dt: f64, half: f64) {
-        for system in &mut self.equations {
-            system.solve(|node, axis| *velocity(&mut self.nodes[node].clone(), axis));
+    /// `half`; the work on freedoms that move on their own comes from motions that are prescribed, as the sum over all is zero.
+    fn hold_velocities(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
+        let (nodes, energies) = (&mut dofs.nodes, &mut dofs.energies);
+        for system in &mut self.systems {
+            system.solve(|node, axis| *nodes[node].clone().velocity(axis));
             for f in &mut system.freedoms {
                 if f.softness == 0.0 {
                     continue;
                 }
                 let change = f.change * f.softness;
-                let node = &mut self.nodes[f.node];
-                *velocity(node, f.axis) += change;
-                *(if f.axis == 0 { &mut node.r } else { &mut node.z }) += dt * change;
+                let node = &mut nodes[f.node];
+                *node.velocity(f.axis) += change;
+                *node.coordinate(f.axis) += dt * change;
                 if half > 0.0 {
-                    let new = *velocity(node, f.axis);
-                    let acceleration = &mut self.acceleration[f.node][f.axis];
+                    let new = *node.velocity(f.axis);
+                    let acceleration = &mut nodes.acceleration[f.node][f.axis];
                     *acceleration += change / half;
                     let old = new - half * *acceleration;
-                    self.energies.external += 0.5 * (old + new) * (half * f.pull + f.change);
+                    energies.external += 0.5 * (old + new) * (half * f.pull + f.change);
                 }
             }
         }
     }
+}
 
-    /// Force of the equations on a degree of freedom.
-    pub(crate) fn pull(&self, node: usize, axis: usize) -> f64 {
-        let own = self.equations.iter().flat_map(|s| &s.freedoms).find(|f| (f.node, f.axis) == (node, axis));
-        own.map_or(0.0, |f| f.pull)
+impl Constraint for Equations {
+    fn id(&self) -> EffectId {
+        self.id
+    }
+
+    fn begin(&mut self, dofs: &mut Dofs) {
+        if dofs.nodes.behind == 0.0 {
+            self.hold_velocities(dofs, 0.0, 0.0);
+        }
+    }
+
+    /// The kinetic energy needs no correction: on velocities that satisfy the equations their forces do no work.
+    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
+        let acceleration = &mut dofs.nodes.acceleration;
+        for system in &mut self.systems {
+            system.solve(|node, axis| acceleration[node][axis]);
+            for f in &mut system.freedoms {
+                acceleration[f.node][f.axis] += f.change * f.softness;
+                f.pull = f.change;
+            }
+        }
+    }
+
+    fn motion(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>, dt: f64) {
+        let half = dofs.nodes.half;
+        self.hold_velocities(dofs, dt, half);
+    }
+
+    fn pull(&self, dof: Dof) -> f64 {
+        let own = |f: &&Freedom| Dof::Node(f.node, f.axis) == dof;
+        self.systems.iter().flat_map(|s| &s.freedoms).find(own).map_or(0.0, |f| f.pull)
+    }
+
+    fn moves_nodes(&self) -> bool {
+        true
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<System>() * self.systems.capacity() + self.systems.iter().map(System::bytes).sum::<usize>()
+    }
+
+    fn copy(&self) -> Box<dyn Constraint> {
+        Box::new(self.clone())
     }
 }
 
@@ -201,6 +252,13 @@ impl Persist for Freedom {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Freedom { node: _, axis: _, softness: _, pull, change: _ } = self;
         pull.persist(archive);
+    }
+}
+
+impl Persist for Equations {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Equations { id: _, systems } = self;
+        systems.as_mut_slice().persist(archive);
     }
 }
 
@@ -214,20 +272,26 @@ impl Persist for System {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::{Equation, System};
 
     #[test]
     fn equations_that_repeat_are_found() {
         let equation = |a: f64, b: f64| Equation { terms: vec![(0, 1, a), (1, 1, b)] };
         let mass = [1.0, 2.0];
-        assert_eq!(System::all(&[equation(1.0, -1.0)], &mass, &[]).map(|s| s.len()), Ok(1));
-        assert_eq!(System::all(&[equation(1.0, -1.0), equation(2.0, -2.0)], &mass, &[]).map(|s| s.len()), Err(1));
+        assert_eq!(System::all(&[equation(1.0, -1.0)], &mass, &HashSet::new()).map(|s| s.len()), Ok(1));
+        assert_eq!(
+            System::all(&[equation(1.0, -1.0), equation(2.0, -2.0)], &mass, &HashSet::new()).map(|s| s.len()),
+            Err(1)
+        );
     }
 
     #[test]
     fn a_chain_is_solved_together() {
         let equal = |a: usize, b: usize| Equation { terms: vec![(a, 1, 1.0), (b, 1, -1.0)] };
-        let mut systems = System::all(&[equal(0, 1), equal(1, 2)], &[1.0, 2.0, 3.0], &[]).expect("one system");
+        let mut systems =
+            System::all(&[equal(0, 1), equal(1, 2)], &[1.0, 2.0, 3.0], &HashSet::new()).expect("one system");
         assert_eq!(systems.len(), 1);
         let values = [6.0, 0.0, 0.0];
         systems[0].solve(|n, _| values[n]);

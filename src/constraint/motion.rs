@@ -1,10 +1,12 @@
-//! A prescribed motion of a body along z (`*BOUNDARY` on its reference node).
+//! Motions that are prescribed, whatever forces act (`*BOUNDARY`): of rigid bodies along z, of nodes along r and z.
 //! Never here: forces.
 
+use super::Constraint;
 use crate::state::EffectId;
-use crate::state::Instant;
-use crate::state::archive::{Archive, Persist};
-use crate::state::magnitude::Magnitude;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::{Dof, Dofs};
+use crate::state::limit::Limit;
+use crate::state::magnitude::{Clock, Magnitude, Shape};
 
 /// What is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,62 +28,233 @@ impl Prescribed {
             Prescribed::Acceleration => 2,
         }
     }
-}
 
-/// A motion that a body follows whatever forces act; the force needed is its reaction.
-#[derive(Clone, Debug)]
-pub struct Motion {
-    /// What asked for it.
-    pub cause: EffectId,
-    /// The body it moves.
-    pub body: usize,
-    /// What is prescribed.
-    pub kind: Prescribed,
-    /// How much.
-    pub magnitude: Magnitude,
-    /// Displacement of the body at the start of the step, to which a prescribed displacement adds.
-    pub start: f64,
-}
-
-impl Motion {
-    /// Velocity and acceleration now, given the velocity the body has.
-    pub fn rates(&self, now: &Instant, velocity: f64) -> [f64; 2] {
-        match self.kind {
-            Prescribed::Displacement => [self.magnitude.rate(now), 0.0],
-            Prescribed::Velocity => [self.magnitude.at(now), self.magnitude.rate(now)],
-            Prescribed::Acceleration => [velocity, self.magnitude.at(now)],
+    /// Velocity and acceleration now, given the velocity that there is.
+    fn rates(self, magnitude: &Magnitude, clock: &Clock<'_>, velocity: f64) -> [f64; 2] {
+        match self {
+            Prescribed::Displacement => [magnitude.rate(clock), 0.0],
+            Prescribed::Velocity => [magnitude.at(clock), magnitude.rate(clock)],
+            Prescribed::Acceleration => [velocity, magnitude.at(clock)],
         }
     }
 
-    /// The mid-increment velocity that carries the body over an increment from displacement `u` and velocity `v`.
-    pub fn velocity_over(&self, now: &Instant, increment: f64, u: f64, v: f64) -> f64 {
-        self.kind.velocity_over(&self.magnitude, now, increment, u - self.start, [v, 0.5 * increment])
-    }
-}
-
-impl Prescribed {
     /// The mid-increment velocity that carries what moves over an increment. It has come as far as `moved` since the start
     /// of the step; an acceleration acts on a velocity over a time, given with it.
-    pub fn velocity_over(
+    fn velocity_over(
         self,
         magnitude: &Magnitude,
-        now: &Instant,
+        clock: &Clock<'_>,
         increment: f64,
         moved: f64,
         [velocity, time]: [f64; 2],
     ) -> f64 {
-        let later = |time: f64| Instant { step_time: now.step_time + time, total_time: now.total_time + time, ..*now };
         match self {
-            Prescribed::Displacement => (magnitude.at(&later(increment)) - moved) / increment,
-            Prescribed::Velocity => magnitude.at(&later(0.5 * increment)),
-            Prescribed::Acceleration => velocity + time * magnitude.at(now),
+            Prescribed::Displacement => (magnitude.at(&clock.later(increment)) - moved) / increment,
+            Prescribed::Velocity => magnitude.at(&clock.later(0.5 * increment)),
+            Prescribed::Acceleration => velocity + time * magnitude.at(clock),
         }
     }
 }
 
-impl Persist for Motion {
+/// The motion of some degrees of freedom.
+#[derive(Clone, Debug)]
+pub struct PrescribedMotion {
+    id: EffectId,
+    kind: Prescribed,
+    /// One for all, or one for each.
+    magnitudes: Vec<Magnitude>,
+    bodies: Vec<BodyMotion>,
+    nodes: Vec<NodeMotion>,
+}
+
+/// A rigid body, and its displacement at the start of the step, to which a prescribed displacement adds.
+#[derive(Clone, Copy, Debug)]
+struct BodyMotion {
+    body: usize,
+    start: f64,
+}
+
+/// A node along one axis.
+#[derive(Clone, Copy, Debug)]
+struct NodeMotion {
+    node: usize,
+    axis: usize,
+    /// Coordinate at the start of the step, from which a prescribed displacement counts.
+    origin: f64,
+    /// Force of elements and loads on the degree of freedom.
+    force: f64,
+    kinetic: f64,
+    travel: f64,
+}
+
+impl PrescribedMotion {
+    /// All of `dofs` move by one magnitude.
+    pub fn new(id: EffectId, kind: Prescribed, magnitude: Magnitude, dofs: &[Dof]) -> Self {
+        PrescribedMotion::of(id, kind, vec![magnitude], dofs)
+    }
+
+    /// Each of `dofs` follows a function of time of its own that is told as the run goes, from the number `first` on.
+    pub fn told(id: EffectId, kind: Prescribed, first: usize, dofs: &[Dof]) -> Self {
+        let magnitude = |i| Magnitude { value: 1.0, shape: Shape::Told(first + i) };
+        PrescribedMotion::of(id, kind, (0..dofs.len()).map(magnitude).collect(), dofs)
+    }
+
+    fn of(id: EffectId, kind: Prescribed, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
+        let (mut bodies, mut nodes) = (Vec::new(), Vec::new());
+        for &dof in dofs {
+            match dof {
+                Dof::Body(body) => bodies.push(BodyMotion { body, start: 0.0 }),
+                Dof::Node(node, axis) => {
+                    nodes.push(NodeMotion { node, axis, origin: 0.0, force: 0.0, kinetic: 0.0, travel: 0.0 });
+                }
+            }
+        }
+        PrescribedMotion { id, kind, magnitudes, bodies, nodes }
+    }
+
+    /// Whether it holds degrees of freedom where they are.
+    fn holds(&self) -> bool {
+        self.magnitudes.iter().all(|m| m.value == 0.0) && self.kind != Prescribed::Acceleration
+    }
+}
+
+/// The magnitude of the body or node with this number; bodies come first.
+fn magnitude(magnitudes: &[Magnitude], i: usize) -> &Magnitude {
+    &magnitudes[i.min(magnitudes.len() - 1)]
+}
+
+impl Constraint for PrescribedMotion {
+    fn id(&self) -> EffectId {
+        self.id
+    }
+
+    fn begin(&mut self, dofs: &mut Dofs) {
+        for motion in &mut self.bodies {
+            let body = &mut dofs.bodies[motion.body];
+            body.prescribed = true;
+            motion.start = body.displacement;
+        }
+        // A node that is held does not start with a velocity.
+        let stops = dofs.nodes.behind == 0.0 && self.holds();
+        for motion in &mut self.nodes {
+            let node = &mut dofs.nodes[motion.node];
+            *motion =
+                NodeMotion { origin: *node.coordinate(motion.axis), force: 0.0, kinetic: 0.0, travel: 0.0, ..*motion };
+            if stops {
+                *node.velocity(motion.axis) = 0.0;
+            }
+        }
+    }
+
+    fn accelerations(&mut self, dofs: &mut Dofs, clock: &Clock<'_>) {
+        for (i, motion) in self.bodies.iter().enumerate() {
+            let body = &mut dofs.bodies[motion.body];
+            body.acceleration = self.kind.rates(magnitude(&self.magnitudes, i), clock, body.velocity)[1];
+            body.reaction = body.mass * body.acceleration - body.force;
+        }
+        let (nodes, energies) = (&mut dofs.nodes, &mut dofs.energies);
+        let (moved, behind) = (nodes.moved, nodes.behind);
+        for motion in &mut self.nodes {
+            let mass = nodes.mass[motion.node];
+            let velocity = *nodes[motion.node].velocity(motion.axis);
+            let acceleration = &mut nodes.acceleration[motion.node][motion.axis];
+            // The pass over nodes took the free acceleration: what is prescribed moves otherwise.
+            let taken = 0.5 * mass * velocity * (velocity + behind * *acceleration);
+            let kinetic = 0.5 * mass * velocity * velocity;
+            energies.kinetic += kinetic - taken;
+            let force = mass * *acceleration;
+            if moved {
+                let gained = kinetic - motion.kinetic;
+                energies.external += gained - 0.5 * (motion.force + force) * motion.travel;
+            }
+            (motion.force, motion.kinetic, motion.travel) = (force, kinetic, 0.0);
+            *acceleration = 0.0;
+        }
+    }
+
+    fn velocities(&mut self, dofs: &mut Dofs, clock: &Clock<'_>) {
+        for (i, motion) in self.bodies.iter().enumerate() {
+            let body = &mut dofs.bodies[motion.body];
+            body.velocity = self.kind.rates(magnitude(&self.magnitudes, i), clock, body.velocity)[0];
+        }
+    }
+
+    fn motion(&mut self, dofs: &mut Dofs, clock: &Clock<'_>, dt: f64) {
+        for (i, motion) in self.bodies.iter().enumerate() {
+            let body = &mut dofs.bodies[motion.body];
+            let start = body.before.displacement;
+            let magnitude = magnitude(&self.magnitudes, i);
+            let moved = start - motion.start;
+            body.velocity_half = self.kind.velocity_over(magnitude, clock, dt, moved, [body.velocity, 0.5 * dt]);
+            body.displacement = start + dt * body.velocity_half;
+        }
+        let holds = self.holds();
+        let (half, first) = (dofs.nodes.half, self.bodies.len());
+        for (i, motion) in self.nodes.iter_mut().enumerate() {
+            let NodeMotion { node, axis, origin, .. } = *motion;
+            let old = *dofs.nodes[node].velocity(axis);
+            if old == 0.0 && holds {
+                continue;
+            }
+            // The pass over nodes carried it along with its old velocity.
+            let place_before = *dofs.nodes[node].coordinate(axis) - dt * old;
+            let moved = place_before - origin;
+            let magnitude = magnitude(&self.magnitudes, first + i);
+            let velocity = self.kind.velocity_over(magnitude, clock, dt, moved, [old, half]);
+            *dofs.nodes[node].velocity(axis) = velocity;
+            *dofs.nodes[node].coordinate(axis) = place_before + dt * velocity;
+            dofs.nodes.acceleration[node][axis] = (velocity - old) / half;
+            motion.travel = dt * velocity;
+        }
+    }
+
+    fn limit(&self, clock: &Clock<'_>) -> Limit {
+        self.magnitudes.iter().map(|m| m.limit(clock)).fold(Limit::NONE, Limit::nearer)
+    }
+
+    fn free_force(&self, dof: Dof) -> Option<f64> {
+        let own = |m: &&NodeMotion| Dof::Node(m.node, m.axis) == dof;
+        self.nodes.iter().find(own).map(|m| m.force)
+    }
+
+    fn mass_changed(&mut self, node: usize, gained: [f64; 2]) {
+        // It books gains of kinetic energy as its own work: not these.
+        for motion in self.nodes.iter_mut().filter(|m| m.node == node) {
+            motion.kinetic += gained[motion.axis];
+        }
+    }
+
+    fn prescribes(&self) -> Vec<(usize, usize)> {
+        self.nodes.iter().map(|m| (m.node, m.axis)).collect()
+    }
+
+    fn bytes(&self) -> usize {
+        let magnitudes: usize = self.magnitudes.iter().map(|m| size_of::<Magnitude>() + m.bytes()).sum();
+        magnitudes + size_of::<BodyMotion>() * self.bodies.capacity() + size_of::<NodeMotion>() * self.nodes.capacity()
+    }
+
+    fn copy(&self) -> Box<dyn Constraint> {
+        Box::new(self.clone())
+    }
+}
+
+impl Persist for BodyMotion {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Motion { cause: _, body: _, kind: _, magnitude: _, start } = self;
+        let BodyMotion { body: _, start } = self;
         start.persist(archive);
+    }
+}
+
+impl Persist for NodeMotion {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let NodeMotion { node: _, axis: _, origin, force, kinetic, travel } = self;
+        persist_fields!(archive; origin, force, kinetic, travel);
+    }
+}
+
+impl Persist for PrescribedMotion {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let PrescribedMotion { id: _, kind: _, magnitudes: _, bodies, nodes } = self;
+        persist_fields!(archive; bodies.as_mut_slice(), nodes.as_mut_slice());
     }
 }

@@ -1,48 +1,88 @@
 //! Nodes of deformable bodies that belong to a rigid body as well: they move with it, and it takes their forces.
 //! Never here: the motion of rigid bodies.
 
-use crate::element::body::Solid;
-use crate::state::BodyState;
+use super::Constraint;
+use crate::load::{Account, Slot};
+use crate::state::EffectId;
+use crate::state::archive::{Archive, Persist};
+use crate::state::dofs::Dofs;
+use crate::state::magnitude::Clock;
 
 /// The nodes that one rigid body carries. Their mass is the body's, in the solver they have none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tie {
+    /// Its row of the ledger.
+    pub id: EffectId,
     /// Body.
     pub body: usize,
     /// Nodes, ascending.
     pub nodes: Vec<usize>,
 }
 
-impl Solid {
-    /// Forces along z of elements and loads on tied nodes, one sum a tie. Forces along r meet themselves around the ring.
-    pub fn tie_forces(&self, out: &mut [f64]) {
-        for (tie, out) in self.ties.iter().zip(out) {
-            let force = |&n: &usize| {
-                let more = self.external[0].get(n).map_or(0.0, |f| f[1]);
-                self.gather.one(n, &self.corners)[1] + more
-            };
-            *out = tie.nodes.iter().map(force).sum();
+impl Tie {
+    /// Puts tied nodes where their body is, with the velocity that it moves with.
+    fn follow(&self, dofs: &mut Dofs, velocity: f64) {
+        let displacement = dofs.bodies[self.body].displacement;
+        for &n in &self.nodes {
+            let [r, z] = dofs.nodes.start[n];
+            let node = &mut dofs.nodes[n];
+            (node.r, node.z) = (r, z + displacement);
+            (node.v_r, node.v_z) = (0.0, velocity);
+        }
+    }
+}
+
+impl Constraint for Tie {
+    fn id(&self) -> EffectId {
+        self.id
+    }
+
+    fn begin(&mut self, dofs: &mut Dofs) {
+        if dofs.nodes.behind == 0.0 {
+            let velocity = dofs.bodies[self.body].velocity;
+            self.follow(dofs, velocity);
         }
     }
 
-    /// Tied nodes show the acceleration of their bodies.
-    pub fn accelerate_ties(&mut self, bodies: &[BodyState]) {
-        for tie in &self.ties {
-            let acceleration = bodies[tie.body].acceleration;
-            tie.nodes.iter().for_each(|&n| self.acceleration[n] = [0.0, acceleration]);
-        }
+    fn slots(&self) -> Vec<Slot> {
+        vec![Slot { body: self.body, account: Account::Tie }]
     }
 
-    /// Puts tied nodes where their bodies are; `velocity` is what they move with.
-    pub fn follow(&mut self, bodies: &[BodyState], velocity: impl Fn(&BodyState) -> f64) {
-        for tie in &self.ties {
-            let body = &bodies[tie.body];
-            for &n in &tie.nodes {
-                let [r, z] = self.start[n];
-                let node = &mut self.nodes[n];
-                (node.r, node.z) = (r, z + body.displacement);
-                (node.v_r, node.v_z) = (0.0, velocity(body));
-            }
-        }
+    /// The sum along z. Forces along r meet themselves around the ring.
+    fn passes_on(&self, force: &dyn Fn(usize) -> [f64; 2], out: &mut [f64]) {
+        out[0] = self.nodes.iter().map(|&n| force(n)[1]).sum();
+    }
+
+    /// Tied nodes show the acceleration of their body.
+    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
+        let acceleration = dofs.bodies[self.body].acceleration;
+        self.nodes.iter().for_each(|&n| dofs.nodes.acceleration[n] = [0.0, acceleration]);
+    }
+
+    fn motion(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>, _dt: f64) {
+        let velocity = dofs.bodies[self.body].velocity_half;
+        self.follow(dofs, velocity);
+    }
+
+    fn moves_nodes(&self) -> bool {
+        true
+    }
+
+    fn carries(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<usize>() * self.nodes.capacity()
+    }
+
+    fn copy(&self) -> Box<dyn Constraint> {
+        Box::new(self.clone())
+    }
+}
+
+impl Persist for Tie {
+    fn persist(&mut self, _archive: &mut Archive<'_>) {
+        let Tie { id: _, body: _, nodes: _ } = self;
     }
 }

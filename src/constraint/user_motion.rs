@@ -1,90 +1,115 @@
-//! A motion prescribed by the user's routine (`*BOUNDARY, USER`).
-//! Never here: how a body follows it.
+//! Motions prescribed by the user's routine (`*BOUNDARY, USER`): what it is asked, degree of freedom by degree of freedom.
+//! Never here: how bodies and nodes follow them.
 
-use std::rc::Rc;
-
-use crate::constraint::motion::Prescribed;
+use super::motion::Prescribed;
 use crate::kernel::amplitude::Track;
-use crate::load::Asking;
+use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::Halt;
-use crate::state::magnitude::Magnitude;
-use crate::state::magnitude::persist_track;
-use crate::state::{BodyState, Instant};
-use crate::user::{LoadFailure, MotionCall, SharedMotion, Wish};
+use crate::state::magnitude::{Clock, Magnitude};
+use crate::user::{LoadFailure, Locked, MotionCall};
 
-/// The routine asked for the motion of one body.
+/// The motion of a set along one axis.
+#[derive(Clone, Debug)]
 pub struct UserMotion {
     /// Node set, upper case.
     pub set: String,
-    /// User's number of the reference node.
-    pub node: i32,
-    /// Body.
-    pub body: usize,
     /// What is prescribed.
     pub kind: Prescribed,
     /// Amplitude that the routine is told; it applies it itself.
     pub amplitude: Magnitude,
-    /// Coordinates of the reference node at the start.
-    pub start: [f64; 2],
-    /// Displacement of the body when the step began: the motion's own displacement counts from there.
-    pub offset: f64,
-    /// The routine.
-    pub routine: SharedMotion,
-    /// Where the value goes.
-    pub track: Rc<Track>,
+    /// Degrees of freedom.
+    pub asked: Vec<Asked>,
+    /// Which of the told functions of time is that of the first.
+    pub first: usize,
     /// Length of the increment before.
     pub increment_before: f64,
 }
 
-impl Asking for UserMotion {
-    fn ask(&mut self, arrival: &Instant, increment: f64, bodies: &[BodyState]) -> Result<Wish, Halt> {
-        let body = &bodies[self.body];
-        if increment == 0.0 {
-            self.offset = body.displacement;
+/// One degree of freedom.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// Which.
+    pub dof: Dof,
+    /// User's number of the node.
+    pub number: i32,
+    /// Coordinates of a rigid body's reference node at the start.
+    pub reference: [f64; 2],
+    /// Displacement when the step began: what follows the motion counts from there.
+    pub offset: f64,
+}
+
+impl UserMotion {
+    /// Asks for the values at `arrival`, an increment away (0 at the start of a step), given the reactions.
+    ///
+    /// # Errors
+    /// Where the routine fails or gives no finite value; the run halts.
+    pub fn ask(
+        &mut self,
+        arrival: &Instant,
+        increment: f64,
+        dofs: &Dofs,
+        reaction: &dyn Fn(Dof) -> f64,
+        told: &mut [Track],
+        user: &mut Locked<'_>,
+    ) -> Result<(), Halt> {
+        let Some(routine) = user.motion.as_deref_mut() else { return Ok(()) };
+        let amplitude = self.amplitude.amplitude(&Clock { now: *arrival, told });
+        for (i, asked) in self.asked.iter_mut().enumerate() {
+            let state_of = |dof| [dofs.displacement(dof), dofs.velocity(dof), dofs.acceleration(dof), reaction(dof)];
+            let state = state_of(asked.dof);
+            if increment == 0.0 {
+                asked.offset = state[0];
+            }
+            let (axis, coordinates, across) = match asked.dof {
+                Dof::Body(_) => (1, [asked.reference[0], asked.reference[1] + state[0]], [0.0; 4]),
+                Dof::Node(n, axis) => (axis, dofs.nodes[n].place(), state_of(Dof::Node(n, 1 - axis))),
+            };
+            let call = MotionCall {
+                set: &self.set,
+                kind: self.kind.number(),
+                node: asked.number,
+                dof: axis + 1,
+                now: *arrival,
+                increments: [self.increment_before, increment],
+                amplitude,
+                coordinates,
+                state,
+                across,
+                mass: dofs.mass(asked.dof),
+            };
+            let answer = routine.motion(&call).and_then(|value| {
+                let reason =
+                    || LoadFailure::new(format!("it gave the value {value} for degree of freedom {}", call.dof));
+                value.is_finite().then_some(value).ok_or_else(reason)
+            });
+            let what = || format!("the user motion of `{}` at node {}", self.set, asked.number);
+            let value = answer.map_err(|failure| failure.halt(&what(), arrival))?;
+            // A displacement is the total one; the motion counts from the start of the step.
+            let base = if self.kind == Prescribed::Displacement { asked.offset } else { 0.0 };
+            told[self.first + i].tell(arrival.total_time, value - base);
         }
-        let call = MotionCall {
-            set: &self.set,
-            kind: self.kind.number(),
-            node: self.node,
-            dof: 2,
-            now: *arrival,
-            increments: [self.increment_before, increment],
-            amplitude: self.amplitude.amplitude(arrival),
-            coordinates: [self.start[0], self.start[1] + body.displacement],
-            state: [body.displacement, body.velocity, body.acceleration, body.reaction],
-            across: [0.0; 4],
-            mass: body.mass,
-        };
         self.increment_before = increment;
-        let answer = self.routine.with(|r| r.motion(&call)).and_then(|value| {
-            let reason = || LoadFailure::new(format!("it gave the value {value} for degree of freedom 2"));
-            value.is_finite().then_some(value).ok_or_else(reason)
-        });
-        let what = || format!("the user motion of `{}`", self.set);
-        let value = answer.map_err(|failure| failure.halt(&what(), arrival))?;
-        // A displacement is the total one; the motion counts from the start of the step.
-        let base = if self.kind == Prescribed::Displacement { self.offset } else { 0.0 };
-        self.track.tell(arrival.total_time, value - base);
-        Ok(Wish::Continue)
+        Ok(())
+    }
+
+    /// Bytes of its arrays.
+    pub fn bytes(&self) -> usize {
+        size_of::<Asked>() * self.asked.capacity() + self.set.capacity() + self.amplitude.bytes()
+    }
+}
+
+impl Persist for Asked {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Asked { dof: _, number: _, reference: _, offset } = self;
+        offset.persist(archive);
     }
 }
 
 impl Persist for UserMotion {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let UserMotion {
-            set: _,
-            node: _,
-            body: _,
-            kind: _,
-            amplitude: _,
-            start: _,
-            offset,
-            routine: _,
-            track,
-            increment_before,
-        } = self;
-        persist_fields!(archive; offset, increment_before);
-        persist_track(track, archive);
+        let UserMotion { set: _, kind: _, amplitude: _, asked, first: _, increment_before } = self;
+        persist_fields!(archive; asked.as_mut_slice(), increment_before);
     }
 }

@@ -2,6 +2,7 @@
 //! Never here: anything the table does not say.
 
 use super::keywords::{Data, Keyword, Lookup, Place, Rule, Shape, Tier, Times, Usage, find_keyword, keywords};
+use super::names::fold;
 
 /// The text of `docs/keywords.md`.
 pub fn keyword_manual() -> String {
@@ -23,7 +24,7 @@ pub fn keyword_manual() -> String {
     text
 }
 
-const HEAD: &str = "# Keywords\n\nWritten from the keyword table; do not edit by hand (`REVOLVE_BLESS=1 cargo test --test deck_language` writes it anew).\n\
+const HEAD: &str = "# Keywords\n\nWritten from the keyword table; do not edit by hand (`REVOLVE_BLESS=1 cargo test --test deck` writes it anew).\n\
 Case and blanks do not count, unambiguous abbreviations are understood. An empty field means its default.\n\
 What is *inert* changes nothing and is told in the ledger; what is *refused* is an error with its reason.\n";
 
@@ -124,6 +125,12 @@ pub fn explain_keyword(name: &str) -> Option<String> {
         Lookup::Found(keyword) => Some(explain(keyword)),
         _ => None,
     }
+}
+
+/// Whether a word, with or without its star, is the whole name of a keyword.
+pub fn is_keyword(name: &str) -> bool {
+    let wanted = fold(name.trim().trim_start_matches('*'));
+    keywords().any(|k| fold(k.name) == wanted)
 }
 
 fn explain(keyword: &Keyword) -> String {

@@ -4,9 +4,9 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::constants::Constants;
-use crate::element::Corners;
 use crate::element::record::Record;
 use crate::element::volume_guard::CHANGE;
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::{UNIT, operators};

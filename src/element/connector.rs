@@ -2,8 +2,9 @@
 //! their ends, SPRING1 and DASHPOT1 along an axis (ABAQUS Elements Guide, "Springs", "Dashpots").
 //! Never here: deck words, elements of a continuum.
 
-use crate::element::body::Solid;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::nodes::Nodes;
 
 /// What a connector answers with.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,91 +96,123 @@ impl Bounds {
     }
 }
 
-impl Solid {
-    /// Takes in connectors.
+/// All springs and dashpots of a scene, and what they allow.
+#[derive(Clone, Debug)]
+pub struct Connectors {
+    list: Vec<Connector>,
+    bounds: Bounds,
+    /// Stiffness and damping of connectors at each node.
+    sums: Vec<[f64; 2]>,
+}
+
+impl Connectors {
+    /// Connectors between nodes at the start.
     ///
     /// Their highest frequency: K = B^T k B has the eigenvalues of sqrt(k) B M^-1 B^T sqrt(k), bounded by the largest row
     /// sum, for each connector the stiffnesses at its ends over the masses there (Gershgorin).
-    pub fn connect(&mut self, connectors: Vec<Connector>) {
-        let mut sums = vec![[0.0; 2]; self.nodes.len()];
-        for c in &connectors {
-            let length = self.line(c, true).map_or(0.0, |l| l.1);
+    pub fn new(list: Vec<Connector>, nodes: &Nodes) -> Self {
+        let mut sums = vec![[0.0; 2]; nodes.len()];
+        for c in &list {
+            let length = c.line(|n| nodes.start[n]).map_or(0.0, |l| l.1);
             let bounds = c.law.bounds(length);
             for n in c.ends.into_iter().flatten() {
                 sums[n] = [sums[n][0] + bounds[0], sums[n][1] + bounds[1]];
             }
         }
-        self.sums = sums;
-        self.connectors = connectors;
-        self.bound_connectors();
+        let mut connectors = Connectors { list, bounds: Bounds::default(), sums };
+        connectors.bound(nodes);
+        connectors
     }
 
-    /// What the connectors allow with the masses as they are.
-    pub(super) fn bound_connectors(&mut self) {
+    /// What they allow with the masses as they are.
+    pub(super) fn bound(&mut self, nodes: &Nodes) {
         self.bounds = Bounds::default();
-        for c in &self.connectors {
+        for c in &self.list {
             let ends = || c.ends.into_iter().flatten();
-            let row = |i: usize| ends().map(|n| self.sums[n][i] * self.inverse_mass[n]).sum::<f64>();
+            let row = |i: usize| ends().map(|n| self.sums[n][i] * nodes.inverse_mass[n]).sum::<f64>();
             self.bounds.square = self.bounds.square.max(row(0));
             self.bounds.damping = self.bounds.damping.max(row(1));
         }
     }
 
-    /// Direction from the first to the second end, and the distance; `None` for one along an axis.
-    fn line(&self, connector: &Connector, start: bool) -> Option<([f64; 2], f64)> {
-        let ([Some(a), Some(b)], None) = (connector.ends, connector.axis) else { return None };
-        let [[r_a, z_a], [r_b, z_b]] =
-            if start { [self.start[a], self.start[b]] } else { [self.place(a), self.place(b)] };
+    /// One over the stable increment, given that of the elements.
+    pub(super) fn rate(&self, elements: f64) -> f64 {
+        self.bounds.rate(elements)
+    }
+
+    /// Adds their forces to those on nodes. Their work over the increment behind, by the trapezoid that books the forces on
+    /// nodes, is strain energy or dissipation and not of the outside.
+    pub(super) fn add_forces(&mut self, dofs: &mut Dofs) {
+        let dt = dofs.nodes.unbooked();
+        for connector in &mut self.list {
+            let (along, displacement, velocity) = connector.opening(&dofs.nodes);
+            let size = connector.law.force(displacement, velocity);
+            let (force, before) = (along.map(|a| size * a), connector.force);
+            let mut work = 0.0;
+            for (n, sign) in connector.ends.into_iter().zip([1.0, -1.0]).filter_map(|(n, s)| Some((n?, s))) {
+                let node = &dofs.nodes[n];
+                work += 0.5 * dt * sign * ((force[0] + before[0]) * node.v_r + (force[1] + before[1]) * node.v_z);
+                dofs.nodes.forces[0][n][0] += sign * force[0];
+                dofs.nodes.forces[0][n][1] += sign * force[1];
+            }
+            dofs.energies.external -= work;
+            if matches!(connector.law, Law::Dashpot(_) | Law::DashpotTable(_)) {
+                dofs.energies.viscous -= work;
+            } else {
+                dofs.energies.internal -= work;
+            }
+            connector.force = force;
+        }
+    }
+
+    /// Bytes of the lists.
+    pub fn bytes(&self) -> usize {
+        let table = |c: &Connector| match &c.law {
+            Law::Table(rows) | Law::DashpotTable(rows) => size_of::<[f64; 2]>() * rows.capacity(),
+            _ => 0,
+        };
+        size_of::<Connector>() * self.list.capacity()
+            + self.list.iter().map(table).sum::<usize>()
+            + size_of::<[f64; 2]>() * self.sums.capacity()
+    }
+}
+
+impl Connector {
+    /// Direction from the first to the second end, and the distance, by the places of nodes; `None` for one along an axis.
+    fn line(&self, place: impl Fn(usize) -> [f64; 2]) -> Option<([f64; 2], f64)> {
+        let ([Some(a), Some(b)], None) = (self.ends, self.axis) else { return None };
+        let [[r_a, z_a], [r_b, z_b]] = [place(a), place(b)];
         let (dr, dz) = (r_b - r_a, z_b - z_a);
         let length = dr.hypot(dz);
         Some(([dr / length, dz / length], length))
     }
 
-    /// Direction in which the connector opens, how far it is open, and how fast: the velocity is that of the middle of the
-    /// increment behind, as ABAQUS/Explicit takes it.
-    fn opening(&self, connector: &Connector) -> ([f64; 2], f64, f64) {
-        let speed = |n: usize| [self.nodes[n].v_r, self.nodes[n].v_z];
-        match (connector.ends, self.line(connector, false)) {
+    /// Direction in which it opens, how far it is open, and how fast: the velocity is that of the middle of the increment
+    /// behind, as ABAQUS/Explicit takes it.
+    fn opening(&self, nodes: &Nodes) -> ([f64; 2], f64, f64) {
+        let speed = |n: usize| [nodes[n].v_r, nodes[n].v_z];
+        match (self.ends, self.line(|n| nodes[n].place())) {
             ([Some(a), Some(b)], Some((along, length))) => {
-                let before = self.line(connector, true).map_or(0.0, |l| l.1);
+                let before = self.line(|n| nodes.start[n]).map_or(0.0, |l| l.1);
                 let relative = [speed(b)[0] - speed(a)[0], speed(b)[1] - speed(a)[1]];
                 (along, length - before, relative[0] * along[0] + relative[1] * along[1])
             }
             ([Some(a), _], _) => {
-                let axis = connector.axis.unwrap_or(1);
+                let axis = self.axis.unwrap_or(1);
                 let mut along = [0.0; 2];
                 along[axis] = -1.0;
                 // The ground stays behind: what moves along the axis opens it.
-                (along, self.displacement(a)[axis], speed(a)[axis])
+                (along, nodes.displacement(a)[axis], speed(a)[axis])
             }
             _ => ([0.0; 2], 0.0, 0.0),
         }
     }
+}
 
-    /// Adds the forces of connectors to those on nodes. Their work over the increment behind, by the trapezoid that books
-    /// the forces on nodes, is strain energy or dissipation and not of the outside.
-    pub(super) fn add_connectors(&mut self) {
-        let dt = if self.moved { self.behind } else { 0.0 };
-        for i in 0..self.connectors.len() {
-            let connector = &self.connectors[i];
-            let (along, displacement, velocity) = self.opening(connector);
-            let size = connector.law.force(displacement, velocity);
-            let (force, before) = (along.map(|a| size * a), connector.force);
-            let mut work = 0.0;
-            for (n, sign) in connector.ends.into_iter().zip([1.0, -1.0]).filter_map(|(n, s)| Some((n?, s))) {
-                let node = &self.nodes[n];
-                work += 0.5 * dt * sign * ((force[0] + before[0]) * node.v_r + (force[1] + before[1]) * node.v_z);
-                self.external[0][n][0] += sign * force[0];
-                self.external[0][n][1] += sign * force[1];
-            }
-            self.energies.external -= work;
-            if matches!(self.connectors[i].law, Law::Dashpot(_) | Law::DashpotTable(_)) {
-                self.energies.viscous -= work;
-            } else {
-                self.energies.internal -= work;
-            }
-            self.connectors[i].force = force;
-        }
+impl Persist for Connectors {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Connectors { list, bounds, sums: _ } = self;
+        persist_fields!(archive; list.as_mut_slice(), bounds);
     }
 }
 

@@ -2,11 +2,12 @@
 //! Never here: criteria of failure.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
-use super::Corners;
 use super::block::{Block, Nodes, Stage};
 use super::constants::Constants;
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::quad::UNIT;
+use crate::kernel::stress;
 use crate::material::failure::{Failure, Seen};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
@@ -56,7 +57,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let temperature =
                 volumetric.temperature(&self.volumetric, l).or_else(|| hardening.temperature(&self.state, l));
             let stress = [0, 1, 2, 3].map(|i| self.stress[i][l]);
-            let [mean, mises] = invariants(stress);
+            let (mean, mises) = (-stress::pressure(stress), stress::mises(stress));
             let seen = Seen { plastic, mean, mises, temperature: temperature.unwrap_or(0.0), dt };
             let left = failure.degrade(&mut self.failure, l, &seen);
             let shift = [left.mean - mean, left.mean - mean, left.mean - mean, 0.0];
@@ -87,10 +88,4 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             }
         }
     }
-}
-
-/// Mean stress and von Mises stress of rr, zz, hoop, rz.
-fn invariants([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 2] {
-    let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].map(|d| d * d);
-    [(rr + zz + hoop) / 3.0, (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()]
 }

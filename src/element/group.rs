@@ -1,25 +1,28 @@
 //! A group of elements: its blocks, dispatched to the instruction set of the machine, spread over threads.
 //! Never here: arithmetic.
 
+use std::sync::Arc;
+
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::element::Corners;
 use crate::element::block::{Block, Nodes, Stage, Sums, across, is_larger};
-use crate::element::body::PARALLEL;
 use crate::element::constants::Constants;
 use crate::element::quiescent::Rest;
 use crate::element::record::{Followed, Record};
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad;
 use crate::material::failure::Failure;
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
+use crate::output::variables::{Part, Variable};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
+use crate::user::UserMaterial;
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
 pub(super) const TASK: usize = 64;
@@ -45,33 +48,29 @@ pub struct Totals {
 }
 
 /// Elements of one kind and one material.
-pub trait Group: Persist {
+pub trait ElementGroup: Persist + Send + Sync {
     /// Number of elements.
     fn len(&self) -> usize;
     /// Whether there is none.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Tells the time at the end of the increment that comes next.
-    fn tell(&mut self, _now: &Instant) {}
     /// Why no stress could be given, where the user's routine failed.
     fn failure(&self) -> Option<Halt> {
         None
     }
     /// Stresses at the end of an increment, and forces on the corners.
-    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals;
-    /// Stress of an element: rr, zz, hoop, rz.
-    fn stress(&self, element: usize) -> [f64; 4];
-    /// Equivalent plastic strain of an element; `None` if nothing flows.
-    fn plastic_strain(&self, element: usize) -> Option<f64>;
-    /// Temperature of an element, where it is followed.
-    fn temperature(&self, element: usize) -> Option<f64>;
+    fn update(&mut self, pass: Pass<'_>) -> Totals;
+    /// What an element holds of a variable; `None` where it does not have it, or where it follows by a formula.
+    fn value(&self, element: usize, part: Part) -> Option<f64>;
+    /// Whether an element is deleted.
+    fn is_deleted(&self, element: usize) -> bool {
+        self.value(element, Variable::Status.into()) == Some(0.0)
+    }
     /// Sets stress and temperature of an element at the start.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
     /// Follows strains and energies from now on, because an output asks for them.
     fn follow(&mut self);
-    /// What is followed of an element; `None` if nothing is.
-    fn followed(&self, element: usize) -> Option<Followed>;
     /// One over the stable increment of an element with these corner masses on the present nodes, by the bound of the inner
     /// loop with linear bulk viscosity alone; `None` where masses cannot be scaled.
     fn own_rate(&self, _element: usize, _masses: &[f64; 4], _nodes: &[Node]) -> Option<f64> {
@@ -88,20 +87,12 @@ pub trait Group: Persist {
     fn corner_masses(&self, element: usize) -> [f64; 4];
     /// Gives the corners of an element other masses.
     fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]);
-    /// Mass of an element.
-    fn mass(&self, element: usize) -> f64;
-    /// Variable of an element that the user's routine keeps, counted from 0.
-    fn state_variable(&self, _element: usize, _variable: usize) -> Option<f64> {
-        None
-    }
-    /// 1 for an element that carries, 0 for one that is deleted.
-    fn status(&self, element: usize) -> Option<f64>;
+    /// Whether elements can be deleted at all.
+    fn can_delete(&self) -> bool;
     /// Adds the corner nodes of elements that the last update deleted.
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
     /// Whether the pressure follows from a state, so that no initial stress can be given.
     fn holds_state(&self) -> bool;
-    /// Energy a mass of an element, where its equation of state follows it.
-    fn energy(&self, element: usize) -> Option<f64>;
     /// Sets the energy a mass of an element at the start.
     fn set_energy(&mut self, element: usize, energy: f64);
     /// Whether a task of elements is passed over because all of it is at rest and free of stress.
@@ -114,23 +105,43 @@ pub trait Group: Persist {
     fn use_arch(&mut self, _arch: Arch) {}
     /// Bytes that the elements occupy.
     fn bytes(&self) -> usize;
-    /// Volume of an element now.
-    fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
-        quad::volume(self.corners(element).map(|n| nodes[n as usize].place()))
+    /// Another group in the same state.
+    fn copy(&self) -> Box<dyn ElementGroup>;
+}
+
+/// What a pass over the elements of a group is given.
+pub struct Pass<'a> {
+    /// All nodes, where they are now.
+    pub nodes: &'a [Node],
+    /// Length of the increment behind.
+    pub dt: f64,
+    /// Now.
+    pub now: &'a Instant,
+    /// Whether other threads may take part.
+    pub threads: bool,
+    /// The user's material, where there is one.
+    pub user: Option<&'a mut (dyn UserMaterial + 'static)>,
+    /// Where the corner forces of the group's blocks go.
+    pub corners: &'a mut [Corners],
+}
+
+impl Clone for Box<dyn ElementGroup> {
+    fn clone(&self) -> Self {
+        self.copy()
     }
 }
 
+/// Elements of a group from which on it pays to wake other threads every increment.
+pub(super) const PARALLEL: usize = 6000;
+
 /// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area.
 pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false> {
-    hardening: H,
-    volumetric: V,
-    failure: F,
+    laws: Arc<(H, V, F)>,
     constants: Constants,
     count: usize,
     blocks: Vec<Block<H::State, V::State, F::State>>,
     tasks: Vec<Stage>,
     arch: Arch,
-    parallel: bool,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
     rests: Vec<Rest>,
@@ -171,21 +182,49 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
             block
         };
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
-        let parallel = elements.len() >= PARALLEL && rayon::current_num_threads() > 1;
         Quads {
-            hardening,
-            volumetric,
-            failure,
+            laws: Arc::new((hardening, volumetric, failure)),
             constants,
             count: elements.len(),
             tasks: vec![Stage::new(); blocks.len().div_ceil(TASK)],
             blocks,
             arch: Arch::new(),
-            parallel,
             rests: Rest::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
             cap: f64::INFINITY,
         }
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Clone for Quads<H, V, F, AREA> {
+    fn clone(&self) -> Self {
+        Quads {
+            laws: Arc::clone(&self.laws),
+            constants: self.constants,
+            count: self.count,
+            blocks: self.blocks.clone(),
+            tasks: self.tasks.clone(),
+            arch: self.arch,
+            told: self.told.clone(),
+            rests: self.rests.clone(),
+            cap: self.cap,
+        }
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
+    /// What is followed of an element; `None` if nothing is.
+    fn followed(&self, element: usize) -> Option<Followed> {
+        let block = element / LANES;
+        Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
+    }
+}
+
+#[cfg(test)]
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
+    /// Lets no task become quiescent, by counting a node that never rests.
+    pub fn keep_awake(&mut self, node: u32) {
+        self.rests.iter_mut().for_each(|rest| rest.nodes.push(node));
     }
 }
 
@@ -233,7 +272,7 @@ pub(super) fn block<S, Q, X>(
     block
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for Quads<H, V, F, AREA> {
     fn len(&self) -> usize {
         self.count
     }
@@ -242,9 +281,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         self.arch = arch;
     }
 
-    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
-        let laws = (&self.hardening, &self.volumetric, &self.failure);
-        let pass = Pass { laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
+    fn update(&mut self, pass: Pass<'_>) -> Totals {
+        let Pass { nodes, dt, threads, corners, .. } = pass;
+        let pass = Common { laws: &self.laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
         let arch = self.arch;
         let run = |index, blocks: &mut [Block<_, _, _>], corners: &mut [Corners], stage: &mut _, rest: &mut Rest| {
             if rest.asleep && rest.is_still(nodes) {
@@ -266,7 +305,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
                 && blocks.iter().all(|b| zero(&b.stress))
                 && rest.is_still(nodes);
         };
-        if !self.parallel {
+        if !threads || self.count < PARALLEL {
             let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK));
             let parts = parts.zip(self.tasks.iter_mut().zip(&mut self.rests)).enumerate();
             parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
@@ -287,23 +326,28 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
 
     fn bytes(&self) -> usize {
         let records: usize = self.tasks.iter().map(|t| size_of_val(&*t.records)).sum();
-        size_of_val(&*self.blocks) + records
+        let rests: usize = self.rests.iter().map(Rest::bytes).sum();
+        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + records + rests + self.told.capacity()
     }
 
-    fn stress(&self, element: usize) -> [f64; 4] {
-        let block = &self.blocks[element / LANES];
-        [0, 1, 2, 3].map(|i| block.stress[i][element % LANES])
-    }
-
-    fn plastic_strain(&self, element: usize) -> Option<f64> {
-        let block = &self.blocks[element / LANES];
-        H::FLOWS.then(|| self.hardening.plastic_strain(&block.state, element % LANES))
-    }
-
-    fn temperature(&self, element: usize) -> Option<f64> {
+    fn value(&self, element: usize, part: Part) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
-        let by_energy = self.volumetric.temperature(&block.volumetric, lane);
-        by_energy.or_else(|| self.hardening.temperature(&block.state, lane))
+        match part.variable {
+            Variable::Stress => Some(block.stress.get(part.component)?[lane]),
+            Variable::PlasticStrain => H::FLOWS.then(|| self.laws.0.plastic_strain(&block.state, lane)),
+            Variable::Temperature => {
+                let by_energy = self.laws.1.temperature(&block.volumetric, lane);
+                by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
+            }
+            Variable::SpecificEnergy => self.laws.1.energy(&block.volumetric, lane),
+            Variable::Mass => Some(block.mass[lane]),
+            Variable::Status => {
+                let alive = self.laws.2.alive(&block.failure, lane);
+                Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
+            }
+            Variable::PlasticComponents if !H::FLOWS => None,
+            _ => self.followed(element)?.value(part),
+        }
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
@@ -312,8 +356,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
             list[lane] = value;
         }
         if let Some(temperature) = temperature {
-            self.hardening.heat(&mut block.state, lane, temperature);
-            self.volumetric.heat(&mut block.volumetric, lane, temperature);
+            self.laws.0.heat(&mut block.state, lane, temperature);
+            self.laws.1.heat(&mut block.volumetric, lane, temperature);
         }
     }
 
@@ -321,11 +365,6 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         for (stage, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
             stage.records = vec![Record::default(); blocks.len()];
         }
-    }
-
-    fn followed(&self, element: usize) -> Option<Followed> {
-        let block = element / LANES;
-        Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
     }
 
     fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
@@ -346,7 +385,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         if V::VARIES || V::TOTAL || AREA {
             return None;
         }
-        if self.status(element) == Some(0.0) {
+        if self.is_deleted(element) {
             return Some([[0.0; 8]; 8]);
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -370,15 +409,6 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
     }
 
-    fn mass(&self, element: usize) -> f64 {
-        self.blocks[element / LANES].mass[element % LANES]
-    }
-
-    fn status(&self, element: usize) -> Option<f64> {
-        let alive = self.failure.alive(&self.blocks[element / LANES].failure, element % LANES);
-        Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
-    }
-
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
         if !F::FAILS || self.tasks.iter().all(|stage| stage.deaths == 0) {
             return;
@@ -388,16 +418,20 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
         self.told = told;
     }
 
+    fn can_delete(&self) -> bool {
+        F::FAILS
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
     fn holds_state(&self) -> bool {
         V::VARIES
     }
 
-    fn energy(&self, element: usize) -> Option<f64> {
-        self.volumetric.energy(&self.blocks[element / LANES].volumetric, element % LANES)
-    }
-
     fn set_energy(&mut self, element: usize, energy: f64) {
-        self.volumetric.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
+        self.laws.1.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
     }
 
     fn corners(&self, element: usize) -> [u32; 4] {
@@ -405,9 +439,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Group for Quads<
     }
 }
 
-/// One pass over the elements.
-struct Pass<'a, H, V, F> {
-    laws: (&'a H, &'a V, &'a F),
+/// What all blocks of one pass share.
+struct Common<'a, H, V, F> {
+    laws: &'a (H, V, F),
     constants: &'a Constants,
     count: usize,
     nodes: &'a [Node],
@@ -417,7 +451,7 @@ struct Pass<'a, H, V, F> {
 
 /// The blocks that a thread takes at once.
 struct Task<'a, H: Hardening, V: Volumetric, F: Failure, const AREA: bool> {
-    pass: &'a Pass<'a, H, V, F>,
+    pass: &'a Common<'a, H, V, F>,
     index: usize,
     blocks: &'a mut [Block<H::State, V::State, F::State>],
     corners: &'a mut [Corners],
@@ -432,6 +466,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
     fn call(self) {
         let stage = self.stage;
         let pass = self.pass;
+        let laws = (&pass.laws.0, &pass.laws.1, &pass.laws.2);
         stage.sums = Sums::default();
         stage.deaths = 0;
         (stage.cap, stage.deformed) = (pass.cap, [[0.0; LANES]; 2]);
@@ -440,7 +475,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
             let index = self.index * TASK + i;
             stage.prepare(index, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
-            block.update::<H, V, F, AREA>(pass.laws, pass.constants, pass.dt, &mut places, stage, corners);
+            block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, stage, corners);
             if !stage.records.is_empty() {
                 stage.follow(i, block, H::FLOWS, &places, pass.dt);
             }
@@ -449,9 +484,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
 }
 
 /// Adds the corner nodes of elements whose deletion has not been told, and counts it as told.
-pub(super) fn tell_deleted(group: &impl Group, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
+pub(super) fn tell_deleted(group: &impl ElementGroup, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
     for (element, told) in told.iter_mut().enumerate() {
-        if !*told && group.status(element) == Some(0.0) {
+        if !*told && group.is_deleted(element) {
             *told = true;
             gone.push(group.corners(element));
         }
@@ -484,20 +519,7 @@ pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
 
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Quads {
-            hardening: _,
-            volumetric: _,
-            failure: _,
-            constants: _,
-            count: _,
-            blocks,
-            tasks,
-            arch: _,
-            parallel: _,
-            told,
-            rests,
-            cap,
-        } = self;
+        let Quads { laws: _, constants: _, count: _, blocks, tasks, arch: _, told, rests, cap } = self;
         persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), rests.as_mut_slice());
     }
 }
@@ -513,14 +535,12 @@ impl Persist for Totals {
 mod tests {
     use pulp::Arch;
 
-    use super::{Group, Quads};
-    use crate::element::Corners;
-    use crate::element::body::{Gather, Solid};
+    use super::{ElementGroup, Pass, Quads};
     use crate::element::constants::Constants;
+    use crate::kernel::lanes::Corners;
     use crate::kernel::lanes::LANES;
-    use crate::kernel::quad;
     use crate::material::failure::Intact;
-    use crate::material::plasticity::{Elastic, Lines};
+    use crate::material::plasticity::Lines;
     use crate::material::volumetric::Linear;
     use crate::state::Instant;
     use crate::state::nodes::Node;
@@ -551,7 +571,11 @@ mod tests {
             let lines = Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
             let mut quads = Quads::new((lines, Linear, Intact), constants, 2.0, &elements, &nodes).on(arch);
             let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
-            let totals = (0..3).map(|_| quads.update(&nodes, 0.3, &mut corners)).last().expect("totals");
+            let totals = (0..3).map(|_| {
+                let now = &Instant::default();
+                quads.update(Pass { nodes: &nodes, dt: 0.3, now, threads: false, user: None, corners: &mut corners })
+            });
+            let totals = totals.last().expect("totals");
             let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();
             assert!(totals.plastic > 0.0 && totals.rate > 0.0);
             (corners, totals)
@@ -562,59 +586,5 @@ mod tests {
         if let Some(v3) = pulp::x86::V3::try_new() {
             assert_eq!(plain, run(Arch::V3(v3)));
         }
-    }
-
-    /// A wave that enters a long bar at rest: with sleeping elements and without, bit by bit.
-    #[test]
-    fn what_sleeps_changes_no_bit() {
-        let (columns, rows) = (2, 1500);
-        let at = |n: usize| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64];
-        let count = (columns + 1) * (rows + 1);
-        let mut nodes: Vec<Node> = (0..count).map(|n| Node { r: at(n)[0], z: at(n)[1], ..Node::default() }).collect();
-        nodes[..3].iter_mut().for_each(|n| n.v_z = 1e-3);
-        // A node without mass, of no element, that never rests: a task that counts it stays awake.
-        nodes.push(Node { v_r: 1.0, ..Node::default() });
-        let elements: Vec<[u32; 4]> = (0..columns * rows)
-            .map(|e| (e / columns * (columns + 1) + e % columns) as u32)
-            .map(|n| [n, n + 1, n + columns as u32 + 2, n + columns as u32 + 1])
-            .collect();
-        let mut mass = vec![0.0; count + 1];
-        for corners in &elements {
-            let places = corners.map(|n| nodes[n as usize].place());
-            for (n, m) in corners.iter().zip(quad::corner_masses(places, 1.0)) {
-                mass[*n as usize] += m;
-            }
-        }
-        let constants = Constants {
-            bulk: 3.0,
-            shear: 1.0,
-            hourglass_stiffness: 0.005,
-            hourglass_viscosity: 0.0,
-            bulk_viscosity: [0.06, 1.2],
-        };
-        let run = |sleepless: bool| {
-            let mut quads = Quads::new((Elastic, Linear, Intact), constants, 1.0, &elements, &nodes);
-            if sleepless {
-                quads.rests.iter_mut().for_each(|rest| rest.nodes.push(count as u32));
-            }
-            let gather = Gather::new(count + 1, &[&elements]);
-            let mut solid = Solid::new(nodes.clone(), mass.clone(), vec![Box::new(quads)], vec![vec![]], gather);
-            solid.begin(&[], 0);
-            let now = Instant::default();
-            let mut slept = Vec::new();
-            for _ in 0..600 {
-                solid.evaluate(&now, &mut []).expect("stresses");
-                slept.push((0..6).filter(|t| solid.groups[0].sleeps(*t)).count());
-                solid.accelerate(&[]);
-                let dt = 0.9 * solid.stable_increment();
-                solid.advance(&[], &now, dt);
-            }
-            (solid.nodes, solid.energies, slept)
-        };
-        let (asleep, awake) = (run(false), run(true));
-        assert_eq!((asleep.2[1], *asleep.2.last().expect("a count"), awake.2[1]), (5, 3, 0));
-        assert_eq!(asleep.1, awake.1);
-        let bits = |nodes: &[Node]| nodes.iter().flat_map(|n| n.as_array()).map(f64::to_bits).collect::<Vec<_>>();
-        assert_eq!(bits(&asleep.0[..count]), bits(&awake.0[..count]));
     }
 }

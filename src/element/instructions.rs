@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use pulp::Arch;
 
-use crate::element::body::Solid;
+use super::elements::Elements;
 
 /// An instruction set. All give the same bits; the machine's best is the default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Instructions {
     }
 }
 
-impl Solid {
+impl Elements {
     /// Uses an instruction set from now on.
     pub fn use_arch(&mut self, arch: Arch) {
         self.groups.iter_mut().for_each(|group| group.use_arch(arch));

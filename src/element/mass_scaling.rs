@@ -2,9 +2,11 @@
 //! found anew, and what follows it: masses of nodes, of elements, forces by mass, the work that added mass costs.
 //! Never here: the inner loop, deck words.
 
-use crate::element::body::{NodeForce, Solid};
+use super::elements::Elements;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::nodes::Nodes;
 
 /// How a stable increment that is aimed at decides on factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,13 +102,13 @@ pub struct Masses {
     scaled: Vec<f64>,
 }
 
-impl Solid {
+impl Elements {
     /// Keeps the masses as they are now, from which all factors count.
-    pub fn remember_masses(&mut self) {
+    pub fn remember_masses(&mut self, nodes: &Nodes) {
         let corners: Vec<Vec<[f64; 4]>> =
             self.groups.iter().map(|g| (0..g.len()).map(|e| g.corner_masses(e)).collect()).collect();
         let ones: Vec<Vec<f64>> = corners.iter().map(|c| vec![1.0; c.len()]).collect();
-        let nodes = self.mass.clone();
+        let nodes = nodes.mass.clone();
         let scaled = nodes.clone();
         self.masses = Some(Box::new(Masses {
             nodes,
@@ -119,13 +121,20 @@ impl Solid {
     }
 
     /// Mass that scaling has added so far; `None` without scaling.
-    pub fn added_mass(&self) -> Option<f64> {
+    pub fn added_mass(&self, nodes: &Nodes) -> Option<f64> {
         let masses = self.masses.as_deref()?;
-        Some(self.mass.iter().zip(&masses.nodes).map(|(scaled, plain)| scaled - plain).sum())
+        Some(nodes.mass.iter().zip(&masses.nodes).map(|(scaled, plain)| scaled - plain).sum())
     }
 
-    /// Scales the masses where it is due, before the forces of this instant. Returns whether masses may have changed.
-    pub fn scale_masses(&mut self, scaling: &mut Scaling, now: &Instant, forces: &mut [Box<dyn NodeForce>]) -> bool {
+    /// Scales the masses where it is due, before the forces of this instant. Tells `changed` of every node with another mass,
+    /// and by how much its kinetic energy grew along r and z. Returns whether masses may have changed.
+    pub fn scale_masses(
+        &mut self,
+        scaling: &mut Scaling,
+        now: &Instant,
+        dofs: &mut Dofs,
+        changed: &mut dyn FnMut(usize, [f64; 2]),
+    ) -> bool {
         let starts = scaling.first.is_none();
         let increment = now.increment - *scaling.first.get_or_insert(now.increment);
         let mut due = false;
@@ -138,26 +147,27 @@ impl Solid {
         let Some(mut masses) = self.masses.take() else { return false };
         if let Some(fixed) = scaling.fixed.as_ref().filter(|_| starts) {
             masses.fixed.iter_mut().for_each(|list| list.fill(1.0));
-            fixed.iter().for_each(|request| self.find_factors(request, &masses.corners, &mut masses.fixed));
+            fixed
+                .iter()
+                .for_each(|request| self.find_factors(request, &dofs.nodes, &masses.corners, &mut masses.fixed));
         }
         for (all, fixed) in masses.factors.iter_mut().zip(&masses.fixed) {
             all.copy_from_slice(fixed);
         }
         for variable in &scaling.variable {
-            self.find_factors(&variable.request, &masses.corners, &mut masses.factors);
+            self.find_factors(&variable.request, &dofs.nodes, &masses.corners, &mut masses.factors);
         }
-        self.apply(&mut masses, starts);
+        self.apply(&mut masses, starts, dofs, changed);
         self.masses = Some(masses);
-        forces.iter_mut().for_each(|force| force.weigh(&self.mass));
         true
     }
 
     /// Factors of one request, on top of those that are there. The frequency falls with the root of the mass.
-    fn find_factors(&self, request: &Request, corners: &[Vec<[f64; 4]>], factors: &mut [Vec<f64>]) {
+    fn find_factors(&self, request: &Request, nodes: &Nodes, corners: &[Vec<[f64; 4]>], factors: &mut [Vec<f64>]) {
         // A deleted element has no increment; its mass stays.
         let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
             let group = &self.groups[g];
-            let own = if group.status(e) == Some(0.0) { None } else { group.own_rate(e, &corners[g][e], &self.nodes) };
+            let own = if group.is_deleted(e) { None } else { group.own_rate(e, &corners[g][e], nodes.as_slice()) };
             own.map_or(0.0, |rate| rate / factors[g][e].sqrt())
         };
         for &(g, e) in &request.elements {
@@ -177,7 +187,7 @@ impl Solid {
 
     /// Puts factors on elements and nodes. At the start of a step the elements may have been updated already: then the
     /// bound of the increment must serve those whose mass has fallen, too.
-    fn apply(&mut self, masses: &mut Masses, starts: bool) {
+    fn apply(&mut self, masses: &mut Masses, starts: bool, dofs: &mut Dofs, changed: &mut dyn FnMut(usize, [f64; 2])) {
         masses.scaled.copy_from_slice(&masses.nodes);
         for (g, (group, factors)) in self.groups.iter_mut().zip(&masses.factors).enumerate() {
             for (e, &factor) in factors.iter().enumerate() {
@@ -194,26 +204,38 @@ impl Solid {
         }
         for (n, &mass) in masses.scaled.iter().enumerate() {
             // What a rigid body carries has no mass here.
-            if masses.nodes[n] > 0.0 {
-                self.change_mass(n, mass);
+            if masses.nodes[n] > 0.0 && mass != dofs.nodes.mass[n] {
+                let gained = dofs.nodes.change_mass(n, mass);
+                dofs.energies.external += gained[0] + gained[1];
+                changed(n, gained);
             }
         }
-        self.bound_connectors();
+        if let Some(connectors) = &mut self.connectors {
+            connectors.bound(&dofs.nodes);
+        }
         if starts {
-            self.bound_again(masses);
+            self.bound_again(masses, &dofs.nodes);
         }
     }
 
-    fn bound_again(&mut self, masses: &Masses) {
+    fn bound_again(&mut self, masses: &Masses, nodes: &Nodes) {
         for (g, factors) in masses.factors.iter().enumerate() {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
-                let own = group.own_rate(e, &masses.corners[g][e].map(|m| m * factor), &self.nodes);
-                if let Some(rate) = own.filter(|_| group.status(e) != Some(0.0)) {
+                let own = group.own_rate(e, &masses.corners[g][e].map(|m| m * factor), nodes.as_slice());
+                if let Some(rate) = own.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);
                 }
             }
         }
+    }
+}
+
+impl Scaling {
+    /// Bytes of its requests.
+    pub fn bytes(&self) -> usize {
+        let of = |r: &Request| size_of_val(r) + size_of::<(usize, usize)>() * r.elements.capacity();
+        self.fixed.iter().flatten().map(of).sum::<usize>() + self.variable.iter().map(|v| of(&v.request)).sum::<usize>()
     }
 }
 
@@ -228,6 +250,19 @@ impl Persist for Scaling {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Scaling { fixed: _, variable, first } = self;
         persist_fields!(archive; variable.as_mut_slice(), first);
+    }
+}
+
+impl Masses {
+    /// Bytes of the lists.
+    pub fn bytes(&self) -> usize {
+        let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
+        let corners: usize = self.corners.iter().map(|l| size_of::<[f64; 4]>() * l.capacity()).sum();
+        of(&self.fixed)
+            + of(&self.factors)
+            + of(&self.carried)
+            + corners
+            + 8 * (self.nodes.capacity() + self.scaled.capacity())
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::element::user_quads::Description;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
-use crate::user::{LoadFailure, MaterialAnswer, MaterialCall};
+use crate::user::{LoadFailure, MaterialAnswer, MaterialCall, UserMaterial};
 
 /// Entries behind each answer that a routine must leave alone.
 const GUARD: usize = 8;
@@ -17,6 +17,7 @@ const FICTITIOUS: [f64; 4] = [2e-7, -0.5e-7, 1e-7, 0.75e-7];
 type Pair = [Vec<f64>; 2];
 
 /// The points of one call, components one after the other as Fortran has them.
+#[derive(Clone, Debug)]
 pub struct Points {
     count: usize,
     variables: usize,
@@ -159,7 +160,13 @@ impl Points {
     ///
     /// # Errors
     /// Its own, and where it wrote past its points, left something out or gave what is not finite.
-    pub fn call(&mut self, material: &Description, now: &Instant, dt: f64) -> Result<(), LoadFailure> {
+    pub fn call(
+        &mut self,
+        material: &Description,
+        routine: &mut dyn UserMaterial,
+        now: &Instant,
+        dt: f64,
+    ) -> Result<(), LoadFailure> {
         let (n, m) = (self.count, self.variables);
         let [stress_old, stress] = &mut self.stress;
         let [state_old, state] = &mut self.state;
@@ -196,7 +203,7 @@ impl Points {
             internal: &mut internal[..n],
             inelastic: &mut inelastic[..n],
         };
-        material.routine.with(|r| r.stress(&call, answer))?;
+        routine.stress(&call, answer)?;
         self.accept()
     }
 

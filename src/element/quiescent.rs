@@ -2,13 +2,13 @@
 //! elements touch, are passed over until something reaches them. Skipping them changes no bit.
 //! Never here: arithmetic of elements and nodes.
 
-use crate::element::group::{Group, TASK};
+use super::group::{ElementGroup, TASK};
 use crate::kernel::lanes::LANES;
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Node;
 
 /// Nodes that are passed over together.
-pub(super) const FEW: usize = 32;
+pub const FEW: usize = 32;
 
 /// Whether a task of elements sleeps, and its nodes.
 #[derive(Clone, Debug)]
@@ -30,6 +30,11 @@ impl Rest {
         elements.chunks(TASK * LANES).map(task).collect()
     }
 
+    /// Bytes of it.
+    pub fn bytes(&self) -> usize {
+        size_of::<Rest>() + size_of::<u32>() * self.nodes.capacity()
+    }
+
     /// Whether no node of the task moves.
     pub fn is_still(&self, nodes: &[Node]) -> bool {
         self.nodes.iter().all(|&n| nodes[n as usize].v_r == 0.0 && nodes[n as usize].v_z == 0.0)
@@ -47,7 +52,7 @@ pub(super) struct Awake {
 
 impl Awake {
     /// From the corner nodes of each group's elements.
-    pub fn new(count: usize, groups: &[Box<dyn Group>]) -> Self {
+    pub fn new(count: usize, groups: &[Box<dyn ElementGroup>]) -> Self {
         let mut touching = vec![Vec::new(); count.div_ceil(FEW)];
         for (g, group) in groups.iter().enumerate() {
             for e in 0..group.len() {
@@ -63,13 +68,20 @@ impl Awake {
         Awake { touching, awake: Vec::new() }
     }
 
+    /// Bytes of the lists.
+    pub fn bytes(&self) -> usize {
+        let touching: usize =
+            self.touching.iter().map(|l| size_of_val(l) + size_of::<(u32, u32)>() * l.capacity()).sum();
+        touching + self.awake.capacity()
+    }
+
     /// Wakes all nodes for good.
     pub fn wake(&mut self) {
         *self = Awake::default();
     }
 
     /// After the elements: nodes of tasks that sleep have no work, unless a force acts on them.
-    pub fn update(&mut self, groups: &[Box<dyn Group>], external: &[[f64; 2]]) {
+    pub fn update(&mut self, groups: &[Box<dyn ElementGroup>], external: &[[f64; 2]]) {
         if self.touching.is_empty() {
             return;
         }

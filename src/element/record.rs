@@ -7,6 +7,8 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::rotated;
+use crate::kernel::stress::mises;
+use crate::output::variables::{Part, Variable};
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Output variables of the eight elements of a block.
@@ -33,6 +35,24 @@ pub struct Followed {
     pub rate: [f64; 4],
     /// Recoverable and dissipated energy.
     pub energy: [f64; 2],
+}
+
+impl Followed {
+    /// A component of what is followed; of strains the engineering shear, as ABAQUS shows them.
+    pub(super) fn value(&self, part: Part) -> Option<f64> {
+        let strain = |tensor: [f64; 4]| {
+            let component = *tensor.get(part.component)?;
+            Some(if part.component == 3 { 2.0 * component } else { component })
+        };
+        match part.variable {
+            Variable::LogarithmicStrain => strain(self.strain),
+            Variable::PlasticComponents => strain(self.plastic),
+            Variable::StrainRate => strain(self.rate),
+            Variable::ElementStrainEnergy => Some(self.energy[0]),
+            Variable::ElementPlasticEnergy => Some(self.energy[1]),
+            _ => None,
+        }
+    }
 }
 
 /// Gradient operators at the middle of an increment.
@@ -72,9 +92,7 @@ impl Record {
                 // Associated flow: 3/2 dp s/q, the direction of the trial.
                 let per = 1.5 * stage.flow[l] / stage.trial[l];
                 plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * stage.deviator[i][l]);
-                let [a, b, c, d] = [0, 1, 2, 3].map(|i| block.stress[i][l]);
-                let squares = [a - b, b - c, c - a].map(|x| x * x);
-                let mises = (0.5 * (squares[0] + squares[1] + squares[2]) + 3.0 * d * d).sqrt();
+                let mises = mises([0, 1, 2, 3].map(|i| block.stress[i][l]));
                 self.work[1][l] += stage.volume[l] * mises * stage.flow[l];
             }
             for i in 0..4 {

@@ -3,10 +3,11 @@
 
 use pulp::Arch;
 
-use crate::element::Corners;
 use crate::element::constants::Constants;
-use crate::element::group::{Group, Quads};
+use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
+use crate::kernel::heating::Heating;
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::material::eos::{Eos, IdealGas, UsUp};
 use crate::material::failure::{Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
@@ -15,6 +16,8 @@ use crate::material::kinematic::Kinematic;
 use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::volumetric::{Linear, Volumetric};
+use crate::output::variables::Variable;
+use crate::state::Instant;
 use crate::state::nodes::Node;
 
 const COLUMNS: usize = 5;
@@ -65,7 +68,14 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     let (mut bits, mut plastic) = (Vec::new(), 0.0);
     for _ in 0..20 {
         nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
-        let totals = quads.update(&nodes, DT, &mut corners);
+        let totals = quads.update(Pass {
+            nodes: &nodes,
+            dt: DT,
+            now: &Instant::default(),
+            threads: false,
+            user: None,
+            corners: &mut corners,
+        });
         plastic += totals.plastic;
         let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];
         assert!(sums.iter().all(|x| x.is_finite()) && totals.rate > 0.0, "{totals:?}");
@@ -73,11 +83,9 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     }
     let mut deleted = 0;
     for e in 0..elements.len() {
-        let state = [quads.plastic_strain(e), quads.temperature(e), quads.energy(e), quads.status(e)];
-        deleted += usize::from(state[3] == Some(0.0));
-        let followed = quads.followed(e).expect("it is followed");
-        let kept = state.into_iter().flatten().chain(quads.stress(e)).chain(followed.plastic).chain(followed.energy);
-        bits.extend(kept.map(f64::to_bits));
+        deleted += usize::from(quads.is_deleted(e));
+        let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
+        bits.extend(held.map(f64::to_bits));
     }
     Came { bits, plastic, deleted }
 }
@@ -111,7 +119,7 @@ fn johnson_cook() -> RateDependent<JohnsonCook> {
 }
 
 fn general() -> General {
-    General { law: Box::new(johnson_cook()), heating: 50.0 }
+    General { law: Box::new(johnson_cook()), heating: Heating::Constant(50.0) }
 }
 
 fn kinematic() -> Kinematic {
@@ -120,7 +128,7 @@ fn kinematic() -> Kinematic {
 
 fn moving() -> Moving {
     let slope = Table { rows: vec![[0.1, 20.0], [0.05, 200.0]] };
-    Moving { size: Box::new(johnson_cook()), slope, heating: 50.0 }
+    Moving { size: Box::new(johnson_cook()), slope, heating: Heating::Constant(50.0) }
 }
 
 fn gas() -> Eos<IdealGas> {

@@ -2,27 +2,29 @@
 //! other elements, and between them a call for each block of material points.
 //! Never here: how the routine was made or loaded.
 
-use crate::element::Corners;
+use super::group::{ElementGroup, Pass, Totals, block, tell_deleted, totals};
 use crate::element::block::{Block, Nodes, Stage, Sums, dot};
 use crate::element::constants::Constants;
-use crate::element::group::{Group, Totals, block, tell_deleted, totals};
 use crate::element::points::Points;
 use crate::element::record::{Followed, Record, spin};
+use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::rotated;
 use crate::material::plasticity::Elastic;
 use crate::material::volumetric::Linear;
+use crate::output::variables::{Part, Variable};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
-use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, SharedMaterial};
+use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, UserMaterial};
 
 /// Blocks of elements that one call shows.
 const BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 
 /// What a deck says of a user material.
+#[derive(Clone, Debug)]
 pub struct Description {
     /// Name, upper case (`cmname`).
     pub name: String,
@@ -32,11 +34,10 @@ pub struct Description {
     pub variables: usize,
     /// The one of them, counted from 0, that deletes an element when it becomes zero.
     pub delete: Option<usize>,
-    /// The routine.
-    pub routine: SharedMaterial,
 }
 
 /// Quadrilaterals of a user material.
+#[derive(Clone)]
 pub struct UserQuads {
     description: Description,
     /// Moduli are those that the routine's answer at time zero has.
@@ -55,6 +56,7 @@ pub struct UserQuads {
 }
 
 /// The elements of one call.
+#[derive(Clone)]
 struct Chunk {
     points: Points,
     /// Geometry at the start.
@@ -99,13 +101,13 @@ impl UserQuads {
 
     /// Moduli from the routine's answer to fictitious strains at time zero, as ABAQUS/Explicit asks for it: the largest of
     /// all elements.
-    fn probe(&mut self, nodes: &[Node]) -> Result<(), Halt> {
+    fn probe(&mut self, nodes: &[Node], routine: &mut dyn UserMaterial) -> Result<(), Halt> {
         let (mut bulk, mut shear) = (0_f64, 0_f64);
         for c in 0..self.chunks.len() {
             self.strain(c, nodes, 0.0);
             let points = &mut self.chunks[c].points;
             points.show_fictitious();
-            let called = points.call(&self.description, &self.now, 1.0).and_then(|()| points.moduli());
+            let called = points.call(&self.description, routine, &self.now, 1.0).and_then(|()| points.moduli());
             let [k, g] = called.map_err(|failure| self.halt(c, &failure))?;
             (bulk, shear) = (bulk.max(k), shear.max(g));
         }
@@ -145,10 +147,10 @@ impl UserQuads {
     }
 
     /// The routine's stresses of one call, and the work done on the way to them.
-    fn stress(&mut self, c: usize, dt: f64) -> Result<(), Halt> {
+    fn stress(&mut self, c: usize, dt: f64, routine: &mut dyn UserMaterial) -> Result<(), Halt> {
         let chunk = &mut self.chunks[c];
         if dt > 0.0 {
-            let called = chunk.points.call(&self.description, &self.now, dt);
+            let called = chunk.points.call(&self.description, routine, &self.now, dt);
             if let Err(failure) = called {
                 return Err(self.halt(c, &failure));
             }
@@ -193,13 +195,15 @@ impl UserQuads {
         }
     }
 
-    fn pass(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Result<(), Halt> {
+    fn pass(&mut self, pass: Pass<'_>) -> Result<(), Halt> {
+        let Pass { nodes, dt, corners, user, .. } = pass;
+        let Some(routine) = user else { return Ok(()) };
         if dt == 0.0 {
-            self.probe(nodes)?;
+            self.probe(nodes, routine)?;
         }
         for c in 0..self.chunks.len() {
             self.strain(c, nodes, dt);
-            self.stress(c, dt)?;
+            self.stress(c, dt, routine)?;
             self.forces(c, dt, corners);
         }
         Ok(())
@@ -213,43 +217,53 @@ impl UserQuads {
         failure.halt(&what, &self.now)
     }
 
+    /// What is followed of an element; `None` if nothing is.
+    fn followed(&self, element: usize) -> Option<Followed> {
+        let block = element / LANES;
+        let followed = self.stages[block % BLOCKS].records.get(block / BLOCKS)?.of(element % LANES);
+        let (chunk, i) = self.chunk(element);
+        let dissipated = self.blocks[block].mass[element % LANES] * chunk.points.inelastic(i);
+        Some(Followed { energy: [followed.energy[0] - dissipated, dissipated], ..followed })
+    }
+
     fn chunk(&self, element: usize) -> (&Chunk, usize) {
         (&self.chunks[element / (BLOCKS * LANES)], element % (BLOCKS * LANES))
     }
 }
 
-impl Group for UserQuads {
+impl ElementGroup for UserQuads {
     fn len(&self) -> usize {
         self.count
-    }
-
-    fn tell(&mut self, now: &Instant) {
-        self.now = *now;
     }
 
     fn failure(&self) -> Option<Halt> {
         self.failure.clone()
     }
 
-    fn update(&mut self, nodes: &[Node], dt: f64, corners: &mut [Corners]) -> Totals {
+    fn update(&mut self, pass: Pass<'_>) -> Totals {
+        self.now = *pass.now;
         self.stages.iter_mut().for_each(|s| s.sums = Sums::default());
-        self.failure = self.pass(nodes, dt, corners).err();
+        self.failure = self.pass(pass).err();
         let totals = totals(&self.stages, |_| f64::INFINITY);
         if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
     }
 
-    fn stress(&self, element: usize) -> [f64; 4] {
-        let block = &self.blocks[element / LANES];
-        [0, 1, 2, 3].map(|i| block.stress[i][element % LANES])
-    }
-
-    fn plastic_strain(&self, _element: usize) -> Option<f64> {
-        None
-    }
-
-    fn temperature(&self, element: usize) -> Option<f64> {
+    fn value(&self, element: usize, part: Part) -> Option<f64> {
+        let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         let (chunk, i) = self.chunk(element);
-        Some(chunk.points.temperature(i))
+        match part.variable {
+            Variable::Stress => Some(block.stress.get(part.component)?[lane]),
+            Variable::Temperature => Some(chunk.points.temperature(i)),
+            Variable::State => {
+                let kept = part.component < self.description.variables;
+                kept.then(|| chunk.points.state_before(i, part.component))
+            }
+            Variable::Mass => Some(block.mass[lane]),
+            Variable::Status => Some(if chunk.deleted[i] { 0.0 } else { 1.0 }),
+            // Only the routine would know it.
+            Variable::PlasticComponents => None,
+            _ => self.followed(element)?.value(part),
+        }
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
@@ -264,29 +278,12 @@ impl Group for UserQuads {
         self.stages.iter_mut().for_each(|s| s.records = vec![Record::default(); self.chunks.len()]);
     }
 
-    fn followed(&self, element: usize) -> Option<Followed> {
-        let block = element / LANES;
-        let followed = self.stages[block % BLOCKS].records.get(block / BLOCKS)?.of(element % LANES);
-        let (chunk, i) = self.chunk(element);
-        let dissipated = self.mass(element) * chunk.points.inelastic(i);
-        Some(Followed { energy: [followed.energy[0] - dissipated, dissipated], ..followed })
-    }
-
     fn corner_masses(&self, element: usize) -> [f64; 4] {
         self.blocks[element / LANES].corner_masses(element % LANES)
     }
 
     fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
-    }
-
-    fn mass(&self, element: usize) -> f64 {
-        self.blocks[element / LANES].mass[element % LANES]
-    }
-
-    fn status(&self, element: usize) -> Option<f64> {
-        let (chunk, i) = self.chunk(element);
-        Some(if chunk.deleted[i] { 0.0 } else { 1.0 })
     }
 
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
@@ -298,20 +295,19 @@ impl Group for UserQuads {
         self.told = told;
     }
 
+    fn can_delete(&self) -> bool {
+        self.description.delete.is_some()
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
     fn holds_state(&self) -> bool {
         false
     }
 
-    fn energy(&self, _element: usize) -> Option<f64> {
-        None
-    }
-
     fn set_energy(&mut self, _element: usize, _energy: f64) {}
-
-    fn state_variable(&self, element: usize, variable: usize) -> Option<f64> {
-        let (chunk, i) = self.chunk(element);
-        (variable < self.description.variables).then(|| chunk.points.state_before(i, variable))
-    }
 
     fn corners(&self, element: usize) -> [u32; 4] {
         [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])

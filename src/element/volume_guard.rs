@@ -1,8 +1,9 @@
 //! How much of its volume an element may lose or gain in one increment.
 //! Never here: what is stable.
 
-use crate::element::body::Solid;
+use super::elements::Elements;
 use crate::kernel::quad;
+use crate::state::nodes::Nodes;
 
 /// The largest fraction of its volume by which an element may change over one increment at the rate at which it does: the
 /// increment adapts before an element turns inside out, and the work of what expands at once is followed.
@@ -12,22 +13,22 @@ pub const CHANGE: f64 = 0.2;
 /// what is let go all at once changes it most.
 pub const STARTING: u64 = 100;
 
-impl Solid {
+impl Elements {
     /// Lets elements limit the increment by their rate of volume and by the accelerations at this instant: over the
     /// increment dt the rate is g + a (dt0 + dt)/2, where dt0 is the increment behind.
-    pub fn guard_start(&mut self) {
-        let half = 0.5 * self.behind;
+    pub fn guard_start(&mut self, nodes: &Nodes) {
+        let half = 0.5 * nodes.behind;
         for group in 0..self.groups.len() {
             for element in 0..self.groups[group].len() {
                 let corners = self.groups[group].corners(element).map(|n| n as usize);
-                let nodes = corners.map(|n| self.nodes[n]);
-                let g = quad::gradient(nodes.map(|n| n.r), nodes.map(|n| n.z));
+                let at = corners.map(|n| nodes[n]);
+                let g = quad::gradient(at.map(|n| n.r), at.map(|n| n.z));
                 let growth = |of: &dyn Fn(usize) -> [f64; 2]| {
                     let part = |i: usize| (g.r[i] + g.hoop[i]) * of(i)[0] + g.z[i] * of(i)[1];
                     ((part(0) + part(1)) + (part(2) + part(3))) / g.volume
                 };
-                let rate = growth(&|i| [nodes[i].v_r, nodes[i].v_z]);
-                let acceleration = growth(&|i| self.acceleration[corners[i]]);
+                let rate = growth(&|i| [at[i].v_r, at[i].v_z]);
+                let acceleration = growth(&|i| nodes.acceleration[corners[i]]);
                 let first = (rate + half * acceleration).abs();
                 let root = (first * first + 2.0 * CHANGE * acceleration.abs()).sqrt();
                 self.raise_limit(group, element, (first + root) / (2.0 * CHANGE));

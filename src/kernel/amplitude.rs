@@ -1,8 +1,6 @@
 //! Functions of time that scale loads and motions.
 //! Never here: which load refers to which amplitude.
 
-use std::cell::Cell;
-
 /// A piecewise amplitude: linear or smooth-step between points, constant outside
 /// (ABAQUS Analysis User's Guide, "Amplitude curves").
 #[derive(Clone, Debug)]
@@ -31,6 +29,11 @@ impl Curve {
         from[1] + (to[1] - from[1]) * weight
     }
 
+    /// Bytes of its points.
+    pub fn bytes(&self) -> usize {
+        size_of::<[f64; 2]>() * self.points.capacity()
+    }
+
     /// Slope at a time, from the right at a kink.
     pub fn slope(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|p| p[0] <= time);
@@ -52,46 +55,42 @@ impl Curve {
 }
 
 /// A function of time that is told value by value, as the run goes: linear between the last two, constant outside.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    before: Cell<[f64; 2]>,
-    last: Cell<[f64; 2]>,
+    /// Time and value before the last.
+    before: [f64; 2],
+    /// Time and value told last.
+    last: [f64; 2],
 }
 
 impl Default for Track {
     fn default() -> Self {
-        Track { before: Cell::new([f64::NEG_INFINITY, 0.0]), last: Cell::new([f64::NEG_INFINITY, 0.0]) }
+        Track { before: [f64::NEG_INFINITY, 0.0], last: [f64::NEG_INFINITY, 0.0] }
     }
 }
 
 impl Track {
     /// Tells the value at a total time; the same time again replaces the last value.
-    pub fn tell(&self, time: f64, value: f64) {
-        if time > self.last.get()[0] {
-            self.before.set(self.last.get());
+    pub fn tell(&mut self, time: f64, value: f64) {
+        if time > self.last[0] {
+            self.before = self.last;
         }
-        self.last.set([time, value]);
+        self.last = [time, value];
     }
 
     /// The value told last.
     pub fn last(&self) -> f64 {
-        self.last.get()[1]
+        self.last[1]
     }
 
     /// Time and value of the last two, the earlier first.
-    pub fn points(&self) -> [[f64; 2]; 2] {
-        [self.before.get(), self.last.get()]
-    }
-
-    /// Takes what [`Track::points`] gave.
-    pub fn restore(&self, [before, last]: [[f64; 2]; 2]) {
-        self.before.set(before);
-        self.last.set(last);
+    pub fn points(&mut self) -> [&mut [f64; 2]; 2] {
+        [&mut self.before, &mut self.last]
     }
 
     /// Value at a total time.
     pub fn value(&self, time: f64) -> f64 {
-        let (before, last) = (self.before.get(), self.last.get());
+        let (before, last) = (self.before, self.last);
         if time >= last[0] || before[0] == f64::NEG_INFINITY {
             return last[1];
         }
@@ -100,7 +99,7 @@ impl Track {
 
     /// Slope between the last two values.
     pub fn slope(&self) -> f64 {
-        let (before, last) = (self.before.get(), self.last.get());
+        let (before, last) = (self.before, self.last);
         if before[0] == f64::NEG_INFINITY { 0.0 } else { (last[1] - before[1]) / (last[0] - before[0]) }
     }
 }
@@ -111,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_track_is_linear_between_what_it_was_told() {
-        let track = Track::default();
+        let mut track = Track::default();
         assert_eq!((track.value(1.0), track.slope()), (0.0, 0.0));
         track.tell(0.0, 2.0);
         assert_eq!(track.value(-1.0), 2.0);

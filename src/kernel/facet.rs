@@ -64,6 +64,16 @@ impl Facet {
     }
 }
 
+/// Forces on the two nodes of a facet by a pressure, positive against the outward normal, which lies to the right of the way
+/// from the first to the second: the consistent forces of a uniform pressure, -p n 2 pi L (2 r1 + r2)/6 on the first node.
+#[inline]
+pub fn ring_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
+    let third = PI / 3.0 * pressure;
+    // The outward normal times the length is (dz, -dr).
+    let (n_r, n_z) = (third * (b[1] - a[1]), -third * (b[0] - a[0]));
+    [2.0 * a[0] + b[0], a[0] + 2.0 * b[0]].map(|weight| [-n_r * weight, -n_z * weight])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -97,23 +97,24 @@ pub enum RateFactor {
     },
     /// 1 + (rate/D)^(1/n), Cowper and Symonds.
     PowerLaw {
-        /// D.
-        d: f64,
-        /// n.
-        n: f64,
+        /// D over temperature.
+        d: Table,
+        /// n over temperature.
+        n: Table,
     },
-    /// Ratio over rate.
-    Ratio(Table),
+    /// Ratio over rate, at ascending temperatures.
+    Ratio(TableOverTemperature),
 }
 
 impl RateFactor {
-    /// The factor at a rate of equivalent plastic strain.
-    pub fn at(&self, rate: f64) -> f64 {
+    /// The factor at a rate of equivalent plastic strain and a temperature (ABAQUS Analysis User's Guide 23.2.3,
+    /// "Rate-dependent yield").
+    pub fn at(&self, rate: f64, temperature: f64) -> f64 {
         match self {
             RateFactor::JohnsonCook { c, reference } if rate > *reference => 1.0 + c * libm::log(rate / reference),
             RateFactor::JohnsonCook { .. } => 1.0,
-            RateFactor::PowerLaw { d, n } => 1.0 + power(rate / d, 1.0 / n),
-            RateFactor::Ratio(table) => table.value(rate),
+            RateFactor::PowerLaw { d, n } => 1.0 + power(rate / d.value(temperature), 1.0 / n.value(temperature)),
+            RateFactor::Ratio(tables) => tables.at(rate, 0.0, temperature),
         }
     }
 }
@@ -134,7 +135,7 @@ pub struct RateDependent<Y> {
 
 impl<Y: YieldStress> YieldStress for RateDependent<Y> {
     fn at(&self, strain: f64, rate: f64, temperature: f64) -> f64 {
-        self.base.at(strain, rate, temperature) * self.factor.at(rate)
+        self.base.at(strain, rate, temperature) * self.factor.at(rate, temperature)
     }
 }
 
@@ -216,11 +217,26 @@ mod tests {
         assert_eq!(law.at(0.0, 0.5, 1540.0), 0.0);
     }
 
+    fn constant(value: f64) -> Table {
+        Table { rows: vec![[value, 0.0]] }
+    }
+
+    #[test]
+    fn factors_of_rate_are_linear_between_temperatures() {
+        let over = |cold: f64, hot: f64| Table { rows: vec![[cold, 20.0], [hot, 220.0]] };
+        let law = RateFactor::PowerLaw { d: over(40.0, 80.0), n: over(4.0, 6.0) };
+        // Half way D = 60 and n = 5.
+        assert!((law.at(600.0, 120.0) / (1.0 + 10.0f64.powf(0.2)) - 1.0).abs() < 1e-14);
+        let ratios = |factor: f64| Table { rows: vec![[1.0, 0.0], [1.0 + factor, 1000.0]] };
+        let law = RateFactor::Ratio(TableOverTemperature { tables: vec![(20.0, ratios(0.4)), (220.0, ratios(0.8))] });
+        assert_eq!([20.0, 120.0, 500.0].map(|t| law.at(500.0, t)), [1.2, 1.3, 1.4]);
+    }
+
     #[test]
     fn the_return_meets_the_yield_surface() {
         let law = RateDependent {
             base: JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 },
-            factor: RateFactor::PowerLaw { d: 40.0, n: 5.0 },
+            factor: RateFactor::PowerLaw { d: constant(40.0), n: constant(5.0) },
         };
         for (trial, strain) in [(900.0, 0.0), (5000.0, 0.3), (806.1, 0.0)] {
             let dp = plastic_increment(&law, trial, strain, 300.0, 3.0 * 80_000.0, 1e-6);

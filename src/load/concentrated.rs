@@ -1,48 +1,69 @@
-//! A concentrated force on bodies (`*CLOAD`).
+//! A concentrated force (`*CLOAD`).
 //! Never here: distributed loads.
 
-use crate::load::Account;
-use crate::load::Force;
-use crate::load::Slot;
+use super::{Account, Load, Slot, View};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Magnitude;
-use crate::state::{BodyState, Instant};
+use crate::user::Locked;
 
-/// The same force along z on each of some bodies.
-#[derive(Debug)]
+/// The same force along one axis on each of some bodies and nodes.
+#[derive(Clone, Debug)]
 pub struct Concentrated {
-    /// What asked for it.
-    pub cause: EffectId,
-    /// The bodies it acts on.
+    /// Its row of the ledger.
+    pub id: EffectId,
+    /// Bodies, pushed along z.
     pub bodies: Vec<usize>,
-    /// Force.
+    /// Nodes.
+    pub nodes: Vec<usize>,
+    /// 0 along r, 1 along z.
+    pub axis: usize,
+    /// Force on each.
     pub magnitude: Magnitude,
 }
 
-impl Force for Concentrated {
-    fn cause(&self) -> EffectId {
-        self.cause
+impl Load for Concentrated {
+    fn id(&self) -> EffectId {
+        self.id
     }
 
     fn slots(&self) -> Vec<Slot> {
         self.bodies.iter().map(|&body| Slot { body, account: Account::Work }).collect()
     }
 
-    fn evaluate(&mut self, now: &Instant, _bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
-        out.fill(self.magnitude.at(now));
+    fn acts_on_nodes(&self) -> bool {
+        !self.nodes.is_empty()
+    }
+
+    fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
+        let force = self.magnitude.at(&view.clock);
+        self.nodes.iter().for_each(|&n| forces[n][self.axis] += force);
         Ok(())
     }
 
-    fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
-        self.magnitude.limit(now)
+    fn on_bodies(&mut self, view: &View<'_>, _: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+        out.fill(self.magnitude.at(&view.clock));
+        Ok(())
+    }
+
+    fn limit(&self, view: &View<'_>) -> Limit {
+        self.magnitude.limit(&view.clock)
+    }
+
+    fn arrays(&self) -> Vec<(&'static str, usize)> {
+        let places = size_of::<usize>() * (self.bodies.capacity() + self.nodes.capacity());
+        vec![("places", places), ("amplitude", self.magnitude.bytes())]
+    }
+
+    fn copy(&self) -> Box<dyn Load> {
+        Box::new(self.clone())
     }
 }
 
 impl Persist for Concentrated {
     fn persist(&mut self, _archive: &mut Archive<'_>) {
-        let Concentrated { cause: _, bodies: _, magnitude: _ } = self;
+        let Concentrated { id: _, bodies: _, nodes: _, axis: _, magnitude: _ } = self;
     }
 }

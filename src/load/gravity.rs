@@ -1,51 +1,79 @@
-//! A uniform acceleration of mass (`*DLOAD`, GRAV).
+//! A uniform acceleration of mass along z (`*DLOAD`, GRAV).
 //! Never here: forces that do not scale with mass.
 
-use crate::load::Account;
-use crate::load::Force;
-use crate::load::Slot;
+use super::{Account, Load, Slot, View};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Magnitude;
-use crate::state::{BodyState, Instant};
+use crate::user::Locked;
 
-/// Gravity along z on some bodies.
-#[derive(Debug)]
+/// Gravity along z on some bodies and nodes.
+#[derive(Clone, Debug)]
 pub struct Gravity {
-    /// What asked for it.
-    pub cause: EffectId,
+    /// Its row of the ledger.
+    pub id: EffectId,
     /// `(body, mass it acts on)`.
-    pub masses: Vec<(usize, f64)>,
+    pub bodies: Vec<(usize, f64)>,
+    /// `(node, mass it acts on)`.
+    pub nodes: Vec<(usize, f64)>,
+    /// Whether it acts on all of the nodes' mass, whatever that becomes.
+    pub whole: bool,
     /// Acceleration along z.
     pub acceleration: Magnitude,
 }
 
-impl Force for Gravity {
-    fn cause(&self) -> EffectId {
-        self.cause
+impl Load for Gravity {
+    fn id(&self) -> EffectId {
+        self.id
     }
 
     fn slots(&self) -> Vec<Slot> {
-        self.masses.iter().map(|&(body, _)| Slot { body, account: Account::Work }).collect()
+        self.bodies.iter().map(|&(body, _)| Slot { body, account: Account::Work }).collect()
     }
 
-    fn evaluate(&mut self, now: &Instant, _bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
-        let acceleration = self.acceleration.at(now);
-        for (force, (_, mass)) in out.iter_mut().zip(&self.masses) {
+    fn acts_on_nodes(&self) -> bool {
+        !self.nodes.is_empty()
+    }
+
+    fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
+        let acceleration = self.acceleration.at(&view.clock);
+        self.nodes.iter().for_each(|&(n, mass)| forces[n][1] += mass * acceleration);
+        Ok(())
+    }
+
+    fn on_bodies(&mut self, view: &View<'_>, _: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+        let acceleration = self.acceleration.at(&view.clock);
+        for (force, (_, mass)) in out.iter_mut().zip(&self.bodies) {
             *force = mass * acceleration;
         }
         Ok(())
     }
 
-    fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
-        self.acceleration.limit(now)
+    fn limit(&self, view: &View<'_>) -> Limit {
+        self.acceleration.limit(&view.clock)
+    }
+
+    fn weigh(&mut self, mass: &[f64]) {
+        if self.whole {
+            self.nodes.iter_mut().for_each(|m| m.1 = mass[m.0]);
+        }
+    }
+
+    fn arrays(&self) -> Vec<(&'static str, usize)> {
+        let masses = size_of::<(usize, f64)>() * (self.bodies.capacity() + self.nodes.capacity());
+        vec![("masses", masses), ("amplitude", self.acceleration.bytes())]
+    }
+
+    fn copy(&self) -> Box<dyn Load> {
+        Box::new(self.clone())
     }
 }
 
 impl Persist for Gravity {
-    fn persist(&mut self, _archive: &mut Archive<'_>) {
-        let Gravity { cause: _, masses: _, acceleration: _ } = self;
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Gravity { id: _, bodies: _, nodes, whole: _, acceleration: _ } = self;
+        persist_fields!(archive; nodes.as_mut_slice());
     }
 }

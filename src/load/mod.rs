@@ -1,20 +1,22 @@
-//! Loads: what pushes rigid and deformable bodies, one file a kind.
+//! Loads: what pushes surfaces, nodes and bodies, one file a kind for what is rigid and what deforms alike.
 //! Never here: names of other effects; deck words (an effect carries an opaque id that only the ledger reads).
 
 pub mod cavity;
 pub mod concentrated;
-pub mod faces;
+pub mod fields;
 pub mod gravity;
 pub mod pressure;
 pub mod user_amplitude;
-pub mod user_body;
 pub mod user_load;
 
+use crate::state::EffectId;
 use crate::state::archive::Persist;
+use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
-use crate::state::{BodyState, EffectId, Instant};
-use crate::user::Wish;
+use crate::state::magnitude::Clock;
+use crate::user::Locked;
+use fields::FacetFields;
 
 /// Which energy a force's work is booked under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,64 +40,124 @@ pub struct Slot {
     pub account: Account,
 }
 
-/// What a surface effect shows in a frame, one entry a facet.
-#[derive(Clone, Debug, Default)]
-pub struct FacetFields {
-    /// Element index of each facet.
-    pub elements: Vec<usize>,
-    /// Pressure, area mean.
-    pub pressure: Vec<f64>,
-    /// Velocity along the outward normal.
-    pub normal_velocity: Vec<f64>,
-    /// Number (from 1) of the layer that takes the largest part of the facet's area; 0 outside any.
-    pub layer: Vec<f64>,
+/// What a load makes of velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VelocityUse {
+    /// It does not read it.
+    None,
+    /// It reads it, so that an instant of rest must be met exactly.
+    Reads,
+    /// It opposes motion and vanishes at rest, so that it can stop a body but never push it back.
+    Resists,
 }
 
-/// A force of the scene.
-pub trait Force: Persist {
-    /// What asked for it.
-    fn cause(&self) -> EffectId;
+/// The scene as loads see it at an instant.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// When.
+    pub clock: Clock<'a>,
+    /// All that moves.
+    pub dofs: &'a Dofs,
+    /// Part of the increment behind over which the velocity of nodes is carried on from its middle: half of it for a
+    /// second-order estimate of the velocity at the instant's own time, none for the velocity lagging behind.
+    pub reach: f64,
+}
 
-    /// The generalised forces it will write.
+impl View<'_> {
+    /// The velocity of a node that loads are shown.
+    #[inline]
+    pub fn velocity(&self, node: usize) -> [f64; 2] {
+        self.dofs.nodes.velocity_after(node, self.reach)
+    }
+}
+
+/// A load. Forces on nodes come first: those of tied nodes count among the forces on their bodies, which resistances meet.
+pub trait Load: Persist + Send + Sync {
+    /// Its row of the ledger.
+    fn id(&self) -> EffectId;
+
+    /// The generalised forces on rigid bodies that it will write.
     fn slots(&self) -> Vec<Slot>;
 
-    /// Writes its generalised forces along z at this instant.
+    /// Whether it acts on nodes.
+    fn acts_on_nodes(&self) -> bool;
+
+    /// Adds its forces on nodes, `[r, z]` of each.
     ///
     /// # Errors
     /// Where no finite force can be given; the run halts.
-    fn evaluate(&mut self, now: &Instant, bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt>;
+    fn on_nodes(&mut self, view: &View<'_>, user: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt>;
+
+    /// Writes its generalised forces along z on rigid bodies, in the order of its slots.
+    ///
+    /// # Errors
+    /// Where no finite force can be given; the run halts.
+    fn on_bodies(&mut self, view: &View<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt>;
+
+    /// What it makes of velocity.
+    fn velocity(&self) -> VelocityUse {
+        VelocityUse::None
+    }
 
     /// How far the next increment may go.
-    fn limit(&self, _now: &Instant, _bodies: &[BodyState]) -> Limit {
-        Limit::NONE
+    fn limit(&self, view: &View<'_>) -> Limit;
+
+    /// Of the work that its forces on nodes did over the increment behind what is dissipated: by opening a cavity and by
+    /// friction. Called behind [`Load::on_nodes`].
+    fn dissipated(&self, _behind: &Behind<'_>) -> [f64; 2] {
+        [0.0; 2]
     }
 
-    /// Whether it opposes motion and vanishes at rest, so that it can stop a body but never push it back.
-    fn resists(&self) -> bool {
-        false
-    }
+    /// Elements with these corner nodes are no more: what acts on their faces ends.
+    fn release(&mut self, _gone: &[[u32; 4]]) {}
 
-    /// Whether it reads velocity, so that an instant of rest must be met exactly.
-    fn reads_velocity(&self) -> bool {
-        false
-    }
+    /// The masses of nodes have changed.
+    fn weigh(&mut self, _mass: &[f64]) {}
 
-    /// What it shows on facets in a frame.
-    fn facet_fields(&self, _bodies: &[BodyState]) -> Option<FacetFields> {
+    /// What it shows on a surface in a frame.
+    fn fields(&self, _dofs: &Dofs) -> Option<FacetFields> {
         None
     }
 
     /// Names and bytes of the arrays it holds.
-    fn arrays(&self) -> Vec<(&'static str, usize)> {
-        Vec::new()
+    fn arrays(&self) -> Vec<(&'static str, usize)>;
+
+    /// Another one in the same state.
+    fn copy(&self) -> Box<dyn Load>;
+}
+
+impl Clone for Box<dyn Load> {
+    fn clone(&self) -> Self {
+        self.copy()
     }
 }
 
-/// Something that a user's routine is asked once an increment, before the motion arrives at its end.
-pub trait Asking: Persist {
-    /// Asks for the value at `arrival`, an increment away (0 at the start of a step).
+/// The increment behind, for the work of forces on nodes.
+#[derive(Clone, Copy)]
+pub struct Behind<'a> {
+    /// Half its length; 0 where there is none.
+    half: f64,
+    /// An eighth of its square, where central differences started with it; else 0.
+    start: f64,
+    dofs: &'a Dofs,
+}
+
+impl<'a> Behind<'a> {
+    /// The increment behind nodes that have moved, with accelerations as they were at its start.
     ///
-    /// # Errors
-    /// Where the routine fails or gives no finite value; the run halts.
-    fn ask(&mut self, arrival: &Instant, increment: f64, bodies: &[BodyState]) -> Result<Wish, Halt>;
+    /// Where central differences start, forces act for half an increment alone and bring velocities from v to v + dt/2 a.
+    /// What they give in that half is their impulse times the mean of both, v + dt/4 a, while the trapezoid over the whole
+    /// increment reckons with the velocity at its end: too much by f a dt^2/8.
+    pub fn new(dofs: &'a Dofs) -> Self {
+        let dt = dofs.nodes.unbooked();
+        let start = if dofs.nodes.half == 0.5 * dt { 0.125 * dt * dt } else { 0.0 };
+        Behind { half: 0.5 * dt, start, dofs }
+    }
+
+    /// Work on a node of a force now and at the start of the increment, by the trapezoid.
+    pub fn work(&self, node: usize, now: [f64; 2], before: [f64; 2]) -> f64 {
+        let (n, a) = (&self.dofs.nodes[node], self.dofs.nodes.acceleration[node]);
+        self.half * ((now[0] + before[0]) * n.v_r + (now[1] + before[1]) * n.v_z)
+            - self.start * (before[0] * a[0] + before[1] * a[1])
+    }
 }

@@ -1,71 +1,102 @@
-//! A prescribed pressure on facets (`P`).
+//! A prescribed pressure on a surface (`P`).
 //! Never here: pressures that depend on motion.
 
-use crate::load::Account;
-use crate::load::FacetFields;
-use crate::load::Force;
-use crate::load::Slot;
+use super::{Account, Load, Slot, View};
+use crate::kernel::facet::ring_pressure;
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Magnitude;
-use crate::state::{BodyState, Instant};
+use crate::user::Locked;
 
-/// A pressure on facets of bodies; positive pushes against the outward normal. On a body that only shifts along z the
-/// facets enter by the sum of their axial areas alone.
-#[derive(Debug)]
+/// A pressure; positive pushes against the outward normal. On a body that only shifts along z the facets enter by the sum of
+/// their axial areas alone.
+#[derive(Clone, Debug)]
 pub struct Pressure {
-    /// What asked for it.
-    pub cause: EffectId,
-    /// `(body, sum of area times n_z)`.
-    pub axial_areas: Vec<(usize, f64)>,
-    /// `(element, body, n_z)` of each facet, for frames.
-    pub facets: Vec<(usize, usize, f64)>,
-    /// Pressure.
-    pub magnitude: Magnitude,
+    id: EffectId,
+    surface: Surface,
+    /// Of each patch, the sum of area times n_z.
+    axial_areas: Vec<f64>,
+    magnitude: Magnitude,
     /// Pressure at the last evaluation, for frames.
-    pub current: f64,
+    current: f64,
 }
 
-impl Force for Pressure {
-    fn cause(&self) -> EffectId {
-        self.cause
+impl Pressure {
+    /// A pressure on a surface.
+    pub fn new(id: EffectId, surface: Surface, magnitude: Magnitude) -> Self {
+        let axial =
+            |facets: &[(usize, crate::kernel::facet::Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();
+        let axial_areas = surface.patches.iter().map(|p| axial(&p.facets)).collect();
+        Pressure { id, surface, axial_areas, magnitude, current: 0.0 }
+    }
+}
+
+impl Load for Pressure {
+    fn id(&self) -> EffectId {
+        self.id
     }
 
     fn slots(&self) -> Vec<Slot> {
-        self.axial_areas.iter().map(|&(body, _)| Slot { body, account: Account::Work }).collect()
+        self.surface.patches.iter().map(|p| Slot { body: p.body, account: Account::Work }).collect()
     }
 
-    fn evaluate(&mut self, now: &Instant, _bodies: &[BodyState], out: &mut [f64]) -> Result<(), Halt> {
-        self.current = self.magnitude.at(now);
-        for (force, (_, area)) in out.iter_mut().zip(&self.axial_areas) {
+    fn acts_on_nodes(&self) -> bool {
+        !self.surface.skin.faces.is_empty()
+    }
+
+    fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
+        self.current = self.magnitude.at(&view.clock);
+        for face in self.surface.skin.carrying() {
+            push(&Face::new(face, &view.dofs.nodes), self.current, forces);
+        }
+        Ok(())
+    }
+
+    fn on_bodies(&mut self, view: &View<'_>, _: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+        self.current = self.magnitude.at(&view.clock);
+        for (force, area) in out.iter_mut().zip(&self.axial_areas) {
             *force = -self.current * area;
         }
         Ok(())
     }
 
-    fn limit(&self, now: &Instant, _bodies: &[BodyState]) -> Limit {
-        self.magnitude.limit(now)
+    fn limit(&self, view: &View<'_>) -> Limit {
+        self.magnitude.limit(&view.clock)
     }
 
-    fn facet_fields(&self, bodies: &[BodyState]) -> Option<FacetFields> {
-        Some(FacetFields {
-            elements: self.facets.iter().map(|f| f.0).collect(),
-            pressure: vec![self.current; self.facets.len()],
-            normal_velocity: self.facets.iter().map(|f| bodies[f.1].velocity * f.2).collect(),
-            layer: vec![0.0; self.facets.len()],
-        })
+    fn release(&mut self, gone: &[[u32; 4]]) {
+        self.surface.skin.release(gone);
+    }
+
+    fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
+        Some(FacetFields::uniform(&self.surface, self.current, dofs))
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        vec![("facets", size_of_val(&self.facets[..]))]
+        vec![("surface", self.surface.bytes()), ("amplitude", self.magnitude.bytes())]
+    }
+
+    fn copy(&self) -> Box<dyn Load> {
+        Box::new(self.clone())
+    }
+}
+
+/// Adds a pressure on a face.
+#[inline]
+pub(super) fn push(face: &Face, pressure: f64, forces: &mut [[f64; 2]]) {
+    for (node, force) in face.nodes.into_iter().zip(ring_pressure(face.ends, pressure)) {
+        forces[node] = [forces[node][0] + force[0], forces[node][1] + force[1]];
     }
 }
 
 impl Persist for Pressure {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Pressure { cause: _, axial_areas: _, facets: _, magnitude: _, current } = self;
-        current.persist(archive);
+        let Pressure { id: _, surface, axial_areas: _, magnitude: _, current } = self;
+        persist_fields!(archive; &mut surface.skin, current);
     }
 }

@@ -1,33 +1,31 @@
 //! An amplitude computed by the user's routine (`*AMPLITUDE, DEFINITION=USER`).
 //! Never here: what it scales.
 
-use std::rc::Rc;
-
 use crate::kernel::amplitude::Track;
-use crate::load::Asking;
 use crate::state::archive::{Archive, Persist};
+use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::Halt;
-use crate::state::magnitude::persist_track;
-use crate::state::{BodyState, Instant};
-use crate::user::{AmplitudeCall, LoadFailure, SharedAmplitude, Wish};
+use crate::state::{EffectId, Instant};
+use crate::user::{AmplitudeCall, LoadFailure, Locked, Wish};
 
 /// What a sensor measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sensed {
-    /// Displacement of a body along z.
-    Displacement(usize),
-    /// Velocity along z.
-    Velocity(usize),
-    /// Acceleration along z.
-    Acceleration(usize),
+    /// Displacement.
+    Displacement(Dof),
+    /// Velocity.
+    Velocity(Dof),
+    /// Acceleration.
+    Acceleration(Dof),
 }
 
 /// The amplitude: asked once an increment, whatever it scales.
+#[derive(Clone, Debug)]
 pub struct UserAmplitude {
+    /// Its row of the ledger.
+    pub id: EffectId,
     /// Name, upper case.
     pub name: String,
-    /// The routine.
-    pub routine: SharedAmplitude,
     /// Constants on the data lines.
     pub properties: Vec<f64>,
     /// Variables of the routine.
@@ -38,17 +36,29 @@ pub struct UserAmplitude {
     pub sensors: Vec<Sensed>,
     /// Their values.
     pub sensor_values: Vec<f64>,
-    /// Where the value goes.
-    pub track: Rc<Track>,
+    /// Which of the told functions of time it is.
+    pub told: usize,
 }
 
-impl Asking for UserAmplitude {
-    fn ask(&mut self, arrival: &Instant, increment: f64, bodies: &[BodyState]) -> Result<Wish, Halt> {
+impl UserAmplitude {
+    /// Asks for the value at `arrival`, an increment away (0 at the start of a step).
+    ///
+    /// # Errors
+    /// Where the routine fails or gives no finite value; the run halts.
+    pub fn ask(
+        &mut self,
+        arrival: &Instant,
+        increment: f64,
+        dofs: &Dofs,
+        told: &mut [Track],
+        user: &mut Locked<'_>,
+    ) -> Result<Wish, Halt> {
+        let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(Wish::Continue) };
         for (value, sensor) in self.sensor_values.iter_mut().zip(&self.sensors) {
             *value = match *sensor {
-                Sensed::Displacement(b) => bodies[b].displacement,
-                Sensed::Velocity(b) => bodies[b].velocity,
-                Sensed::Acceleration(b) => bodies[b].acceleration,
+                Sensed::Displacement(dof) => dofs.displacement(dof),
+                Sensed::Velocity(dof) => dofs.velocity(dof),
+                Sensed::Acceleration(dof) => dofs.acceleration(dof),
             };
         }
         let mut call = AmplitudeCall {
@@ -56,41 +66,47 @@ impl Asking for UserAmplitude {
             now: *arrival,
             begins: increment == 0.0,
             increment,
-            old: self.track.last(),
+            old: told[self.told].last(),
             properties: &self.properties,
             variables: &mut self.variables,
             sensor_names: &self.sensor_names,
             sensor_values: &self.sensor_values,
         };
-        let answer = self.routine.with(|r| r.amplitude(&mut call)).and_then(|answer| {
+        let answer = routine.amplitude(&mut call).and_then(|answer| {
             let reason = || LoadFailure::new(format!("it gave the value {}", answer.value));
             answer.value.is_finite().then_some(answer).ok_or_else(reason)
         });
         let what = || format!("the user amplitude `{}`", self.name);
         let answer = answer.map_err(|failure| failure.halt(&what(), arrival))?;
-        self.track.tell(arrival.total_time, answer.value);
+        told[self.told].tell(arrival.total_time, answer.value);
         Ok(match (answer.stop, answer.conclude_step) {
             (true, _) => Wish::EndAnalysis,
             (_, true) => Wish::EndStep,
             _ => Wish::Continue,
         })
     }
+
+    /// Bytes of its arrays.
+    pub fn bytes(&self) -> usize {
+        let names: usize = self.sensor_names.iter().map(|n| size_of::<String>() + n.capacity()).sum();
+        let numbers = self.properties.capacity() + self.variables.capacity() + self.sensor_values.capacity();
+        names + 8 * numbers + size_of::<Sensed>() * self.sensors.capacity() + self.name.capacity()
+    }
 }
 
 impl Persist for UserAmplitude {
     fn persist(&mut self, archive: &mut Archive<'_>) {
+        // Values of sensors are read anew before each question; what was told is the run's.
         let UserAmplitude {
+            id: _,
             name: _,
-            routine: _,
             properties: _,
             variables,
             sensor_names: _,
             sensors: _,
-            // Read anew before each question.
             sensor_values: _,
-            track,
+            told: _,
         } = self;
         variables.as_mut_slice().persist(archive);
-        persist_track(track, archive);
     }
 }

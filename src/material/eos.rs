@@ -21,7 +21,7 @@ pub struct Curve {
 }
 
 /// An equation of state that is linear in the energy.
-pub trait Pressure: Send + Sync {
+pub trait Pressure: Send + Sync + 'static {
     /// The line at a density.
     fn curve(&self, density: f64) -> Curve;
     /// Pressure of the surroundings, which the stress does not hold but the gas works against.

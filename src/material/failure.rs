@@ -8,7 +8,7 @@ use crate::kernel::levels::Levels;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Whether and how elements fail. An absent one is a type without state, and costs nothing.
-pub trait Failure: Send + Sync {
+pub trait Failure: Send + Sync + 'static {
     /// What a block of elements keeps.
     type State: Clone + Send + Sync + Persist;
     /// Whether anything fails at all.

@@ -2,6 +2,7 @@
 //! Never here: isotropic hardening, the rotation of the stress.
 
 use crate::kernel::hardening::{Table, YieldStress, plastic_increment};
+use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::plasticity::{Flow, Hardening};
@@ -15,8 +16,8 @@ pub struct Moving {
     pub size: Box<dyn YieldStress>,
     /// C, slope of the stress over the plastic strain, over temperature.
     pub slope: Table,
-    /// Rise of temperature for plastic work a volume; 0 if nothing heats.
-    pub heating: f64,
+    /// Rise of temperature by plastic work.
+    pub heating: Heating,
 }
 
 /// What a block keeps.
@@ -50,7 +51,7 @@ impl Hardening for Moving {
             flow.increment[l] = dp;
             state.strain[l] += dp;
             state.slope[l] = slope;
-            state.temperature[l] += self.heating * (trial - flow.shear3 * dp) * dp;
+            state.temperature[l] += self.heating.rise(temperature, [trial - flow.shear3 * dp, dp]);
         }
     }
 
@@ -65,9 +66,9 @@ impl Hardening for Moving {
             let per = if flow[l] > 0.0 { flow[l] / trial[l] } else { 0.0 };
             let part = |i: usize| carried[i][l] * relative[i][l];
             let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
-            state.temperature[l] += self.heating * 1.5 * per * along;
+            state.temperature[l] += self.heating.rise(state.temperature[l], [1.5, per, along]);
             let before = state.slope[l];
-            let now = if self.heating > 0.0 { self.slope.value(state.temperature[l]) } else { before };
+            let now = if !self.heating.is_none() { self.slope.value(state.temperature[l]) } else { before };
             let ratio = if before > 0.0 { now / before } else { 1.0 };
             for i in 0..4 {
                 state.back[i][l] = ratio * (carried[i][l] + before * per * relative[i][l]);

@@ -2,12 +2,13 @@
 //! Never here: loops over elements.
 
 use crate::kernel::hardening::{YieldStress, plastic_increment};
+use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// How the yield stress of von Mises plasticity develops. An absent one is a type without state.
-pub trait Hardening: Send + Sync {
+pub trait Hardening: Send + Sync + 'static {
     /// What a block of elements keeps.
     type State: Clone + Send + Sync + Persist;
 
@@ -152,8 +153,8 @@ impl Hardening for Lines {
 pub struct General {
     /// The yield stress.
     pub law: Box<dyn YieldStress>,
-    /// Rise of temperature for plastic work a volume; 0 if nothing heats.
-    pub heating: f64,
+    /// Rise of temperature by plastic work.
+    pub heating: Heating,
 }
 
 /// What a block keeps under a general law.
@@ -177,7 +178,7 @@ impl Hardening for General {
             let dp = plastic_increment(&*self.law, flow.trial[l], strain, temperature, flow.shear3, flow.dt);
             flow.increment[l] = dp;
             state.strain[l] += dp;
-            state.temperature[l] += self.heating * (flow.trial[l] - flow.shear3 * dp) * dp;
+            state.temperature[l] += self.heating.rise(temperature, [flow.trial[l] - flow.shear3 * dp, dp]);
         }
     }
 

@@ -5,7 +5,7 @@ use crate::kernel::lanes::Lanes;
 use crate::state::archive::Persist;
 
 /// The volumetric part of a material. A constant bulk modulus is a type without state, and costs nothing.
-pub trait Volumetric: Send + Sync {
+pub trait Volumetric: Send + Sync + 'static {
     /// What a block of elements keeps.
     type State: Clone + Send + Sync + Persist;
 

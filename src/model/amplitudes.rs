@@ -35,10 +35,11 @@ impl Builder<'_> {
             self.out_of_range(card.span, "an amplitude needs times that ascend");
             return;
         }
+        let absolute = self.is_absolute(card);
         let total_time = card.value("TIME").is_some_and(|w| upper(&w.text).starts_with("TOTAL"));
         let smooth = definition == "SMOOTHSTEP";
         let definition = AmplitudeDefinition::Curve { points, smooth, total_time };
-        self.model.amplitudes.push(Amplitude { name: upper(&name.text), definition, span: card.span });
+        self.model.amplitudes.push(Amplitude { name: upper(&name.text), definition, absolute, span: card.span });
     }
 
     /// `SCALEX`, `SCALEY`, `SHIFTX`, `SHIFTY`: x SCALE + SHIFT on times and values.
@@ -66,7 +67,27 @@ impl Builder<'_> {
             return;
         }
         let definition = AmplitudeDefinition::User { properties, variables: variables.unwrap_or(0) };
-        self.model.amplitudes.push(Amplitude { name, definition, span: card.span });
+        let absolute = self.is_absolute(card);
+        self.model.amplitudes.push(Amplitude { name, definition, absolute, span: card.span });
+    }
+
+    /// `VALUE=ABSOLUTE`: the values on the data lines of loads and motions are ignored (ABAQUS Keywords Reference Guide,
+    /// *AMPLITUDE).
+    fn is_absolute(&mut self, card: &Card) -> bool {
+        match card.value("VALUE") {
+            None => false,
+            Some(word) if word.is("RELATIVE") => false,
+            Some(word) if word.is("ABSOLUTE") => true,
+            Some(word) => {
+                self.out_of_range(word.span, format!("VALUE is RELATIVE or ABSOLUTE, not {}", word.text));
+                false
+            }
+        }
+    }
+
+    /// The magnitude that an amplitude scales: 1 where its values are magnitudes themselves.
+    pub(super) fn scaled(&self, magnitude: f64, amplitude: Option<usize>) -> f64 {
+        if amplitude.is_some_and(|i| self.model.amplitudes[i].absolute) { 1.0 } else { magnitude }
     }
 
     fn equally_spaced(&mut self, card: &Card, values: &[f64]) -> Vec<[f64; 2]> {

@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
+use super::completion::Rotational;
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
 use super::types::{Inert, Material, Model};
@@ -50,6 +51,8 @@ pub(super) struct Builder<'a> {
     pub controls_used: Vec<Word>,
     /// Surface interactions that contact pairs name.
     pub interactions_used: Vec<Word>,
+    /// Boundaries on degrees of freedom above 2 alone.
+    pub rotational: Vec<Rotational>,
 }
 
 impl<'a> Builder<'a> {
@@ -74,6 +77,7 @@ impl<'a> Builder<'a> {
             property_of: HashMap::new(),
             controls_used: Vec::new(),
             interactions_used: Vec::new(),
+            rotational: Vec::new(),
         }
     }
 
@@ -161,6 +165,7 @@ impl<'a> Builder<'a> {
         self.check_moved_nodes();
         self.check_controls();
         self.apply_interactions();
+        self.complete();
         (self.model, self.diagnostics)
     }
 

@@ -183,8 +183,15 @@ impl Checker<'_> {
                 faults.note(if surplus_line { Fault::Line } else { Fault::Value(comma) }, word, line);
                 return;
             };
+            // A temperature on the only row decides nothing.
+            let idle = rule.name == "temperature" && card.lines.len() == 1;
             match rule.usage {
-                Usage::Read => {}
+                Usage::Read if !idle => {}
+                Usage::Read => {
+                    if let Some(meant) = decimal_comma(line, k) {
+                        faults.note(Fault::Comma(rule, meant), word, line);
+                    }
+                }
                 Usage::Refused(why) => faults.note(Fault::Refused(rule, why), word, line),
                 Usage::Only(values, why) => {
                     if !is_one_of(word, values) {

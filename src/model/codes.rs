@@ -57,7 +57,11 @@ pub const CODES: &[Code] = &[
         "displacement ignored",
         "As in ABAQUS/Explicit, a displacement without AMPLITUDE would be a jump; its value is ignored and the motion is held.",
     ),
-    code("M141", "unknown output variable", "No output variable has this name; it is left out."),
+    code(
+        "M141",
+        "unknown output variable",
+        "No output variable has this name; it is left out. `revolve explain variables` lists those there are.",
+    ),
     code(
         "M142",
         "time marks",
@@ -68,6 +72,42 @@ pub const CODES: &[Code] = &[
         "arrays of a mesh file not read",
         "Sets are arrays named NSET_name (points) or ELSET_name (cells), not zero on members; labels are NODE_LABEL and ELEMENT_LABEL.",
     ),
+    code(
+        "M144",
+        "loads that add",
+        "Two lines of one step give a load of the same kind at the same place: they add. A load of an earlier step is replaced instead.",
+    ),
+    code(
+        "M145",
+        "boundary given twice",
+        "Two lines of one step say different things of a degree of freedom of a node: the later acts.",
+    ),
+    code(
+        "M146",
+        "jump in a displacement",
+        "A prescribed displacement does not begin where its nodes are. As in ABAQUS/Explicit no displacement jumps: the motion goes on from where they are, by the changes of the amplitude.",
+    ),
+    code(
+        "M147",
+        "displacement after another motion",
+        "The nodes were free or followed a velocity before, so a displacement cannot be compared with where they are; it counts from there.",
+    ),
+    code(
+        "M148",
+        "output ends",
+        "The first *OUTPUT of a step with OP=NEW, which is the default, ends all output requests of earlier steps, fields and histories.",
+    ),
+    code(
+        "M149",
+        "degree of freedom that nodes do not have",
+        "Nodes of an axisymmetric body move along r (1) and z (2); the reference node of a rigid body turns as well (6), which symmetry holds. A condition on another one holds, moves or loads nothing.",
+    ),
+    code(
+        "M153",
+        "position of element output",
+        "Elements have one integration point, in their middle. With POSITION=NODES or AVERAGED AT NODES frames show variables of integration points on nodes, as the mean over the elements around that are not deleted; variables of whole elements (STATUS, EVOL) and histories stay with elements.",
+    ),
+    code("M152", "gravity along r", "A body of revolution has no weight along r; only the part of GRAV along z acts."),
     code(
         "M160",
         "given twice",

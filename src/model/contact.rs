@@ -74,6 +74,7 @@ impl Builder<'_> {
     }
 
     pub(super) fn contact_pair(&mut self, card: &Card) {
+        let Some(adds) = self.pair_operation(card) else { return };
         if let Some(word) = card.value("INTERACTION") {
             self.interactions_used.push(word.clone());
         }
@@ -100,7 +101,32 @@ impl Builder<'_> {
             let Some(nodes) = self.contact_nodes(other) else { continue };
             let set = other.text.clone();
             let interaction = card.value("INTERACTION").cloned();
-            self.state().contacts.push(Contact { plane, nodes, set, interaction, friction: 0.0, span: line.span });
+            let pairs = &mut self.state().contacts;
+            let before = pairs.len();
+            // A pair that is given again takes the place of the earlier one.
+            pairs.retain(|c| c.plane != plane || c.nodes != nodes);
+            if !adds {
+                if pairs.len() == before {
+                    let message = "there is no such contact pair to delete";
+                    self.diagnostics.push(Diagnostic::error("M114", message).at(line.span, "in force here"));
+                }
+                continue;
+            }
+            pairs.push(Contact { plane, nodes, set, interaction, friction: 0.0, span: line.span });
+        }
+    }
+
+    /// Whether a card adds pairs (the default) or deletes them; `None` once refused (ABAQUS Keywords Reference Guide,
+    /// *CONTACT PAIR).
+    fn pair_operation(&mut self, card: &Card) -> Option<bool> {
+        match card.value("OP") {
+            None => Some(true),
+            Some(word) if word.is("ADD") => Some(true),
+            Some(word) if word.is("DELETE") => Some(false),
+            Some(word) => {
+                self.out_of_range(word.span, format!("OP is ADD or DELETE, not {}", word.text));
+                None
+            }
         }
     }
 

@@ -19,7 +19,7 @@ impl Builder<'_> {
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         let family = card.keyword.name;
         if self.operation(card, family) {
-            self.state().loads.retain(|l| load_family(&l.kind) != family);
+            self.state().history.loads.retain(|l| load_family(&l.kind) != family);
         }
         self.refuse_without_cavity(card);
         for line in &card.lines {
@@ -29,7 +29,8 @@ impl Builder<'_> {
                 _ => self.surface_load(card, line),
             };
             if let Some((kind, magnitude)) = parsed {
-                self.put_load(Load { kind, magnitude, amplitude, span: line.span });
+                let magnitude = self.scaled(magnitude, amplitude);
+                self.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
             }
         }
     }
@@ -48,16 +49,6 @@ impl Builder<'_> {
                 let finding = Diagnostic::error("M161", format!("`{}` is one value too many", word.text));
                 self.diagnostics.push(finding.at(word.span, "only GRAV has a direction"));
             }
-        }
-    }
-
-    /// A load of the same kind at the same place takes the place of the one from an earlier step.
-    fn put_load(&mut self, load: Load) {
-        let key = load_key(&load.kind);
-        let list = &mut self.state().loads;
-        match list.iter().position(|l| load_key(&l.kind) == key) {
-            Some(same) => list[same] = load,
-            None => list.push(load),
         }
     }
 
@@ -191,6 +182,11 @@ impl Builder<'_> {
             self.out_of_range(line.span, "GRAV needs a direction: magnitude, r, z");
             return None;
         }
+        if r != 0.0 && magnitude != 0.0 {
+            let message = "gravity along r is none in a body of revolution: only its part along z acts";
+            let finding = Diagnostic::warning("M152", message).at(line.span, "a direction with a part along r");
+            self.diagnostics.push(finding.help("give the direction as 0., 1. or 0., -1."));
+        }
         Some((LoadKind::Gravity { elements, direction: [r / length, z / length] }, magnitude))
     }
 }
@@ -206,17 +202,5 @@ fn load_family(kind: &LoadKind) -> &'static str {
                 "DLOAD"
             }
         }
-    }
-}
-
-/// What makes two loads the same load.
-fn load_key(kind: &LoadKind) -> String {
-    match kind {
-        LoadKind::Concentrated { dof, set, .. } => format!("C {dof} {}", upper(set)),
-        LoadKind::Gravity { elements, .. } => format!("G {elements:?}"),
-        LoadKind::Pressure(s) => format!("P {} {:?}", upper(&s.name), s.faces.first()),
-        LoadKind::User { sides: s, .. } => format!("U {} {:?}", upper(&s.name), s.faces.first()),
-        LoadKind::UserBody { set, load_type, .. } => format!("B {load_type} {}", upper(set)),
-        LoadKind::Cavity { sides, target, .. } => format!("X {} {target}", upper(&sides.name)),
     }
 }

@@ -4,7 +4,7 @@
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{CavityExpansion, Hourglass, Material, Plastic, RateDependence, SectionControls, SolidSection};
-use crate::deck::{Card, DataLine, Diagnostic};
+use crate::deck::{Card, DataLine, Diagnostic, Span};
 
 impl Builder<'_> {
     pub(super) fn material_card(&mut self, card: &Card) {
@@ -22,8 +22,10 @@ impl Builder<'_> {
         }
         match card.keyword.name {
             "DENSITY" => {
-                let density = self.positive(card, "the density");
-                self.last_material().density = density;
+                let rows = self.over_temperature(card, "the density").unwrap_or_default();
+                let material = self.last_material();
+                material.density = rows.first().map(|r| r[0]);
+                material.densities = if rows.iter().any(|r| r[1].is_nan()) { Vec::new() } else { rows };
             }
             "ELASTIC" => self.elastic(card),
             "EOS" => self.eos(card),
@@ -39,8 +41,8 @@ impl Builder<'_> {
                 self.last_material().inelastic_heat_fraction = fraction;
             }
             "SPECIFIC HEAT" => {
-                let heat = self.positive(card, "the specific heat");
-                self.last_material().specific_heat = heat;
+                let rows = self.over_temperature(card, "the specific heat");
+                self.last_material().specific_heat = rows;
             }
             "USER MATERIAL" => self.user_material(card),
             "DEPVAR" => self.state_variables(card),
@@ -70,6 +72,25 @@ impl Builder<'_> {
         }
         self.out_of_range(line.span, format!("{what} must be above zero, not {value}"));
         None
+    }
+
+    /// Rows of a value above zero and its temperature (NaN where the only row has none), ascending.
+    fn over_temperature(&mut self, card: &Card, what: &str) -> Option<Vec<[f64; 2]>> {
+        self.first_line(card)?;
+        let mut rows = Vec::with_capacity(card.lines.len());
+        for line in &card.lines {
+            let row = [self.number(line, 0, what)?, self.number_or(line, 1, f64::NAN)?];
+            if row[0] <= 0.0 {
+                self.out_of_range(line.span, format!("{what} must be above zero, not {}", row[0]));
+                return None;
+            }
+            rows.push(row);
+        }
+        if rows.len() > 1 && !rows.windows(2).all(|w| w[1][1] > w[0][1]) {
+            self.out_of_range(card.span, format!("rows of {what} need temperatures that ascend"));
+            return None;
+        }
+        Some(rows)
     }
 
     fn elastic(&mut self, card: &Card) {
@@ -114,6 +135,8 @@ impl Builder<'_> {
 
     fn plastic(&mut self, card: &Card) {
         let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
+        let Some(extrapolates) = self.extrapolation(card, &hardening) else { return };
+        self.last_material().extrapolates = extrapolates;
         match hardening.as_str() {
             "JOHNSONCOOK" => {
                 let Some(line) = self.first_line(card) else { return };
@@ -134,6 +157,28 @@ impl Builder<'_> {
                 format!("HARDENING={other} is not supported"),
                 "ISOTROPIC, KINEMATIC and JOHNSON COOK are",
             ),
+        }
+    }
+
+    /// Whether EXTRAPOLATION is LINEAR: of the yield stress over the plastic strain; over temperature and rate it is constant
+    /// all the same (ABAQUS Keywords Reference Guide, *PLASTIC).
+    fn extrapolation(&mut self, card: &Card, hardening: &str) -> Option<bool> {
+        let word = match card.value("EXTRAPOLATION") {
+            None => return Some(false),
+            Some(word) if hardening == "ISOTROPIC" => word,
+            Some(word) => {
+                let message = format!("EXTRAPOLATION with HARDENING={hardening} is not supported");
+                self.unsupported(word.span, message, "it is of tables, HARDENING=ISOTROPIC");
+                return None;
+            }
+        };
+        match word {
+            word if word.is("CONSTANT") => Some(false),
+            word if word.is("LINEAR") => Some(true),
+            word => {
+                self.out_of_range(word.span, format!("EXTRAPOLATION is CONSTANT or LINEAR, not {}", word.text));
+                None
+            }
         }
     }
 
@@ -181,11 +226,14 @@ impl Builder<'_> {
         if self.first_line(card).is_none() {
             return;
         }
-        let rows: Vec<[f64; 2]> = card.lines.iter().filter_map(|l| self.numbers::<2>(l, &[0.0, 1.0])).collect();
+        let defaults = [0.0, 1.0, f64::NAN];
+        let rows: Vec<[f64; 3]> = card.lines.iter().filter_map(|l| self.numbers::<3>(l, &defaults)).collect();
         let rate = match kind.as_str() {
-            "JOHNSONCOOK" => rows.first().map(|r| RateDependence::JohnsonCook(*r)),
-            "POWERLAW" => Some(RateDependence::PowerLaw(rows)),
-            "YIELDRATIO" => Some(RateDependence::YieldRatio(rows)),
+            "JOHNSONCOOK" => {
+                self.first_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]]))
+            }
+            "POWERLAW" => self.power_law(card, rows),
+            "YIELDRATIO" => self.yield_ratios(card, rows),
             other => {
                 self.unsupported(
                     card.span,
@@ -196,6 +244,30 @@ impl Builder<'_> {
             }
         };
         self.last_material().rate = rate;
+    }
+
+    /// Rows of D, n and temperature: one, or more at ascending temperatures.
+    fn power_law(&mut self, card: &Card, rows: Vec<[f64; 3]>) -> Option<RateDependence> {
+        let good = rows.iter().all(|r| r[0] > 0.0 && r[1] > 0.0);
+        if !good || rows.len() > 1 && !rows.windows(2).all(|w| w[1][2] > w[0][2]) {
+            let message = "rows give D and n above zero, and temperatures that ascend where there is more than one row";
+            self.out_of_range(card.span, message);
+            return None;
+        }
+        Some(RateDependence::PowerLaw(rows))
+    }
+
+    /// Rows of ratio, rate and temperature: rates ascend at each temperature, and temperatures from block to block.
+    fn yield_ratios(&mut self, card: &Card, rows: Vec<[f64; 3]>) -> Option<RateDependence> {
+        let cold = rows.iter().all(|r| r[2].is_nan());
+        let follows = |w: &[[f64; 3]]| w[1][1] > w[0][1] && (cold || w[1][2] == w[0][2]) || w[1][2] > w[0][2];
+        let complete = cold || rows.iter().all(|r| !r[2].is_nan());
+        if !complete || !rows.windows(2).all(follows) {
+            let message = "rows of a yield stress ratio ascend in rate, at each temperature, and then in temperature";
+            self.out_of_range(card.span, message);
+            return None;
+        }
+        Some(RateDependence::YieldRatio(rows))
     }
 
     fn cavity_expansion(&mut self, card: &Card) {
@@ -275,7 +347,22 @@ impl Builder<'_> {
                 return;
             }
         };
-        self.model.controls.push(SectionControls { name: upper(&name.text), hourglass, factor, by_area, distortion });
+        let Ok(keeps_failed) = self.keeps_failed(card) else { return };
+        let name = upper(&name.text);
+        self.model.controls.push(SectionControls { name, hourglass, factor, by_area, distortion, keeps_failed });
+    }
+
+    /// Where `ELEMENT DELETION` is NO.
+    fn keeps_failed(&mut self, card: &Card) -> Result<Option<Span>, ()> {
+        match card.value("ELEMENT DELETION") {
+            None => Ok(None),
+            Some(word) if word.is("YES") => Ok(None),
+            Some(word) if word.is("NO") => Ok(Some(card.span)),
+            Some(word) => {
+                self.out_of_range(word.span, format!("ELEMENT DELETION is YES or NO, not {}", word.text));
+                Err(())
+            }
+        }
     }
 
     /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.

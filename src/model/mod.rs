@@ -3,9 +3,11 @@
 
 mod amplitudes;
 mod bodies;
+mod boundary;
 mod builder;
 mod check;
 pub mod codes;
+mod completion;
 mod connectors;
 mod contact;
 mod elements;
@@ -13,6 +15,7 @@ mod energy_limit;
 mod eos;
 mod equations;
 mod failure;
+mod history;
 mod loads;
 mod mass_scaling;
 mod materials;

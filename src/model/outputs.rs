@@ -3,104 +3,10 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Interval, OutputKind, OutputRequest, Region, Restart};
-use crate::deck::names::nearest;
+use super::types::{Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart};
+use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
-
-/// Output variables that exist (ABAQUS/Explicit Output Variable Identifiers) or are ours; components follow by number.
-const VARIABLES: &[&str] = &[
-    "U",
-    "V",
-    "A",
-    "RF",
-    "CF",
-    "COORD",
-    "COOR1",
-    "COOR2",
-    "NT",
-    "UR",
-    "VR",
-    "AR",
-    "RM",
-    "UT",
-    "VT",
-    "AT",
-    "RT",
-    "S",
-    "MISES",
-    "PRESS",
-    "TRESC",
-    "INV3",
-    "SP",
-    "LE",
-    "LEP",
-    "NE",
-    "NEP",
-    "E",
-    "EP",
-    "EE",
-    "PE",
-    "PEEQ",
-    "PEP",
-    "PEMAG",
-    "ER",
-    "ERV",
-    "ERP",
-    "SDV",
-    "STATUS",
-    "TEMP",
-    "DENSITY",
-    "EVF",
-    "PEEQVAVG",
-    "PEVAVG",
-    "SVAVG",
-    "TEMPMAVG",
-    "ENER",
-    "SENER",
-    "PENER",
-    "ELEN",
-    "ELEDEN",
-    "EDT",
-    "EMSF",
-    "EVOL",
-    "MASS",
-    "DMICRT",
-    "SDEG",
-    "P",
-    "PRESSURE",
-    "NORMAL_VELOCITY",
-    "LAYER",
-    "ALLAE",
-    "ALLCD",
-    "ALLDMD",
-    "ALLFD",
-    "ALLIE",
-    "ALLKE",
-    "ALLPD",
-    "ALLSE",
-    "ALLVD",
-    "ALLWK",
-    "ALLCAV",
-    "ALLCW",
-    "ALLMW",
-    "ALLPW",
-    "ALLDC",
-    "ALLFC",
-    "ALLHF",
-    "ALLIHE",
-    "ETOTAL",
-    "DT",
-    "DMASS",
-    "CSTRESS",
-    "CDISP",
-    "CFORCE",
-    "CFN",
-    "CFS",
-    "CE",
-    "CEEQ",
-    "PRESELECT",
-    "ALL",
-];
+use crate::output::asked::{self, Asked};
 
 impl Builder<'_> {
     pub(super) fn output_card(&mut self, card: &Card) {
@@ -123,20 +29,47 @@ impl Builder<'_> {
             self.diagnostics.push(finding);
             return;
         }
-        if card.value("OP").is_none_or(|w| !w.is("ADD")) && !self.state().cleared.contains(&kind_name(kind)) {
-            // The first *OUTPUT of a kind in a step takes the place of what earlier steps asked for.
-            self.state().cleared.push(kind_name(kind));
-            self.state().outputs.retain(|o| o.kind != kind);
-        }
         let Some(interval) = self.interval(card) else { return };
+        if !self.output_operation(card, kind, interval) {
+            return;
+        }
         self.note_time_marks(card);
-        let variables: Vec<String> = card.value("VARIABLE").map(preselected).into_iter().collect();
+        let variables = self.default_variables(card);
         let Some(sensor) = self.sensor(card) else { return };
-        let request = OutputRequest { kind, interval, variables, region: Region::Whole, sensor, span: card.span };
+        let request = OutputRequest {
+            kind,
+            interval,
+            card: OutputCard::Output,
+            variables,
+            position: Position::Element,
+            region: Region::Whole,
+            sensor,
+            span: card.span,
+        };
         if !request.variables.is_empty() {
             self.state().outputs.push(request.clone());
         }
         self.output = Some(request);
+    }
+
+    /// What a request does to those of earlier steps: NEW, the default, ends them all, fields and histories; REPLACE those of
+    /// its type and frequency; ADD none (ABAQUS Keywords Reference Guide, *OUTPUT).
+    fn output_operation(&mut self, card: &Card, kind: OutputKind, interval: Interval) -> bool {
+        match card.value("OP").map(|w| upper(&w.text)).as_deref() {
+            None | Some("NEW") => {
+                self.state().earlier_outputs.clear();
+                if !self.state().cleared.contains(&"OUTPUT") {
+                    self.state().cleared.push("OUTPUT");
+                }
+            }
+            Some("ADD") => {}
+            Some("REPLACE") => self.state().earlier_outputs.retain(|o| (o.kind, o.interval) != (kind, interval)),
+            Some(other) => {
+                self.out_of_range(card.span, format!("OP is NEW, ADD or REPLACE, not {other}"));
+                return false;
+            }
+        }
+        true
     }
 
     /// `*RESTART, WRITE`, in force until another takes its place; without an interval once a step, FREQUENCY=0 never.
@@ -216,12 +149,59 @@ impl Builder<'_> {
             return;
         };
         let Some(region) = self.output_region(card) else { return };
-        let mut variables: Vec<String> = card.value("VARIABLE").map(preselected).into_iter().collect();
+        let of = match card.keyword.name {
+            "NODE OUTPUT" => OutputCard::Node,
+            "ELEMENT OUTPUT" => OutputCard::Element,
+            "ENERGY OUTPUT" => OutputCard::Energy,
+            _ => OutputCard::Incrementation,
+        };
+        let position = self.position(card, request.kind);
+        let mut variables = self.default_variables(card);
         for word in card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty()) {
-            variables.extend(self.variable(word));
+            variables.extend(self.variable(word, of));
         }
         if !variables.is_empty() {
-            self.state().outputs.push(OutputRequest { variables, region, span: card.span, ..request });
+            let request = OutputRequest { card: of, variables, position, region, span: card.span, ..request };
+            self.state().outputs.push(request);
+        }
+    }
+
+    /// `POSITION` of `*ELEMENT OUTPUT` ("Writing element output to the output database"): of frames alone, for "element
+    /// history output is always provided at the integration points".
+    fn position(&mut self, card: &Card, kind: OutputKind) -> Position {
+        let Some(word) = card.value("POSITION").filter(|_| card.keyword.name == "ELEMENT OUTPUT") else {
+            return Position::Element;
+        };
+        match fold(&word.text).as_str() {
+            "INTEGRATIONPOINTS" | "CENTROIDAL" => Position::Element,
+            "NODES" | "AVERAGEDATNODES" if kind == OutputKind::Field => {
+                let message = "elements have one integration point; a node shows the mean over the elements around it";
+                self.diagnostics.push(Diagnostic::note("M153", message).at(word.span, "on nodes"));
+                Position::Nodes
+            }
+            "NODES" | "AVERAGEDATNODES" => {
+                let message = "histories of elements are always those of their integration points";
+                self.diagnostics.push(Diagnostic::warning("M153", message).at(word.span, "not at nodes"));
+                Position::Element
+            }
+            _ => {
+                self.out_of_range(word.span, "POSITION is INTEGRATION POINTS, CENTROIDAL, NODES or AVERAGED AT NODES");
+                Position::Element
+            }
+        }
+    }
+
+    /// What `VARIABLE=` asks for.
+    fn default_variables(&mut self, card: &Card) -> Vec<Asked> {
+        let Some(word) = card.value("VARIABLE") else { return Vec::new() };
+        let text = fold(&word.text);
+        match ["PRESELECT", "ALL"].map(|name| !text.is_empty() && name.starts_with(&text)) {
+            [true, _] => vec![Asked::Preselect],
+            [_, true] => vec![Asked::All],
+            _ => {
+                self.out_of_range(word.span, "VARIABLE is PRESELECT or ALL; names of variables stand on data lines");
+                Vec::new()
+            }
         }
     }
 
@@ -239,30 +219,14 @@ impl Builder<'_> {
         Some(Region::Whole)
     }
 
-    fn variable(&mut self, word: &Word) -> Option<String> {
+    fn variable(&mut self, word: &Word, card: OutputCard) -> Option<Asked> {
         let name = upper(&word.text);
-        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        if VARIABLES.contains(&name.as_str()) || VARIABLES.contains(&stem) {
-            return Some(name);
+        let asked = Asked::parse(&name);
+        if asked.is_none() {
+            let message = format!("there is no output variable {}", word.text);
+            let finding = Diagnostic::warning("M141", message).at(word.span, "left out");
+            self.diagnostics.push(finding.help(asked::help(&name, card.places())));
         }
-        let message = format!("there is no output variable {}", word.text);
-        let finding = Diagnostic::warning("M141", message).at(word.span, "left out");
-        let near = nearest(&name, VARIABLES.iter().copied());
-        self.diagnostics.push(match near {
-            Some(near) => finding.help(format!("did you mean {near}?")),
-            None => finding,
-        });
-        None
+        asked
     }
-}
-
-fn kind_name(kind: OutputKind) -> &'static str {
-    match kind {
-        OutputKind::Field => "FIELD OUTPUT",
-        OutputKind::History => "HISTORY OUTPUT",
-    }
-}
-
-fn preselected(word: &Word) -> String {
-    if upper(&word.text).starts_with('A') { "ALL".into() } else { "PRESELECT".into() }
 }

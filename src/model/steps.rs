@@ -1,13 +1,14 @@
-//! Steps: `*STEP` to `*END STEP`, `*DYNAMIC`, what carries over from step to step, and `*BOUNDARY`.
-//! Never here: loads.
+//! Steps: `*STEP` to `*END STEP`, `*DYNAMIC`, `*BULK VISCOSITY`.
+//! Never here: conditions, and what becomes of them over the steps.
 
 use super::builder::Builder;
+use super::history::{History, StepTime};
 use super::names::upper;
 use super::types::{
-    Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, Motion, OutputRequest, Restart,
-    Step,
+    Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind, OutputRequest,
+    Restart, Step,
 };
-use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+use crate::deck::{Card, DataLine, Diagnostic, Span};
 
 /// Increments of a given length that a step may take at most: at ten nanoseconds each, four months.
 const MOST_INCREMENTS: f64 = 1e15;
@@ -20,15 +21,27 @@ pub(super) struct StepState {
     pub name: String,
     pub span: Span,
     pub procedure: Option<Procedure>,
+    /// Whether conditions without amplitude grow over the step (`AMPLITUDE=RAMP`).
+    pub ramp: bool,
+    /// Linear and quadratic bulk viscosity.
+    pub bulk_viscosity: Option<[f64; 2]>,
+    /// What earlier steps leave.
+    pub history: History,
+    /// Boundaries of this step's cards.
     pub boundaries: Vec<Boundary>,
+    /// Loads of this step's cards.
     pub loads: Vec<Load>,
+    /// Output requests of earlier steps.
+    pub earlier_outputs: Vec<OutputRequest>,
     pub contacts: Vec<Contact>,
     pub mass_scalings: Vec<MassScaling>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
     pub restart: Option<Restart>,
-    /// Families of which an OP=NEW card has cleared what came from earlier steps.
+    /// Families of which a card has cleared what came from earlier steps.
     pub cleared: Vec<&'static str>,
+    /// Whether the `*BOUNDARY` cards of this step say OP=NEW; none yet if `None`.
+    pub new_boundaries: Option<bool>,
 }
 
 /// The `*DYNAMIC` card.
@@ -39,9 +52,11 @@ pub(super) struct Procedure {
     increment: IncrementControl,
     scale_factor: f64,
     load_velocity: LoadVelocity,
-    bulk_viscosity: [f64; 2],
     adiabatic: bool,
 }
+
+/// Bulk viscosity where no step gives another (ABAQUS Analysis User's Guide 6.3.3, "Bulk viscosity").
+const BULK_VISCOSITY: [f64; 2] = [0.06, 1.2];
 
 impl Builder<'_> {
     pub(super) fn step_card(&mut self, card: &Card) {
@@ -64,21 +79,53 @@ impl Builder<'_> {
         self.open("STEP", card);
         let number = self.model.steps.len() + 1;
         let name = card.value("NAME").map_or_else(|| format!("Step-{number}"), |w| w.text.clone());
-        self.step =
-            Some(StepState { name, span: card.span, cleared: Vec::new(), procedure: None, ..self.carried.clone() });
+        let ramp = self.step_amplitude(card);
+        let mut carried = self.carried.clone();
+        carried.earlier_outputs = std::mem::take(&mut carried.outputs);
+        if !carried.boundaries.is_empty() {
+            let mut words = Vec::new();
+            carried.history.model_data(std::mem::take(&mut carried.boundaries), &mut words);
+            words.into_iter().for_each(|word| self.diagnostics.push(word));
+        }
+        let fresh = StepState { name, span: card.span, ramp, procedure: None, cleared: Vec::new(), ..carried };
+        self.step = Some(StepState { new_boundaries: None, ..fresh });
+    }
+
+    /// Whether conditions without amplitude grow over the step.
+    fn step_amplitude(&mut self, card: &Card) -> bool {
+        match card.value("AMPLITUDE") {
+            None => false,
+            Some(word) if word.is("STEP") => false,
+            Some(word) if word.is("RAMP") => true,
+            Some(word) => {
+                self.out_of_range(word.span, format!("AMPLITUDE is STEP or RAMP, not {}", word.text));
+                false
+            }
+        }
     }
 
     pub(super) fn close_step(&mut self) {
-        let Some(state) = self.step.take() else { return };
-        self.carried = state.clone();
+        let Some(mut state) = self.step.take() else { return };
         let Some(procedure) = state.procedure else {
             let other = self.diagnostics.iter().any(|d| d.severity == crate::deck::Severity::Error);
             if !other {
                 let finding = Diagnostic::error("M101", "the step has no procedure").at(state.span, "this step");
                 self.diagnostics.push(finding.help("give *DYNAMIC, EXPLICIT"));
             }
+            self.carried = state;
             return;
         };
+        self.ended_outputs(&state);
+        let time = StepTime { duration: procedure.duration, ramp: state.ramp };
+        let mut words = Vec::new();
+        let given = std::mem::take(&mut state.boundaries);
+        let boundaries = state.history.boundaries(given, &time, &mut self.model, &mut words);
+        let given = std::mem::take(&mut state.loads);
+        let loads = state.history.loads(given, &time, &mut self.model, &mut words);
+        state.history.end(&time);
+        words.into_iter().for_each(|word| self.diagnostics.push(word));
+        state.outputs.splice(0..0, state.earlier_outputs.drain(..));
+        self.carried = state.clone();
         self.model.steps.push(Step {
             name: state.name,
             span: procedure.span,
@@ -86,16 +133,34 @@ impl Builder<'_> {
             increment: procedure.increment,
             scale_factor: procedure.scale_factor,
             load_velocity: procedure.load_velocity,
-            bulk_viscosity: procedure.bulk_viscosity,
+            bulk_viscosity: state.bulk_viscosity.unwrap_or(BULK_VISCOSITY),
             adiabatic: procedure.adiabatic,
-            boundaries: state.boundaries,
-            loads: state.loads,
+            boundaries,
+            loads,
             contacts: state.contacts,
             mass_scalings: state.mass_scalings,
             energy_limit: state.energy_limit,
             outputs: state.outputs,
             restart: state.restart,
         });
+    }
+
+    /// Says which output of earlier steps ends because this step asks for other output alone.
+    fn ended_outputs(&mut self, state: &StepState) {
+        if !state.cleared.contains(&"OUTPUT") {
+            return;
+        }
+        for (kind, name) in [(OutputKind::Field, "field"), (OutputKind::History, "history")] {
+            let asked = |list: &[OutputRequest]| list.iter().any(|o| o.kind == kind);
+            if asked(&self.carried.outputs) && !asked(&state.outputs) && !asked(&state.earlier_outputs) {
+                let message = format!(
+                    "from this step on no {name} output is written: an *OUTPUT with OP=NEW, the default, ends every request of \
+                     earlier steps"
+                );
+                let finding = Diagnostic::warning("M148", message).at(state.span, "this step");
+                self.diagnostics.push(finding.help("give OP=ADD, or ask again for what is wanted"));
+            }
+        }
     }
 
     fn dynamic(&mut self, card: &Card) {
@@ -118,15 +183,7 @@ impl Builder<'_> {
         }
         let Some(load_velocity) = self.load_velocity(card) else { return };
         let (span, adiabatic) = (card.span, card.has("ADIABATIC"));
-        let procedure = Procedure {
-            span,
-            duration,
-            increment,
-            scale_factor,
-            load_velocity,
-            bulk_viscosity: [0.06, 1.2],
-            adiabatic,
-        };
+        let procedure = Procedure { span, duration, increment, scale_factor, load_velocity, adiabatic };
         match &mut self.step {
             Some(step) => step.procedure = Some(procedure),
             None => self.outside_step(card),
@@ -166,15 +223,23 @@ impl Builder<'_> {
             self.out_of_range(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
             return None;
         }
-        let largest = self.number_or(line, 3, f64::INFINITY)?;
-        if largest.is_nan() || largest <= 0.0 || duration / largest > MOST_INCREMENTS {
-            self.out_of_range(
-                line.span,
-                format!("the largest increment must be above zero, and end the step, not {largest}"),
-            );
+        let largest = self.largest_increment(line, duration)?;
+        Some(IncrementControl::Automatic { accuracy, element_by_element, largest })
+    }
+
+    /// The fourth field of an automatic step; infinite where it is empty or zero (ABAQUS Keywords Reference Guide, *DYNAMIC).
+    fn largest_increment(&mut self, line: &DataLine, duration: f64) -> Option<f64> {
+        let given = self.number_or(line, 3, 0.0)?;
+        if given < 0.0 {
+            self.out_of_range(line.span, format!("the largest increment must not be below zero, not {given}"));
             return None;
         }
-        Some(IncrementControl::Automatic { accuracy, element_by_element, largest })
+        if given > 0.0 && duration / given > MOST_INCREMENTS {
+            let message = format!("the step would take {:.1e} increments: it would never end", duration / given);
+            self.out_of_range(line.span, message);
+            return None;
+        }
+        Some(if given == 0.0 { f64::INFINITY } else { given })
     }
 
     fn load_velocity(&mut self, card: &Card) -> Option<LoadVelocity> {
@@ -189,6 +254,7 @@ impl Builder<'_> {
         }
     }
 
+    /// In force from this step on, until another step gives others.
     fn bulk_viscosity(&mut self, card: &Card) {
         let Some(line) = self.first_line(card) else { return };
         let (Some(linear), Some(quadratic)) = (self.number_or(line, 0, 0.06), self.number_or(line, 1, 1.2)) else {
@@ -196,12 +262,7 @@ impl Builder<'_> {
         };
         match &mut self.step {
             None => self.outside_step(card),
-            Some(step) => {
-                // Without a procedure the step has been refused already.
-                if let Some(procedure) = &mut step.procedure {
-                    procedure.bulk_viscosity = [linear, quadratic];
-                }
-            }
+            Some(step) => step.bulk_viscosity = Some([linear, quadratic]),
         }
         let deformable = |kind| matches!(kind, super::ElementKind::Cax3 | super::ElementKind::Cax4r);
         if !self.model.mesh.elements.iter().any(|e| deformable(e.kind)) {
@@ -214,103 +275,28 @@ impl Builder<'_> {
         self.step.as_mut().unwrap_or(&mut self.carried)
     }
 
-    /// With OP=NEW the first card of a family in a step clears what earlier steps left in force.
+    /// Whether a card clears what earlier steps left in force of its family: the first of a step that says OP=NEW.
     pub(super) fn operation(&mut self, card: &Card, family: &'static str) -> bool {
+        if !self.is_new(card) {
+            return false;
+        }
+        let cleared = &mut self.state().cleared;
+        let first = !cleared.contains(&family);
+        if first {
+            cleared.push(family);
+        }
+        first
+    }
+
+    /// Whether OP is NEW; MOD is the default.
+    pub(super) fn is_new(&mut self, card: &Card) -> bool {
         match card.value("OP").map(|w| upper(&w.text)).as_deref() {
             None | Some("MOD") => false,
-            Some("NEW") => {
-                let cleared = &mut self.state().cleared;
-                let first = !cleared.contains(&family);
-                if first {
-                    cleared.push(family);
-                }
-                first
-            }
+            Some("NEW") => true,
             Some(other) => {
                 self.out_of_range(card.span, format!("OP is MOD or NEW, not {other}"));
                 false
             }
         }
-    }
-
-    pub(super) fn boundary(&mut self, card: &Card) {
-        let kind = match card.value("TYPE").map(|w| upper(&w.text)).as_deref() {
-            None | Some("DISPLACEMENT") => Motion::Displacement,
-            Some("VELOCITY") => Motion::Velocity,
-            Some("ACCELERATION") => Motion::Acceleration,
-            Some(other) => {
-                let help = "DISPLACEMENT, VELOCITY and ACCELERATION are";
-                self.unsupported(card.span, format!("TYPE={other} on *BOUNDARY is not supported"), help);
-                return;
-            }
-        };
-        let user = card.has("USER");
-        let Ok(amplitude) = self.amplitude_of(card) else { return };
-        if self.operation(card, "BOUNDARY") {
-            self.state().boundaries.clear();
-        }
-        for line in &card.lines {
-            let Some(set) = line.field(0) else { continue };
-            let Some(nodes) = self.node_members(set) else { continue };
-            let Some(([first, last], value)) = self.boundary_dofs(line) else { continue };
-            if kind == Motion::Displacement && value != 0.0 && amplitude.is_none() && !user {
-                let message = format!(
-                    "the displacement {value} has no AMPLITUDE and would be a jump: it is ignored, the motion is held"
-                );
-                let finding = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
-                self.diagnostics.push(finding.help("give AMPLITUDE=, or prescribe a velocity"));
-            }
-            for dof in first..=last {
-                let boundary = Boundary {
-                    nodes: nodes.clone(),
-                    set: set.text.clone(),
-                    dof,
-                    kind,
-                    user,
-                    value,
-                    amplitude,
-                    span: line.span,
-                };
-                self.put_boundary(boundary);
-            }
-        }
-    }
-
-    /// A boundary on the same nodes and degree of freedom takes the place of the earlier one.
-    fn put_boundary(&mut self, boundary: Boundary) {
-        let list = &mut self.state().boundaries;
-        list.retain(|b| b.nodes != boundary.nodes || b.dof != boundary.dof);
-        list.push(boundary);
-    }
-
-    /// First and last degree of freedom, and the value.
-    fn boundary_dofs(&mut self, line: &DataLine) -> Option<([u8; 2], f64)> {
-        let word: &Word = match line.field(1) {
-            Some(word) => word,
-            None => {
-                let finding = Diagnostic::error("M102", "a degree of freedom is missing").at(line.span, "here");
-                self.diagnostics.push(finding);
-                return None;
-            }
-        };
-        match upper(&word.text).as_str() {
-            "ENCASTRE" => return Some(([1, 6], 0.0)),
-            "PINNED" => return Some(([1, 3], 0.0)),
-            "XSYMM" | "XASYMM" => return Some(([1, 1], 0.0)),
-            "YSYMM" | "YASYMM" => return Some(([2, 2], 0.0)),
-            "ZSYMM" | "ZASYMM" => return Some(([3, 3], 0.0)),
-            _ => {}
-        }
-        let first = word.integer(&mut self.diagnostics)?;
-        let last = line.field(2).map_or(Some(first), |w| w.integer(&mut self.diagnostics))?;
-        let value = self.number_or(line, 3, 0.0)?;
-        if !(1..=6).contains(&first) || !(first..=6).contains(&last) {
-            self.out_of_range(
-                line.span,
-                format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation"),
-            );
-            return None;
-        }
-        Some(([first as u8, last as u8], value))
     }
 }

@@ -4,6 +4,8 @@
 use indexmap::IndexMap;
 
 use crate::deck::{Span, Word};
+use crate::output::asked::Asked;
+use crate::output::variables::Place;
 
 /// Everything a deck describes.
 #[derive(Clone, Debug, Default)]
@@ -64,6 +66,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Bytes of its lists.
+    pub fn bytes(&self) -> usize {
+        let names: usize = self.node_names.iter().map(String::capacity).sum();
+        let element = |e: &Element| e.name.capacity() + size_of::<usize>() * e.nodes.capacity();
+        names
+            + size_of::<String>() * self.node_names.capacity()
+            + size_of::<[f64; 2]>() * self.points.capacity()
+            + size_of::<Element>() * self.elements.capacity()
+            + self.elements.iter().map(element).sum::<usize>()
+    }
+
     /// The corners of a solid element, counter-clockwise. A triangle is a quadrilateral whose last two corners coincide:
     /// the formulas of polygons hold, and every motion of three nodes is linear, so hourglass control finds nothing.
     pub fn corners(&self, element: usize) -> [usize; 4] {
@@ -154,8 +167,10 @@ pub struct Material {
     pub name: String,
     /// `*MATERIAL` card.
     pub span: Span,
-    /// Mass per volume.
+    /// Mass per volume, at the initial temperature.
     pub density: Option<f64>,
+    /// Rows of the mass per volume and temperature; empty where there is no temperature.
+    pub densities: Vec<[f64; 2]>,
     /// Young's modulus and Poisson's ratio.
     pub elastic: Option<[f64; 2]>,
     /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
@@ -166,12 +181,15 @@ pub struct Material {
     pub eos: Option<EquationOfState>,
     /// Yield description.
     pub plastic: Option<Plastic>,
+    /// Whether the yield stress goes on beyond the last plastic strain of a table as between its last two rows
+    /// (`EXTRAPOLATION=LINEAR`).
+    pub extrapolates: bool,
     /// Rate dependence.
     pub rate: Option<RateDependence>,
     /// Fraction of plastic work turned into heat.
     pub inelastic_heat_fraction: Option<f64>,
-    /// Heat per mass and temperature.
-    pub specific_heat: Option<f64>,
+    /// Rows of the heat per mass and temperature, and the temperature (NaN where absent).
+    pub specific_heat: Option<Vec<[f64; 2]>>,
     /// Failure by the plastic strain, in the order of the deck.
     pub failures: Vec<FailureCriterion>,
     /// `*TENSILE FAILURE`.
@@ -276,10 +294,10 @@ pub enum Plastic {
 pub enum RateDependence {
     /// C and the reference strain rate.
     JohnsonCook([f64; 2]),
-    /// D and n rows.
-    PowerLaw(Vec<[f64; 2]>),
-    /// Yield stress ratio and strain rate rows.
-    YieldRatio(Vec<[f64; 2]>),
+    /// Rows of D, n and temperature (NaN where absent).
+    PowerLaw(Vec<[f64; 3]>),
+    /// Rows of yield stress ratio, strain rate and temperature, likewise.
+    YieldRatio(Vec<[f64; 3]>),
 }
 
 /// Resistance of a material to an expanding cavity: `sigma_n = Y (A + B x + C x^2)`, `x = v_n sqrt(rho / Y)`.
@@ -323,6 +341,8 @@ pub struct SectionControls {
     pub by_area: bool,
     /// LENGTH RATIO of distortion control; `None` without it.
     pub distortion: Option<f64>,
+    /// `ELEMENT DELETION=NO`, where the deck says so.
+    pub keeps_failed: Option<Span>,
 }
 
 /// What resists hourglassing.
@@ -345,6 +365,8 @@ pub struct Amplitude {
     pub name: String,
     /// What gives its values.
     pub definition: AmplitudeDefinition,
+    /// Whether its values are magnitudes themselves, and those of loads and motions mean nothing (`VALUE=ABSOLUTE`).
+    pub absolute: bool,
     /// The card.
     pub span: Span,
 }
@@ -545,9 +567,9 @@ pub struct Step {
     pub bulk_viscosity: [f64; 2],
     /// Whether heat stays where plastic work makes it (`ADIABATIC`).
     pub adiabatic: bool,
-    /// Prescribed motions in force.
+    /// Prescribed motions in force, each with the nodes on which no later one acts.
     pub boundaries: Vec<Boundary>,
-    /// Loads in force.
+    /// Loads in force, each at the places where no later step gives another of its kind.
     pub loads: Vec<Load>,
     /// Contact in force.
     pub contacts: Vec<Contact>,
@@ -627,7 +649,7 @@ pub enum IncrementControl {
         accuracy: f64,
         /// `ELEMENT BY ELEMENT`.
         element_by_element: bool,
-        /// The largest increment allowed, time; infinite where the deck gives none.
+        /// Largest increment, time; infinite where the deck gives none.
         largest: f64,
     },
     /// `DIRECT USER CONTROL`: this increment.
@@ -665,9 +687,9 @@ pub struct Boundary {
 }
 
 /// What a boundary prescribes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Motion {
-    /// Displacement.
+    /// Displacement; in a step, since its beginning: none jumps.
     Displacement,
     /// Velocity.
     Velocity,
@@ -754,8 +776,12 @@ pub struct OutputRequest {
     pub kind: OutputKind,
     /// How often.
     pub interval: Interval,
-    /// Upper-case variable names; `PRESELECT` and `ALL` stand for themselves.
-    pub variables: Vec<String>,
+    /// The card that asks: `PRESELECT` and `ALL` mean what lives there.
+    pub card: OutputCard,
+    /// What is asked for.
+    pub variables: Vec<Asked>,
+    /// Where fields of elements are shown.
+    pub position: Position,
     /// What the variables are taken from.
     pub region: Region,
     /// Name of the sensor that it is (`SENSOR, NAME=`), upper case.
@@ -771,6 +797,47 @@ pub enum OutputKind {
     Field,
     /// `*OUTPUT, HISTORY`.
     History,
+}
+
+/// The card of an output request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputCard {
+    /// `*OUTPUT, VARIABLE=` itself.
+    Output,
+    /// `*NODE OUTPUT`.
+    Node,
+    /// `*ELEMENT OUTPUT`.
+    Element,
+    /// `*ENERGY OUTPUT`.
+    Energy,
+    /// `*INCREMENTATION OUTPUT`.
+    Incrementation,
+}
+
+impl OutputCard {
+    /// Where the variables live that it may ask for.
+    pub fn places(self) -> &'static [Place] {
+        match self {
+            OutputCard::Output => {
+                &[Place::Node, Place::Point, Place::Element, Place::Facet, Place::Energy, Place::Increment]
+            }
+            OutputCard::Node => &[Place::Node],
+            OutputCard::Element => &[Place::Point, Place::Element, Place::Facet],
+            OutputCard::Energy => &[Place::Energy],
+            OutputCard::Incrementation => &[Place::Increment],
+        }
+    }
+}
+
+/// `POSITION` of `*ELEMENT OUTPUT`: where a frame shows variables of integration points. An element has one such point, in
+/// its middle, so that those and centroids are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Position {
+    /// `INTEGRATION POINTS`, `CENTROIDAL`: on elements.
+    #[default]
+    Element,
+    /// `NODES`, `AVERAGED AT NODES`: on nodes, the mean over the elements around.
+    Nodes,
 }
 
 /// How often output is written.

@@ -33,6 +33,12 @@ impl Body {
         self.own_mass() + self.tied_mass
     }
 
+    /// Bytes of its lists.
+    pub fn bytes(&self) -> usize {
+        let places = size_of::<usize>() * (self.nodes.capacity() + self.elements.capacity());
+        size_of_val(self) + self.name.capacity() + places + size_of::<(usize, f64)>() * self.lumped_mass.capacity()
+    }
+
     /// Mass without that of deformable elements tied to it.
     pub fn own_mass(&self) -> f64 {
         self.lumped_mass.iter().map(|m| m.1).sum()
@@ -84,11 +90,9 @@ impl Compiler<'_> {
             span: rigid.span,
         };
         let detail = format!("reference node {}, moves along z", mesh.node_names[rigid.reference]);
-        let cause = self.cause(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
-        self.ledger.effects[cause].arrays = vec![("state".into(), 7 * size_of::<f64>())];
+        self.cause(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
         let detail = format!("mass {}", body.mass());
-        let cause = self.cause(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
-        self.ledger.effects[cause].arrays = vec![("mass".into(), size_of_val(&body.lumped_mass[..]))];
+        self.cause(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
         self.bodies.push(body);
     }
 

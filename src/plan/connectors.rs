@@ -1,10 +1,9 @@
 //! Springs and dashpots of the plan.
 //! Never here: their forces.
 
-use super::Compiler;
+use super::{Compiler, State};
 use crate::deck::{Diagnostic, Span};
-use crate::element::body::Solid;
-use crate::element::connector::{Connector, Law};
+use crate::element::connector::{Connector, Connectors, Law};
 use crate::model::{ConnectorLaw, ConnectorProperty, ElementKind};
 
 impl Compiler<'_> {
@@ -67,10 +66,10 @@ impl Compiler<'_> {
     }
 
     /// Puts them between the nodes of what deforms.
-    pub(super) fn connect(&mut self, solid: Option<&mut Solid>) {
-        let connectors = self.connectors();
-        if let Some(solid) = solid.filter(|_| !connectors.is_empty()) {
-            solid.connect(connectors);
+    pub(super) fn connect(&mut self, state: &mut State) {
+        let list = self.connectors();
+        if !list.is_empty() && !state.elements.is_empty() {
+            state.elements.connectors = Some(Box::new(Connectors::new(list, &state.dofs.nodes)));
         }
     }
 }

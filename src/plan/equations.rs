@@ -1,15 +1,22 @@
 //! `*EQUATION` as constraints of what deforms.
 //! Never here: their solution.
 
-use super::Compiler;
-use crate::constraint::equation::{Equation, System};
+use std::collections::HashSet;
+
+use super::{Compiler, State};
+use crate::constraint::Constraint;
+use crate::constraint::equation::{Equation, Equations, System};
 use crate::deck::Diagnostic;
-use crate::element::body::{Given, Solid};
 use crate::model::Step;
 
 impl Compiler<'_> {
-    /// The equations of a step, factorised with what is given in it.
-    pub(super) fn equations(&mut self, step: &Step, solid: Option<&Solid>, given: &[Given]) -> Vec<System> {
+    /// The equations of a step, factorised with what is prescribed in it.
+    pub(super) fn equations(
+        &mut self,
+        step: &Step,
+        state: &State,
+        prescribed: &HashSet<(usize, usize)>,
+    ) -> Option<Box<dyn Constraint>> {
         let model = self.model;
         let (mut equations, mut spans) = (Vec::new(), Vec::new());
         for equation in &model.equations {
@@ -24,23 +31,23 @@ impl Compiler<'_> {
                     let message = "*EQUATION is for nodes that deform and that no rigid body carries";
                     let finding = Diagnostic::error("P011", message).at(equation.span, "this equation has others");
                     self.diagnostics.push(finding);
-                    return Vec::new();
+                    return None;
                 }
             }
         }
-        let (Some(solid), Some(&span)) = (solid, spans.first()) else { return Vec::new() };
-        match System::all(&equations, &solid.mass, given) {
+        let &span = spans.first()?;
+        match System::all(&equations, &state.dofs.nodes.mass, prescribed) {
             Ok(systems) => {
                 let detail = format!("exact, in {} independent systems", systems.len());
-                self.cause(span, "linear equations", equations.len(), "equations", detail);
-                systems
+                let id = self.cause(span, "linear equations", equations.len(), "equations", detail);
+                Some(Box::new(Equations::new(id, systems)))
             }
             Err(index) => {
                 let message = format!("this equation cannot be kept in step `{}`", step.name);
                 let finding =
                     Diagnostic::error("P018", message).at(spans[index], "it follows from others, or all is given");
                 self.diagnostics.push(finding.help("leave it out, or free one of its degrees of freedom"));
-                Vec::new()
+                None
             }
         }
     }

@@ -1,30 +1,28 @@
-//! Loads and prescribed motions of a step as effects.
+//! Loads of a step as effects, on rigid bodies and on what deforms alike.
 //! Never here: what they do in an increment.
 
-use std::collections::BTreeMap;
+use std::collections::HashSet;
 
-use super::Compiler;
-use crate::constraint::motion::{Motion, Prescribed};
-use crate::deck::{Diagnostic, Span};
+use indexmap::IndexMap;
+
+use super::{Compiler, State};
+use crate::deck::Diagnostic;
 use crate::kernel::amplitude::Curve;
 use crate::kernel::cavity::Resistance;
-use crate::kernel::facet::Facet;
-use crate::load::Asking;
-use crate::load::Force;
+use crate::kernel::quad::corner_masses;
+use crate::kernel::solid;
+use crate::load::Load as Effect;
 use crate::load::cavity::{CavityExpansion, Stack};
 use crate::load::concentrated::Concentrated;
 use crate::load::gravity::Gravity;
 use crate::load::pressure::Pressure;
-use crate::model::{self, AmplitudeDefinition, Boundary, IncrementControl, Load, LoadKind, Side, Sides, Step};
-use crate::state::magnitude::Magnitude;
-use crate::state::magnitude::Shape;
-
-/// Facets with their element index, by body.
-pub(super) type FacetsByBody = BTreeMap<usize, Vec<(usize, Facet)>>;
+use crate::load::user_load::{Description, UserLoad, Volume};
+use crate::model::{self, AmplitudeDefinition, ElementKind, IncrementControl, Load, LoadKind, Sides, Step};
+use crate::state::magnitude::{Magnitude, Shape};
 
 impl Compiler<'_> {
     /// Whether a load can do anything; one that cannot is noted as unused.
-    pub(super) fn matters(&mut self, load: &Load) -> bool {
+    fn matters(&mut self, load: &Load) -> bool {
         let constant =
             !matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. });
         let zero = constant && load.magnitude == 0.0;
@@ -34,102 +32,149 @@ impl Compiler<'_> {
         !zero
     }
 
-    /// The effects of one load on rigid bodies, one for each body it acts on.
-    pub(super) fn load(&mut self, load: &Load, step: &Step) -> Vec<Box<dyn Force>> {
+    /// The effect of one load; `None` where it has none, or where it cannot be (reported).
+    pub(super) fn load(&mut self, load: &Load, step: &Step, state: &State) -> Option<Box<dyn Effect>> {
+        if !self.matters(load) {
+            return None;
+        }
         match &load.kind {
             LoadKind::Concentrated { nodes, dof, set } => self.concentrated(load, nodes, *dof, set),
-            LoadKind::Gravity { elements, direction } => self.gravity(load, elements.as_deref(), *direction),
+            LoadKind::Gravity { elements, direction } => self.gravity(load, elements.as_deref(), *direction, state),
             LoadKind::Pressure(sides) => self.pressure(load, sides),
-            LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type),
-            LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type),
+            LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type, state),
+            LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type, state),
             LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step),
         }
     }
 
     pub(super) fn magnitude(&mut self, value: f64, amplitude: Option<usize>) -> Magnitude {
-        let Some(index) = amplitude else { return Magnitude { value, shape: Shape::Constant } };
+        let Some(index) = amplitude else { return Magnitude::constant(value) };
         let shape = match &self.model.amplitudes[index].definition {
             AmplitudeDefinition::Curve { points, smooth, total_time } => {
                 Shape::Curve(Curve::new(points.clone(), *smooth, *total_time))
             }
-            AmplitudeDefinition::User { .. } => Shape::Track(self.user_amplitude(index)),
+            AmplitudeDefinition::User { .. } => Shape::Told(self.user_amplitude(index)),
         };
         Magnitude { value, shape }
     }
 
-    fn concentrated(&mut self, load: &Load, nodes: &[usize], dof: u8, set: &str) -> Vec<Box<dyn Force>> {
-        if dof != 2 {
-            self.unused(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
-            return Vec::new();
+    fn concentrated(&mut self, load: &Load, nodes: &[usize], dof: u8, set: &str) -> Option<Box<dyn Effect>> {
+        let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
+        for node in nodes {
+            match (self.places.free_node(*node), self.body_of_node.get(node)) {
+                (Some(place), _) => deforming.push(place),
+                (_, Some(&body)) => bodies.push(body),
+                _ => stray = true,
+            }
         }
-        let nodes: Vec<usize> = nodes.iter().copied().filter(|n| !self.places.has_node(*n)).collect();
-        let bodies: Vec<usize> = nodes.iter().filter_map(|n| self.body_of_node.get(n).copied()).collect();
-        if bodies.len() < nodes.len() {
-            let message = format!("a force acts on nodes of `{set}` that belong to no rigid body");
+        if stray {
+            let message = format!("a force acts on nodes of `{set}` that belong to no body");
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
-        let detail = format!("F_z = {}{}", load.magnitude, self.amplitude_name(load));
-        let cause = self.cause(load.span, "concentrated force", bodies.len(), "nodes", detail);
+        if dof != 2 && !bodies.is_empty() {
+            self.unused(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
+            bodies.clear();
+        }
+        if dof > 2 && !deforming.is_empty() {
+            self.unused(load.span, "*CLOAD", "nodes of a body of revolution move along r and z only");
+            deforming.clear();
+        }
+        let count = bodies.len() + deforming.len();
+        if count == 0 {
+            return None;
+        }
+        let axis = usize::from(dof) - 1;
+        let detail = format!("F_{} = {}{}", ["r", "z"][axis], load.magnitude, self.amplitude_name(load));
+        let id = self.cause(load.span, "concentrated force", count, "nodes", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        vec![Box::new(Concentrated { cause, bodies, magnitude })]
+        Some(Box::new(Concentrated { id, bodies, nodes: deforming, axis, magnitude }))
     }
 
-    fn gravity(&mut self, load: &Load, elements: Option<&[usize]>, direction: [f64; 2]) -> Vec<Box<dyn Force>> {
+    fn gravity(
+        &mut self,
+        load: &Load,
+        elements: Option<&[usize]>,
+        direction: [f64; 2],
+        state: &State,
+    ) -> Option<Box<dyn Effect>> {
         let axial = load.magnitude * direction[1];
         if axial == 0.0 {
-            self.unused(load.span, "GRAV", "it has no component along z, and a rigid body moves along z only");
-            return Vec::new();
+            self.unused(load.span, "GRAV", "it has no component along z, and a body of revolution moves along z only");
+            return None;
         }
-        let masses: Vec<(usize, f64)> = (0..self.bodies.len())
+        let bodies: Vec<(usize, f64)> = (0..self.bodies.len())
             .filter(|&b| elements.is_none_or(|list| self.bodies[b].elements.iter().any(|e| list.contains(e))))
             // What tied elements weigh, the list of elements gives to their nodes.
             .map(|b| (b, if elements.is_none() { self.bodies[b].mass() } else { self.bodies[b].own_mass() }))
             .collect();
-        if masses.is_empty() {
-            let message = "gravity acts on elements that belong to no rigid body";
+        let nodes: Vec<(usize, f64)> = match elements {
+            None => state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0).collect(),
+            Some(list) => self.masses_of(list),
+        };
+        if bodies.is_empty() && nodes.is_empty() {
+            let message = "gravity acts on elements that belong to no body";
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
         let detail = format!("a_z = {axial}{}", self.amplitude_name(load));
-        let cause = self.cause(load.span, "gravity", masses.len(), "bodies", detail);
+        let (count, unit) =
+            if nodes.is_empty() { (bodies.len(), "bodies") } else { (bodies.len() + nodes.len(), "nodes") };
+        let id = self.cause(load.span, "gravity", count, unit, detail);
         let acceleration = self.magnitude(axial, load.amplitude);
-        vec![Box::new(Gravity { cause, masses, acceleration })]
+        Some(Box::new(Gravity { id, bodies, nodes, whole: elements.is_none(), acceleration }))
     }
 
-    fn pressure(&mut self, load: &Load, sides: &Sides) -> Vec<Box<dyn Force>> {
-        let by_body = self.facets(sides, load.span);
-        let facets: Vec<_> =
-            by_body.iter().flat_map(|(&b, list)| list.iter().map(move |(e, f)| (*e, b, f.normal[1]))).collect();
-        let axial_areas =
-            by_body.iter().map(|(&b, list)| (b, list.iter().map(|(_, f)| f.area * f.normal[1]).sum())).collect();
+    /// Masses that some elements put on their nodes.
+    fn masses_of(&self, elements: &[usize]) -> Vec<(usize, f64)> {
+        let mesh = &self.model.mesh;
+        let mut masses: IndexMap<usize, f64> = IndexMap::new();
+        for section in &self.model.sections {
+            let density = self.model.materials[section.material].density.unwrap_or(0.0);
+            let own: HashSet<usize> = section.elements.iter().copied().collect();
+            for &e in elements.iter().filter(|e| own.contains(*e) && self.places.elements.contains_key(*e)) {
+                let corners = mesh.corners(e);
+                for (n, mass) in corners.iter().zip(corner_masses(corners.map(|n| mesh.points[n]), density)) {
+                    *masses.entry(self.places.nodes[n]).or_default() += mass;
+                }
+            }
+        }
+        masses.into_iter().collect()
+    }
+
+    fn pressure(&mut self, load: &Load, sides: &Sides) -> Option<Box<dyn Effect>> {
+        let surface = self.surface(sides, load.span);
         let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, self.amplitude_name(load));
-        let cause = self.cause(load.span, "pressure", facets.len(), "facets", detail);
+        let id = self.cause(load.span, "pressure", surface.count(), "facets", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        vec![Box::new(Pressure { cause, axial_areas, facets, magnitude, current: 0.0 })]
+        Some(Box::new(Pressure::new(id, surface, magnitude)))
     }
 
-    fn cavity(&mut self, load: &Load, sides: &Sides, target: usize, friction: f64, step: &Step) -> Vec<Box<dyn Force>> {
-        let by_body = self.facets(sides, load.span);
+    fn cavity(
+        &mut self,
+        load: &Load,
+        sides: &Sides,
+        target: usize,
+        friction: f64,
+        step: &Step,
+    ) -> Option<Box<dyn Effect>> {
+        let surface = self.surface(sides, load.span);
         let target = &self.model.targets[target];
-        let Some(layers) = self.layers(target) else { return Vec::new() };
-        let count = by_body.values().map(Vec::len).sum();
+        let layers = self.layers(target)?;
         let detail = format!("{} into {}", sides.name, target.name);
-        let cause = self.cause(load.span, "cavity expansion", count, "facets", detail);
+        let id = self.cause(load.span, "cavity expansion", surface.count(), "facets", detail);
         if friction > 0.0 {
-            self.cause(load.span, "friction", count, "facets", format!("Coulomb, coefficient {friction}"));
+            let detail = format!("Coulomb, coefficient {friction}");
+            self.cause(load.span, "friction", surface.count(), "facets", detail);
         }
         self.layer_row(target);
         let travel = match step.increment {
             IncrementControl::Automatic { accuracy, .. } => accuracy.sqrt(),
             IncrementControl::Fixed(_) => 1.0,
         };
-        let make = |(body, facets): (usize, Vec<(usize, Facet)>)| -> Box<dyn Force> {
-            let stack = Stack::new(target.front, target.direction, &layers);
-            Box::new(CavityExpansion::new(cause, body, friction, stack, &facets, travel))
-        };
-        by_body.into_iter().map(make).collect()
+        let stack = Stack::new(target.front, target.direction, &layers);
+        Some(Box::new(CavityExpansion::new(id, friction, stack, surface, travel)))
     }
 
-    pub(super) fn layer_row(&mut self, target: &model::Target) {
+    fn layer_row(&mut self, target: &model::Target) {
         let names: Vec<_> =
             target.layers.iter().take(4).map(|l| self.model.materials[l.material].name.clone()).collect();
         let more = if target.layers.len() > 4 { ", …" } else { "" };
@@ -137,7 +182,7 @@ impl Compiler<'_> {
         self.cause(target.span, "target", target.layers.len(), "layers", detail);
     }
 
-    pub(super) fn layers(&self, target: &model::Target) -> Option<Vec<(f64, Resistance)>> {
+    fn layers(&self, target: &model::Target) -> Option<Vec<(f64, Resistance)>> {
         let layer = |l: &model::Layer| {
             let material = &self.model.materials[l.material];
             let law = material.cavity?;
@@ -147,110 +192,80 @@ impl Compiler<'_> {
         target.layers.iter().map(layer).collect()
     }
 
-    /// The facets of sides, by body. Elements of no body are an error.
-    pub(super) fn facets(&mut self, sides: &Sides, span: Span) -> FacetsByBody {
-        let mut by_body = FacetsByBody::new();
-        let mut stray = None;
-        for &(element, side) in &sides.faces {
-            match (self.body_of_element.get(&element), self.facet(element, side)) {
-                (Some(&body), Some(facet)) => by_body.entry(body).or_default().push((element, facet)),
-                (None, _) if self.places.elements.contains_key(&element) => {}
-                (None, _) => stray = stray.or(Some(element)),
-                _ => {}
+    /// `PNU` and `P1NU` to `P4NU`.
+    fn user_load(&mut self, load: &Load, sides: &Sides, load_type: i32, state: &State) -> Option<Box<dyn Effect>> {
+        let surface = self.surface(sides, load.span);
+        // The manual: normals point out of a surface element's loaded side, and into a solid.
+        let solid = |e: usize| self.model.mesh.elements[e].kind != ElementKind::Rax2;
+        let inward = sides.faces.first().is_some_and(|f| solid(f.0));
+        let load = self.described(load, "user load", &sides.name, load_type, inward, surface.count())?;
+        Some(Box::new(UserLoad::on_surface(load, &surface, &state.dofs.nodes)))
+    }
+
+    /// `BRNU` and `BZNU`: the load integration point of a solid is its centre, its weight the volume.
+    fn user_body(
+        &mut self,
+        load: &Load,
+        elements: &[usize],
+        set: &str,
+        load_type: i32,
+        state: &State,
+    ) -> Option<Box<dyn Effect>> {
+        let mesh = &self.model.mesh;
+        let (mut volume, mut stray) = (Volume::default(), None);
+        for &element in elements {
+            if self.places.elements.contains_key(&element) {
+                volume.elements.push(mesh.corners(element).map(|n| self.places.nodes[&n] as u32));
+                continue;
+            }
+            let corners: Vec<[f64; 2]> = mesh.elements[element].nodes.iter().map(|&n| mesh.points[n]).collect();
+            match self.body_of_element.get(&element) {
+                Some(&body) if corners.len() > 2 => {
+                    volume.rigid.push((body, element, solid::centre(&corners), solid::volume(&corners)));
+                }
+                _ => stray = stray.or(Some(element)),
             }
         }
         if let Some(element) = stray {
-            let name = &self.model.mesh.elements[element].name;
-            let message = format!("`{}` holds element {name}, which belongs to no rigid body", sides.name);
-            self.diagnostics.push(Diagnostic::error("P003", message).at(span, "this load needs facets of a body"));
+            let message = format!("`{set}` holds element {}, which is no solid of a body", mesh.elements[element].name);
+            let finding = Diagnostic::error("P003", message).at(load.span, "a body force needs solid elements");
+            self.diagnostics.push(finding);
         }
-        by_body
-    }
-
-    /// The facet of one side. A solid's face runs counter-clockwise, so its outward normal is the negative side.
-    fn facet(&self, element: usize, side: Side) -> Option<Facet> {
-        let mesh = &self.model.mesh;
-        let [from, to] = mesh.ends(element, side)?.map(|n| mesh.points[n]);
-        Facet::new(from, to, side == Side::Positive)
-    }
-
-    pub(super) fn amplitude_name(&self, load: &Load) -> String {
-        load.amplitude.map_or(String::new(), |a| format!(" x {}", self.model.amplitudes[a].name))
-    }
-
-    /// Prescribed motions of bodies along z; what axial symmetry holds already is noted as unused.
-    pub(super) fn motions(&mut self, step: &Step, asking: &mut Vec<Box<dyn Asking>>) -> Vec<Motion> {
-        let mut motions: Vec<Motion> = Vec::new();
-        for boundary in &step.boundaries {
-            if boundary.nodes.iter().all(|n| self.places.has_node(*n)) {
-                continue;
-            }
-            if boundary.dof != 2 {
-                self.radial_boundary(boundary);
-                continue;
-            }
-            for &node in &boundary.nodes {
-                let Some(&body) = self.body_of_node.get(&node) else { continue };
-                if self.bodies[body].reference != node {
-                    self.dependent_node(boundary, node);
-                } else if let Some(motion) = self.motion(boundary, body, &motions, asking) {
-                    motions.push(motion);
-                }
-            }
+        if load_type == 1 && !volume.rigid.is_empty() {
+            self.unused(load.span, "BRNU", "a rigid body of revolution moves along z only");
+            volume.rigid.clear();
         }
-        motions
-    }
-
-    fn motion(
-        &mut self,
-        boundary: &Boundary,
-        body: usize,
-        others: &[Motion],
-        asking: &mut Vec<Box<dyn Asking>>,
-    ) -> Option<Motion> {
-        let (kind, value) = prescribed(boundary);
-        if let Some(other) = others.iter().find(|m| m.body == body) {
-            if other.kind != kind || other.magnitude.value != value {
-                let message = format!("body `{}` is given two motions along z", self.bodies[body].name);
-                self.diagnostics.push(Diagnostic::error("P008", message).at(boundary.span, "the second of them"));
-            }
+        let count = volume.rigid.len() + volume.elements.len();
+        if count == 0 {
             return None;
         }
-        if boundary.user {
-            return self.user_motion(boundary, body, kind, asking);
-        }
-        let detail = format!("{}: {:?} {value} along z", boundary.set, kind).to_lowercase();
-        let cause = self.cause(boundary.span, "prescribed motion", 1, "bodies", detail);
-        let magnitude = self.magnitude(value, boundary.amplitude);
-        Some(Motion { cause, body, kind, magnitude, start: 0.0 })
+        volume.rigid.sort_by_key(|point| point.0);
+        let load = self.described(load, "user body force", set, load_type, false, count)?;
+        Some(Box::new(UserLoad::on_volume(load, &volume, &state.dofs.nodes)))
     }
 
-    fn radial_boundary(&mut self, boundary: &Boundary) {
-        if boundary.value == 0.0 {
-            let what = format!("*BOUNDARY {}, {}", boundary.set, boundary.dof);
-            self.unused(boundary.span, what, "a rigid body of revolution moves along z only");
-        } else {
-            let message = "radial motion or rotation of a rigid body of revolution cannot be prescribed";
-            self.diagnostics.push(Diagnostic::error("P103", message).at(boundary.span, "only 2 (z) can move"));
-        }
+    fn described(
+        &mut self,
+        load: &Load,
+        effect: &'static str,
+        name: &str,
+        load_type: i32,
+        inward: bool,
+        count: usize,
+    ) -> Option<Description> {
+        let Some(routine) = self.routines.load.clone() else {
+            self.no_routine(load.span, "load", &format!("`{name}` asks for a user load (PNU)"), "vdload");
+            return None;
+        };
+        let detail = format!("on {name}{}", self.amplitude_name(load));
+        let id = self.cause(load.span, effect, count, "points", detail);
+        let magnitude = self.magnitude(load.magnitude, load.amplitude);
+        let reads_motion = routine.lock().reads_motion();
+        Some(Description { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
     }
 
-    fn dependent_node(&mut self, boundary: &Boundary, node: usize) {
-        let name = &self.model.mesh.node_names[node];
-        let message = format!("node {name} follows its rigid body; its motion cannot be prescribed");
-        let finding = Diagnostic::error("P007", message).at(boundary.span, "here");
-        self.diagnostics.push(finding.help("prescribe the motion of the body's REF NODE"));
-    }
-}
-
-/// What a boundary prescribes, and its value at amplitude 1.
-pub(super) fn prescribed(boundary: &Boundary) -> (Prescribed, f64) {
-    match boundary.kind {
-        // ABAQUS/Explicit ignores a displacement without amplitude: it would be a jump.
-        model::Motion::Displacement if boundary.amplitude.is_none() => (Prescribed::Displacement, 0.0),
-        model::Motion::Displacement => (Prescribed::Displacement, boundary.value),
-        model::Motion::Velocity => (Prescribed::Velocity, boundary.value),
-        model::Motion::Acceleration => (Prescribed::Acceleration, boundary.value),
+    fn amplitude_name(&self, load: &Load) -> String {
+        load.amplitude.map_or(String::new(), |a| format!(" x {}", self.model.amplitudes[a].name))
     }
 }
 

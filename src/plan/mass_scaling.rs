@@ -1,26 +1,25 @@
 //! Mass scaling of the plan: which elements of the solver a request means, and what cannot be scaled.
 //! Never here: factors, masses.
 
-use super::Compiler;
+use super::{Compiler, State};
 use crate::deck::{Diagnostic, Span};
-use crate::element::body::Solid;
 use crate::element::mass_scaling::{Aim, Request, Rhythm, Scaling, Variable};
 use crate::model::{LoadKind, MassScaling, ScalingRhythm, ScalingType, Step};
 
 impl Compiler<'_> {
     /// Mass scaling of a step. What goes on from an earlier step is fixed no more than once.
-    pub(super) fn mass_scaling(&mut self, index: usize, solid: Option<&Solid>) -> Option<Scaling> {
+    pub(super) fn mass_scaling(&mut self, index: usize, state: &State) -> Option<Scaling> {
         let model = self.model;
         let step = &model.steps[index];
         let first = step.mass_scalings.first()?;
-        let Some(solid) = solid else {
+        if state.elements.is_empty() {
             self.unused(first.span, "mass scaling", "nothing here deforms");
             return None;
-        };
+        }
         self.check_scalable_step(step, first.span);
         let (mut fixed, mut variable) = (Vec::new(), Vec::new());
         for scaling in &step.mass_scalings {
-            let Some(request) = self.scaling_request(scaling, solid) else { continue };
+            let Some(request) = self.scaling_request(scaling, state) else { continue };
             match scaling.rhythm {
                 None => fixed.push(request),
                 Some(rhythm) => variable.push(Variable::new(request, in_step(rhythm, step))),
@@ -31,7 +30,7 @@ impl Compiler<'_> {
         Some(Scaling::new((!goes_on).then_some(fixed), variable))
     }
 
-    fn scaling_request(&mut self, scaling: &MassScaling, solid: &Solid) -> Option<Request> {
+    fn scaling_request(&mut self, scaling: &MassScaling, state: &State) -> Option<Request> {
         let places = &self.places.elements;
         let elements: Vec<(usize, usize)> = match &scaling.elements {
             None => places.values().copied().collect(),
@@ -41,14 +40,15 @@ impl Compiler<'_> {
             self.unused(scaling.span, "mass scaling", "none of its elements deforms");
             return None;
         }
-        let tied = |n: u32| solid.ties.iter().any(|t| t.nodes.binary_search(&(n as usize)).is_ok());
+        let tied = |n: u32| self.ties.iter().any(|t| t.nodes.binary_search(&(n as usize)).is_ok());
         let mut refusal = None;
         for &(g, e) in &elements {
-            let (group, name) = (&solid.groups[g], &solid.element_names[g][e]);
-            if group.own_rate(e, &group.corner_masses(e), &solid.nodes).is_none() {
-                refusal = Some(format!("the mass of element {name} is part of the state of its material"));
+            let group = &state.elements.groups[g];
+            let name = || self.element_name(g, e);
+            if group.own_rate(e, &group.corner_masses(e), state.dofs.nodes.as_slice()).is_none() {
+                refusal = Some(format!("the mass of element {} is part of the state of its material", name()));
             } else if group.corners(e).into_iter().any(tied) {
-                refusal = Some(format!("element {name} shares nodes with a rigid body, which carries their mass"));
+                refusal = Some(format!("element {} shares nodes with a rigid body, which carries their mass", name()));
             }
             if refusal.is_some() {
                 break;
@@ -61,6 +61,11 @@ impl Compiler<'_> {
         self.cause(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling));
         let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
         Some(Request { elements, factor: scaling.factor, aim })
+    }
+
+    fn element_name(&self, group: usize, element: usize) -> &str {
+        let found = self.places.elements.iter().find(|e| *e.1 == (group, element));
+        found.map_or("", |(&e, _)| &self.model.mesh.elements[e].name)
     }
 
     /// What takes masses once and would not follow.

@@ -2,44 +2,44 @@
 //! Never here: time stepping.
 
 mod bodies;
+mod bytes;
 pub mod codes;
 mod connectors;
 mod equations;
 pub mod ledger;
 mod loads;
 mod mass_scaling;
-mod node_loads;
+mod motions;
 mod outputs;
 mod solid;
 mod solid_material;
+mod surfaces;
 mod ties;
 mod user;
 mod user_material;
 mod walls;
 
-use std::rc::Rc;
-
 use indexmap::IndexMap;
 
-use crate::constraint::equation::System;
-use crate::constraint::motion::Motion;
-use crate::constraint::node_user_motion::NodeMotions;
-use crate::constraint::wall::Wall;
+use crate::constraint::Constraint;
+use crate::constraint::tie::Tie;
+use crate::constraint::user_motion::UserMotion;
 use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
-use crate::element::body::{Given, NodeForce, Solid};
+use crate::element::elements::Elements;
 use crate::element::mass_scaling::Scaling;
-use crate::kernel::amplitude::Track;
-use crate::load::Asking;
-use crate::load::Force;
+use crate::load::user_amplitude::UserAmplitude;
+use crate::load::{Load, VelocityUse};
 use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
-use crate::state::EffectId;
-use crate::user::{Routines, SharedEvents};
+use crate::state::dofs::Dofs;
+use crate::state::{BodyState, EffectId};
+use crate::user::Routines;
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
-pub use outputs::{COMPONENTS, Column, ElementVariable, FieldVariable, Outputs, Quantity, Schedule};
+pub use outputs::{Column, FrameField, Outputs, Schedule, Source};
 pub use solid::SolidPlaces;
 
-/// What is to be run: every effect the deck asks for, and nothing else.
+/// What is to be run: every effect the deck asks for, and nothing else. It never changes: it runs as often as one likes, on
+/// several threads at once, each time from a [`State`].
 pub struct Plan {
     /// What exists and why.
     pub ledger: Ledger,
@@ -47,25 +47,47 @@ pub struct Plan {
     pub mesh: Mesh,
     /// Rigid bodies.
     pub bodies: Vec<Body>,
-    /// What deforms, if anything does.
-    pub solid: Option<Solid>,
-    /// Where its nodes and elements are in the mesh.
+    /// Where nodes and elements of what deforms are in the mesh.
     pub places: SolidPlaces,
     /// Steps in order.
     pub steps: Vec<StepPlan>,
     /// Names of the history columns, the same in every step.
     pub columns: Vec<Column>,
-    /// Variables shown on nodes in frames.
-    pub fields: Vec<FieldVariable>,
+    /// Arrays of frames.
+    pub fields: Vec<FrameField>,
     /// User amplitudes: asked once an increment, whatever the step.
-    pub asking: Vec<Box<dyn Asking>>,
-    /// The user's routine that is told how the analysis goes.
-    pub events: Option<SharedEvents>,
-    /// Whether there are routines of the user, whose own memory no state of the run holds.
-    pub asks_user: bool,
+    pub amplitudes: Vec<UserAmplitude>,
+    /// How many functions of time the user's routines tell.
+    pub told: usize,
+    /// The user's routines, whose own memory no state of the run holds.
+    pub routines: Routines,
+    /// Rows of the ledger that belong to the integrator.
+    pub rows: Rows,
 }
 
-/// One step.
+/// Rows of the ledger for what no card asks for by name.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rows {
+    /// Central differences, the energy balance, the choice of the increment.
+    pub integration: Option<EffectId>,
+    /// From corners of elements to accelerations of nodes.
+    pub gather: Option<EffectId>,
+    /// Frames and histories.
+    pub output: Option<EffectId>,
+}
+
+/// All that moves, at the start of a plan or at the end of a run.
+#[derive(Clone, Default)]
+pub struct State {
+    /// Degrees of freedom.
+    pub dofs: Dofs,
+    /// Elements.
+    pub elements: Elements,
+    /// Constraints of the step that has been run; none at the start.
+    pub constraints: Vec<Box<dyn Constraint>>,
+}
+
+/// One step. Loads and constraints are as at its beginning; a run takes copies.
 pub struct StepPlan {
     /// Name.
     pub name: String,
@@ -77,28 +99,26 @@ pub struct StepPlan {
     pub scale_factor: f64,
     /// What velocity loads are shown.
     pub load_velocity: LoadVelocity,
-    /// Forces; those that resist come last.
-    pub forces: Vec<Box<dyn Force>>,
-    /// Prescribed motions.
-    pub motions: Vec<Motion>,
-    /// Forces on nodes of what deforms.
-    pub node_forces: Vec<Box<dyn NodeForce>>,
-    /// Motions that are given on nodes of what deforms.
-    pub given: Vec<Given>,
-    /// Planes that nodes cannot pass.
-    pub walls: Vec<Wall>,
-    /// Linear equations between degrees of freedom.
-    pub equations: Vec<System>,
+    /// Loads; those that resist come last.
+    pub loads: Vec<Box<dyn Load>>,
+    /// Constraints: prescribed motions, equations, ties, walls.
+    pub constraints: Vec<Box<dyn Constraint>>,
     /// Limits on energies; `None` without any.
     pub energy_limit: Option<EnergyLimit>,
     /// Mass scaling; `None` before a step asks for it.
     pub scaling: Option<Scaling>,
     /// User motions: asked once an increment.
-    pub asking: Vec<Box<dyn Asking>>,
-    /// User motions of nodes of what deforms.
-    pub node_asking: Vec<NodeMotions>,
+    pub user_motions: Vec<UserMotion>,
     /// When to write.
     pub outputs: Outputs,
+}
+
+impl Plan {
+    /// Name of an element by its group and its number there.
+    pub fn element_name(&self, group: usize, element: usize) -> &str {
+        let found = self.places.elements.iter().find(|e| *e.1 == (group, element));
+        found.map_or("", |(&e, _)| &self.mesh.elements[e].name)
+    }
 }
 
 /// What compilation carries along.
@@ -116,21 +136,27 @@ struct Compiler<'a> {
     body_of_element: IndexMap<usize, usize>,
     /// Where what deforms is in the mesh.
     places: SolidPlaces,
-    /// Values of user amplitudes, by the amplitude's index.
-    tracks: IndexMap<usize, Rc<Track>>,
-    /// What is asked once an increment in every step.
-    asking: Vec<Box<dyn Asking>>,
+    /// User amplitudes, and by the amplitude's index in the model which function of time each tells.
+    amplitudes: Vec<UserAmplitude>,
+    tellers: IndexMap<usize, usize>,
+    /// How many functions of time are told.
+    told: usize,
+    /// Nodes that each rigid body carries.
+    ties: Vec<Tie>,
 }
 
-/// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user.
-pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagnostics) {
+/// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
+/// its start, and what was found.
+pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, State, Diagnostics) {
     let mut compiler = Compiler {
         deck,
         model,
         routines,
         places: SolidPlaces::default(),
-        tracks: IndexMap::new(),
-        asking: Vec::new(),
+        amplitudes: Vec::new(),
+        tellers: IndexMap::new(),
+        told: 0,
+        ties: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
         causes: IndexMap::new(),
@@ -139,31 +165,27 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, Diagno
         body_of_element: IndexMap::new(),
     };
     compiler.bodies();
-    let mut solid = compiler.solids();
-    compiler.connect(solid.as_mut());
+    let mut state = compiler.solids();
+    compiler.connect(&mut state);
     compiler.finish_bodies();
-    let (columns, fields) = compiler.variables(solid.as_mut());
-    let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, solid.as_ref())).collect();
-    if let Some(solid) = solid.as_mut() {
-        if model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-            solid.remember_masses();
-        }
-        compiler.highest_frequency(solid);
-    }
-    compiler.check_complete(solid.is_some());
+    let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
+    state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
+    let (columns, fields) = compiler.variables(&mut state);
+    let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
+    compiler.scale_and_estimate(&mut state);
+    compiler.check_complete(!state.elements.is_empty());
     compiler.list_inert();
     compiler.events_row();
-    let Compiler { ledger, bodies, places, mut diagnostics, asking, .. } = compiler;
+    let rows = compiler.integration_rows(&state, columns.len() + fields.len());
+    let Compiler { ledger, bodies, places, mut diagnostics, amplitudes, told, .. } = compiler;
     // Notes on a plan that cannot run would only bury what is wrong with it.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
-    let events = routines.events.clone();
-    let mesh = model.mesh.clone();
-    (
-        Plan { ledger, mesh, bodies, solid, places, steps, columns, fields, asking, events, asks_user: routines.any() },
-        diagnostics,
-    )
+    let (mesh, routines) = (model.mesh.clone(), routines.clone());
+    let mut plan = Plan { ledger, mesh, bodies, places, steps, columns, fields, amplitudes, told, routines, rows };
+    bytes::book(&mut plan, &state);
+    (plan, state, diagnostics)
 }
 
 impl Compiler<'_> {
@@ -194,51 +216,55 @@ impl Compiler<'_> {
         }
     }
 
-    fn step(&mut self, index: usize, solid: Option<&Solid>) -> StepPlan {
+    fn step(&mut self, index: usize, state: &State) -> StepPlan {
         let step = &self.model.steps[index];
-        let (mut forces, mut node_forces) = (Vec::new(), Vec::new());
-        for load in &step.loads {
-            if !self.matters(load) {
-                continue;
-            }
-            if let Some(solid) = solid {
-                node_forces.extend(self.node_force(load, solid));
-            }
-            if solid.is_none() || self.acts_on_rigid(load) {
-                forces.extend(self.load(load, step));
-            }
-        }
-        let mut node_asking = Vec::new();
-        let given = if solid.is_some() { self.given(step, &mut node_asking) } else { Vec::new() };
-        let walls = self.walls(step, solid, &given);
-        let equations = self.equations(step, solid, &given);
-        let scaling = self.mass_scaling(index, solid);
+        let mut loads: Vec<Box<dyn Load>> = step.loads.iter().filter_map(|load| self.load(load, step, state)).collect();
+        loads.sort_by_key(|load| load.velocity() == VelocityUse::Resists);
+        let mut user_motions = Vec::new();
+        let mut constraints = self.motions(step, &mut user_motions);
+        let prescribed = constraints.iter().flat_map(|c| c.prescribes()).collect();
+        let walls = self.walls(step, state, &prescribed);
+        constraints.extend(self.equations(step, state, &prescribed));
+        constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
+        constraints.extend(walls);
+        let scaling = self.mass_scaling(index, state);
         let energy_limit = self.energy_limit(step);
-        forces.sort_by_key(|f| f.resists());
-        let mut asking = Vec::new();
-        let motions = self.motions(step, &mut asking);
-        self.increment_rows(step, &forces);
-        for force in &forces {
-            self.ledger.effects[force.cause()].arrays = owned(force.arrays());
-        }
+        self.increment_rows(step, &loads);
         StepPlan {
             name: step.name.clone(),
             duration: step.duration,
             control: step.increment,
             scale_factor: step.scale_factor,
             load_velocity: step.load_velocity,
-            forces,
-            motions,
-            node_forces,
-            given,
-            walls,
-            equations,
+            loads,
+            constraints,
             energy_limit,
             scaling,
-            asking,
-            node_asking,
+            user_motions,
             outputs: self.outputs(step),
         }
+    }
+
+    fn scale_and_estimate(&mut self, state: &mut State) {
+        if state.elements.is_empty() {
+            return;
+        }
+        if self.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+            state.elements.remember_masses(&state.dofs.nodes);
+        }
+        self.highest_frequency(state);
+    }
+
+    /// Rows of what no card asks for by name; the first step's asks for all of it.
+    fn integration_rows(&mut self, state: &State, shown: usize) -> Rows {
+        let Some(step) = self.model.steps.first() else { return Rows::default() };
+        let integration = self.causes.get(&(step.span, "central difference")).copied();
+        let nodes = state.dofs.nodes.len();
+        let detail = "corner forces, masses and motion of nodes";
+        let gather = (nodes > 0).then(|| self.cause(step.span, "nodes", nodes, "nodes", detail.into()));
+        let detail = "mesh, frames, histories";
+        let output = Some(self.cause(step.span, "output", shown, "variables", detail.into()));
+        Rows { integration, gather, output }
     }
 
     fn energy_limit(&mut self, step: &crate::model::Step) -> Option<EnergyLimit> {
@@ -251,7 +277,7 @@ impl Compiler<'_> {
         Some(limit)
     }
 
-    fn increment_rows(&mut self, step: &crate::model::Step, forces: &[Box<dyn Force>]) {
+    fn increment_rows(&mut self, step: &crate::model::Step, loads: &[Box<dyn Load>]) {
         let mut detail = match step.increment {
             IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
                 format!("stable increment times {}", step.scale_factor)
@@ -267,7 +293,7 @@ impl Compiler<'_> {
             detail += &format!(", at most {largest:e}");
         }
         self.cause(step.span, "central difference", 1, "step", detail);
-        if forces.iter().any(|f| f.reads_velocity()) {
+        if loads.iter().any(|l| l.velocity() != VelocityUse::None) {
             let scheme = match step.load_velocity {
                 LoadVelocity::Predicted => "second-order estimate at the increment's own time",
                 LoadVelocity::Lagged => "mid-increment velocity behind (LAGGED)",
@@ -297,8 +323,4 @@ impl Compiler<'_> {
             self.unused(inert.span, format!("*{}", inert.keyword), inert.why.clone());
         }
     }
-}
-
-fn owned(arrays: Vec<(&'static str, usize)>) -> Vec<(String, usize)> {
-    arrays.into_iter().map(|(name, bytes)| (name.to_owned(), bytes)).collect()
 }

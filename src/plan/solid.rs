@@ -3,15 +3,19 @@
 
 use indexmap::IndexMap;
 
-use super::{Compiler, owned};
+use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::element::body::{Gather, Solid};
+use crate::element::distortion::DistortionControl;
+use crate::element::elements::Elements;
 use crate::element::frequency::HighestFrequency;
-use crate::element::group::Group;
+use crate::element::group::ElementGroup;
 use crate::element::rings::Rings;
 use crate::kernel::quad::{self, corner_masses};
+use crate::mesh::gather::Gather;
 use crate::model::{IncrementControl, InitialKind, SolidSection, Step};
-use crate::state::nodes::Node;
+use crate::output::variables::Variable;
+use crate::state::dofs::Dofs;
+use crate::state::nodes::{Node, Nodes};
 
 /// Where deformable nodes and elements of the mesh went.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +28,18 @@ pub struct SolidPlaces {
     pub tied: IndexMap<usize, usize>,
 }
 
+/// Bytes of a map: its entries with their hashes, and a table of indices that is at most 7/8 full.
+fn bytes_of<V>(map: &IndexMap<usize, V>) -> usize {
+    let table = if map.capacity() == 0 { 0 } else { (map.capacity() * 8 / 7).next_power_of_two() };
+    map.capacity() * size_of::<(usize, usize, V)>() + table * (size_of::<usize>() + 1)
+}
+
 impl SolidPlaces {
+    /// Bytes of its maps.
+    pub fn bytes(&self) -> usize {
+        bytes_of(&self.nodes) + bytes_of(&self.elements) + bytes_of(&self.tied)
+    }
+
     /// Whether a node of the mesh deforms with a body and moves on its own.
     pub fn has_node(&self, node: usize) -> bool {
         self.free_node(node).is_some()
@@ -37,25 +52,17 @@ impl SolidPlaces {
 }
 
 impl Compiler<'_> {
-    /// Makes the deformable part of the scene, if the deck has one.
-    pub(super) fn solids(&mut self) -> Option<Solid> {
+    /// Makes the deformable part of the scene, which is empty if nothing deforms.
+    pub(super) fn solids(&mut self) -> State {
         let model = self.model;
         let sections: Vec<(&SolidSection, Vec<usize>)> =
             model.sections.iter().map(|s| (s, self.free_elements(s))).filter(|s| !s.1.is_empty()).collect();
         if sections.is_empty() {
-            return None;
+            return State::default();
         }
-        let mesh = &self.model.mesh;
-        let mut used: Vec<usize> =
-            sections.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.clone()).collect();
-        used.sort_unstable();
-        used.dedup();
-        self.places.tied = used.iter().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
-        self.places.nodes = used.iter().enumerate().map(|(i, &n)| (n, i)).collect();
-        let nodes: Vec<Node> =
-            used.iter().map(|&n| Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() }).collect();
+        let nodes = self.place_nodes(&sections);
         let mut mass = vec![0.0; nodes.len()];
-        let (mut groups, mut corners, mut names): (Vec<Box<dyn Group>>, Vec<_>, Vec<_>) = Default::default();
+        let (mut groups, mut ids, mut corners): (Vec<Box<dyn ElementGroup>>, Vec<_>, Vec<_>) = Default::default();
         let mut controlled = Vec::new();
         for (section, elements) in &sections {
             let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
@@ -63,27 +70,40 @@ impl Compiler<'_> {
             for (i, &e) in elements.iter().enumerate() {
                 self.places.elements.insert(e, (groups.len(), i));
             }
-            let cause = self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default();
-            self.ledger.effects[cause].arrays = vec![("element state".into(), group.bytes())];
-            names.push(elements.iter().map(|&e| mesh.elements[e].name.clone()).collect());
+            ids.push(self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             groups.push(group);
             corners.push(list);
         }
         self.check_steps_alike();
         self.point_masses(&mut mass);
-        let ties = self.ties(&mut mass);
+        self.tie(&mut mass);
         let lists: Vec<&[[u32; 4]]> = corners.iter().map(Vec::as_slice).collect();
         let gather = Gather::new(nodes.len(), &lists);
-        let mut solid = Solid::new(nodes, mass, groups, names, gather);
-        solid.ties = ties;
-        controlled.iter().for_each(|&(group, ratio)| solid.control_distortion(group, ratio));
-        solid.cause = self.causes.get(&(sections[0].0.span, "deformable elements")).copied().unwrap_or_default();
-        if sections.iter().any(|(s, _)| self.is_by_area(s)) {
-            solid.rings = Some(Box::new(Rings::new(&solid)));
+        let mut elements = Elements::new(groups, ids, gather, nodes.len());
+        let nodes = Nodes::new(nodes, mass);
+        for (group, ratio) in controlled {
+            let control = elements.distortion.get_or_insert_with(Box::<DistortionControl>::default);
+            control.add(group, corners[group].iter().copied(), &nodes, ratio);
         }
-        self.start_solid(&mut solid);
-        Some(solid)
+        if sections.iter().any(|(s, _)| self.is_by_area(s)) {
+            elements.rings = Some(Box::new(Rings::new(&elements, nodes.len())));
+        }
+        let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, constraints: Vec::new() };
+        self.start_solid(&mut state);
+        state
+    }
+
+    /// Nodes of the solver for those of the mesh that deform or that rigid bodies share.
+    fn place_nodes(&mut self, sections: &[(&SolidSection, Vec<usize>)]) -> Vec<Node> {
+        let mesh = &self.model.mesh;
+        let corners = sections.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
+        let mut used: Vec<usize> = corners.collect();
+        used.sort_unstable();
+        used.dedup();
+        self.places.tied = used.iter().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
+        self.places.nodes = used.iter().enumerate().map(|(i, &n)| (n, i)).collect();
+        used.iter().map(|&n| Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() }).collect()
     }
 
     /// LENGTH RATIO of a section under distortion control.
@@ -100,23 +120,22 @@ impl Compiler<'_> {
     }
 
     /// The global estimate of the stable increment, unless all steps go element by element.
-    pub(super) fn highest_frequency(&mut self, solid: &mut Solid) {
+    pub(super) fn highest_frequency(&mut self, state: &mut State) {
         let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
         let Some(step) = self.model.steps.iter().find(asks) else { return };
         if self.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
             self.unused(step.span, "global estimate of the stable increment", "masses are scaled: element by element");
             return;
         }
-        let Some(frequency) = HighestFrequency::new(solid) else {
+        let Some(mut frequency) = HighestFrequency::new(&state.elements, &state.dofs.nodes) else {
             let why = "a material is not linear elastic for small strains: element by element";
             self.unused(step.span, "global estimate of the stable increment", why);
             return;
         };
         let detail = "highest frequency by Lanczos' method, where it lies below that of single elements";
-        let count = solid.nodes.len();
-        let cause = self.cause(step.span, "global estimate", count, "nodes", detail.into());
-        self.ledger.effects[cause].arrays = owned(frequency.arrays());
-        solid.frequency = Some(Box::new(frequency));
+        let count = state.dofs.nodes.len();
+        frequency.id = self.cause(step.span, "global estimate", count, "nodes", detail.into());
+        state.elements.frequency = Some(Box::new(frequency));
     }
 
     /// What elements take from the first step must not change later.
@@ -164,13 +183,13 @@ impl Compiler<'_> {
     }
 
     /// Velocities, stresses and temperatures at the start.
-    fn start_solid(&mut self, solid: &mut Solid) {
+    fn start_solid(&mut self, state: &mut State) {
+        let (nodes, groups) = (&mut state.dofs.nodes, &mut state.elements.groups);
         for condition in &self.model.initial_conditions {
             match &condition.kind {
                 InitialKind::Velocity(dof, value) if *dof <= 2 => {
                     for n in condition.members.iter().filter_map(|n| self.places.free_node(*n)) {
-                        let node = &mut solid.nodes[n];
-                        *(if *dof == 1 { &mut node.v_r } else { &mut node.v_z }) = *value;
+                        *nodes[n].velocity(usize::from(*dof) - 1) = *value;
                     }
                 }
                 InitialKind::Velocity(..) => {}
@@ -178,22 +197,22 @@ impl Compiler<'_> {
                     let mesh = &self.model.mesh;
                     for (&e, &(group, i)) in &self.places.elements {
                         if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
-                            solid.groups[group].set(i, None, Some(*value));
+                            groups[group].set(i, None, Some(*value));
                         }
                     }
                 }
                 InitialKind::Energy(value) => {
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
-                        if solid.groups[*group].energy(*i).is_none() {
+                        if groups[*group].value(*i, Variable::SpecificEnergy.into()).is_none() {
                             let message = "an energy a mass needs a material with *EOS";
                             self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                             break;
                         }
-                        solid.groups[*group].set_energy(*i, *value);
+                        groups[*group].set_energy(*i, *value);
                     }
                 }
                 InitialKind::Stress(values) => {
-                    let eos = |&&(group, _): &&(usize, usize)| solid.groups[group].holds_state();
+                    let eos = |&&(group, _): &&(usize, usize)| groups[group].holds_state();
                     if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {
                         let message = "here the stress follows from density and energy, or from the deformation";
                         let finding = Diagnostic::error("P017", message).at(condition.span, "an initial stress here");
@@ -203,7 +222,7 @@ impl Compiler<'_> {
                     }
                     let stress = [0, 1, 2, 3].map(|i| values.get(i).copied().unwrap_or(0.0));
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
-                        solid.groups[*group].set(*i, Some(stress), None);
+                        groups[*group].set(*i, Some(stress), None);
                     }
                 }
             }

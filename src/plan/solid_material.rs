@@ -5,8 +5,9 @@ use super::Compiler;
 use super::solid::add_masses;
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::Constants;
-use crate::element::group::{Group, Quads};
+use crate::element::group::{ElementGroup, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
+use crate::kernel::heating::Heating;
 use crate::kernel::levels::Levels;
 use crate::material::eos::{Eos, IdealGas, UsUp};
 use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
@@ -51,16 +52,16 @@ struct Make<'a, const AREA: bool> {
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
-    fn quads<H: Hardening + 'static, V: Volumetric + 'static>(self, hardening: H, volumetric: V) -> Box<dyn Group> {
+    fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
         self.failing(hardening, volumetric, Intact)
     }
 
-    fn failing<H: Hardening + 'static, V: Volumetric + 'static, F: Failure + 'static>(
+    fn failing<H: Hardening, V: Volumetric, F: Failure>(
         self,
         hardening: H,
         volumetric: V,
         failure: F,
-    ) -> Box<dyn Group> {
+    ) -> Box<dyn ElementGroup> {
         let laws = (hardening, volumetric, failure);
         Box::new(Quads::<_, _, _, AREA>::weighted(laws, self.constants, self.density, self.corners, self.nodes))
     }
@@ -80,7 +81,7 @@ impl Compiler<'_> {
         corners: &[[u32; 4]],
         nodes: &[Node],
         mass: &mut [f64],
-    ) -> Option<Box<dyn Group>> {
+    ) -> Option<Box<dyn ElementGroup>> {
         let material = &self.model.materials[section.material];
         if let Some(properties) = &material.user {
             if self.is_by_area(section) {
@@ -158,17 +159,18 @@ impl Compiler<'_> {
     /// The equation of state of a material, with what it takes from other cards.
     fn equation(&mut self, material: &Material, span: Span) -> Option<Option<Equation>> {
         let Some(eos) = &material.eos else { return Some(None) };
-        match (eos.kind, material.specific_heat) {
-            (EosKind::IdealGas(_), None) => {
-                let message = format!("material `{}` is an ideal gas without *SPECIFIC HEAT", material.name);
-                self.diagnostics.push(Diagnostic::error("P013", message).at(span, "these elements deform"));
-                None
-            }
-            (EosKind::IdealGas([gas_constant, ambient]), Some(specific_heat)) => {
+        match (eos.kind, material.specific_heat.as_deref()) {
+            (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
                 let absolute_zero = self.model.absolute_zero;
                 let ratio = 1.0 + gas_constant / specific_heat;
                 self.cause(eos.span, "equation of state", 1, "material", format!("ideal gas, gamma = {ratio}"));
                 Some(Some(Equation::Gas(IdealGas { gas_constant, specific_heat, ambient, absolute_zero })))
+            }
+            (EosKind::IdealGas(_), rows) => {
+                let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
+                let message = format!("material `{}` is an ideal gas {why}", material.name);
+                self.diagnostics.push(Diagnostic::error("P013", message).at(span, "these elements deform"));
+                None
             }
             (EosKind::UsUp([c0, s, gamma0]), _) => {
                 let detail = format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}");
@@ -180,14 +182,14 @@ impl Compiler<'_> {
     }
 
     /// The group of a volumetric law, with the yield stress of the material.
-    fn with_volumetric<V: Volumetric + 'static, const AREA: bool>(
+    fn with_volumetric<V: Volumetric, const AREA: bool>(
         &mut self,
         material: &Material,
         span: Span,
         volumetric: V,
         make: Make<'_, AREA>,
-    ) -> Option<Box<dyn Group>> {
-        let heating = if self.adiabatic() { heating(material, make.density) } else { 0.0 };
+    ) -> Option<Box<dyn ElementGroup>> {
+        let heating = if self.adiabatic() { heating(material, make.density) } else { Heating::None };
         let failing = self.failing(material)?;
         let Some(plastic) = &material.plastic else {
             return Some(match failing {
@@ -202,20 +204,21 @@ impl Compiler<'_> {
                 self.diagnostics.push(Diagnostic::error("P014", message).at(span, "the material of this section"));
                 return None;
             }
-            if let ([[yield_stress, slope, _]], None, 0.0) = (&lines[..], &material.rate, heating) {
+            if let ([[yield_stress, slope, _]], None, Heating::None) = (&lines[..], &material.rate, &heating) {
                 return Some(make.quads(Kinematic { yield_stress: *yield_stress, slope: *slope }, volumetric));
             }
             return Some(make.quads(moving(lines, material.rate.as_ref(), heating), volumetric));
         }
-        let law = self.yield_stress(plastic, material.rate.as_ref(), span)?;
+        let law = self.yield_stress(plastic, material, span)?;
         if let Some(failing) = failing {
             return Some(make.failing(General { law, heating }, volumetric, failing));
         }
         let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
-        if let (Plastic::Tabular(rows), None, 0.0) = (plastic, &material.rate, heating)
+        if let (Plastic::Tabular(rows), None, Heating::None) = (plastic, &material.rate, &heating)
             && cold(rows)
         {
-            let rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
+            let mut rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
+            extrapolate(&mut rows, material);
             if let Some(lines) = Lines::new(&rows, make.constants.shear) {
                 return Some(make.quads(lines, volumetric));
             }
@@ -230,7 +233,12 @@ impl Compiler<'_> {
     }
 
     /// The group of a section that is weighted by area, where that can be.
-    fn by_area(&mut self, section: &SolidSection, material: &Material, make: Make<'_, true>) -> Option<Box<dyn Group>> {
+    fn by_area(
+        &mut self,
+        section: &SolidSection,
+        material: &Material,
+        make: Make<'_, true>,
+    ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
         let refusal = if material.eos.is_some() || material.neo_hooke.is_some() {
             Some("WEIGHTING=AREA needs *ELASTIC")
@@ -292,7 +300,8 @@ impl Compiler<'_> {
                 Plastic::Kinematic(_) => "linear kinematic",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-            let heat = if self.adiabatic() && heating(material, 1.0) > 0.0 { ", heated by plastic work" } else { "" };
+            let heat =
+                if self.adiabatic() && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
         self.control_rows(section, count, constants);
@@ -383,13 +392,8 @@ impl Compiler<'_> {
         })
     }
 
-    fn yield_stress(
-        &mut self,
-        plastic: &Plastic,
-        rate: Option<&RateDependence>,
-        span: Span,
-    ) -> Option<Box<dyn YieldStress>> {
-        let factor = rate_factor(rate);
+    fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<Box<dyn YieldStress>> {
+        let factor = rate_factor(material.rate.as_ref());
         match plastic {
             // It has a law of its own.
             Plastic::Kinematic(_) => None,
@@ -398,7 +402,7 @@ impl Compiler<'_> {
                 Some(with_rate(law, factor))
             }
             Plastic::Tabular(rows) => {
-                let tables = match tables(rows) {
+                let mut tables = match tables(rows) {
                     Ok(tables) => tables,
                     Err(message) => {
                         let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
@@ -406,10 +410,11 @@ impl Compiler<'_> {
                         return None;
                     }
                 };
+                tables.iter_mut().for_each(|(_, table)| extrapolate(&mut table.rows, material));
                 if tables.len() > 1 {
                     return Some(with_rate(TableOverTemperature { tables }, factor));
                 }
-                Some(with_rate(Table { rows: rows.iter().map(|r| [r[0], r[1]]).collect() }, factor))
+                tables.pop().map(|(_, table)| with_rate(table, factor))
             }
         }
     }
@@ -418,13 +423,16 @@ impl Compiler<'_> {
 fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
     match rate? {
         RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
-        RateDependence::PowerLaw(rows) => rows.first().map(|[d, n]| RateFactor::PowerLaw { d: *d, n: *n }),
-        RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(Table { rows: rows.clone() })),
+        RateDependence::PowerLaw(rows) => {
+            let over = |i: usize| Table { rows: rows.iter().map(|r| [r[i], r[2]]).collect() };
+            Some(RateFactor::PowerLaw { d: over(0), n: over(1) })
+        }
+        RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(TableOverTemperature { tables: blocks(rows) })),
     }
 }
 
 /// Kinematic hardening by lines of yield stress, slope and temperature.
-fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: f64) -> Moving {
+fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: Heating) -> Moving {
     let size = |line: &[f64; 3]| (line[2], Table { rows: vec![[line[0], 0.0]] });
     let slope = Table { rows: lines.iter().map(|l| [l[1], l[2]]).collect() };
     let size = with_rate(TableOverTemperature { tables: lines.iter().map(size).collect() }, rate_factor(rate));
@@ -443,13 +451,9 @@ fn tables(rows: &[[f64; 3]]) -> Result<Vec<(f64, Table)>, &'static str> {
     if rows.iter().any(|r| r[2].is_nan()) && !rows.iter().all(|r| r[2].is_nan()) {
         return Err("either all rows of a table have a temperature, or none");
     }
-    let mut tables: Vec<(f64, Table)> = Vec::new();
-    for [stress, strain, temperature] in rows {
-        match tables.last_mut() {
-            Some((last, table)) if *last == *temperature || temperature.is_nan() => table.rows.push([*stress, *strain]),
-            Some((last, _)) if *last > *temperature => return Err("temperatures must ascend"),
-            _ => tables.push((*temperature, Table { rows: vec![[*stress, *strain]] })),
-        }
+    let tables = blocks(rows);
+    if tables.windows(2).any(|w| w[0].0 > w[1].0) {
+        return Err("temperatures must ascend");
     }
     let starts = |t: &Table| t.rows.first().is_some_and(|r| r[1] == 0.0);
     let ascends = |t: &Table| t.rows.windows(2).all(|w| w[1][1] > w[0][1]);
@@ -459,10 +463,42 @@ fn tables(rows: &[[f64; 3]]) -> Result<Vec<(f64, Table)>, &'static str> {
     Ok(tables)
 }
 
-/// Rise of temperature for plastic work a volume; 0 where a card for it is missing.
-fn heating(material: &Material, density: f64) -> f64 {
-    match (material.inelastic_heat_fraction, material.specific_heat) {
-        (Some(fraction), Some(heat)) => fraction / (density * heat),
-        _ => 0.0,
+/// Rows of a value, its abscissa and a temperature (not a number if absent) as a table at each temperature that follows.
+fn blocks(rows: &[[f64; 3]]) -> Vec<(f64, Table)> {
+    let mut tables: Vec<(f64, Table)> = Vec::new();
+    for [value, at, temperature] in rows {
+        match tables.last_mut() {
+            Some((last, table)) if *last == *temperature || temperature.is_nan() => table.rows.push([*value, *at]),
+            _ => tables.push((*temperature, Table { rows: vec![[*value, *at]] })),
+        }
+    }
+    tables
+}
+
+/// Plastic strain up to which a yield stress is extrapolated: more than any body survives.
+const FAR: f64 = 1e3;
+
+/// `EXTRAPOLATION=LINEAR`: the slope of the last two rows goes on; where it falls, down to no stress.
+fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &Material) {
+    let [.., before, last] = rows[..] else { return };
+    if !material.extrapolates {
+        return;
+    }
+    let slope = (last[0] - before[0]) / (last[1] - before[1]);
+    if slope < 0.0 {
+        rows.push([0.0, last[1] - last[0] / slope]);
+    } else {
+        rows.push([last[0] + slope * FAR, last[1] + FAR]);
+    }
+}
+
+/// Rise of temperature by plastic work; none where a card for it is missing.
+fn heating(material: &Material, density: f64) -> Heating {
+    match (material.inelastic_heat_fraction, material.specific_heat.as_deref()) {
+        (Some(fraction), Some(&[[heat, _]])) if fraction != 0.0 => Heating::Constant(fraction / (density * heat)),
+        (Some(fraction), Some(rows)) if fraction != 0.0 => {
+            Heating::Over { heat: fraction / density, capacity: Table { rows: rows.to_vec() } }
+        }
+        _ => Heating::None,
     }
 }

@@ -8,21 +8,19 @@ use crate::constraint::tie::Tie;
 
 impl Compiler<'_> {
     /// Ties of shared nodes; the mass that elements put on them goes over to the bodies.
-    pub(super) fn ties(&mut self, mass: &mut [f64]) -> Vec<Tie> {
+    pub(super) fn tie(&mut self, mass: &mut [f64]) {
         let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (node, &body) in &self.places.tied {
             by_body.entry(body).or_default().push(self.places.nodes[node]);
         }
-        let mut ties = Vec::with_capacity(by_body.len());
         for (body, mut nodes) in by_body {
             nodes.sort_unstable();
             let tied: f64 = nodes.iter().map(|&n| mass[n]).sum();
             nodes.iter().for_each(|&n| mass[n] = 0.0);
             self.bodies[body].tied_mass += tied;
             let detail = format!("shared with deformable elements, whose mass there, {tied}, the body carries");
-            self.cause(self.bodies[body].span, "tied nodes", nodes.len(), "nodes", detail);
-            ties.push(Tie { body, nodes });
+            let id = self.cause(self.bodies[body].span, "tied nodes", nodes.len(), "nodes", detail);
+            self.ties.push(Tie { id, body, nodes });
         }
-        ties
     }
 }

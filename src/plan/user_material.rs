@@ -6,7 +6,7 @@ use super::solid::add_masses;
 use super::solid_material::Moduli;
 use crate::deck::Diagnostic;
 use crate::element::constants::Constants;
-use crate::element::group::Group;
+use crate::element::group::ElementGroup;
 use crate::element::user_quads::{Description, UserQuads};
 use crate::model::{Hourglass, Material, SolidSection, StateVariables};
 use crate::state::nodes::Node;
@@ -23,13 +23,13 @@ impl Compiler<'_> {
         corners: &[[u32; 4]],
         nodes: &[Node],
         mass: &mut [f64],
-    ) -> Option<Box<dyn Group>> {
+    ) -> Option<Box<dyn ElementGroup>> {
         let density = self.user_density(section, material)?;
-        let Some(routine) = self.routines.material.clone() else {
+        if self.routines.material.is_none() {
             let asks = format!("the material `{}` is the user's (*USER MATERIAL)", material.name);
             self.no_routine(section.span, "section", &asks, "vumat");
             return None;
-        };
+        }
         add_masses(corners, nodes, density, mass);
         // Fractions of a shear modulus that the routine's first call tells.
         let unit = Moduli { bulk: 1.0, shear: 1.0, ratio: 0.0 };
@@ -43,13 +43,8 @@ impl Compiler<'_> {
         let detail = format!("vumat: {} constants, {count} state variables", properties.len());
         self.cause(section.span, "user material", elements.len(), "points", detail);
         self.control_rows(section, elements.len(), &constants);
-        let description = Description {
-            name: material.name.clone(),
-            properties: properties.to_vec(),
-            variables: count,
-            delete,
-            routine,
-        };
+        let description =
+            Description { name: material.name.clone(), properties: properties.to_vec(), variables: count, delete };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect();
         Some(Box::new(UserQuads::new(description, constants, density, corners, nodes, names)))
     }

@@ -1,25 +1,32 @@
 //! `*CONTACT PAIR` of what deforms with analytical planes.
 //! Never here: the contact itself.
 
-use super::Compiler;
+use std::collections::HashSet;
+
+use super::{Compiler, State};
+use crate::constraint::Constraint;
 use crate::constraint::wall::Wall;
 use crate::deck::Diagnostic;
-use crate::element::body::{Given, Solid};
 use crate::model::{Contact, Plane, Step};
 
 impl Compiler<'_> {
     /// The planes of a step with the nodes that may meet them.
-    pub(super) fn walls(&mut self, step: &Step, solid: Option<&Solid>, given: &[Given]) -> Vec<Wall> {
-        let mut walls = Vec::new();
+    pub(super) fn walls(
+        &mut self,
+        step: &Step,
+        state: &State,
+        prescribed: &HashSet<(usize, usize)>,
+    ) -> Vec<Box<dyn Constraint>> {
+        let mut walls: Vec<Box<dyn Constraint>> = Vec::new();
         for contact in &step.contacts {
-            match self.wall(step, contact, solid, given) {
-                Ok(wall) => {
+            match self.wall(step, contact, state, prescribed) {
+                Ok(mut wall) => {
                     let friction =
                         if wall.friction > 0.0 { format!(", friction {}", wall.friction) } else { String::new() };
                     let detail =
                         format!("{} on {}, z = {}, kinematic{friction}", contact.set, contact.plane, wall.height);
-                    self.cause(contact.span, "contact with a plane", wall.nodes.len(), "nodes", detail);
-                    walls.push(wall);
+                    wall.id = self.cause(contact.span, "contact with a plane", wall.nodes.len(), "nodes", detail);
+                    walls.push(Box::new(wall));
                 }
                 Err(why) => {
                     let finding = Diagnostic::error("P021", why).at(contact.span, "this pair");
@@ -30,10 +37,15 @@ impl Compiler<'_> {
         walls
     }
 
-    fn wall(&self, step: &Step, contact: &Contact, solid: Option<&Solid>, given: &[Given]) -> Result<Wall, String> {
+    fn wall(
+        &self,
+        step: &Step,
+        contact: &Contact,
+        state: &State,
+        prescribed: &HashSet<(usize, usize)>,
+    ) -> Result<Wall, String> {
         let plane: &Plane = &self.model.planes[&contact.plane];
         let nothing = "no node of this surface deforms";
-        let solid = solid.ok_or(nothing)?;
         let reference =
             plane.reference.ok_or("the analytical surface belongs to no *RIGID BODY, ANALYTICAL SURFACE=")?;
         let body = *self.body_of_node.get(&reference).ok_or("the plane's rigid body is missing")?;
@@ -50,12 +62,12 @@ impl Compiler<'_> {
             if self.model.equations.iter().any(|e| e.terms.iter().any(|t| t.0 == node)) {
                 return Err(format!("node {name} is in contact and in an *EQUATION"));
             }
-            let is_given = |axis: usize| given.iter().any(|g| (g.node, g.axis) == (place, axis));
+            let is_given = |axis: usize| prescribed.contains(&(place, axis));
             if !is_given(1) {
                 nodes.push((place, !is_given(0)));
             }
         }
-        let gaps = nodes.iter().map(|n| solid.start[n.0][1] - plane.height);
+        let gaps = nodes.iter().map(|n| state.dofs.nodes.start[n.0][1] - plane.height);
         let (low, high) = gaps.fold((0.0_f64, 0.0_f64), |(low, high), gap| (low.min(gap), high.max(gap)));
         let reach = [plane.from.min(plane.to), plane.from.max(plane.to)];
         let rounding = 1e-9 * plane.height.abs().max(reach[1] - reach[0]);
@@ -69,6 +81,6 @@ impl Compiler<'_> {
         if nodes.is_empty() {
             return Err(nothing.into());
         }
-        Ok(Wall { body, height: plane.height, reach, side, friction: contact.friction, nodes, force: 0.0 })
+        Ok(Wall { id: 0, body, height: plane.height, reach, side, friction: contact.friction, nodes, force: 0.0 })
     }
 }

@@ -9,7 +9,9 @@ use serde_json::Value;
 
 use super::data::{Field, Meridian};
 use super::mesh::{Drawn, bounds, drawn};
+use crate::kernel::stress::mises;
 use crate::model::mesh_file::{self, MeshFile};
+use crate::output::variables::Variable;
 
 /// The most frames of a page.
 pub const FRAMES: usize = 60;
@@ -95,16 +97,10 @@ fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, V
         return vec![(format!("|{name}|"), magnitude), (first, component(0)), (second, component(1))];
     }
     let mut scalars: Vec<_> = names.into_iter().enumerate().map(|(i, n)| (n, component(i))).collect();
-    if name == "S" && parts == 4 {
-        scalars.insert(0, ("S_MISES".into(), values.chunks_exact(4).map(mises).collect()));
+    if name == Variable::Stress.name() && parts == 4 {
+        scalars.insert(0, ("S_MISES".into(), values.as_chunks().0.iter().copied().map(mises).collect()));
     }
     scalars
-}
-
-/// sqrt(3/2 s:s) of rr, zz, hoop, rz.
-fn mises(stress: &[f64]) -> f64 {
-    let [a, b, c] = [stress[0] - stress[1], stress[1] - stress[2], stress[2] - stress[0]];
-    (0.5 * (a * a + b * b + c * c) + 3.0 * stress[3] * stress[3]).sqrt()
 }
 
 /// Names of the components as the file has them, else numbers.
@@ -249,7 +245,11 @@ fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &Drawn) {
 /// A field that has a value at all.
 fn field(name: &str, on_cells: bool, frames: &[Vec<f64>]) -> Option<Field> {
     let finite = || frames.iter().flatten().copied().filter(|v| v.is_finite());
-    let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    let (mut low, mut high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    if name == Variable::Status.name() && low <= high {
+        // The page leaves out what is below the middle, also where all elements are alike.
+        (low, high) = (0.0, 1.0);
+    }
     let values = base64(frames.iter().flatten().map(|v| scale(*v, low, high)));
     (low <= high).then(|| Field { name: name.to_owned(), on_cells, low, high, values })
 }

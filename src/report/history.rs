@@ -7,6 +7,8 @@ use std::path::Path;
 
 use indexmap::IndexMap;
 
+use crate::output::variables::{Part, Place};
+
 use super::data::{Chart, Column, Series};
 use super::shorten;
 
@@ -101,7 +103,7 @@ pub fn choose(names: &[String], summary: &[Column]) -> Choice {
 /// The variable of a column; all energies are one group.
 fn group(name: &str) -> String {
     let variable = name.split('@').next().unwrap_or(name);
-    let energy = !name.contains('@') && (variable.starts_with("ALL") || variable == "ETOTAL");
+    let energy = !name.contains('@') && Part::parse(variable).is_some_and(|p| p.variable.place() == Place::Energy);
     if energy { "Energy".into() } else { variable.to_owned() }
 }
 

@@ -4,7 +4,8 @@
 use sha2::{Digest as _, Sha256};
 
 use super::Run;
-use crate::element::group::Group;
+use crate::element::group::ElementGroup;
+use crate::output::variables::{Part, Variable};
 
 /// Takes numbers in by their bits.
 struct Bits(Sha256);
@@ -20,13 +21,15 @@ impl Bits {
         self.add(value.as_slice());
     }
 
-    fn element(&mut self, group: &dyn Group, e: usize) {
-        self.add(&group.stress(e));
-        self.add(&[group.mass(e)]);
-        for value in [group.plastic_strain(e), group.temperature(e), group.energy(e), group.status(e)] {
-            self.add_if(value);
+    fn element(&mut self, group: &dyn ElementGroup, e: usize) {
+        for part in Variable::Stress.parts().chain(Variable::Mass.parts()) {
+            self.add(group.value(e, part).as_slice());
         }
-        let mut kept = (0..).map_while(|variable| group.state_variable(e, variable));
+        for variable in [Variable::PlasticStrain, Variable::Temperature, Variable::SpecificEnergy, Variable::Status] {
+            self.add_if(group.value(e, variable.into()));
+        }
+        let state = |component| Part { variable: Variable::State, component };
+        let mut kept = (0..).map_while(|i| group.value(e, state(i)));
         kept.by_ref().for_each(|value| self.add(&[value]));
     }
 }
@@ -37,15 +40,13 @@ impl Run<'_> {
         let mut bits = Bits(Sha256::new());
         bits.0.update(self.now.increment.to_le_bytes());
         bits.add(&[self.now.step_time, self.now.total_time]);
-        for body in &self.bodies {
+        for body in &self.dofs.bodies {
             bits.add(&[body.displacement, body.velocity, body.acceleration]);
         }
-        if let Some(solid) = &self.solid {
-            solid.nodes.iter().for_each(|n| bits.add(&n.as_array()));
-            solid.acceleration.iter().for_each(|a| bits.add(a));
-            for group in &solid.groups {
-                (0..group.len()).for_each(|e| bits.element(&**group, e));
-            }
+        self.dofs.nodes.as_slice().iter().for_each(|n| bits.add(&n.as_array()));
+        self.dofs.nodes.acceleration.iter().for_each(|a| bits.add(a));
+        for group in &self.elements.groups {
+            (0..group.len()).for_each(|e| bits.element(&**group, e));
         }
         let e = self.balance.energy();
         bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);

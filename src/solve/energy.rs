@@ -3,12 +3,12 @@
 
 use serde::Serialize;
 
-use crate::constraint::motion::Motion;
-use crate::element::body::Energies;
 use crate::load::Account;
 use crate::load::Slot;
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::energies::Energies;
 
 /// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -128,16 +128,6 @@ impl Balance {
         }
     }
 
-    /// Books what deforms, after the bodies: what it passes on to them stays in the scene.
-    pub fn book_solid(&mut self, solid: &Energies) {
-        self.solid = *solid;
-        let dissipated = solid.viscous + solid.contact + solid.friction + solid.cavity + solid.distortion;
-        let sum = solid.kinetic + solid.internal + solid.artificial + dissipated + self.tied - solid.external;
-        let initial = *self.solid_initial.get_or_insert(sum);
-        self.largest = self.largest.max(solid.kinetic).max(solid.internal).max(solid.external.abs());
-        self.departure = larger(self.departure, (sum - initial).abs());
-    }
-
     /// Whether the sums are finite numbers.
     pub fn is_finite(&self) -> bool {
         self.departure.is_finite()
@@ -154,8 +144,8 @@ impl Balance {
         if internal > small * self.largest { artificial / internal } else { 0.0 }
     }
 
-    /// A new step with its forces and prescribed motions.
-    pub fn begin(&mut self, slots: &[Slot], motions: &[Motion]) {
+    /// A new step with its forces, in which the motions of some bodies are prescribed.
+    pub fn begin(&mut self, slots: &[Slot], bodies: &[BodyState]) {
         self.settle();
         let entry = |s: &Slot| {
             let is = |account| if s.account == account { 1.0 } else { 0.0 };
@@ -163,12 +153,14 @@ impl Balance {
             Entry { body: s.body, account: s.account, external, tied, force: 0.0, last: 0.0, work: 0.0 }
         };
         self.entries = slots.iter().map(entry).collect();
-        self.prescribed = motions.iter().map(|m| Prescribed { body: m.body, kinetic: f64::NAN }).collect();
+        let prescribed = (0..bodies.len()).filter(|&b| bodies[b].prescribed);
+        self.prescribed = prescribed.map(|body| Prescribed { body, kinetic: f64::NAN }).collect();
     }
 
     /// Books the increment that led to this instant. After one that ended in a jump (`afresh`) the forces behind it count.
     #[inline]
-    pub fn book(&mut self, bodies: &[BodyState], forces: &[f64], afresh: bool) {
+    pub fn book(&mut self, dofs: &Dofs, forces: &[f64], afresh: bool, deforms: bool) {
+        let bodies = &dofs.bodies;
         let (mut done, mut external, mut tied) = (self.done, self.external, self.tied);
         for (entry, &force) in self.entries.iter_mut().zip(forces) {
             let body = &bodies[entry.body];
@@ -192,10 +184,23 @@ impl Balance {
             external += reaction;
         }
         let kinetic: f64 = bodies.iter().map(BodyState::kinetic).sum();
-        let departure = (kinetic - self.settled.initial - done).abs();
         self.largest = self.largest.max(kinetic).max(external.abs());
-        self.departure = larger(self.departure, departure);
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
+        let mut departure = kinetic - self.settled.initial - done;
+        if deforms {
+            departure += self.book_nodes(&dofs.energies);
+        }
+        self.departure = larger(self.departure, departure.abs());
+    }
+
+    /// Books what deforms, after the bodies: what it passes on to them stays in the scene. Returns by how much its sum has
+    /// departed from that at the start.
+    fn book_nodes(&mut self, energies: &Energies) -> f64 {
+        self.solid = *energies;
+        let sum = energies.sum() + self.tied - energies.external;
+        let initial = *self.solid_initial.get_or_insert(sum);
+        self.largest = self.largest.max(energies.kinetic).max(energies.internal).max(energies.external.abs());
+        sum - initial
     }
 
     /// Closes the accounts of the step before.

@@ -3,9 +3,6 @@
 //! Never here: how energies are booked, how an increment is chosen.
 
 use super::Run;
-use crate::element::body::Solid;
-use crate::plan::StepPlan;
-use crate::state::Instant;
 use crate::state::halt::Halt;
 
 /// The smallest stable increment over the length of the step: below it the step would take more than ten thousand million
@@ -26,12 +23,12 @@ impl Run<'_> {
     /// # Errors
     /// Where they are not finite, or pass a limit that halts.
     #[inline(always)]
-    pub(super) fn guard_energy(&mut self, step: &StepPlan) -> Result<(), Halt> {
-        if self.balance.is_finite() && step.energy_limit.is_none() { Ok(()) } else { self.look_at_energy(step) }
+    pub(super) fn guard_energy(&mut self) -> Result<(), Halt> {
+        if self.balance.is_finite() && self.step.energy_limit.is_none() { Ok(()) } else { self.look_at_energy() }
     }
 
     #[inline(never)]
-    fn look_at_energy(&mut self, step: &StepPlan) -> Result<(), Halt> {
+    fn look_at_energy(&mut self) -> Result<(), Halt> {
         if !self.balance.is_finite() {
             let reason = format!(
                 "the energy of the scene is no finite number at increment {}, time {:e}",
@@ -39,7 +36,7 @@ impl Run<'_> {
             );
             return Err(Halt { code: "R203", reason });
         }
-        let Some(limit) = &step.energy_limit else { return Ok(()) };
+        let Some(limit) = &self.step.energy_limit else { return Ok(()) };
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
         let Some((which, value, allowed)) = passed(values, [limit.error, limit.artificial], self.warned) else {
             return Ok(());
@@ -62,23 +59,25 @@ impl Run<'_> {
     /// # Errors
     /// If one of them has collapsed so far that it would not.
     #[inline(always)]
-    pub(super) fn guard_increment(&self, step: &StepPlan) -> Result<(), Halt> {
-        match &self.solid {
-            Some(solid) if solid.stable_increment() < FLOOR * step.duration => Err(collapsed(solid, &self.now)),
-            _ => Ok(()),
+    pub(super) fn guard_increment(&self) -> Result<(), Halt> {
+        if !self.elements.is_empty() && self.elements.stable_increment() < FLOOR * self.step.duration {
+            return Err(self.crawls());
         }
+        Ok(())
     }
-}
 
-#[cold]
-fn collapsed(solid: &Solid, now: &Instant) -> Halt {
-    let (stable, (group, element)) = (solid.stable_increment(), solid.limiting());
-    let reason = format!(
-        "element {} has collapsed: at increment {}, time {:e} its stable increment is {stable:e}, with which the step \
-         would need more than 1e10 increments",
-        solid.element_names[group][element], now.increment, now.total_time
-    );
-    Halt { code: "R209", reason }
+    #[cold]
+    fn crawls(&self) -> Halt {
+        let (stable, (group, element)) = (self.elements.stable_increment(), self.elements.limiting());
+        let reason = format!(
+            "element {} has collapsed: at increment {}, time {:e} its stable increment is {stable:e}, with which the step \
+             would need more than 1e10 increments",
+            self.plan.element_name(group, element),
+            self.now.increment,
+            self.now.total_time
+        );
+        Halt { code: "R209", reason }
+    }
 }
 
 #[cfg(test)]

@@ -2,11 +2,13 @@
 //! Never here: forces, the motion itself.
 
 use super::Run;
+use crate::load::View;
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
+use crate::state::magnitude::Clock;
 use crate::state::{BodyState, Instant};
 
 /// What an increment ends in.
@@ -78,9 +80,9 @@ const SLIVER: f64 = 1e-3;
 #[derive(Debug)]
 pub struct Pace {
     fixed: Option<f64>,
-    /// Largest increment that the deck allows, time.
-    allowed: f64,
     factor: f64,
+    /// The longest increment that the deck allows.
+    most: f64,
     resolution: f64,
     largest: f64,
     free: f64,
@@ -91,15 +93,15 @@ pub struct Pace {
 impl Pace {
     /// The pace of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
-        let (fixed, accuracy, allowed) = match step.control {
-            IncrementControl::Fixed(length) => (Some(length), 1.0, length),
+        let (fixed, accuracy, most) = match step.control {
+            IncrementControl::Fixed(length) => (Some(length), 1.0, f64::INFINITY),
             IncrementControl::Automatic { accuracy, largest, .. } => (None, accuracy, largest),
         };
         let largest = accuracy.sqrt() * step.duration;
         Pace {
             fixed,
-            allowed,
             factor: step.scale_factor,
+            most,
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
@@ -109,35 +111,33 @@ impl Pace {
 
     /// The next increment.
     #[inline]
-    pub fn choose(&mut self, run: &Run<'_>, step: &StepPlan) -> Increment {
+    pub fn choose(&mut self, run: &Run<'_>) -> Increment {
         let mut next = Increment { length: f64::INFINITY, end: End::Plain };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
-                if run.bodies.iter().any(|b| !b.tied) {
+                if run.dofs.bodies.iter().any(|b| !b.tied) {
                     next.length = self.automatic(run) * self.factor;
                 }
-                if let Some(solid) = &run.solid {
-                    next.length = next.length.min(solid.stable_increment() * self.factor);
+                if !run.elements.is_empty() {
+                    next.length = next.length.min(run.elements.stable_increment() * self.factor);
                 }
-                next.length = next.length.min(self.allowed);
-                for force in &step.forces {
-                    next.shorten(force.limit(&run.now, &run.bodies));
-                }
-                for motion in &step.motions {
-                    next.shorten(motion.magnitude.limit(&run.now));
-                }
+                next.length = next.length.min(self.most);
+                let clock = Clock { now: run.now, told: &run.told };
+                let view = View { clock, dofs: &run.dofs, reach: run.reach };
+                run.loads.iter().for_each(|load| next.shorten(load.limit(&view)));
+                run.constraints.iter().for_each(|c| next.shorten(c.limit(&clock)));
             }
         }
-        self.fit_step(&mut next, step.duration - run.now.step_time);
-        meet_rest(&mut next, &run.bodies);
+        self.fit_step(&mut next, run.step.duration - run.now.step_time);
+        meet_rest(&mut next, &run.dofs.bodies);
         next
     }
 
     /// From the error estimate: neither velocity nor acceleration may change much over an increment.
     fn automatic(&mut self, run: &Run<'_>) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
-        for (body, speed) in run.bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
+        for (body, speed) in run.dofs.bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
             *speed = speed.max(body.velocity.abs());
             let acceleration = body.acceleration.abs();
             let scale = speed.max(acceleration * self.largest);
@@ -185,7 +185,7 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
 
 impl Persist for Pace {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Pace { fixed: _, allowed: _, factor: _, resolution: _, largest: _, free, speed } = self;
+        let Pace { fixed: _, factor: _, most: _, resolution: _, largest: _, free, speed } = self;
         persist_fields!(archive; free, speed.as_mut_slice());
     }
 }

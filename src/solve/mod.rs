@@ -1,35 +1,45 @@
 //! The time loop: central differences, one increment as a numbered recipe.
 //! Never here: deck words, files.
 
+mod central_difference;
 mod digest;
 mod energy;
+mod frames;
 mod guard;
 mod increment;
 mod observe;
 mod restart;
 mod routines;
+mod timing;
 
 use std::time::Instant as Stopwatch;
 
 use serde::Serialize;
 
-use crate::element::body::Solid;
+use crate::constraint::Constraint;
+use crate::constraint::user_motion::UserMotion;
+use crate::element::elements::{Collapsed, Elements};
+use crate::element::mass_scaling::Scaling;
 use crate::element::volume_guard::STARTING;
-use crate::load::Account;
-use crate::load::Asking;
-use crate::load::Slot;
+use crate::kernel::amplitude::Track;
+use crate::load::user_amplitude::UserAmplitude;
+use crate::load::{Account, Behind, Load, Slot, VelocityUse, View};
 use crate::model::{IncrementControl, LoadVelocity};
-use crate::plan::{Plan, StepPlan};
+use crate::plan::{Plan, State, StepPlan};
+use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
+use crate::state::magnitude::Clock;
 use crate::state::{Before, BodyState, Instant, direction};
-use crate::user::Wish;
+use crate::user::{Locked, Wish};
 use energy::Balance;
 pub use energy::Energy;
+pub use frames::node_value;
 use increment::{End, Increment, Pace};
 use observe::Observing;
-pub use observe::{Sink, element_value};
+pub use observe::Sink;
 use restart::{At, Keeping};
 pub use restart::{Control, Every};
+use timing::Timing;
 
 /// How a run ended and what it cost.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -56,7 +66,7 @@ pub struct Outcome {
     /// SHA-256 over the bits of the state at the end, hexadecimal: the same on any machine, number of threads and
     /// instruction set.
     pub digest: String,
-    /// Seconds sampled in each effect, by its row of the ledger.
+    /// Seconds of each effect, by its row of the ledger: they add up to those of the time loop.
     #[serde(skip)]
     pub effect_seconds: Vec<f64>,
 }
@@ -96,36 +106,39 @@ pub struct Rest {
     pub displacement: f64,
 }
 
-/// One force in how many increments is timed: often enough for a share, too seldom to be felt.
-const TIMED_EVERY: u64 = 64;
-
-/// Runs a plan from its start to its end, showing every due instant to `sink`.
-pub fn run(plan: &mut Plan, sink: &mut dyn Sink) -> Outcome {
+/// Runs a plan from a state at its start to its end, showing every due instant to `sink`.
+pub fn run(plan: &Plan, state: State, sink: &mut dyn Sink) -> (Outcome, State) {
     // Without a state to go on from there is none that could be refused.
-    run_with(plan, sink, Control::default()).unwrap_or_default()
+    run_with(plan, state, sink, Control::default()).unwrap_or_default()
 }
 
-/// The same, keeping the state now and then, from the start or from a state that was kept.
+/// The same, keeping the state now and then, from the start or from a state that was kept. Threads are those of the pool in
+/// which it is called.
 ///
 /// # Errors
-/// Why a state is not one of this plan. The plan must then not be run.
-pub fn run_with(plan: &mut Plan, sink: &mut dyn Sink, control: Control<'_>) -> Result<Outcome, String> {
+/// Why a state is not one of this plan.
+pub fn run_with(
+    plan: &Plan,
+    state: State,
+    sink: &mut dyn Sink,
+    control: Control<'_>,
+) -> Result<(Outcome, State), String> {
     let begin = Stopwatch::now();
-    let mut steps = std::mem::take(&mut plan.steps);
-    let asking = std::mem::take(&mut plan.asking);
-    let solid = plan.solid.take();
-    let mut run = Run::new(plan, steps.len(), asking, solid);
+    if plan.steps.is_empty() {
+        return Ok((Outcome::default(), state));
+    }
+    let mut run = Run::new(plan, state);
     let mut observing = Observing::new(plan);
     let (mut first, mut pace) = (0, None);
     if let Some(state) = control.state {
-        let (index, taken_up) = run.take_up(&mut steps, &mut observing, state)?;
+        let (index, taken_up) = run.take_up(&mut observing, state)?;
         (first, pace) = (index, Some(taken_up));
     }
-    let mut keeping = Keeping::new(control, run.solid.is_some() && sink.wants_frames() && !plan.asks_user);
-    for step in steps.iter_mut().skip(first) {
-        if let Err(halt) = run.step(step, pace.take(), &mut observing, &mut keeping, sink) {
+    let mut keeping = Keeping::new(control, !run.elements.is_empty() && sink.wants_frames() && !plan.routines.any());
+    for index in first..plan.steps.len() {
+        if let Err(halt) = run.step(index, pace.take(), &mut observing, &mut keeping, sink) {
             run.step_back();
-            let written = observing.last(&run, step, sink);
+            let written = observing.last(&run, sink);
             run.outcome.halt = Some(written.err().unwrap_or(halt));
             break;
         }
@@ -135,67 +148,83 @@ pub fn run_with(plan: &mut Plan, sink: &mut dyn Sink, control: Control<'_>) -> R
         }
     }
     run.outcome.digest = run.digest();
-    let Run { mut outcome, balance, asking, solid, .. } = run;
+    let Run { mut outcome, balance, dofs, elements, constraints, timing, .. } = run;
     outcome.energy = balance.energy();
     outcome.seconds = begin.elapsed().as_secs_f64();
-    plan.steps = steps;
-    plan.asking = asking;
-    plan.solid = solid;
-    Ok(outcome)
+    outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
+    Ok((outcome, State { dofs, elements, constraints }))
 }
 
 /// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
 #[repr(align(64))]
 struct Run<'a> {
     plan: &'a Plan,
-    /// How many steps there are.
-    steps: usize,
-    bodies: Vec<BodyState>,
+    /// The step.
+    step: &'a StepPlan,
+    /// All that moves.
+    dofs: Dofs,
+    elements: Elements,
     now: Instant,
-    /// Generalised forces of all effects of the step, one slot after the other, and where each effect's slots end.
+    /// Loads of the step; those that resist come last.
+    loads: Vec<Box<dyn Load>>,
+    constraints: Vec<Box<dyn Constraint>>,
+    scaling: Option<Scaling>,
+    /// Functions of time that the user's routines tell, and what asks for them.
+    told: Vec<Track>,
+    amplitudes: Vec<UserAmplitude>,
+    motions: Vec<UserMotion>,
+    /// The user's routines.
+    user: Locked<'a>,
+    /// Generalised forces on bodies, one slot after the other: those of constraints, then of loads; and where each load's end.
     forces: Vec<f64>,
     slots: Vec<Slot>,
     /// Indices of the slots in order of their bodies.
     slots_by_body: Vec<usize>,
     ends: Vec<usize>,
-    /// Index of the first force that resists; such forces come last.
+    /// Index of the first load that resists; such loads come last.
     resistances: usize,
     /// The first slots are those of tied nodes.
     ties: usize,
     now_before: Instant,
     /// Part of the increment behind over which loads see the velocity carried on: half of it, or none.
     reach: f64,
-    /// Length of the increment behind; 0 where central differences start afresh with the half step.
+    /// Length of the increment behind; 0 where central differences of bodies start afresh with the half step.
     behind: f64,
     /// The increment that led here, for the energy balance and for output.
     last_increment: f64,
     /// Whether the instant is complete: forces, motion and energies belong to it.
     complete: bool,
-    /// What the user's routines are asked once an increment, in every step.
-    asking: Vec<Box<dyn Asking>>,
-    /// What deforms.
-    solid: Option<Solid>,
     /// What the user's routines want.
     wish: Wish,
     /// Whether they know already that the increment is complete.
-    told: bool,
+    told_complete: bool,
     /// Group and element that limited the smallest increment of the step.
     limiting: Option<(usize, usize)>,
     balance: Balance,
     /// Which limits on energies have been told in this step.
     warned: [bool; 2],
+    /// Whether other threads may take part.
+    threads: bool,
+    /// Room for the kinetic energies of chunks of nodes.
+    kinetic: Vec<f64>,
+    timing: Timing,
     outcome: Outcome,
 }
 
 impl<'a> Run<'a> {
-    fn new(plan: &'a Plan, steps: usize, asking: Vec<Box<dyn Asking>>, solid: Option<Solid>) -> Self {
-        let bodies: Vec<_> = plan.bodies.iter().map(|b| BodyState::new(b.mass(), b.initial_velocity)).collect();
-        let balance = Balance::start(&bodies);
-        let outcome = Outcome { effect_seconds: vec![0.0; plan.ledger.effects.len()], ..Outcome::default() };
+    fn new(plan: &'a Plan, State { dofs, elements, constraints }: State) -> Self {
+        let balance = Balance::start(&dofs.bodies);
         Run {
             plan,
-            steps,
+            step: &plan.steps[0],
             now: Instant::default(),
+            loads: Vec::new(),
+            constraints,
+            scaling: None,
+            told: vec![Track::default(); plan.told],
+            amplitudes: plan.amplitudes.clone(),
+            motions: Vec::new(),
+            user: plan.routines.lock(),
             forces: Vec::new(),
             slots: Vec::new(),
             slots_by_body: Vec::new(),
@@ -203,52 +232,54 @@ impl<'a> Run<'a> {
             resistances: 0,
             ties: 0,
             now_before: Instant::default(),
-            bodies,
             reach: 0.0,
             behind: 0.0,
             last_increment: 0.0,
             complete: false,
-            asking,
-            solid,
             wish: Wish::Continue,
-            told: false,
+            told_complete: false,
             limiting: None,
             warned: [false; 2],
+            threads: rayon::current_num_threads() > 1,
+            kinetic: central_difference::room_for_parts(&dofs.nodes),
+            timing: Timing::new(plan.ledger.effects.len()),
             balance,
-            outcome,
+            outcome: Outcome::default(),
+            dofs,
+            elements,
         }
     }
 
     /// One step, from its beginning or from the pace at which a state was taken up. The recipe of an increment, as in ABAQUS
-    /// Theory Guide 2.4.5 with the half-step start, is what [`Run::arrive`] and [`Run::go`] do in turn.
+    /// Theory Guide 2.4.5 with the half-step start, is what [`Run::evaluate`] and [`Run::advance`] do in turn.
     fn step(
         &mut self,
-        step: &mut StepPlan,
+        index: usize,
         taken_up: Option<Pace>,
         observing: &mut Observing,
         keeping: &mut Keeping<'_>,
         sink: &mut dyn Sink,
     ) -> Result<(), Halt> {
         let goes_on = taken_up.is_some();
-        let mut pace = taken_up.unwrap_or_else(|| self.begin_step(step, observing));
-        keeping.begin(step, &self.now);
-        let end = self.increments(step, &mut pace, goes_on, observing, keeping, sink);
+        let mut pace = taken_up.unwrap_or_else(|| self.begin_step(index, observing));
+        keeping.begin(self.step, &self.now);
+        let end = self.increments(&mut pace, goes_on, observing, keeping, sink);
         if end.is_err() {
-            keeping.way_back(&mut At { run: self, step, observing, pace: &mut pace });
+            keeping.way_back(&mut At { run: self, observing, pace: &mut pace });
         }
         self.name_limiting_element();
         end
     }
 
-    fn begin_step(&mut self, step: &mut StepPlan, observing: &mut Observing) -> Pace {
-        self.begin(step);
-        observing.begin(step, self.now.increment == 0, self.now.increment);
-        Pace::new(step, &self.bodies)
+    fn begin_step(&mut self, index: usize, observing: &mut Observing) -> Pace {
+        self.step = &self.plan.steps[index];
+        self.begin();
+        observing.begin(self.step, self.now.increment == 0, self.now.increment);
+        Pace::new(self.step, &self.dofs.bodies)
     }
 
     fn increments(
         &mut self,
-        step: &mut StepPlan,
         pace: &mut Pace,
         goes_on: bool,
         observing: &mut Observing,
@@ -257,102 +288,74 @@ impl<'a> Run<'a> {
     ) -> Result<(), Halt> {
         if goes_on {
             self.resume_routines()?;
-            self.go(step, pace)?;
+            self.advance(pace)?;
         } else {
-            self.begin_routines(step)?;
+            self.begin_routines()?;
         }
         loop {
-            self.arrive(step, observing, sink)?;
-            if self.is_over(step) {
+            self.evaluate(observing, sink)?;
+            if self.is_over() {
                 return self.end_routines();
             }
-            keeping.look(&mut At { run: self, step, observing, pace }, sink)?;
-            self.go(step, pace)?;
+            keeping.look(&mut At { run: self, observing, pace }, sink)?;
+            self.advance(pace)?;
         }
     }
 
     /// What an instant is made of.
     #[inline]
-    fn arrive(&mut self, step: &mut StepPlan, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
-        self.evaluate_forces(step)?; //           1. forces, resistances last
-        self.accelerate(step)?; //                2. a = F / m; a resistance holds what is at rest
-        self.correct_velocity(step); //           3. velocity at the increment's own time
-        self.book(); //                           4. energy balance
-        self.guard_energy(step)?;
-        observing.show(self, step, sink) //       5. output that is due
+    fn evaluate(&mut self, observing: &mut Observing, sink: &mut dyn Sink) -> Result<(), Halt> {
+        self.timing.resume(self.now.increment);
+        self.evaluate_forces()?; //             1. forces, resistances last
+        self.accelerate()?; //                  2. a = F / m; a resistance holds what is at rest
+        self.correct_velocity(); //             3. velocity at the increment's own time
+        self.book(); //                         4. energy balance
+        self.guard_energy()?;
+        self.timing.pause();
+        observing.show(self, sink) //           5. output that is due
     }
 
     /// From one instant to the next.
     #[inline]
-    fn go(&mut self, step: &mut StepPlan, pace: &mut Pace) -> Result<(), Halt> {
-        self.guard_increment(step)?;
-        let next = pace.choose(self, step); //    6. length of the next increment
+    fn advance(&mut self, pace: &mut Pace) -> Result<(), Halt> {
+        self.timing.resume(self.now.increment);
+        self.guard_increment()?;
+        let next = pace.choose(self); //        6. length of the next increment
         next.check(&self.now, self.now.increment)?;
-        self.ask_routines(step, next)?;
-        self.advance(step, next); //              7. v(i+1/2), u(i+1), and the velocity that loads will see
+        self.call_routines(next)?;
+        self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads will see
         self.record(next.length);
+        self.timing.pause();
         Ok(())
     }
 
     fn name_limiting_element(&mut self) {
-        if let (Some(solid), Some(summary)) = (&self.solid, self.outcome.steps.last_mut()) {
-            summary.global_estimates = solid.estimates();
-        }
-        if let (Some(solid), Some((group, element)), Some(summary)) =
-            (&self.solid, self.limiting.take(), self.outcome.steps.last_mut())
-        {
-            summary.limiting_element = Some(solid.element_names[group][element].clone());
+        let Some(summary) = self.outcome.steps.last_mut() else { return };
+        summary.global_estimates = self.elements.estimates();
+        if let Some((group, element)) = self.limiting.take() {
+            summary.limiting_element = Some(self.plan.element_name(group, element).to_owned());
         }
     }
 
     /// Whether the step is at its end, or a user's routine wants it to be.
-    fn is_over(&self, step: &StepPlan) -> bool {
-        self.now.step_time >= step.duration || self.wish != Wish::Continue
+    fn is_over(&self) -> bool {
+        self.now.step_time >= self.step.duration || self.wish != Wish::Continue
     }
 
-    fn begin(&mut self, step: &mut StepPlan) {
-        self.slots.clear();
-        self.ends.clear();
-        if let Some(solid) = &mut self.solid {
-            self.slots.extend(solid.ties.iter().map(|t| Slot { body: t.body, account: Account::Tie }));
-            if self.now.increment == 0 {
-                solid.follow(&self.bodies, |body| body.velocity);
-            }
-        }
-        self.ties = self.slots.len();
-        for force in &step.forces {
-            self.slots.extend(force.slots());
-            self.ends.push(self.slots.len());
-        }
-        self.resistances = step.forces.iter().filter(|f| !f.resists()).count();
-        self.forces = vec![0.0; self.slots.len()];
-        self.balance.begin(&self.slots, &step.motions);
-        self.slots_by_body = (0..self.slots.len()).collect();
-        self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
-        for (b, body) in self.bodies.iter_mut().enumerate() {
-            (body.reads_velocity, body.prescribed) = (false, false);
-            body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
-            body.slots = self.slots.iter().filter(|s| s.body == b).count();
-        }
-        for slot in step.forces.iter().filter(|f| f.reads_velocity()).flat_map(|f| f.slots()) {
-            self.bodies[slot.body].reads_velocity = true;
-        }
-        for motion in &mut step.motions {
-            let body = &mut self.bodies[motion.body];
-            body.prescribed = true;
-            motion.start = body.displacement;
-        }
+    fn begin(&mut self) {
+        let step = self.step;
+        self.loads.clone_from(&step.loads);
+        self.constraints.clone_from(&step.constraints);
+        self.motions.clone_from(&step.user_motions);
+        self.scaling.clone_from(&step.scaling);
+        self.begin_slots();
         self.reach = match step.load_velocity {
             LoadVelocity::Predicted => 0.5,
             LoadVelocity::Lagged => 0.0,
         };
-        if let Some(solid) = &mut self.solid {
-            solid.walls.clone_from(&step.walls);
-            solid.equations.clone_from(&step.equations);
-            solid.begin(&step.given, step.node_forces.len());
-            let global = matches!(step.control, IncrementControl::Automatic { element_by_element: false, .. });
-            solid.begin_frequency(global, &step.given);
-        }
+        self.begin_constraints();
+        self.balance.begin(&self.slots, &self.dofs.bodies);
+        self.begin_nodes();
         self.warned = [false; 2];
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
@@ -365,88 +368,199 @@ impl<'a> Run<'a> {
         self.outcome.steps.push(summary);
     }
 
-    fn evaluate_forces(&mut self, step: &mut StepPlan) -> Result<(), Halt> {
-        let timed = self.now.increment.is_multiple_of(TIMED_EVERY);
-        self.evaluate_solid(step, timed)?;
-        let mut start = self.ties;
-        for (i, (force, &end)) in step.forces.iter_mut().zip(&self.ends).enumerate() {
-            if i == self.resistances {
-                turn_resting_bodies(&mut self.bodies, &self.slots[..start], &self.forces);
-            }
-            let clock = timed.then(Stopwatch::now);
-            force.evaluate(&self.now, &self.bodies, &mut self.forces[start..end])?;
+    fn begin_slots(&mut self) {
+        self.slots.clear();
+        self.ends.clear();
+        self.slots.extend(self.constraints.iter().flat_map(|c| c.slots()));
+        self.ties = self.slots.len();
+        for load in &self.loads {
+            self.slots.extend(load.slots());
+            self.ends.push(self.slots.len());
+        }
+        self.resistances = self.loads.iter().filter(|l| l.velocity() != VelocityUse::Resists).count();
+        self.forces = vec![0.0; self.slots.len()];
+        self.slots_by_body = (0..self.slots.len()).collect();
+        self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
+        for (b, body) in self.dofs.bodies.iter_mut().enumerate() {
+            (body.reads_velocity, body.prescribed) = (false, false);
+            body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
+            body.slots = self.slots.iter().filter(|s| s.body == b).count();
+        }
+        let reads = |l: &&Box<dyn Load>| l.velocity() != VelocityUse::None;
+        for slot in self.loads.iter().filter(reads).flat_map(|l| l.slots()) {
+            self.dofs.bodies[slot.body].reads_velocity = true;
+        }
+    }
+
+    fn begin_constraints(&mut self) {
+        self.elements.begin(self.constraints.iter().any(|c| c.moves_nodes()));
+        let pushed = self.elements.has_links() || self.loads.iter().any(|l| l.acts_on_nodes());
+        self.dofs.nodes.make_room(pushed);
+        self.constraints.iter_mut().for_each(|c| c.begin(&mut self.dofs));
+    }
+
+    fn begin_nodes(&mut self) {
+        if self.elements.is_empty() {
+            return;
+        }
+        let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
+        let prescribed: Vec<_> = self.constraints.iter().flat_map(|c| c.prescribes()).collect();
+        let carried: Vec<_> = self.constraints.iter().flat_map(|c| c.carries().to_vec()).collect();
+        let held = crate::element::frequency::Held { prescribed: &prescribed, carried: &carried };
+        self.elements.begin_frequency(global, &self.dofs.nodes, &held);
+    }
+
+    fn evaluate_forces(&mut self) -> Result<(), Halt> {
+        if !self.elements.is_empty() {
+            self.evaluate_nodes()?;
+        }
+        self.push_bodies(0, self.resistances)?;
+        if self.resistances < self.loads.len() {
+            let applied = self.resistances.checked_sub(1).map_or(self.ties, |last| self.ends[last]);
+            turn_resting_bodies(&mut self.dofs.bodies, &self.slots[..applied], &self.forces);
+            self.push_bodies(self.resistances, self.loads.len())?;
+        }
+        Ok(())
+    }
+
+    /// Forces of some of the loads on bodies.
+    #[inline]
+    fn push_bodies(&mut self, first: usize, end: usize) -> Result<(), Halt> {
+        let clock = Clock { now: self.now, told: &self.told };
+        let view = View { clock, dofs: &self.dofs, reach: self.reach };
+        let mut start = first.checked_sub(1).map_or(self.ties, |before| self.ends[before]);
+        for (load, &end) in self.loads[first..end].iter_mut().zip(&self.ends[first..end]) {
+            let clock = self.timing.start();
+            load.on_bodies(&view, &mut self.user, &mut self.forces[start..end])?;
+            self.timing.stop(clock, load.id());
             start = end;
-            if let Some(clock) = clock {
-                self.outcome.effect_seconds[force.cause()] += clock.elapsed().as_secs_f64() * TIMED_EVERY as f64;
-            }
         }
         Ok(())
     }
 
-    fn evaluate_solid(&mut self, step: &mut StepPlan, timed: bool) -> Result<(), Halt> {
-        let Some(solid) = &mut self.solid else { return Ok(()) };
-        let clock = timed.then(Stopwatch::now);
-        if let Some(scaling) = &mut step.scaling {
-            let scaled = solid.scale_masses(scaling, &self.now, &mut step.node_forces);
-            if let Some(summary) = self.outcome.steps.last_mut().filter(|_| scaled) {
-                summary.added_mass = solid.added_mass();
-            }
-        }
-        solid.evaluate(&self.now, &mut step.node_forces)?;
-        solid.tie_forces(&mut self.forces);
-        if let Some(clock) = clock {
-            self.outcome.effect_seconds[solid.cause] += clock.elapsed().as_secs_f64() * TIMED_EVERY as f64;
-        }
-        Ok(())
-    }
-
-    fn accelerate(&mut self, step: &StepPlan) -> Result<(), Halt> {
-        let mut finite = true;
+    /// Stresses of elements, forces of loads and links on nodes, and what of them goes to bodies.
+    fn evaluate_nodes(&mut self) -> Result<(), Halt> {
+        self.scale_masses();
+        let user = self.user.material.as_deref_mut();
+        self.elements.update(&mut self.dofs, &self.now, self.threads, user, self.timing.groups());
+        self.dofs.nodes.begin_forces();
+        self.release_faces();
+        self.push_nodes()?;
+        self.elements.link(&mut self.dofs);
+        self.elements.check(&self.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
+        let (elements, nodes) = (&self.elements, &self.dofs.nodes);
+        let force =
+            |n: usize| [0, 1].map(|k| elements.nodal_force(n)[k] + nodes.forces[0].get(n).map_or(0.0, |f| f[k]));
         let mut start = 0;
-        for b in 0..self.bodies.len() {
-            let body = &mut self.bodies[b];
+        for constraint in self.constraints.iter().filter(|c| !c.carries().is_empty()) {
+            constraint.passes_on(&force, &mut self.forces[start..=start]);
+            start += 1;
+        }
+        Ok(())
+    }
+
+    fn scale_masses(&mut self) {
+        let Some(scaling) = &mut self.scaling else { return };
+        let constraints = &mut self.constraints;
+        let changed = &mut |n, gained| constraints.iter_mut().for_each(|c| c.mass_changed(n, gained));
+        if !self.elements.scale_masses(scaling, &self.now, &mut self.dofs, changed) {
+            return;
+        }
+        self.loads.iter_mut().for_each(|load| load.weigh(&self.dofs.nodes.mass));
+        if let Some(summary) = self.outcome.steps.last_mut() {
+            summary.added_mass = self.elements.added_mass(&self.dofs.nodes);
+        }
+    }
+
+    fn release_faces(&mut self) {
+        let gone = self.elements.newly_gone();
+        if !gone.is_empty() {
+            self.loads.iter_mut().for_each(|load| load.release(gone));
+        }
+    }
+
+    fn push_nodes(&mut self) -> Result<(), Halt> {
+        // Out of the way of what loads look at.
+        let mut forces = std::mem::take(&mut self.dofs.nodes.forces[0]);
+        let mut dissipated = [0.0; 2];
+        let view = View { clock: Clock { now: self.now, told: &self.told }, dofs: &self.dofs, reach: self.reach };
+        let behind = Behind::new(&self.dofs);
+        let mut result = Ok(());
+        for load in self.loads.iter_mut().filter(|load| load.acts_on_nodes()) {
+            let clock = self.timing.start();
+            result = load.on_nodes(&view, &mut self.user, &mut forces);
+            if result.is_err() {
+                break;
+            }
+            let [cavity, friction] = load.dissipated(&behind);
+            dissipated = [dissipated[0] + cavity, dissipated[1] + friction];
+            self.timing.stop(clock, load.id());
+        }
+        self.dofs.nodes.forces[0] = forces;
+        let [cavity, friction] = dissipated;
+        self.dofs.energies.cavity += cavity;
+        self.dofs.energies.friction += friction;
+        self.dofs.energies.external += cavity + friction;
+        result
+    }
+
+    #[cold]
+    fn collapsed(&self, Collapsed { group, element, volume }: Collapsed) -> Halt {
+        if let Some(halt) = self.elements.groups[group].failure() {
+            return halt;
+        }
+        let why = if volume > 0.0 { "its state is not finite" } else { "it has turned inside out" };
+        let reason = format!(
+            "element {} failed at increment {}, time {:e}: {why} (volume {volume:e})",
+            self.plan.element_name(group, element),
+            self.now.increment,
+            self.now.total_time
+        );
+        Halt { code: "R206", reason }
+    }
+
+    fn accelerate(&mut self) -> Result<(), Halt> {
+        let mut start = 0;
+        for b in 0..self.dofs.bodies.len() {
+            let body = &mut self.dofs.bodies[b];
             let own = &self.slots_by_body[start..start + body.slots];
             start += body.slots;
             body.force = own.iter().fold(0.0, |sum, &slot| sum + self.forces[slot]);
             if body.velocity_load == 0.0 && body.direction != 0.0 && body.force * body.direction <= 0.0 {
                 self.hold(b);
             }
-            let body = &mut self.bodies[b];
-            body.before.acceleration = body.acceleration;
-            body.acceleration = body.force * body.inverse_mass;
-            finite &= body.acceleration.abs() < f64::INFINITY || body.prescribed;
+            central_difference::accelerate_body(&mut self.dofs.bodies[b]);
         }
-        for motion in &step.motions {
-            let body = &mut self.bodies[motion.body];
-            body.acceleration = motion.rates(&self.now, body.velocity)[1];
-            body.reaction = body.mass * body.acceleration - body.force;
-            finite &= body.acceleration.is_finite();
+        if !self.elements.is_empty() {
+            let clock = self.timing.start();
+            central_difference::accelerate_nodes(&self.elements, &mut self.dofs, &mut self.kinetic, self.threads);
+            self.timing.stop_gather(clock, self.plan);
         }
-        if let Some(solid) = &mut self.solid {
-            solid.accelerate(&step.given);
-            solid.accelerate_ties(&self.bodies);
-            // An increment that the deck fixes follows nothing.
-            if self.now.increment < STARTING && matches!(step.control, IncrementControl::Automatic { .. }) {
-                solid.guard_start();
-            }
-            for wall in &solid.walls {
-                self.bodies[wall.body].reaction -= wall.force;
-            }
+        let clock = Clock { now: self.now, told: &self.told };
+        for constraint in &mut self.constraints {
+            constraint.accelerations(&mut self.dofs, &clock);
         }
-        if finite { Ok(()) } else { Err(self.not_finite()) }
+        self.dofs.nodes.moved = false;
+        // An increment that the deck fixes follows nothing.
+        let automatic = matches!(self.step.control, IncrementControl::Automatic { .. });
+        if !self.elements.is_empty() && self.now.increment < STARTING && automatic {
+            self.elements.guard_start(&self.dofs.nodes);
+        }
+        if self.dofs.bodies.iter().all(|b| b.acceleration.abs() < f64::INFINITY) {
+            Ok(())
+        } else {
+            Err(self.not_finite())
+        }
     }
 
     fn book(&mut self) {
-        self.balance.book(&self.bodies, &self.forces, self.behind == 0.0);
-        if let Some(solid) = &self.solid {
-            self.balance.book_solid(&solid.energies);
-        }
+        self.balance.book(&self.dofs, &self.forces, self.behind == 0.0, !self.elements.is_empty());
         self.complete = true;
     }
 
     /// The resistances on a body at rest give just what the other forces ask of them, and do no work.
     fn hold(&mut self, body: usize) {
-        self.bodies[body].force = 0.0;
+        self.dofs.bodies[body].force = 0.0;
         for (slot, force) in self.slots.iter().zip(&mut self.forces) {
             if slot.body == body && matches!(slot.account, Account::Friction | Account::Cavity) {
                 *force = 0.0;
@@ -455,8 +569,8 @@ impl<'a> Run<'a> {
     }
 
     fn not_finite(&self) -> Halt {
-        let b = self.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
-        let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.bodies[b]);
+        let b = self.dofs.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
+        let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.dofs.bodies[b]);
         let reason = format!(
             "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",
             body.acceleration, self.now.increment, body.force, body.mass
@@ -464,69 +578,53 @@ impl<'a> Run<'a> {
         Halt { code: "R203", reason }
     }
 
-    fn correct_velocity(&mut self, step: &StepPlan) {
+    fn correct_velocity(&mut self) {
         if self.behind == 0.0 {
             return;
         }
-        self.velocity_from_half();
-        self.prescribe_velocity(step);
-    }
-
-    fn velocity_from_half(&mut self) {
-        let half = 0.5 * self.behind;
-        for body in &mut self.bodies {
-            body.velocity = body.velocity_half + half * body.acceleration;
-        }
+        central_difference::velocities_from_half(&mut self.dofs.bodies, self.behind);
+        self.prescribe_velocities();
     }
 
     #[inline]
-    fn prescribe_velocity(&mut self, step: &StepPlan) {
-        for motion in &step.motions {
-            let body = &mut self.bodies[motion.body];
-            body.velocity = motion.rates(&self.now, body.velocity)[0];
-        }
+    fn prescribe_velocities(&mut self) {
+        let clock = Clock { now: self.now, told: &self.told };
+        self.constraints.iter_mut().for_each(|c| c.velocities(&mut self.dofs, &clock));
     }
 
-    fn advance(&mut self, step: &StepPlan, next: Increment) {
+    fn make_increment(&mut self, next: Increment) {
         let dt = next.length;
-        for body in &mut self.bodies {
-            body.before.displacement = body.displacement;
-            body.before.velocity = body.velocity;
-            body.velocity_half = body.velocity + 0.5 * dt * body.acceleration;
-            body.displacement += dt * body.velocity_half;
-            body.show(body.velocity_half + self.reach * dt * body.acceleration);
+        central_difference::advance_bodies(&mut self.dofs.bodies, dt);
+        if !self.elements.is_empty() {
+            central_difference::advance_nodes(&self.elements, &mut self.dofs, dt, self.threads);
+            self.elements.moved();
         }
-        for motion in &step.motions {
-            let body = &mut self.bodies[motion.body];
-            let start = body.before.displacement;
-            body.velocity_half = motion.velocity_over(&self.now, dt, start, body.velocity);
-            body.displacement = start + dt * body.velocity_half;
-            body.show(body.velocity_half + self.reach * dt * body.acceleration);
+        let clock = Clock { now: self.now, told: &self.told };
+        for constraint in &mut self.constraints {
+            constraint.motion(&mut self.dofs, &clock, dt);
         }
-        if let Some(solid) = &mut self.solid {
-            solid.advance(&step.given, &self.now, dt);
-            solid.follow(&self.bodies, |body| body.velocity_half);
-            solid.meet_walls(&self.bodies, dt);
+        for body in &mut self.dofs.bodies {
+            body.show(body.velocity_half + self.reach * dt * body.acceleration);
         }
         self.complete = false;
         self.now_before = self.now;
-        self.now = next.arrival(&self.now, step.duration);
+        self.now = next.arrival(&self.now, self.step.duration);
         self.last_increment = dt;
         self.behind = dt;
         // Central differences of what is tied go on from step to step, as those of its nodes do.
         if next.end != End::Plain && !(next.end == End::Step && self.ties > 0) {
-            self.start_afresh(step, next.end);
+            self.start_afresh(next.end);
         }
     }
 
-    /// After an instant of rest or a jump of a force the next increment starts as the first did, from the velocity at
-    /// its own time.
-    fn start_afresh(&mut self, step: &StepPlan, end: End) {
-        self.velocity_from_half();
-        self.prescribe_velocity(step);
+    /// After an instant of rest or a jump of a force the next increment of bodies starts as the first did, from the velocity
+    /// at its own time.
+    fn start_afresh(&mut self, end: End) {
+        central_difference::velocities_from_half(&mut self.dofs.bodies, self.behind);
+        self.prescribe_velocities();
         if let End::Rest(b) = end {
-            self.bodies[b].velocity = 0.0;
-            let (body, displacement) = (self.plan.bodies[b].name.clone(), self.bodies[b].displacement);
+            self.dofs.bodies[b].velocity = 0.0;
+            let (body, displacement) = (self.plan.bodies[b].name.clone(), self.dofs.bodies[b].displacement);
             self.outcome.rests.push(Rest { body, time: self.now.total_time, displacement });
         }
         self.behind = 0.0;
@@ -535,7 +633,7 @@ impl<'a> Run<'a> {
 
     /// Where central differences start, loads see the velocity itself.
     fn show_own_velocity(&mut self) {
-        for body in &mut self.bodies {
+        for body in &mut self.dofs.bodies {
             body.show(body.velocity);
         }
     }
@@ -545,7 +643,7 @@ impl<'a> Run<'a> {
         if self.now.increment == 0 || self.complete {
             return;
         }
-        for body in &mut self.bodies {
+        for body in &mut self.dofs.bodies {
             let Before { displacement, velocity, acceleration } = body.before;
             (body.displacement, body.velocity, body.acceleration) = (displacement, velocity, acceleration);
         }
@@ -559,7 +657,7 @@ impl<'a> Run<'a> {
             summary.time = self.now.step_time;
             if length < summary.smallest_increment {
                 summary.smallest_increment = length;
-                self.limiting = self.solid.as_ref().map(Solid::limiting);
+                self.limiting = (!self.elements.is_empty()).then(|| self.elements.limiting());
             }
             summary.largest_increment = summary.largest_increment.max(length);
         }

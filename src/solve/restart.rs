@@ -207,7 +207,6 @@ impl Sink for Nowhere {
 /// A place between the output of an instant and the choice of the next increment, in a step that has begun.
 pub(super) struct At<'r, 'p> {
     pub run: &'r mut Run<'p>,
-    pub step: &'r mut StepPlan,
     pub observing: &'r mut Observing,
     pub pace: &'r mut Pace,
 }
@@ -222,64 +221,37 @@ impl At<'_, '_> {
 
     /// All that moves. What is not visited follows from the plan and the beginning of the step.
     fn visit(&mut self, archive: &mut Archive<'_>) {
-        let At { run, step, observing, pace } = self;
+        let At { run, observing, pace } = self;
         archive.mark("run");
         run.persist(archive);
-        archive.mark("step");
-        step.persist(archive);
         persist_fields!(archive; &mut **observing, &mut **pace);
         archive.mark("end");
     }
 
     /// The next increment, which is known to succeed, without showing anything.
     fn repeat(&mut self) -> Result<(), Halt> {
-        let At { run, step, observing, pace } = self;
-        run.go(step, pace)?;
-        run.arrive(step, observing, &mut Nowhere)
-    }
-}
-
-impl StepPlan {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let StepPlan {
-            name: _,
-            duration: _,
-            control: _,
-            scale_factor: _,
-            load_velocity: _,
-            forces,
-            motions,
-            node_forces,
-            given: _,
-            // Those of the step are with what deforms.
-            walls: _,
-            equations: _,
-            scaling,
-            asking,
-            node_asking,
-            energy_limit: _,
-            outputs: _,
-        } = self;
-        archive.mark("forces");
-        persist_all(forces, archive);
-        motions.as_mut_slice().persist(archive);
-        persist_all(node_forces, archive);
-        if let Some(scaling) = scaling {
-            scaling.persist(archive);
-        }
-        archive.mark("routines");
-        persist_all(asking, archive);
-        node_asking.as_mut_slice().persist(archive);
+        let At { run, observing, pace } = self;
+        run.advance(pace)?;
+        run.evaluate(observing, &mut Nowhere)
     }
 }
 
 impl Persist for Run<'_> {
+    /// In a step that has begun: it has the step's loads and constraints.
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Run {
             plan: _,
-            steps: _,
-            bodies,
+            step: _,
+            dofs,
+            elements,
             now,
+            loads,
+            constraints,
+            scaling,
+            told,
+            amplitudes,
+            motions,
+            user: _,
             forces,
             slots: _,
             slots_by_body: _,
@@ -291,21 +263,28 @@ impl Persist for Run<'_> {
             behind,
             last_increment,
             complete,
-            asking,
-            solid,
             wish,
-            told,
+            told_complete,
             limiting,
             warned,
             balance,
+            threads: _,
+            kinetic: _,
+            timing: _,
             outcome,
         } = self;
-        persist_fields!(archive; bodies.as_mut_slice(), now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told, limiting, warned, balance);
-        persist_all(asking, archive);
-        if let Some(solid) = solid {
-            solid.persist(archive);
+        persist_fields!(archive; dofs, now, forces.as_mut_slice(), now_before, behind, last_increment);
+        persist_fields!(archive; complete, wish, told_complete, limiting, warned, balance);
+        archive.mark("loads");
+        persist_all(loads, archive);
+        archive.mark("constraints");
+        persist_all(constraints, archive);
+        if let Some(scaling) = scaling {
+            scaling.persist(archive);
         }
+        archive.mark("routines");
+        persist_fields!(archive; told.as_mut_slice(), amplitudes.as_mut_slice(), motions.as_mut_slice());
+        elements.persist(archive);
         archive.mark("outcome");
         // Halts and what is reckoned at the end are not there yet; times are those of this process.
         let super::Outcome { steps, rests, increments, warnings, .. } = outcome;
@@ -345,28 +324,26 @@ impl Run<'_> {
     ///
     /// # Errors
     /// Why it is not one of this plan.
-    pub(super) fn take_up(
-        &mut self,
-        steps: &mut [StepPlan],
-        observing: &mut Observing,
-        state: &[u8],
-    ) -> Result<(usize, Pace), String> {
+    pub(super) fn take_up(&mut self, observing: &mut Observing, state: &[u8]) -> Result<(usize, Pace), String> {
         let mut archive = Archive::reader(state);
         let mut index = 0;
         index.persist(&mut archive);
-        let Some(step) = steps.get_mut(index) else { return Err("it ends too early".into()) };
-        let mut pace = self.begin_step(step, observing);
-        At { run: self, step, observing, pace: &mut pace }.visit(&mut archive);
+        if index >= self.plan.steps.len() {
+            return Err("it ends too early".into());
+        }
+        let mut pace = self.begin_step(index, observing);
+        At { run: self, observing, pace: &mut pace }.visit(&mut archive);
         archive.finish()?;
         Ok((index, pace))
     }
 
     /// Tells the user's routine that the increment is complete and that its state will be kept.
     fn tell_restart(&mut self) -> Result<(), Halt> {
-        if let Some(events) = self.plan.events.as_ref().filter(|_| self.now.step_time > 0.0 && !self.told) {
-            events.with(|e| e.restart_follows());
+        let due = self.now.step_time > 0.0 && !self.told_complete;
+        if let Some(events) = self.user.events.as_deref_mut().filter(|_| due) {
+            events.restart_follows();
             self.tell(Moment::EndIncrement, self.last_increment)?;
-            self.told = true;
+            self.told_complete = true;
         }
         Ok(())
     }

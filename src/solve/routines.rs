@@ -3,38 +3,38 @@
 
 use super::Run;
 use super::increment::Increment;
-use crate::plan::StepPlan;
+use crate::constraint;
 use crate::state::Instant;
 use crate::state::halt::Halt;
 use crate::user::{Moment, Wish};
 
 impl Run<'_> {
     /// At the start of a step.
-    pub(super) fn begin_routines(&mut self, step: &mut StepPlan) -> Result<(), Halt> {
+    pub(super) fn begin_routines(&mut self) -> Result<(), Halt> {
         self.wish = Wish::Continue;
         if self.now.step == 1 {
             self.tell(Moment::StartAnalysis, 0.0)?;
         }
         self.tell(Moment::StartStep, 0.0)?;
         let now = self.now;
-        self.ask(step, &now, 0.0)
+        self.call(&now, 0.0)
     }
 
     /// Before the motion over an increment.
     #[inline]
-    pub(super) fn ask_routines(&mut self, step: &mut StepPlan, next: Increment) -> Result<(), Halt> {
-        if self.plan.events.is_some() {
-            if self.now.step_time > 0.0 && !std::mem::take(&mut self.told) {
+    pub(super) fn call_routines(&mut self, next: Increment) -> Result<(), Halt> {
+        if self.user.events.is_some() {
+            if self.now.step_time > 0.0 && !std::mem::take(&mut self.told_complete) {
                 self.tell(Moment::EndIncrement, self.last_increment)?;
             }
             self.tell(Moment::SetupIncrement, next.length)?;
             self.tell(Moment::StartIncrement, next.length)?;
         }
-        if self.asking.is_empty() && step.asking.is_empty() && step.node_asking.is_empty() {
+        if self.amplitudes.is_empty() && self.motions.is_empty() {
             return Ok(());
         }
-        let arrival = next.arrival(&self.now, step.duration);
-        self.ask(step, &arrival, next.length)
+        let arrival = next.arrival(&self.now, self.step.duration);
+        self.call(&arrival, next.length)
     }
 
     /// At the end of a step, and of the analysis.
@@ -43,18 +43,21 @@ impl Run<'_> {
             self.tell(Moment::EndIncrement, self.last_increment)?;
         }
         self.tell(Moment::EndStep, 0.0)?;
-        if self.wish == Wish::EndAnalysis || self.now.step as usize == self.steps {
+        if self.wish == Wish::EndAnalysis || self.now.step as usize == self.plan.steps.len() {
             self.tell(Moment::EndAnalysis, 0.0)?;
         }
         Ok(())
     }
 
-    fn ask(&mut self, step: &mut StepPlan, arrival: &Instant, increment: f64) -> Result<(), Halt> {
-        for asking in self.asking.iter_mut().chain(&mut step.asking) {
-            self.wish = self.wish.max(asking.ask(arrival, increment, &self.bodies)?);
+    /// What the routines tell of amplitudes and motions at `arrival`, an increment away.
+    fn call(&mut self, arrival: &Instant, increment: f64) -> Result<(), Halt> {
+        for amplitude in &mut self.amplitudes {
+            let wish = amplitude.ask(arrival, increment, &self.dofs, &mut self.told, &mut self.user)?;
+            self.wish = self.wish.max(wish);
         }
-        if let Some(solid) = &self.solid {
-            step.node_asking.iter_mut().try_for_each(|a| a.ask(arrival, increment, solid))?;
+        let reaction = |dof| constraint::reaction(&self.constraints, &self.dofs, dof);
+        for motion in &mut self.motions {
+            motion.ask(arrival, increment, &self.dofs, &reaction, &mut self.told, &mut self.user)?;
         }
         Ok(())
     }
@@ -68,8 +71,8 @@ impl Run<'_> {
     }
 
     pub(super) fn tell(&mut self, moment: Moment, increment: f64) -> Result<(), Halt> {
-        let Some(events) = &self.plan.events else { return Ok(()) };
-        let wish = events.with(|e| e.moment(moment, &self.now, increment));
+        let Some(events) = self.user.events.as_deref_mut() else { return Ok(()) };
+        let wish = events.moment(moment, &self.now, increment);
         let failed = |f: crate::user::LoadFailure| f.halt("the user's routine that is told of events", &self.now);
         self.wish = self.wish.max(wish.map_err(failed)?);
         Ok(())

@@ -1,12 +1,27 @@
 //! Magnitudes of loads and motions that follow functions of time.
 //! Never here: what is scaled.
 
-use std::rc::Rc;
-
 use super::Instant;
-use super::archive::{Archive, Persist};
 use super::limit::Limit;
 use crate::kernel::amplitude::{Curve, Track};
+
+/// An instant, with the functions of time that are told as the run goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock<'a> {
+    /// The instant.
+    pub now: Instant,
+    /// Values that the user's routines have told, by the number of a [`Shape::Told`].
+    pub told: &'a [Track],
+}
+
+impl Clock<'_> {
+    /// A time later.
+    #[must_use]
+    pub fn later(self, time: f64) -> Self {
+        let now = Instant { step_time: self.now.step_time + time, total_time: self.now.total_time + time, ..self.now };
+        Clock { now, ..self }
+    }
+}
 
 /// A function of time that scales a magnitude.
 #[derive(Clone, Debug)]
@@ -15,8 +30,8 @@ pub enum Shape {
     Constant,
     /// Known beforehand.
     Curve(Curve),
-    /// Told by a user's routine as the run goes.
-    Track(Rc<Track>),
+    /// Told by a user's routine as the run goes: which of the clock's.
+    Told(usize),
 }
 
 /// A magnitude that may follow an amplitude.
@@ -29,45 +44,48 @@ pub struct Magnitude {
 }
 
 impl Magnitude {
+    /// A value at all times.
+    pub fn constant(value: f64) -> Self {
+        Magnitude { value, shape: Shape::Constant }
+    }
+
     /// Amplitude now, 1 without one.
-    pub fn amplitude(&self, now: &Instant) -> f64 {
+    pub fn amplitude(&self, clock: &Clock<'_>) -> f64 {
         match &self.shape {
             Shape::Constant => 1.0,
-            Shape::Curve(curve) => curve.value(curves_time(curve, now)),
-            Shape::Track(track) => track.value(now.total_time),
+            Shape::Curve(curve) => curve.value(curves_time(curve, &clock.now)),
+            Shape::Told(index) => clock.told[*index].value(clock.now.total_time),
         }
     }
 
     /// Value now.
-    pub fn at(&self, now: &Instant) -> f64 {
-        self.value * self.amplitude(now)
+    pub fn at(&self, clock: &Clock<'_>) -> f64 {
+        self.value * self.amplitude(clock)
     }
 
     /// Rate of change now.
-    pub fn rate(&self, now: &Instant) -> f64 {
+    pub fn rate(&self, clock: &Clock<'_>) -> f64 {
         self.value
             * match &self.shape {
                 Shape::Constant => 0.0,
-                Shape::Curve(curve) => curve.slope(curves_time(curve, now)),
-                Shape::Track(track) => track.slope(),
+                Shape::Curve(curve) => curve.slope(curves_time(curve, &clock.now)),
+                Shape::Told(index) => clock.told[*index].slope(),
             }
     }
 
     /// Time until the next kink of the amplitude.
-    pub fn limit(&self, now: &Instant) -> Limit {
+    pub fn limit(&self, clock: &Clock<'_>) -> Limit {
         let Shape::Curve(curve) = &self.shape else { return Limit::NONE };
-        let time = curves_time(curve, now);
+        let time = curves_time(curve, &clock.now);
         Limit { time: curve.next_point(time) - time, jump: false }
+    }
+
+    /// Bytes of its points.
+    pub fn bytes(&self) -> usize {
+        if let Shape::Curve(curve) = &self.shape { curve.bytes() } else { 0 }
     }
 }
 
 fn curves_time(curve: &Curve, now: &Instant) -> f64 {
     if curve.total_time { now.total_time } else { now.step_time }
-}
-
-/// What a track was told, by the effect that tells it.
-pub fn persist_track(track: &Track, archive: &mut Archive<'_>) {
-    let mut points = track.points();
-    points.persist(archive);
-    track.restore(points);
 }

@@ -2,12 +2,17 @@
 //! Never here: anything no effect asked for.
 
 pub mod archive;
+pub mod dofs;
+pub mod energies;
 pub mod halt;
 pub mod limit;
 pub mod magnitude;
 pub mod nodes;
 
 use archive::{Archive, Persist, persist_fields};
+
+use crate::kernel::amplitude::Track;
+use crate::kernel::lanes::Corners;
 
 /// Index into the ledger: the only thing an effect knows of the deck.
 pub type EffectId = usize;
@@ -99,6 +104,18 @@ impl BodyState {
 #[inline]
 pub fn direction(value: f64) -> f64 {
     f64::from(i8::from(value > 0.0) - i8::from(value < 0.0))
+}
+
+impl Persist for Corners {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        self.0.persist(archive);
+    }
+}
+
+impl Persist for Track {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        self.points().into_iter().for_each(|point| point.persist(archive));
+    }
 }
 
 impl Persist for Instant {

@@ -134,18 +134,18 @@ impl<'a> Bench<'a> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
         let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));
-        let mut prepared = job::prepare_edited((self.source)(overrides), &mut change, &routines);
+        let prepared = job::prepare_edited((self.source)(overrides), &mut change, &routines);
         if prepared.diagnostics.has_errors() {
             return Err(prepared.diagnostics.render(&prepared.deck.sources));
         }
         fault?;
         let mut recorder = self.measure.recorder(&prepared.plan);
-        let outcome = job::run_into(&mut prepared, &mut recorder);
+        let (outcome, state) = job::run_into(&prepared, &mut recorder);
         if let Some(halt) = outcome.halt {
             return Err(format!("halted: {}: {}", halt.code, halt.reason));
         }
         recorder.end(outcome.steps.iter().map(|s| s.time).sum());
-        let found = self.measure.evaluate(&recorder, &prepared.plan)?;
+        let found = self.measure.evaluate(&recorder, &state)?;
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
         let seconds = Spread { median: outcome.seconds, ..Spread::default() };
         Ok(Run { found, elements, increments: outcome.increments, seconds, loop_seconds: seconds })

@@ -2,38 +2,15 @@
 //! same variable on a finer mesh.
 //! Never here: expressions, runs.
 
-use crate::element::body::Solid;
+use crate::element::values;
 use crate::kernel::quad;
-use crate::plan::{ElementVariable, Plan};
-use crate::solve::element_value;
+use crate::output::variables::{Part, Place, Variable};
+use crate::plan::State;
+use crate::solve::node_value;
 
-/// A variable that has a norm.
+/// A variable that has a norm: one of nodes or of elements. What elements follow only if an output asks has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FieldName {
-    /// Displacement of nodes along r (0) or z (1).
-    Displacement(usize),
-    /// Velocity.
-    Velocity(usize),
-    /// A number of elements.
-    Element(ElementVariable),
-}
-
-/// Variables by name. What elements follow only if an output asks is not among them.
-const NAMES: [(&str, FieldName); 13] = [
-    ("U1", FieldName::Displacement(0)),
-    ("U2", FieldName::Displacement(1)),
-    ("V1", FieldName::Velocity(0)),
-    ("V2", FieldName::Velocity(1)),
-    ("S11", FieldName::Element(ElementVariable::Stress(0))),
-    ("S22", FieldName::Element(ElementVariable::Stress(1))),
-    ("S33", FieldName::Element(ElementVariable::Stress(2))),
-    ("S12", FieldName::Element(ElementVariable::Stress(3))),
-    ("MISES", FieldName::Element(ElementVariable::Mises)),
-    ("PRESS", FieldName::Element(ElementVariable::Pressure)),
-    ("PEEQ", FieldName::Element(ElementVariable::PlasticStrain)),
-    ("TEMP", FieldName::Element(ElementVariable::Temperature)),
-    ("DENSITY", FieldName::Element(ElementVariable::Density)),
-];
+pub struct FieldName(Part);
 
 impl FieldName {
     /// The variable of that name, in any case.
@@ -41,11 +18,19 @@ impl FieldName {
     /// # Errors
     /// In words, with the names there are.
     pub fn parse(name: &str) -> Result<FieldName, String> {
-        let known = NAMES.iter().find(|n| n.0.eq_ignore_ascii_case(name.trim()));
-        known.map(|n| n.1).ok_or_else(|| {
-            let names: Vec<&str> = NAMES.iter().map(|n| n.0).collect();
-            format!("`{}` has no norm; there are {}", name.trim(), names.join(", "))
+        let wanted = name.trim().to_ascii_uppercase();
+        let known = Part::parse(&wanted).filter(|p| has_norm(p.variable)).map(FieldName);
+        known.ok_or_else(|| {
+            let names = Variable::ALL.iter().filter(|v| has_norm(**v)).flat_map(|v| v.parts()).map(Part::label);
+            format!("`{}` has no norm; there are {}", name.trim(), names.collect::<Vec<_>>().join(", "))
         })
+    }
+}
+
+fn has_norm(variable: Variable) -> bool {
+    match variable {
+        Variable::Displacement | Variable::Velocity => true,
+        _ => variable.place() == Place::Point && !variable.row().followed,
     }
 }
 
@@ -82,16 +67,17 @@ impl Field {
     ///
     /// # Errors
     /// In words, where nothing deforms.
-    pub fn of(plan: &Plan, name: FieldName, time: f64) -> Result<Field, String> {
-        let solid = plan.solid.as_ref().ok_or("a norm is taken over what deforms, and nothing here does")?;
+    pub fn of(state: &State, name: FieldName, time: f64) -> Result<Field, String> {
+        if state.elements.is_empty() {
+            return Err("a norm is taken over what deforms, and nothing here does".into());
+        }
         let corners: Vec<[u32; 4]> =
-            solid.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.corners(e))).collect();
-        let cells: Vec<[[f64; 2]; 4]> = corners.iter().map(|c| c.map(|n| solid.start[n as usize])).collect();
-        let on_elements = matches!(name, FieldName::Element(_));
-        let points = match name {
-            FieldName::Element(variable) => of_elements(solid, variable, &cells),
-            _ => of_nodes(solid, name, &corners, &cells),
-        };
+            state.elements.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.corners(e))).collect();
+        let cells: Vec<[[f64; 2]; 4]> = corners.iter().map(|c| c.map(|n| state.dofs.nodes.start[n as usize])).collect();
+        let FieldName(part) = name;
+        let on_elements = part.variable.is_of_elements();
+        let points =
+            if on_elements { of_elements(state, part, &cells) } else { of_nodes(state, part, &corners, &cells) };
         Ok(Field { points, on_elements, cells, corners, time })
     }
 
@@ -133,33 +119,31 @@ impl Field {
     }
 }
 
-fn of_elements(solid: &Solid, variable: ElementVariable, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
-    let elements = solid.groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
+fn of_elements(state: &State, part: Part, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+    let (groups, nodes) = (&state.elements.groups, &state.dofs.nodes);
+    let elements = groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
     elements
         .zip(cells)
         .map(|((g, e), cell)| Point {
             start: middle(cell),
-            now: middle(&solid.groups[g].corners(e).map(|n| solid.place(n as usize))),
+            now: middle(&groups[g].corners(e).map(|n| nodes[n as usize].place())),
             weight: quad::volume(*cell),
-            value: element_value(solid, g, e, variable),
+            value: values::value(&*groups[g], nodes.as_slice(), e, part).unwrap_or(f64::NAN),
         })
         .collect()
 }
 
-fn of_nodes(solid: &Solid, name: FieldName, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
-    let mut volume = vec![0.0; solid.nodes.len()];
+fn of_nodes(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+    let nodes = &state.dofs.nodes;
+    let mut volume = vec![0.0; nodes.len()];
     for (corner, cell) in corners.iter().zip(cells) {
         for (n, share) in corner.iter().zip(quad::corner_masses(*cell, 1.0)) {
             volume[*n as usize] += share;
         }
     }
-    let value = |n: usize| match name {
-        FieldName::Displacement(axis) => solid.displacement(n)[axis],
-        FieldName::Velocity(axis) => solid.velocity_now(n)[axis],
-        FieldName::Element(_) => 0.0,
-    };
-    let point = |n: usize| Point { start: solid.start[n], now: solid.place(n), weight: volume[n], value: value(n) };
-    (0..solid.nodes.len()).map(point).collect()
+    let value = |n: usize| node_value(&state.dofs, &state.constraints, n, part);
+    let point = |n: usize| Point { start: nodes.start[n], now: nodes[n].place(), weight: volume[n], value: value(n) };
+    (0..nodes.len()).map(point).collect()
 }
 
 fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {

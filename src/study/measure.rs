@@ -5,7 +5,7 @@ use super::field::{Field, FieldName};
 use super::quantity::{FUNCTIONS, value};
 use crate::deck::expression::{Argument, Expression};
 use crate::output::HistorySummary;
-use crate::plan::Plan;
+use crate::plan::{Plan, State};
 use crate::solve::Sink;
 
 /// Functions beside those of `--quantity` of a sweep.
@@ -88,7 +88,7 @@ impl Measure {
         let wrong = |message: String| format!("--quantity `{}`: {message}", self.text);
         let nothing = "a norm is taken over what deforms, and nothing here does";
         let Kind::Number(expression) = &self.kind else {
-            return if plan.solid.is_some() { Ok(()) } else { Err(wrong(nothing.into())) };
+            return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
         };
         let mut recorder = self.recorder(plan);
         let zeros = vec![0.0; recorder.columns.len()];
@@ -96,7 +96,7 @@ impl Measure {
         for (function, argument) in expression.raw_arguments() {
             let column = argument.split(',').next().unwrap_or_default().trim();
             match function {
-                "norm" if plan.solid.is_none() => return Err(wrong(nothing.into())),
+                "norm" if plan.places.elements.is_empty() => return Err(wrong(nothing.into())),
                 "norm" => {}
                 _ => drop(recorder.column(column).map_err(wrong)?),
             }
@@ -111,11 +111,11 @@ impl Measure {
     ///
     /// # Errors
     /// In words: what does not exist, with the nearest that does; a value that is not finite.
-    pub fn evaluate(&self, recorder: &Recorder, plan: &Plan) -> Result<Found, String> {
+    pub fn evaluate(&self, recorder: &Recorder, state: &State) -> Result<Found, String> {
         let wrong = |message: String| format!("--quantity `{}`: {message}", self.text);
         let expression = match &self.kind {
             Kind::Field(name) => {
-                return Field::of(plan, *name, recorder.time).map(|f| Found::Field(Box::new(f))).map_err(wrong);
+                return Field::of(state, *name, recorder.time).map(|f| Found::Field(Box::new(f))).map_err(wrong);
             }
             Kind::Number(expression) => expression,
         };
@@ -124,7 +124,7 @@ impl Measure {
             Some(match function {
                 "at" => at(recorder, argument),
                 "mean" => mean(recorder, argument),
-                "norm" => norm(recorder, plan, argument),
+                "norm" => norm(recorder, state, argument),
                 _ => value(&recorder.summary, function, argument),
             })
         };
@@ -250,9 +250,9 @@ fn norm_parts(argument: &str) -> Result<(FieldName, Expression), String> {
     Ok((FieldName::parse(variable)?, exact))
 }
 
-fn norm(recorder: &Recorder, plan: &Plan, argument: &str) -> Result<f64, String> {
+fn norm(recorder: &Recorder, state: &State, argument: &str) -> Result<f64, String> {
     let (name, exact) = norm_parts(argument)?;
-    let field = Field::of(plan, name, recorder.time)?;
+    let field = Field::of(state, name, recorder.time)?;
     field.relative_norm(|point| {
         let known = |name: &str| match name {
             "r" => Some(point.now[0]),

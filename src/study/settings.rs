@@ -241,7 +241,7 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
         let (by_area, distortion) = own.map_or((false, None), |c| (c.by_area, c.distortion));
         let name = format!("(STUDY {i})");
         section.controls = Some(name.clone());
-        changed.push(SectionControls { name, hourglass, factor, by_area, distortion });
+        changed.push(SectionControls { name, hourglass, factor, by_area, distortion, keeps_failed: None });
     }
     model.controls = changed;
 }

@@ -51,11 +51,11 @@ fn one(
     user: Option<&Compiled>,
 ) -> Result<Vec<f64>, String> {
     let routines = Compiled::open_any(user)?;
-    let mut prepared = job::prepare(deck, overrides, &routines);
+    let prepared = job::prepare(deck, overrides, &routines);
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources));
     }
-    let (outcome, history) = job::run_in_memory(&mut prepared);
+    let (outcome, history) = job::run_in_memory(&prepared);
     if let Some(halt) = outcome.halt {
         return Err(format!("halted: {}: {}", halt.code, halt.reason));
     }

@@ -8,7 +8,7 @@ use std::ffi::{CStr, c_char, c_int};
 use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::{Once, OnceLock};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
@@ -138,7 +138,7 @@ type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32,
 pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnostic> {
     watch_the_process();
     let libraries = files.iter().map(|f| open_copy(f)).collect::<Result<Vec<_>, _>>()?;
-    let libraries: Rc<[Library]> = libraries.into();
+    let libraries: Arc<[Library]> = libraries.into();
     let mut routines = Routines::none();
     let mut known = false;
     // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
@@ -335,7 +335,7 @@ struct CompiledLoad {
     call: Vdload,
     name: Padded,
     watch_invalid: bool,
-    _keep: Rc<[Library]>,
+    _keep: Arc<[Library]>,
 }
 
 impl UserLoad for CompiledLoad {
@@ -390,7 +390,7 @@ fn guarded(untouched: bool, routine: &str, argument: &str) -> Result<(), LoadFai
 
 struct CompiledAmplitude {
     call: Vuamp,
-    _keep: Rc<[Library]>,
+    _keep: Arc<[Library]>,
 }
 
 impl UserAmplitude for CompiledAmplitude {
@@ -446,7 +446,7 @@ impl UserAmplitude for CompiledAmplitude {
 struct CompiledMotion {
     call: Vdisp,
     name: Padded,
-    _keep: Rc<[Library]>,
+    _keep: Arc<[Library]>,
 }
 
 /// Degrees of freedom of a node in an axisymmetric model: r, z, rotation.
@@ -506,7 +506,7 @@ impl UserMotion for CompiledMotion {
 struct CompiledMaterial {
     call: Vumat,
     name: Padded,
-    _keep: Rc<[Library]>,
+    _keep: Arc<[Library]>,
 }
 
 impl UserMaterial for CompiledMaterial {
@@ -566,7 +566,7 @@ struct CompiledEvents {
     call: Vexternaldb,
     /// Whether the state of the increment that ends will be kept.
     restart: bool,
-    _keep: Rc<[Library]>,
+    _keep: Arc<[Library]>,
 }
 
 impl UserEvents for CompiledEvents {

@@ -7,8 +7,7 @@ pub mod host;
 pub mod library;
 mod prototype;
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::state::Instant;
 use crate::state::halt::Halt;
@@ -82,7 +81,7 @@ impl LoadFailure {
 
 /// A load routine of the user: gives the pressure at each point. May keep state; is called once an increment, surface
 /// and block of at most [`MAX_BLOCK`] points.
-pub trait UserLoad {
+pub trait UserLoad: Send {
     /// Fills `pressure` (one entry a point, positive pushes against the outward normal; NaN on entry). For a body force
     /// it is the force a volume along r (BRNU) or z (BZNU).
     ///
@@ -133,7 +132,7 @@ pub struct AmplitudeAnswer {
 }
 
 /// An amplitude computed by the user (`*AMPLITUDE, DEFINITION=USER`).
-pub trait UserAmplitude {
+pub trait UserAmplitude: Send {
     /// The value now.
     ///
     /// # Errors
@@ -170,7 +169,7 @@ pub struct MotionCall<'a> {
 }
 
 /// A motion prescribed by the user (`*BOUNDARY, USER`).
-pub trait UserMotion {
+pub trait UserMotion: Send {
     /// The displacement, velocity or acceleration along the degree of freedom that the node shall have now.
     ///
     /// # Errors
@@ -211,7 +210,7 @@ pub enum Wish {
 }
 
 /// A routine that is told how the analysis goes: opens and closes files of its own.
-pub trait UserEvents {
+pub trait UserEvents: Send {
     /// Called at each moment, with the length of the increment.
     ///
     /// # Errors
@@ -285,7 +284,7 @@ pub struct MaterialAnswer<'a> {
 
 /// A material of the user (`*USER MATERIAL`). May keep state of its own; is called from one thread, once an increment and
 /// block of at most [`MAX_MATERIAL_BLOCK`] points.
-pub trait UserMaterial {
+pub trait UserMaterial: Send {
     /// Stresses and state variables at the end of the increment.
     ///
     /// # Errors
@@ -293,21 +292,20 @@ pub trait UserMaterial {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
-/// A routine shared by all that calls it, as one VDLOAD serves a whole ABAQUS job: its state is common to them. A job
-/// runs on one thread where it calls routines, so sharing needs no lock.
-pub struct Shared<T: ?Sized>(Rc<RefCell<T>>);
+/// A routine shared by all that calls it, as one VDLOAD serves a whole ABAQUS job: its state is common to them. A run holds
+/// its routines from its beginning to its end; another run of the same routines waits until then.
+pub struct Shared<T: ?Sized>(Arc<Mutex<T>>);
 
 impl<T: ?Sized> Clone for Shared<T> {
     fn clone(&self) -> Self {
-        Shared(Rc::clone(&self.0))
+        Shared(Arc::clone(&self.0))
     }
 }
 
 impl<T: ?Sized> Shared<T> {
-    /// Runs `call` on the routine.
-    #[inline]
-    pub fn with<R>(&self, call: impl FnOnce(&mut T) -> R) -> R {
-        call(&mut self.0.borrow_mut())
+    /// Holds the routine. One that panicked in an earlier run is held as it is.
+    pub fn lock(&self) -> MutexGuard<'_, T> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -337,10 +335,35 @@ pub struct Routines {
     pub events: Option<SharedEvents>,
 }
 
+/// The routines of a job while a run holds them.
+pub struct Locked<'a> {
+    /// As [`Routines::load`].
+    pub load: Option<MutexGuard<'a, dyn UserLoad + 'static>>,
+    /// As [`Routines::amplitude`].
+    pub amplitude: Option<MutexGuard<'a, dyn UserAmplitude + 'static>>,
+    /// As [`Routines::motion`].
+    pub motion: Option<MutexGuard<'a, dyn UserMotion + 'static>>,
+    /// As [`Routines::material`].
+    pub material: Option<MutexGuard<'a, dyn UserMaterial + 'static>>,
+    /// As [`Routines::events`].
+    pub events: Option<MutexGuard<'a, dyn UserEvents + 'static>>,
+}
+
 impl Routines {
     /// No routines.
     pub fn none() -> Self {
         Routines::default()
+    }
+
+    /// Holds all of them for a run.
+    pub fn lock(&self) -> Locked<'_> {
+        Locked {
+            load: self.load.as_ref().map(Shared::lock),
+            amplitude: self.amplitude.as_ref().map(Shared::lock),
+            motion: self.motion.as_ref().map(Shared::lock),
+            material: self.material.as_ref().map(Shared::lock),
+            events: self.events.as_ref().map(Shared::lock),
+        }
     }
 
     /// Whether there is any.
@@ -355,35 +378,35 @@ impl Routines {
     /// With a load.
     #[must_use]
     pub fn with_load(mut self, routine: impl UserLoad + 'static) -> Self {
-        self.load = Some(Shared(Rc::new(RefCell::new(routine))));
+        self.load = Some(Shared(Arc::new(Mutex::new(routine))));
         self
     }
 
     /// With an amplitude.
     #[must_use]
     pub fn with_amplitude(mut self, routine: impl UserAmplitude + 'static) -> Self {
-        self.amplitude = Some(Shared(Rc::new(RefCell::new(routine))));
+        self.amplitude = Some(Shared(Arc::new(Mutex::new(routine))));
         self
     }
 
     /// With a prescribed motion.
     #[must_use]
     pub fn with_motion(mut self, routine: impl UserMotion + 'static) -> Self {
-        self.motion = Some(Shared(Rc::new(RefCell::new(routine))));
+        self.motion = Some(Shared(Arc::new(Mutex::new(routine))));
         self
     }
 
     /// With a material.
     #[must_use]
     pub fn with_material(mut self, routine: impl UserMaterial + 'static) -> Self {
-        self.material = Some(Shared(Rc::new(RefCell::new(routine))));
+        self.material = Some(Shared(Arc::new(Mutex::new(routine))));
         self
     }
 
     /// With a routine that is told of events.
     #[must_use]
     pub fn with_events(mut self, routine: impl UserEvents + 'static) -> Self {
-        self.events = Some(Shared(Rc::new(RefCell::new(routine))));
+        self.events = Some(Shared(Arc::new(Mutex::new(routine))));
         self
     }
 }

@@ -1,9 +1,11 @@
 //! What several tests share: the seed deck, runs in memory, exact depths by quadrature.
-#![allow(dead_code)] // Each test file uses a part.
+#![allow(dead_code)] // Each binary uses a part.
 
+pub mod mesh;
 pub mod solid;
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use revolve::job::{self, Overrides, Prepared};
 use revolve::output::{Frame, Job};
@@ -13,6 +15,17 @@ use revolve::user::Routines;
 /// Path of a file of the project.
 pub fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// Whether there is a Fortran compiler; without one says what is left out. In CI there must be.
+pub fn fortran(what: &str) -> bool {
+    let compiler = std::env::var("FC").unwrap_or_else(|_| "gfortran".into());
+    let found = Command::new(compiler).arg("--version").output().is_ok_and(|o| o.status.success());
+    assert!(found || std::env::var_os("CI").is_none(), "in CI gfortran must be installed");
+    if !found {
+        println!("left out: {what} (no gfortran)");
+    }
+    found
 }
 
 /// `--set` pairs.
@@ -51,9 +64,9 @@ pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> P
 
 /// Runs a deck text in memory.
 pub fn run(text: &str, settings: &[(&str, &str)], routines: &Routines) -> (Outcome, Memory) {
-    let mut prepared = prepared(text, settings, routines);
+    let prepared = prepared(text, settings, routines);
     let mut memory = Memory::default();
-    let outcome = solve::run(&mut prepared.plan, &mut memory);
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     (outcome, memory)
 }
 

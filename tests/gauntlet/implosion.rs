@@ -143,7 +143,7 @@ fn a_corner_thrown_through_its_element() -> Verdict {
     let kept = text(&deck("distortion control=YES"), &Routines::none());
     // The least of all corners' areas over the squares' own.
     let least = |scene: &Scene| {
-        let group = &scene.prepared.plan.solid.as_ref().expect("deforms").groups[0];
+        let group = &scene.prepared.state.elements.groups[0];
         let places = scene.places();
         let corners = |e: usize| group.corners(e).map(|n| places[n as usize]);
         let area = |at: [[f64; 2]; 4], i: usize| {

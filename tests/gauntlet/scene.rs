@@ -29,10 +29,10 @@ pub fn text(text: &str, routines: &Routines) -> Scene {
     run(job::prepare_text("gauntlet.inp", text, &[], routines))
 }
 
-fn run(mut prepared: Prepared) -> Scene {
+fn run(prepared: Prepared) -> Scene {
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     let mut memory = Memory::default();
-    let outcome = solve::run(&mut prepared.plan, &mut memory);
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
     Scene { prepared, outcome, memory }
 }
 
@@ -71,11 +71,11 @@ impl Scene {
 
     /// Places of the nodes in the last frame.
     pub fn places(&self) -> Vec<[f64; 2]> {
-        let solid = self.prepared.plan.solid.as_ref().expect("deforms");
+        let start = &self.prepared.state.dofs.nodes.start;
         let moved = self.field("U");
-        let components = moved.len() / solid.start.len();
-        let at = |n: usize| [0, 1].map(|axis| solid.start[n][axis] + moved[components * n + axis]);
-        (0..solid.start.len()).map(at).collect()
+        let components = moved.len() / start.len();
+        let at = |n: usize| [0, 1].map(|axis| start[n][axis] + moved[components * n + axis]);
+        (0..start.len()).map(at).collect()
     }
 
     /// The solver's node of a label.
@@ -87,14 +87,14 @@ impl Scene {
 
     /// Elements of all groups in the last frame: middle, density over that at the start, mean stress.
     pub fn cells(&self) -> Vec<Cell> {
-        let solid = self.prepared.plan.solid.as_ref().expect("deforms");
+        let start = &self.prepared.state.dofs.nodes.start;
         let (places, stress) = (self.places(), self.field("S"));
         let mut cells = Vec::new();
-        for group in &solid.groups {
+        for group in &self.prepared.state.elements.groups {
             for e in 0..group.len() {
                 let corners = group.corners(e).map(|n| n as usize);
                 let now = corners.map(|n| places[n]);
-                let ratio = quad::volume(corners.map(|n| solid.start[n])) / quad::volume(now);
+                let ratio = quad::volume(corners.map(|n| start[n])) / quad::volume(now);
                 let s = &stress[4 * cells.len()..4 * cells.len() + 4];
                 let place = [0, 1].map(|axis| now.iter().map(|c| c[axis]).sum::<f64>() / 4.0);
                 cells.push(Cell { place, density: ratio, mean: (s[0] + s[1] + s[2]) / 3.0, axial: s[1] });

@@ -94,7 +94,7 @@ pub const CARDS: &[Keyword] = &[
         "CPSET" inert "nothing refers to it",
         "WEIGHT" refused "the plane is the master",
         "SMALL SLIDING" refused "nodes slide as far as they go",
-        "OP" only ["ADD"] "a pair stays",
+        "OP" read "ADD (default) or DELETE",
         "ADJUST" refused "nodes stay where the deck puts them",
         "NO THICKNESS" inert "of shells",
         "GEOMETRIC CORRECTION" refused "the plane is exact",
@@ -125,7 +125,7 @@ pub const CARDS: &[Keyword] = &[
         "PENALTY" refused "of implicit analyses",
         "DIRECT" refused "of implicit analyses",
         "FACTOR" refused "of SCALE FACTOR",
-    }, []),
+    }, [(rows ["stiffness" refused "surfaces do not give way", "clearance" refused "surfaces do not give way"])]),
     row!("FRICTION", "Friction between surfaces", (once below "SURFACE INTERACTION"), {
         "SLIP TOLERANCE" refused "of implicit analyses",
         "TAUMAX" refused "friction is one coefficient",

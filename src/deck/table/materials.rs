@@ -16,7 +16,7 @@ pub const CARDS: &[Keyword] = &[
     row!("DENSITY", "Mass per volume", (once below "MATERIAL"), {
         "DEPENDENCIES" refused "nothing here depends on field variables",
         "PORE FLUID" refused "pores are not simulated",
-    }, [(lines ["density", "temperature" inert "one density holds at every temperature"])]),
+    }, [(rows ["density", "temperature"])]),
     row!("ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
         "TYPE" read "ISOTROPIC (default), or SHEAR beside an equation of state",
         "DEPENDENCIES" refused "nothing here depends on field variables",
@@ -117,7 +117,7 @@ pub const CARDS: &[Keyword] = &[
         "RATE" refused "give *RATE DEPENDENT",
         "DEPENDENCIES" refused "nothing here depends on field variables",
         "DATA TYPE" refused "of cyclic hardening",
-        "EXTRAPOLATION" only ["CONSTANT"] "beyond its last row a table is constant",
+        "EXTRAPOLATION" read "Beyond the last plastic strain of a table: CONSTANT (default) or LINEAR",
         "NUMBER BACKSTRESSES" refused "of combined hardening",
         "PROPERTIES" refused "hardening of the user is not called",
         "SCALESTRESS" refused "give the yield stresses scaled",
@@ -132,8 +132,8 @@ pub const CARDS: &[Keyword] = &[
         "DEPENDENCIES" refused "nothing here depends on field variables",
     }, [
         (when "TYPE" = "JOHNSON COOK" lines ["C", "reference strain rate"]),
-        (when "TYPE" = "YIELD RATIO" rows ["yield ratio", "strain rate", "temperature" refused "the rows hold at every temperature"]),
-        (lines ["D", "n", "temperature" refused "the row holds at every temperature"]),
+        (when "TYPE" = "YIELD RATIO" rows ["yield ratio", "strain rate", "temperature"]),
+        (rows ["D", "n", "temperature"]),
     ]),
     row!("INELASTIC HEAT FRACTION", "Fraction of plastic work turned into heat", (once below "MATERIAL"), {}, [
         (lines ["fraction" read "0.9 without it"]),
@@ -142,7 +142,7 @@ pub const CARDS: &[Keyword] = &[
         "CONSTANT PRESSURE" refused "of gases in fluid cavities",
         "CONSTANTVOLUME" refused "of gases in fluid cavities",
         "DEPENDENCIES" refused "nothing here depends on field variables",
-    }, [(lines ["specific heat", "temperature" inert "one specific heat holds at every temperature"])]),
+    }, [(rows ["specific heat", "temperature"])]),
     row!("USER MATERIAL", "Material of a user routine", (once below "MATERIAL"), {
         "CONSTANTS" read "Number of constants",
         "TYPE" only ["MECHANICAL"] "temperatures come from plastic work alone",
@@ -185,12 +185,12 @@ pub const CARDS: &[Keyword] = &[
         "HOURGLASS" read "ENHANCED, RELAX STIFFNESS, STIFFNESS, VISCOUS or COMBINED",
         "DISTORTION CONTROL" read "YES or NO",
         "LENGTH RATIO" read "Of distortion control (0.1): distance from the line between its neighbours, over that at the start, below which a corner is pushed",
-        "ELEMENT DELETION" only ["YES"] "elements that fail are deleted",
+        "ELEMENT DELETION" read "YES; NO is refused where a material fails, for what fails is deleted",
         "MAX DEGRADATION" refused "elements go at a damage of 1",
         "SECOND ORDER ACCURACY" only ["NO"] "rotations are followed to first order",
         "KINEMATIC SPLIT" only ["AVERAGE STRAIN"] "strains are means over the element",
         "DRILL STIFFNESS" inert "of shells",
-        "RAMP INITIAL STRESS" only ["NO"] "initial stresses act at once",
+        "RAMP INITIAL STRESS" inert "of membranes",
         "VISCOSITY" refused "damage is not regularised",
         "WEIGHT FACTOR" read "Of hourglass stiffness and viscosity",
         "WEIGHTING" extension "VOLUME (default) or AREA: the equation of motion integrated over the plane section",

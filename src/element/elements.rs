@@ -1,0 +1,283 @@
+//! All elements of a scene: their groups, the forces on their corners, springs and dashpots, and what bounds the increment.
+//! Never here: the motion of nodes, loads, deck words.
+
+use super::block::is_larger;
+use super::connector::Connectors;
+use super::distortion::DistortionControl;
+use super::frequency::HighestFrequency;
+use super::group::{ElementGroup, Pass, Totals};
+use super::mass_scaling::Masses;
+use super::quiescent::Awake;
+use super::rings::Rings;
+use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::quad;
+use crate::mesh::gather::Gather;
+use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::energies::Energies;
+use crate::state::nodes::Nodes;
+use crate::state::{EffectId, Instant};
+use crate::user::UserMaterial;
+
+/// Everything that deforms, but for its nodes.
+#[derive(Clone, Default)]
+pub struct Elements {
+    /// Groups of elements.
+    pub groups: Vec<Box<dyn ElementGroup>>,
+    /// The row of the ledger of each group.
+    pub ids: Vec<EffectId>,
+    /// What the last pass over the elements came to, and the group that limits the increment.
+    pub limit: (Totals, usize),
+    /// By how much that pass can have raised a frequency, where it is followed.
+    pub(super) deformed: f64,
+    /// Estimate of the highest frequency of the whole; `None` where none is wanted or none can be made.
+    pub frequency: Option<Box<HighestFrequency>>,
+    /// Whether this step wants it.
+    pub(super) frequency_asked: bool,
+    /// Rings of nodes under area weighting.
+    pub rings: Option<Box<Rings>>,
+    /// Springs and dashpots; `None` without any.
+    pub connectors: Option<Box<Connectors>>,
+    /// Elements under distortion control; `None` without any.
+    pub distortion: Option<Box<DistortionControl>>,
+    /// Masses without scaling; `None` unless the deck scales masses.
+    pub(super) masses: Option<Box<Masses>>,
+    corners: Vec<Corners>,
+    gather: Gather,
+    awake: Awake,
+    /// Whether the strains of the increment behind are still to come.
+    pending: bool,
+    /// Corner nodes of deleted elements, and how many of them the loads of this step have been told.
+    gone: (Vec<[u32; 4]>, usize),
+}
+
+/// Why the elements give no forces: the group and element to blame, and its volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collapsed {
+    /// Group.
+    pub group: usize,
+    /// Element of the group.
+    pub element: usize,
+    /// Its volume now.
+    pub volume: f64,
+}
+
+impl Elements {
+    /// Groups with their rows of the ledger, on nodes at the start.
+    pub fn new(groups: Vec<Box<dyn ElementGroup>>, ids: Vec<EffectId>, gather: Gather, nodes: usize) -> Self {
+        let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
+        // Room for all that may fail: nothing allocates inside an increment.
+        let fragile = groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
+        Elements {
+            awake: Awake::new(nodes, &groups),
+            groups,
+            ids,
+            // One block more, which stays zero.
+            corners: vec![Corners::default(); blocks + 1],
+            gather,
+            pending: true,
+            gone: (Vec::with_capacity(fragile), 0),
+            ..Elements::default()
+        }
+    }
+
+    /// Whether nothing deforms.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// Number of elements.
+    pub fn count(&self) -> usize {
+        self.groups.iter().map(|g| g.len()).sum()
+    }
+
+    /// A step begins; `moved_otherwise` says whether constraints move nodes behind the passes over them.
+    pub fn begin(&mut self, moved_otherwise: bool) {
+        if moved_otherwise {
+            self.awake.wake();
+        }
+        self.gone.1 = 0;
+    }
+
+    /// Whether links between nodes push them, beside loads.
+    pub fn has_links(&self) -> bool {
+        self.connectors.is_some() || self.distortion.is_some()
+    }
+
+    /// An increment has been made: its strains are to come.
+    pub fn moved(&mut self) {
+        self.pending = true;
+    }
+
+    /// Stresses and corner forces at this instant. `timed` is told the seconds of each group by its row of the ledger.
+    pub fn update(
+        &mut self,
+        dofs: &mut Dofs,
+        now: &Instant,
+        threads: bool,
+        mut user: Option<&mut (dyn UserMaterial + 'static)>,
+        timed: Option<&mut [f64]>,
+    ) {
+        if !std::mem::take(&mut self.pending) {
+            return;
+        }
+        let mut first = 0;
+        self.limit = (Totals::default(), 0);
+        self.deformed = 0.0;
+        let mut seconds = timed;
+        for (i, group) in self.groups.iter_mut().enumerate() {
+            let clock = seconds.as_ref().map(|_| std::time::Instant::now());
+            let blocks = group.len().div_ceil(LANES);
+            let corners = &mut self.corners[first..first + blocks];
+            let nodes = dofs.nodes.as_slice();
+            let user = user.as_deref_mut();
+            let totals = group.update(Pass { nodes, dt: dofs.nodes.behind, now, threads, user, corners });
+            first += blocks;
+            group.deleted(&mut self.gone.0);
+            self.deformed = self.deformed.max(totals.deformed);
+            add(&totals, &mut dofs.energies);
+            if is_larger(totals.rate, self.limit.0.rate) {
+                self.limit = (totals, i);
+            }
+            if let (Some(clock), Some(seconds)) = (clock, &mut seconds) {
+                seconds[self.ids[i]] += clock.elapsed().as_secs_f64();
+            }
+        }
+        self.measure_rings(&dofs.nodes);
+        self.bound_frequency(&dofs.nodes);
+    }
+
+    /// Corner nodes of elements that have been deleted since the loads of the step were told last.
+    pub fn newly_gone(&mut self) -> &[[u32; 4]] {
+        let told = std::mem::replace(&mut self.gone.1, self.gone.0.len());
+        &self.gone.0[told..]
+    }
+
+    /// Adds the forces of links between nodes, then decides which nodes have work in this increment.
+    pub fn link(&mut self, dofs: &mut Dofs) {
+        if let Some(connectors) = &mut self.connectors {
+            connectors.add_forces(dofs);
+        }
+        if let Some(distortion) = &mut self.distortion {
+            let alive = |(group, element): (usize, usize)| !self.groups[group].is_deleted(element);
+            distortion.resist(dofs, alive, &mut self.limit.0.rate);
+        }
+        self.awake.update(&self.groups, &dofs.nodes.forces[0]);
+    }
+
+    /// Whether the pass behind came to finite forces.
+    ///
+    /// # Errors
+    /// The element to blame.
+    pub fn check(&self, nodes: &Nodes) -> Result<(), Collapsed> {
+        let (totals, group) = self.limit;
+        if totals.rate.is_finite() {
+            return Ok(());
+        }
+        let element = totals.limiting;
+        let corners = self.groups[group].corners(element).map(|n| nodes[n as usize].place());
+        Err(Collapsed { group, element, volume: quad::volume(corners) })
+    }
+
+    /// Sums of corner forces of nodes from `first` on, brought from plane sections to rings under area weighting.
+    #[inline(always)]
+    pub fn nodal_forces(&self, first: usize, forces: &mut [[f64; 2]]) {
+        self.gather.sum(first, &self.corners, forces);
+        if let Some(rings) = &self.rings {
+            for (force, ring) in forces.iter_mut().zip(&rings.factors[first..]) {
+                *force = [ring * force[0], ring * force[1]];
+            }
+        }
+    }
+
+    /// Sum of the corner forces of one node.
+    pub fn nodal_force(&self, node: usize) -> [f64; 2] {
+        self.gather.one(node, &self.corners)
+    }
+
+    /// Whether the few nodes from `first` on ([`super::quiescent::FEW`]) have work.
+    #[inline(always)]
+    pub fn has_work(&self, first: usize) -> bool {
+        self.awake.has_work(first)
+    }
+
+    /// Lets an element limit the increment, until elements are updated next.
+    pub(super) fn raise_limit(&mut self, group: usize, element: usize, rate: f64) {
+        if rate > self.limit.0.rate {
+            (self.limit.0.rate, self.limit.0.limiting, self.limit.1) = (rate, element, group);
+        }
+    }
+
+    /// Group and element that limit the increment.
+    pub fn limiting(&self) -> (usize, usize) {
+        (self.limit.1, self.limit.0.limiting)
+    }
+
+    /// The largest increment that is stable.
+    pub fn stable_increment(&self) -> f64 {
+        let elements = self.limit.0.rate;
+        1.0 / self.connectors.as_ref().map_or(elements, |c| c.rate(elements))
+    }
+
+    /// Bytes of what mass scaling remembers.
+    pub fn bytes_of_masses(&self) -> usize {
+        self.masses.as_ref().map_or(0, |m| m.bytes())
+    }
+
+    /// Bytes that belong to no single group: corner forces, and the way from corners to nodes.
+    pub fn bytes_of_gather(&self) -> usize {
+        let gone = size_of::<[u32; 4]>() * self.gone.0.capacity();
+        size_of::<Corners>() * self.corners.capacity() + self.gather.bytes() + self.awake.bytes() + gone
+    }
+}
+
+fn add(totals: &Totals, energies: &mut Energies) {
+    energies.internal += totals.internal;
+    energies.plastic += totals.plastic;
+    energies.viscous += totals.viscous;
+    energies.artificial += totals.artificial;
+}
+
+impl Persist for Elements {
+    /// In a step that has begun.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Elements {
+            groups,
+            ids: _,
+            limit,
+            deformed: _,
+            frequency,
+            frequency_asked,
+            rings,
+            connectors,
+            distortion,
+            masses,
+            corners,
+            gather: _,
+            awake,
+            pending,
+            gone,
+        } = self;
+        archive.mark("elements");
+        persist_fields!(archive; limit, awake, pending, gone, frequency_asked);
+        if let Some(connectors) = connectors {
+            connectors.persist(archive);
+        }
+        if let Some(distortion) = distortion {
+            distortion.persist(archive);
+        }
+        if let Some(masses) = masses {
+            masses.persist(archive);
+        }
+        if let Some(frequency) = frequency {
+            frequency.persist(archive);
+        }
+        if let Some(rings) = rings {
+            rings.persist(archive);
+        }
+        archive.mark("groups");
+        persist_all(groups, archive);
+        // Of elements that are quiescent they are zero, but zeros have signs, which reach the accelerations.
+        corners.as_mut_slice().persist(archive);
+    }
+}

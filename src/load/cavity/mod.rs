@@ -1,0 +1,129 @@
+//! Resistance of a target that is not meshed (`CAVITY`): dynamic cavity expansion in layers, with Coulomb friction.
+//! Facets are clipped by area at the target's faces and between layers; only those that move into the material are loaded.
+//! Never here: the law itself (`kernel::cavity`), deck words.
+
+mod nose;
+mod skin;
+mod stack;
+
+use super::{Account, Behind, Load, Slot, VelocityUse, View};
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::Surface;
+use crate::state::EffectId;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::halt::Halt;
+use crate::state::limit::Limit;
+use crate::user::Locked;
+use nose::Nose;
+use skin::Resisted;
+pub use stack::Stack;
+
+/// The resistance of one stack on a surface.
+#[derive(Clone, Debug)]
+pub struct CavityExpansion {
+    id: EffectId,
+    friction: f64,
+    stack: Stack,
+    noses: Vec<Nose>,
+    skin: Resisted,
+}
+
+impl CavityExpansion {
+    /// The resistance of `stack` on a surface with a Coulomb coefficient. `travel` is the fraction of a nose's height that one
+    /// increment may move while a plane of the stack cuts it.
+    pub fn new(id: EffectId, friction: f64, stack: Stack, surface: Surface, travel: f64) -> Self {
+        let noses = surface.patches.iter().map(|patch| Nose::new(patch, &stack, travel)).collect();
+        CavityExpansion { id, friction, stack, noses, skin: Resisted::new(surface.skin) }
+    }
+
+    fn forces_of_a_body(&self) -> usize {
+        if self.friction > 0.0 { 2 } else { 1 }
+    }
+}
+
+impl Load for CavityExpansion {
+    fn id(&self) -> EffectId {
+        self.id
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        let accounts = &[Account::Cavity, Account::Friction][..self.forces_of_a_body()];
+        let of_nose = |nose: &Nose| {
+            let body = nose.body;
+            accounts.iter().map(move |&account| Slot { body, account })
+        };
+        self.noses.iter().flat_map(of_nose).collect()
+    }
+
+    fn acts_on_nodes(&self) -> bool {
+        !self.skin.is_empty()
+    }
+
+    fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
+        let refused = self.skin.resist(&self.stack, self.friction, view, forces);
+        refused.map_err(|speed| not_finite(view, speed))
+    }
+
+    #[inline]
+    fn on_bodies(&mut self, view: &View<'_>, _: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+        let each = self.forces_of_a_body();
+        for (nose, out) in self.noses.iter_mut().zip(out.chunks_exact_mut(each)) {
+            let body = &view.dofs.bodies[nose.body];
+            let Some([normal, tangential]) = nose.resist(&self.stack, body) else {
+                return Err(not_finite(view, body.velocity_load.abs()));
+            };
+            out[0] = normal;
+            if let Some(friction) = out.get_mut(1) {
+                *friction = self.friction * tangential;
+            }
+        }
+        Ok(())
+    }
+
+    fn velocity(&self) -> VelocityUse {
+        VelocityUse::Resists
+    }
+
+    fn limit(&self, view: &View<'_>) -> Limit {
+        let noses = self.noses.iter().map(|nose| nose.limit(&self.stack, &view.dofs.bodies[nose.body]));
+        noses.fold(self.skin.limit(&self.stack, &view.dofs.nodes), Limit::nearer)
+    }
+
+    fn dissipated(&self, behind: &Behind<'_>) -> [f64; 2] {
+        self.skin.dissipated(behind)
+    }
+
+    fn release(&mut self, gone: &[[u32; 4]]) {
+        self.skin.release(gone);
+    }
+
+    fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
+        let mut fields = FacetFields::default();
+        self.noses.iter().for_each(|nose| nose.show(&self.stack, &dofs.bodies[nose.body], &mut fields));
+        self.skin.show(&self.stack, &dofs.nodes, &mut fields);
+        Some(fields)
+    }
+
+    fn arrays(&self) -> Vec<(&'static str, usize)> {
+        let noses = self.noses.iter().map(Nose::bytes).sum::<usize>() + size_of::<Nose>() * self.noses.capacity();
+        vec![("facets", noses + self.skin.bytes()), ("layers", self.stack.bytes())]
+    }
+
+    fn copy(&self) -> Box<dyn Load> {
+        Box::new(self.clone())
+    }
+}
+
+#[cold]
+fn not_finite(view: &View<'_>, speed: f64) -> Halt {
+    let time = view.clock.now.total_time;
+    Halt { code: "R202", reason: format!("the resistance is not finite at time {time:e}, speed {speed:e}") }
+}
+
+impl Persist for CavityExpansion {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let CavityExpansion { id: _, friction: _, stack: _, noses, skin } = self;
+        persist_fields!(archive; noses.as_mut_slice(), skin);
+    }
+}

@@ -1,0 +1,280 @@
+//! The resistance on the nose of a rigid body: its shape never changes and every point of it has the same velocity, so that
+//! the forces are closed sums wherever one layer holds all loaded facets.
+//! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
+
+use super::stack::Stack;
+use crate::kernel::cavity::Resistance;
+use crate::kernel::facet::Facet;
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::Patch;
+use crate::state::BodyState;
+use crate::state::archive::{Archive, Persist};
+use crate::state::limit::Limit;
+
+/// Sums over the facets that face one way, fully in one material: because every point of the body has the same
+/// velocity V, v_n = V |n_z| and the force is a polynomial in V (reference: F = pi a^2 (A Y N0 + ...)).
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// sum of A |n_z|^(k+1), k = 0, 1, 2.
+    normal: [f64; 3],
+    /// sum of A |t_z| |n_z|^k.
+    tangential: [f64; 3],
+}
+
+impl Sums {
+    fn of(facets: &[Facet]) -> Self {
+        let mut sums = Sums::default();
+        for facet in facets {
+            sums.add(facet, facet.area);
+        }
+        sums
+    }
+
+    #[inline]
+    fn add(&mut self, facet: &Facet, area: f64) {
+        let n = facet.normal[1].abs();
+        let t = facet.normal[0].abs();
+        let powers = [1.0, n, n * n];
+        for (k, power) in powers.iter().enumerate() {
+            self.normal[k] += area * n * power;
+            self.tangential[k] += area * t * power;
+        }
+    }
+
+    /// Magnitudes of the axial normal and tangential (for friction 1) forces at speed V.
+    #[inline]
+    fn forces(&self, law: &Resistance, speed: f64) -> [f64; 2] {
+        let sum = |s: &[f64; 3]| law.c0 * s[0] + speed * (law.c1 * s[1] + speed * (law.c2 * s[2]));
+        [sum(&self.normal), sum(&self.tangential)]
+    }
+}
+
+/// The facets that are loaded when the body moves one way.
+#[derive(Clone, Debug, Default)]
+struct Front {
+    facets: Vec<Facet>,
+    elements: Vec<usize>,
+    sums: Sums,
+    /// z of the lowest and highest point at the start.
+    range: [f64; 2],
+    /// z of the level facets: there the force jumps when a plane is met.
+    levels: Vec<f64>,
+}
+
+impl Front {
+    fn new(facets: &[(usize, Facet)], sign: f64) -> Self {
+        let chosen: Vec<_> = facets.iter().filter(|(_, f)| f.normal[1] * sign > 0.0).copied().collect();
+        let facets: Vec<Facet> = chosen.iter().map(|c| c.1).collect();
+        let low = facets.iter().map(|f| f.low[1]).fold(f64::INFINITY, f64::min);
+        let high = facets.iter().map(|f| f.high[1]).fold(f64::NEG_INFINITY, f64::max);
+        let mut levels: Vec<f64> = facets.iter().filter(|f| is_level(f)).map(|f| f.low[1]).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        Front {
+            sums: Sums::of(&facets),
+            elements: chosen.iter().map(|c| c.0).collect(),
+            facets,
+            range: [low, high],
+            levels,
+        }
+    }
+}
+
+/// Level up to rounding: such a facet enters a layer as a whole.
+fn is_level(facet: &Facet) -> bool {
+    facet.normal[0].abs() < 1e-9
+}
+
+/// The facets of one body under the resistance of a stack.
+#[derive(Clone, Debug)]
+pub(super) struct Nose {
+    pub(super) body: usize,
+    /// Facets loaded in motion towards smaller and larger z.
+    fronts: [Front; 2],
+    /// Elements of facets that no axial motion loads.
+    idle: Vec<usize>,
+    /// Fraction of the nose's height that an increment may travel while a plane cuts the nose.
+    travel: f64,
+    /// Distances below this are rounding.
+    rounding: f64,
+    /// The layer that last held all loaded facets.
+    last_layer: usize,
+}
+
+impl Nose {
+    /// The nose of a body. `travel` is the fraction of the loaded facets' height that one increment may move while a plane of
+    /// the stack cuts them.
+    pub(super) fn new(patch: &Patch, stack: &Stack, travel: f64) -> Self {
+        let facets = &patch.facets;
+        let largest = |values: &mut dyn Iterator<Item = f64>| {
+            values.filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()))
+        };
+        let extent = largest(&mut facets.iter().flat_map(|(_, f)| [f.low[1], f.high[1], f.low[0], f.high[0]]));
+        let rounding = 1e-12 * extent.max(largest(&mut stack.planes.iter().copied()));
+        let idle = facets.iter().filter(|(_, f)| f.normal[1] == 0.0).map(|f| f.0).collect();
+        let fronts = [Front::new(facets, -1.0), Front::new(facets, 1.0)];
+        Nose { body: patch.body, fronts, idle, travel, rounding, last_layer: 0 }
+    }
+
+    /// Axial forces of pressure and of friction with coefficient 1, against the motion; `None` where none is finite.
+    #[inline]
+    pub(super) fn resist(&mut self, stack: &Stack, body: &BodyState) -> Option<[f64; 2]> {
+        let direction = body.direction;
+        if direction == 0.0 || self.front(direction).facets.is_empty() {
+            return Some([0.0; 2]);
+        }
+        let [normal, tangential] = self.forces(stack, body.displacement, direction, body.velocity_load.abs());
+        normal.is_finite().then_some([-direction * normal, -direction * tangential])
+    }
+
+    /// How far the next increment may go.
+    pub(super) fn limit(&self, stack: &Stack, body: &BodyState) -> Limit {
+        let (velocity, acceleration) = (body.velocity, body.acceleration);
+        let direction = if velocity == 0.0 { acceleration } else { velocity };
+        if direction == 0.0 || self.front(direction).facets.is_empty() {
+            return Limit::NONE;
+        }
+        let sign = direction.signum();
+        let (distance, jump) = self.reach(stack, body.displacement, sign);
+        Limit { time: time_to_travel(distance, velocity.abs(), acceleration * sign), jump }
+    }
+
+    /// Adds what frames show.
+    pub(super) fn show(&self, stack: &Stack, body: &BodyState, fields: &mut FacetFields) {
+        let (velocity, shift) = (body.velocity, body.displacement);
+        for (front, direction) in self.fronts.iter().zip([-1.0, 1.0]) {
+            let loaded = velocity * direction > 0.0;
+            let start = fields.elements.len();
+            let shown = front.elements.iter().zip(&front.facets);
+            shown.for_each(|(e, f)| fields.push(*e, 0.0, f.normal[1] * velocity));
+            let mut largest = vec![0.0; front.facets.len()];
+            self.parts(stack, front, shift, direction, |index, layer, area| {
+                let facet = &front.facets[index];
+                if area > largest[index] {
+                    largest[index] = area;
+                    fields.layer[start + index] = stack.numbers[layer] as f64;
+                }
+                if loaded {
+                    let stress = stack.laws[layer].stress((velocity * facet.normal[1]).abs());
+                    fields.pressure[start + index] += stress * area / facet.area;
+                }
+            });
+        }
+        self.idle.iter().for_each(|e| fields.push(*e, 0.0, 0.0));
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        let front = |f: &Front| {
+            size_of::<Facet>() * f.facets.capacity()
+                + size_of::<usize>() * f.elements.capacity()
+                + size_of::<f64>() * f.levels.capacity()
+        };
+        self.fronts.iter().map(front).sum::<usize>() + size_of::<usize>() * self.idle.capacity()
+    }
+
+    fn front(&self, direction: f64) -> &Front {
+        &self.fronts[usize::from(direction > 0.0)]
+    }
+
+    /// Calls `each(facet index, layer, area)` for the part of every facet in every layer.
+    fn parts(&self, stack: &Stack, front: &Front, shift: f64, direction: f64, mut each: impl FnMut(usize, usize, f64)) {
+        let planes = &stack.planes;
+        for (index, facet) in front.facets.iter().enumerate() {
+            let (low, high) = (facet.low[1] + shift, facet.high[1] + shift);
+            if is_level(facet) {
+                let ahead = low + direction * self.rounding;
+                if let Some(layer) = stack.layer_around(ahead, ahead) {
+                    each(index, layer, facet.area);
+                }
+                continue;
+            }
+            let first = planes.partition_point(|&p| p <= low).max(1);
+            for layer in first - 1..stack.laws.len() {
+                if planes[layer] >= high {
+                    break;
+                }
+                let area = facet.area_between(planes[layer] - shift, planes[layer + 1] - shift);
+                each(index, layer, area);
+            }
+        }
+    }
+
+    /// The layer that holds all loaded facets, if one does; looks first where they were last.
+    #[inline]
+    fn layer_of_all(&mut self, stack: &Stack, low: f64, high: f64) -> Option<usize> {
+        let planes = &stack.planes[self.last_layer..self.last_layer + 2];
+        if planes[0] <= low && high <= planes[1] {
+            return Some(self.last_layer);
+        }
+        let layer = stack.layer_around(low, high)?;
+        self.last_layer = layer;
+        Some(layer)
+    }
+
+    /// Axial normal and tangential force magnitudes at speed V in a direction.
+    #[inline]
+    fn forces(&mut self, stack: &Stack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
+        let offset = shift + direction * self.rounding;
+        let [low, high] = self.front(direction).range.map(|z| z + offset);
+        if let Some(layer) = self.layer_of_all(stack, low, high) {
+            return self.front(direction).sums.forces(&stack.laws[layer], speed);
+        }
+        if Nose::outside(stack, low, high) {
+            return [0.0; 2];
+        }
+        self.forces_of_parts(stack, shift, direction, speed)
+    }
+
+    fn forces_of_parts(&self, stack: &Stack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
+        let front = self.front(direction);
+        let mut total = [0.0; 2];
+        self.parts(stack, front, shift, direction, |index, layer, area| {
+            let facet = &front.facets[index];
+            let n = facet.normal[1].abs();
+            let force = area * stack.laws[layer].stress(speed * n);
+            total[0] += force * n;
+            total[1] += force * facet.normal[0].abs();
+        });
+        total
+    }
+
+    fn outside(stack: &Stack, low: f64, high: f64) -> bool {
+        let planes = &stack.planes;
+        high < planes[0] || low > planes[planes.len() - 1]
+    }
+
+    /// How far the body may travel, and whether the force jumps there.
+    fn reach(&self, stack: &Stack, shift: f64, direction: f64) -> (f64, bool) {
+        let front = self.front(direction);
+        let [low, high] = [front.range[0] + shift, front.range[1] + shift];
+        let (leading, trailing) = if direction > 0.0 { (high, low) } else { (low, high) };
+        let gap = stack.distance_ahead(trailing, direction, self.rounding);
+        let extent = high - low;
+        let cut = gap < extent;
+        let ahead = if cut { 0.0 } else { stack.distance_ahead(leading, direction, self.rounding) };
+        let smooth = ahead + self.travel * extent;
+        let jump = front
+            .levels
+            .iter()
+            .map(|z| stack.distance_ahead(z + shift, direction, self.rounding))
+            .fold(f64::INFINITY, f64::min);
+        if jump <= smooth { (jump, true) } else { (smooth, false) }
+    }
+}
+
+/// Time to cover a distance at speed v with acceleration a along the motion; infinite if the body stops before.
+fn time_to_travel(distance: f64, speed: f64, acceleration: f64) -> f64 {
+    let discriminant = speed * speed + 2.0 * acceleration * distance;
+    if !distance.is_finite() || discriminant < 0.0 {
+        return f64::INFINITY;
+    }
+    2.0 * distance / (speed + discriminant.sqrt())
+}
+
+impl Persist for Nose {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Nose { body: _, fronts: _, idle: _, travel: _, rounding: _, last_layer } = self;
+        last_layer.persist(archive);
+    }
+}

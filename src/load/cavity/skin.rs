@@ -1,0 +1,144 @@
+//! The resistance on faces of what deforms, each with its own velocity.
+//! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
+
+use super::stack::Stack;
+use crate::kernel::facet::{Facet, ring_pressure};
+use crate::load::fields::FacetFields;
+use crate::load::{Behind, View};
+use crate::mesh::surface::{Face, Skin};
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::limit::Limit;
+use crate::state::nodes::Nodes;
+
+/// Forces on the two nodes of a face: of pressure, of friction.
+type Pair = [[[f64; 2]; 2]; 2];
+
+/// Faces with the forces on them, now and an instant before.
+#[derive(Clone, Debug)]
+pub(super) struct Resisted {
+    skin: Skin,
+    forces: Vec<[Pair; 2]>,
+}
+
+impl Resisted {
+    pub(super) fn new(skin: Skin) -> Self {
+        Resisted { forces: vec![[Pair::default(); 2]; skin.faces.len()], skin }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.skin.faces.is_empty()
+    }
+
+    /// Adds the forces on nodes.
+    ///
+    /// # Errors
+    /// The normal velocity of a face at which the resistance is not finite.
+    pub(super) fn resist(
+        &mut self,
+        stack: &Stack,
+        friction: f64,
+        view: &View<'_>,
+        forces: &mut [[f64; 2]],
+    ) -> Result<(), f64> {
+        let faces = self.skin.faces.iter().zip(&self.skin.carries);
+        for ((&nodes, &carries), [now, before]) in faces.zip(&mut self.forces) {
+            *before = *now;
+            *now = if carries { on_face(stack, friction, view, nodes)? } else { Pair::default() };
+            for (n, force) in now.iter().flat_map(|part| nodes.into_iter().zip(part)) {
+                forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
+            }
+        }
+        Ok(())
+    }
+
+    /// Work over the increment behind against pressure and friction.
+    pub(super) fn dissipated(&self, behind: &Behind<'_>) -> [f64; 2] {
+        let mut against = [0.0; 2];
+        for (nodes, [now, before]) in self.skin.faces.iter().zip(&self.forces) {
+            for (sum, (now, before)) in against.iter_mut().zip(now.iter().zip(before)) {
+                for (&n, (now, before)) in nodes.iter().zip(now.iter().zip(before)) {
+                    *sum -= behind.work(n, *now, *before);
+                }
+            }
+        }
+        against
+    }
+
+    pub(super) fn release(&mut self, gone: &[[u32; 4]]) {
+        self.skin.release(gone);
+    }
+
+    /// How far the next increment may go: a level face enters a layer as a whole, so that its force jumps there; of others no
+    /// more than the face itself may pass a plane in one increment.
+    pub(super) fn limit(&self, stack: &Stack, nodes: &Nodes) -> Limit {
+        let limits = self.skin.carrying().map(|face| face_limit(stack, &Face::new(face, nodes), nodes));
+        limits.fold(Limit::NONE, Limit::nearer)
+    }
+
+    /// Adds what frames show.
+    pub(super) fn show(&self, stack: &Stack, nodes: &Nodes, fields: &mut FacetFields) {
+        for ((&face, &element), &carries) in self.skin.faces.iter().zip(&self.skin.elements).zip(&self.skin.carries) {
+            let face = Face::new(face, nodes);
+            let into = face.normal_velocity(nodes);
+            let facet = Facet::new(face.ends[0], face.ends[1], false);
+            let loaded = facet.filter(|_| carries && into > 0.0);
+            fields.push(element, loaded.map_or(0.0, |f| stack.mean_stress(&f, into)), into);
+            if let Some(layer) = fields.layer.last_mut() {
+                *layer = facet.map_or(0.0, |f| stack.number_of(&f) as f64);
+            }
+        }
+    }
+
+    /// Bytes of the arrays.
+    pub(super) fn bytes(&self) -> usize {
+        self.skin.bytes() + size_of::<[Pair; 2]>() * self.forces.capacity()
+    }
+}
+
+/// Pressure by the normal velocity of the face's middle, times the share of the face's area in each layer; friction against
+/// the tangential velocity.
+fn on_face(stack: &Stack, friction: f64, view: &View<'_>, nodes: [usize; 2]) -> Result<Pair, f64> {
+    let mut pair = Pair::default();
+    let face = Face::new(nodes, &view.dofs.nodes);
+    let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);
+    let into = velocity[0] * normal[0] + velocity[1] * normal[1];
+    let Some(facet) = Facet::new(face.ends[0], face.ends[1], false).filter(|_| into > 0.0) else { return Ok(pair) };
+    let pressure = stack.mean_stress(&facet, into);
+    if pressure == 0.0 {
+        return Ok(pair);
+    }
+    if !pressure.is_finite() {
+        return Err(into);
+    }
+    pair[0] = ring_pressure(face.ends, pressure);
+    let along = velocity[1] * normal[0] - velocity[0] * normal[1];
+    if friction > 0.0 && along != 0.0 {
+        // Half of the face's friction on each node, against the motion along the tangent (-n_z, n_r).
+        let force = 0.5 * friction * pressure * facet.area * -along.signum();
+        pair[1] = [[-force * normal[1], force * normal[0]]; 2];
+    }
+    Ok(pair)
+}
+
+fn face_limit(stack: &Stack, face: &Face, nodes: &Nodes) -> Limit {
+    let velocity = face.mean(|n| nodes.velocity_now(n))[1];
+    let into = face.normal_velocity(nodes);
+    if into.is_nan() || into <= 0.0 || velocity == 0.0 {
+        return Limit::NONE;
+    }
+    let sign = velocity.signum();
+    let [a, b] = face.ends.map(|end| sign * end[1]);
+    let leading = sign * a.max(b);
+    let rounding = 1e-12 * leading.abs().max((face.ends[1][0] - face.ends[0][0]).abs());
+    let ahead = stack.distance_ahead(leading, sign, rounding);
+    let jump = face.normal[0].abs() < 1e-9;
+    let distance = if jump { ahead } else { ahead + (a - b).abs() };
+    Limit { time: distance / velocity.abs(), jump }
+}
+
+impl Persist for Resisted {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Resisted { skin, forces } = self;
+        persist_fields!(archive; skin, forces.as_mut_slice());
+    }
+}

@@ -1,0 +1,77 @@
+//! Layers of a target that is not meshed, between planes of constant z.
+//! Never here: what moves into them.
+
+use crate::kernel::cavity::Resistance;
+use crate::kernel::facet::Facet;
+
+/// A stack of layers between planes of constant z.
+#[derive(Clone, Debug)]
+pub struct Stack {
+    /// z of the planes, ascending: one more than there are layers; the outermost may be infinite.
+    pub planes: Vec<f64>,
+    /// Law of the layer between plane `i` and plane `i + 1`.
+    pub laws: Vec<Resistance>,
+    /// Number of each layer, from 1, as the deck counts them.
+    pub numbers: Vec<usize>,
+}
+
+impl Stack {
+    /// A stack from its impact face on, in the direction (+1 or -1) in which the layers follow each other.
+    pub fn new(front: f64, direction: f64, layers: &[(f64, Resistance)]) -> Self {
+        let mut planes = vec![front];
+        for (thickness, _) in layers {
+            planes.push(planes[planes.len() - 1] + direction * thickness);
+        }
+        let mut laws: Vec<_> = layers.iter().map(|l| l.1).collect();
+        let mut numbers: Vec<_> = (1..=layers.len()).collect();
+        if direction < 0.0 {
+            planes.reverse();
+            laws.reverse();
+            numbers.reverse();
+        }
+        Stack { planes, laws, numbers }
+    }
+
+    /// The layer that holds the whole open interval, if one does.
+    pub(super) fn layer_around(&self, low: f64, high: f64) -> Option<usize> {
+        let after = self.planes.partition_point(|&p| p <= low);
+        (after > 0 && after < self.planes.len() && high <= self.planes[after]).then(|| after - 1)
+    }
+
+    /// Stress at a normal velocity, averaged over the area of a facet; nothing outside the layers.
+    pub fn mean_stress(&self, facet: &Facet, speed: f64) -> f64 {
+        let (low, high) = (facet.low[1], facet.high[1]);
+        if let Some(layer) = self.layer_around(low, high) {
+            return self.laws[layer].stress(speed);
+        }
+        let between = self.planes.windows(2).zip(&self.laws);
+        let part = |(planes, law): (&[f64], &Resistance)| facet.area_between(planes[0], planes[1]) * law.stress(speed);
+        if high > low { between.map(part).sum::<f64>() / facet.area } else { 0.0 }
+    }
+
+    /// Distance ahead of `z` in direction `sign` to the next plane, further than `skip`.
+    pub(super) fn distance_ahead(&self, z: f64, sign: f64, skip: f64) -> f64 {
+        let next = if sign > 0.0 {
+            self.planes.get(self.planes.partition_point(|&p| p <= z + skip))
+        } else {
+            self.planes.partition_point(|&p| p < z - skip).checked_sub(1).map(|i| &self.planes[i])
+        };
+        next.map_or(f64::INFINITY, |p| (p - z) * sign)
+    }
+
+    /// Number of the layer that takes the largest part of a facet's area; 0 outside any.
+    pub(super) fn number_of(&self, facet: &Facet) -> usize {
+        if let Some(layer) = self.layer_around(facet.low[1], facet.high[1]) {
+            return self.numbers[layer];
+        }
+        let parts = self.planes.windows(2).map(|p| facet.area_between(p[0], p[1])).zip(&self.numbers);
+        parts.fold((0.0, 0), |most, (area, &number)| if area > most.0 { (area, number) } else { most }).1
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<f64>() * self.planes.capacity()
+            + size_of::<Resistance>() * self.laws.capacity()
+            + size_of::<usize>() * self.numbers.capacity()
+    }
+}

@@ -1,0 +1,178 @@
+//! A load given by the user's routine: a pressure on a surface (`PNU` and its kin), a body force (`BRNU`, `BZNU`).
+//! Never here: how the routine was made or loaded.
+
+mod points;
+mod shown;
+
+use super::{Account, Load, Slot, VelocityUse, View};
+use crate::load::fields::FacetFields;
+use crate::mesh::surface::Surface;
+use crate::state::EffectId;
+use crate::state::archive::{Archive, Persist};
+use crate::state::dofs::Dofs;
+use crate::state::halt::Halt;
+use crate::state::limit::Limit;
+use crate::state::magnitude::Magnitude;
+use crate::state::nodes::Nodes;
+use crate::user::{Locked, MAX_BLOCK};
+use points::{Block, Carrier};
+
+/// What is the same for all points of a load.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// Its row of the ledger.
+    pub id: EffectId,
+    /// Surface or element set, upper case.
+    pub name: String,
+    /// `jltyp`.
+    pub load_type: i32,
+    /// Whether the routine is shown normals that point into the body, as solids have it.
+    pub inward: bool,
+    /// Magnitude and amplitude; the routine applies them.
+    pub magnitude: Magnitude,
+    /// Whether the routine reads displacements and accelerations.
+    pub reads_motion: bool,
+}
+
+/// A volume that a body force acts on.
+#[derive(Clone, Debug, Default)]
+pub struct Volume {
+    /// Solids of rigid bodies: body, index of the element in the mesh, centre `[r, z]` and volume.
+    pub rigid: Vec<(usize, usize, [f64; 2], f64)>,
+    /// Corner nodes of deformable elements.
+    pub elements: Vec<[u32; 4]>,
+}
+
+/// The load on its points, in blocks as the routine is shown them: those of nodes first, then body after body.
+#[derive(Clone, Debug)]
+pub struct UserLoad {
+    load: Description,
+    /// Bodies, each with one force.
+    bodies: Vec<usize>,
+    blocks: Vec<Block>,
+    /// Blocks of the first ones that act on nodes.
+    on_nodes: usize,
+}
+
+impl UserLoad {
+    /// A pressure on a surface whose nodes are at their places at the start.
+    pub fn on_surface(load: Description, surface: &Surface, nodes: &Nodes) -> Self {
+        let skin = &surface.skin;
+        let parts = skin.faces.chunks(MAX_BLOCK).zip(skin.elements.chunks(MAX_BLOCK));
+        let mut blocks: Vec<Block> =
+            parts.map(|(faces, elements)| Block::of_faces(&load, faces, elements, nodes)).collect();
+        let on_nodes = blocks.len();
+        for (slot, patch) in surface.patches.iter().enumerate() {
+            blocks.extend(patch.facets.chunks(MAX_BLOCK).map(|part| Block::of_facets(&load, slot, patch.body, part)));
+        }
+        UserLoad { bodies: surface.patches.iter().map(|p| p.body).collect(), load, blocks, on_nodes }
+    }
+
+    /// A force a volume.
+    pub fn on_volume(load: Description, volume: &Volume, nodes: &Nodes) -> Self {
+        let parts = volume.elements.chunks(MAX_BLOCK);
+        let mut blocks: Vec<Block> = parts.map(|elements| Block::of_elements(&load, elements, nodes)).collect();
+        let on_nodes = blocks.len();
+        let mut bodies = Vec::new();
+        for of_body in volume.rigid.chunk_by(|a, b| a.0 == b.0) {
+            blocks.extend(of_body.chunks(MAX_BLOCK).map(|part| Block::of_solids(&load, bodies.len(), part)));
+            bodies.push(of_body[0].0);
+        }
+        UserLoad { load, bodies, blocks, on_nodes }
+    }
+}
+
+impl Load for UserLoad {
+    fn id(&self) -> EffectId {
+        self.load.id
+    }
+
+    fn slots(&self) -> Vec<Slot> {
+        self.bodies.iter().map(|&body| Slot { body, account: Account::Work }).collect()
+    }
+
+    fn acts_on_nodes(&self) -> bool {
+        self.on_nodes > 0
+    }
+
+    fn on_nodes(&mut self, view: &View<'_>, user: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
+        let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
+        for (i, block) in self.blocks[..self.on_nodes].iter_mut().enumerate() {
+            block.on_nodes(&self.load, view, routine, i * MAX_BLOCK, forces)?;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn on_bodies(&mut self, view: &View<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt> {
+        out.fill(0.0);
+        let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
+        let (mut first, mut body) = (0, usize::MAX);
+        for i in self.on_nodes..self.blocks.len() {
+            let block = &mut self.blocks[i];
+            let slot = block.slot();
+            first = if slot == body { first + MAX_BLOCK } else { 0 };
+            body = slot;
+            match block.on_body(&self.load, view, routine, first) {
+                Ok(force) => out[slot] += force,
+                Err(halt) => {
+                    // Frames show the last pressures that all were accepted.
+                    self.blocks[self.on_nodes..=i].iter_mut().for_each(Block::swap_pressures);
+                    return Err(halt);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn velocity(&self) -> VelocityUse {
+        VelocityUse::Reads
+    }
+
+    fn limit(&self, view: &View<'_>) -> Limit {
+        self.load.magnitude.limit(&view.clock)
+    }
+
+    /// The routine goes on to be shown the face; its answer no longer counts.
+    fn release(&mut self, gone: &[[u32; 4]]) {
+        for block in &mut self.blocks {
+            if let Carrier::Faces { skin, .. } = &mut block.carrier {
+                skin.release(gone);
+            }
+        }
+    }
+
+    fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
+        if self.load.load_type == 1 || self.load.load_type == 2 {
+            return None;
+        }
+        let mut fields = FacetFields::default();
+        self.blocks.iter().for_each(|block| block.show_fields(dofs, &mut fields));
+        Some(fields)
+    }
+
+    fn arrays(&self) -> Vec<(&'static str, usize)> {
+        let mut arrays = vec![("points", size_of::<Block>() * self.blocks.capacity() + self.load.magnitude.bytes())];
+        for block in &self.blocks {
+            arrays[0].1 += block.carrier.bytes();
+            for (name, bytes) in block.arrays() {
+                match arrays.iter_mut().find(|a| a.0 == name) {
+                    Some(array) => array.1 += bytes,
+                    None => arrays.push((name, bytes)),
+                }
+            }
+        }
+        arrays
+    }
+
+    fn copy(&self) -> Box<dyn Load> {
+        Box::new(self.clone())
+    }
+}
+
+impl Persist for UserLoad {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let UserLoad { load: _, bodies: _, blocks, on_nodes: _ } = self;
+        blocks.as_mut_slice().persist(archive);
+    }
+}

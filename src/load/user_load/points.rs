@@ -1,0 +1,299 @@
+//! Blocks of load integration points, and what carries them: facets and solids of rigid bodies, faces and elements that
+//! deform. Never here: the load as the integrator sees it.
+
+use super::Description;
+use super::shown::Shown;
+use crate::kernel::facet::Facet;
+use crate::kernel::quad::corner_masses;
+use crate::load::View;
+use crate::load::fields::FacetFields;
+use crate::load::pressure::push;
+use crate::mesh::surface::{Face, Skin};
+use crate::state::BodyState;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::halt::Halt;
+use crate::state::nodes::Nodes;
+use crate::user::{LoadFailure, MAX_BLOCK};
+
+/// At most [`MAX_BLOCK`] points.
+#[derive(Clone, Debug)]
+pub(super) struct Block {
+    pub(super) carrier: Carrier,
+    shown: Shown,
+    /// Of points of a rigid body, pressures of the evaluation before: what frames show if the routine fails now.
+    pressure_before: Vec<f64>,
+}
+
+/// What carries the points of a block.
+#[derive(Clone, Debug)]
+pub(super) enum Carrier {
+    /// A rigid body: which of the load's forces is its, the force along z for a value of one (minus area times n_z, or the
+    /// volume), z at the start, and the elements in the mesh.
+    Body { slot: usize, body: usize, weight: Vec<f64>, z_start: Vec<f64>, elements: Vec<usize> },
+    /// Faces of deformable elements, with their middles at the start.
+    Faces { skin: Skin, start: Vec<[f64; 2]> },
+    /// Deformable elements by their corner nodes, with their middles at the start; the axis of the force.
+    Elements { corners: Vec<[u32; 4]>, start: Vec<[f64; 2]>, axis: usize },
+}
+
+impl Carrier {
+    pub(super) fn bytes(&self) -> usize {
+        let places = |list: &Vec<[f64; 2]>| size_of::<[f64; 2]>() * list.capacity();
+        match self {
+            Carrier::Body { weight, z_start, elements, .. } => {
+                8 * (weight.capacity() + z_start.capacity() + elements.capacity())
+            }
+            Carrier::Faces { skin, start } => skin.bytes() + places(start),
+            Carrier::Elements { corners, start, .. } => size_of::<[u32; 4]>() * corners.capacity() + places(start),
+        }
+    }
+}
+
+/// Mean place and velocity of an element's corners.
+fn middle(element: [u32; 4], nodes: &Nodes, velocity: impl Fn(usize) -> [f64; 2]) -> [[f64; 2]; 2] {
+    let corners = element.map(|n| n as usize);
+    let places = corners.map(|n| nodes[n].place());
+    let speeds = corners.map(velocity);
+    [places, speeds].map(|c| [0, 1].map(|k| 0.25 * ((c[0][k] + c[1][k]) + (c[2][k] + c[3][k]))))
+}
+
+impl Block {
+    /// Facets of a rigid body.
+    pub(super) fn of_facets(load: &Description, slot: usize, body: usize, facets: &[(usize, Facet)]) -> Block {
+        let points = facets.iter().map(|(e, f)| (*e, f.middle(), f.normal, -f.area * f.normal[1]));
+        Block::of_body(load, slot, body, points.collect())
+    }
+
+    /// Solids of a rigid body.
+    pub(super) fn of_solids(load: &Description, slot: usize, solids: &[(usize, usize, [f64; 2], f64)]) -> Block {
+        let points = solids.iter().map(|&(_, e, centre, volume)| (e, centre, [0.0; 2], volume));
+        Block::of_body(load, slot, solids[0].0, points.collect())
+    }
+
+    fn of_body(load: &Description, slot: usize, body: usize, points: Vec<(usize, [f64; 2], [f64; 2], f64)>) -> Block {
+        let n = points.len();
+        let mut shown = Shown::new(n);
+        for (i, &(_, place, normal, _)) in points.iter().enumerate() {
+            shown.coordinates[i] = place[0];
+            shown.coordinates[n + i] = place[1];
+            shown.set_normal(i, normal, load.inward);
+        }
+        let carrier = Carrier::Body {
+            slot,
+            body,
+            weight: points.iter().map(|p| p.3).collect(),
+            z_start: points.iter().map(|p| p.1[1]).collect(),
+            elements: points.iter().map(|p| p.0).collect(),
+        };
+        let pressure_before = (0..=MAX_BLOCK).map(|i| if i < n { 0.0 } else { f64::NAN }).collect();
+        Block { carrier, shown, pressure_before }
+    }
+
+    /// Faces of deformable elements.
+    pub(super) fn of_faces(_: &Description, faces: &[[usize; 2]], elements: &[usize], nodes: &Nodes) -> Block {
+        let start = faces.iter().map(|&f| Face::new(f, nodes).middle()).collect();
+        let skin = Skin::new(faces.to_vec(), elements.to_vec());
+        Block { carrier: Carrier::Faces { skin, start }, shown: Shown::new(faces.len()), pressure_before: Vec::new() }
+    }
+
+    /// Deformable elements.
+    pub(super) fn of_elements(load: &Description, elements: &[[u32; 4]], nodes: &Nodes) -> Block {
+        let mut shown = Shown::new(elements.len());
+        (0..elements.len()).for_each(|i| shown.set_normal(i, [0.0; 2], false));
+        let start = elements.iter().map(|e| middle(*e, nodes, |_| [0.0; 2])[0]).collect();
+        let axis = if load.load_type == 1 { 0 } else { 1 };
+        let carrier = Carrier::Elements { corners: elements.to_vec(), start, axis };
+        Block { carrier, shown, pressure_before: Vec::new() }
+    }
+
+    /// Which of the load's forces on bodies it adds to.
+    pub(super) fn slot(&self) -> usize {
+        if let Carrier::Body { slot, .. } = self.carrier { slot } else { 0 }
+    }
+
+    pub(super) fn arrays(&self) -> Vec<(&'static str, usize)> {
+        let mut arrays = self.shown.arrays().to_vec();
+        arrays.push(("value", 8 * self.pressure_before.capacity()));
+        arrays
+    }
+
+    /// Calls the routine for points of a rigid body, of which so many came before, and sums up the force along z.
+    #[inline]
+    pub(super) fn on_body(
+        &mut self,
+        load: &Description,
+        view: &View<'_>,
+        routine: &mut dyn crate::user::UserLoad,
+        first: usize,
+    ) -> Result<f64, Halt> {
+        self.swap_pressures();
+        let Carrier::Body { body, weight, z_start, .. } = &self.carrier else { return Ok(0.0) };
+        show_body(&mut self.shown, z_start, &view.dofs.bodies[*body], load.reads_motion);
+        let called = self.shown.call(load, &view.clock, routine);
+        let force = dot(self.shown.pressure(), weight);
+        let accepted = called.and_then(|()| self.shown.accept(force.is_finite()));
+        accepted.map_err(|failure| self.shown.failure(load, first, &view.clock.now, &failure))?;
+        Ok(force)
+    }
+
+    pub(super) fn swap_pressures(&mut self) {
+        std::mem::swap(&mut self.shown.pressure, &mut self.pressure_before);
+    }
+
+    /// Calls the routine for points that deform, of which so many came before, and adds the forces on nodes.
+    pub(super) fn on_nodes(
+        &mut self,
+        load: &Description,
+        view: &View<'_>,
+        routine: &mut dyn crate::user::UserLoad,
+        first: usize,
+        forces: &mut [[f64; 2]],
+    ) -> Result<(), Halt> {
+        self.show_nodes(load, view);
+        let finite = |shown: &Shown| shown.pressure().iter().all(|p| p.is_finite());
+        let called = self.shown.call(load, &view.clock, routine);
+        let accepted = called.and_then(|()| self.shown.accept(finite(&self.shown)));
+        accepted.map_err(|failure: LoadFailure| self.shown.failure(load, first, &view.clock.now, &failure))?;
+        self.add(&view.dofs.nodes, forces);
+        Ok(())
+    }
+
+    /// Brings the arrays to this instant and empties the answer.
+    fn show_nodes(&mut self, load: &Description, view: &View<'_>) {
+        let (nodes, shown) = (&view.dofs.nodes, &mut self.shown);
+        shown.forget();
+        match &self.carrier {
+            Carrier::Body { .. } => {}
+            Carrier::Faces { skin, start } => {
+                for (i, (&face, start)) in skin.faces.iter().zip(start).enumerate() {
+                    let face = Face::new(face, nodes);
+                    let acceleration = face.mean(|n| nodes.acceleration[n]);
+                    shown.set_point(i, face.middle(), *start, face.mean(|n| view.velocity(n)), acceleration);
+                    shown.set_normal(i, face.normal, load.inward);
+                }
+            }
+            Carrier::Elements { corners, start, .. } => {
+                for (i, (&element, start)) in corners.iter().zip(start).enumerate() {
+                    let [place, velocity] = middle(element, nodes, |n| view.velocity(n));
+                    let acceleration = middle(element, nodes, |n| nodes.acceleration[n])[1];
+                    shown.set_point(i, place, *start, velocity, acceleration);
+                }
+            }
+        }
+    }
+
+    fn add(&self, nodes: &Nodes, forces: &mut [[f64; 2]]) {
+        match &self.carrier {
+            Carrier::Body { .. } => {}
+            Carrier::Faces { skin, .. } => {
+                let loaded = skin.faces.iter().zip(self.shown.pressure()).zip(&skin.carries);
+                for ((&face, &pressure), _) in loaded.filter(|face| *face.1) {
+                    push(&Face::new(face, nodes), pressure, forces);
+                }
+            }
+            Carrier::Elements { corners, axis, .. } => {
+                for (element, &force) in corners.iter().zip(self.shown.pressure()) {
+                    // The part of the volume that belongs to each corner.
+                    let shares = corner_masses(element.map(|n| nodes[n as usize].place()), 1.0);
+                    for (&node, share) in element.iter().zip(shares) {
+                        forces[node as usize][*axis] += force * share;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds what frames show.
+    pub(super) fn show_fields(&self, dofs: &Dofs, fields: &mut FacetFields) {
+        match &self.carrier {
+            Carrier::Body { body, elements, .. } => {
+                let velocity = dofs.bodies[*body].velocity;
+                for ((&e, &pressure), n) in elements.iter().zip(self.shown.pressure()).zip(&self.shown.normal_z) {
+                    fields.push(e, pressure, n * velocity);
+                }
+            }
+            Carrier::Faces { skin, .. } => {
+                let faces = skin.faces.iter().zip(&skin.elements).zip(&skin.carries);
+                for (((&face, &e), &carries), &pressure) in faces.zip(self.shown.pressure()) {
+                    let velocity = Face::new(face, &dofs.nodes).normal_velocity(&dofs.nodes);
+                    fields.push(e, if carries { pressure } else { 0.0 }, velocity);
+                }
+            }
+            Carrier::Elements { .. } => {}
+        }
+    }
+}
+
+/// Brings the arrays of points on a rigid body to this instant and empties the answer, in one pass: for a few facets the
+/// passes would cost more than what they write.
+#[inline]
+fn show_body(shown: &mut Shown, z_start: &[f64], body: &BodyState, all: bool) {
+    let n = z_start.len();
+    let Shown { coordinates, motion, pressure, .. } = shown;
+    let (z, v) = (&mut coordinates[n..2 * n], &mut motion[n..2 * n]);
+    // Four at a time: each tile is read before it is written, so nothing need be known of where the arrays lie.
+    let tiles = z.as_chunks_mut::<4>().0.iter_mut().zip(v.as_chunks_mut::<4>().0);
+    let tiles = tiles.zip(pressure.as_chunks_mut::<4>().0).zip(z_start.as_chunks::<4>().0);
+    for (((z, v), pressure), start) in tiles {
+        *z = start.map(|start| start + body.displacement);
+        *v = [body.velocity_load; 4];
+        *pressure = [f64::NAN; 4];
+    }
+    for i in n / 4 * 4..n {
+        z[i] = z_start[i] + body.displacement;
+        v[i] = body.velocity_load;
+        pressure[i] = f64::NAN;
+    }
+    if all {
+        motion[3 * n..4 * n].fill(body.displacement);
+        motion[5 * n..].fill(body.acceleration);
+    }
+}
+
+/// Sum of products in eight interleaved partial sums: the same bits on every instruction set, and no chain of additions.
+#[allow(clippy::needless_range_loop)] // Indices that are known keep the sums in registers.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (a_tiles, a_rest) = a.as_chunks::<8>();
+    let (b_tiles, b_rest) = b.as_chunks::<8>();
+    for (x, y) in a_tiles.iter().zip(b_tiles) {
+        for lane in 0..8 {
+            lanes[lane] += x[lane] * y[lane];
+        }
+    }
+    let tile = a_rest.first_chunk::<4>().zip(b_rest.first_chunk::<4>());
+    if let Some((x, y)) = tile {
+        for lane in 0..4 {
+            lanes[lane] += x[lane] * y[lane];
+        }
+        for lane in 4..7 {
+            if let (Some(x), Some(y)) = (a_rest.get(lane), b_rest.get(lane)) {
+                lanes[lane] += x * y;
+            }
+        }
+    } else {
+        for lane in 0..3 {
+            if let (Some(x), Some(y)) = (a_rest.get(lane), b_rest.get(lane)) {
+                lanes[lane] += x * y;
+            }
+        }
+    }
+    ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+}
+
+impl Persist for Carrier {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        if let Carrier::Faces { skin, start: _ } = self {
+            skin.persist(archive);
+        }
+    }
+}
+
+impl Persist for Block {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        // The pressures before are those of the instant that is kept, once the next evaluation has begun.
+        let Block { carrier, shown, pressure_before: _ } = self;
+        persist_fields!(archive; carrier, shown);
+    }
+}

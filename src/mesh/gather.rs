@@ -1,0 +1,76 @@
+//! From corners of elements to nodes: which corner forces act on which node, in fixed order, so that sums have the same bits on
+//! any number of threads. Never here: arithmetic of elements.
+
+use crate::kernel::lanes::{Corners, LANES};
+
+/// Corner slots that most nodes of a mesh of quadrilaterals have at most.
+const SLOTS: usize = 4;
+
+/// Which corner slots act on which node, in fixed order.
+#[derive(Clone, Debug, Default)]
+pub struct Gather {
+    /// The first slots of each node, as places of the force along r in the blocks' corner forces (that along z is
+    /// [`LANES`] behind); where it has fewer, one that holds zeros.
+    slots: Vec<[u32; SLOTS]>,
+    /// The slots of nodes that have more: node, slot.
+    more: Vec<(u32, u32)>,
+}
+
+impl Gather {
+    /// From the corner nodes of elements, group by group; each group begins a new block.
+    pub fn new(count: usize, groups: &[&[[u32; 4]]]) -> Self {
+        let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
+        let empty = (blocks * 8 * LANES) as u32;
+        let mut gather = Gather { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
+        let mut block = 0;
+        for elements in groups {
+            for (e, corners) in elements.iter().enumerate() {
+                for (c, &node) in corners.iter().enumerate() {
+                    let slot = (((block + e / LANES) * 8 + 2 * c) * LANES + e % LANES) as u32;
+                    match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {
+                        Some(free) => *free = slot,
+                        None => gather.more.push((node, slot)),
+                    }
+                }
+            }
+            block += elements.len().div_ceil(LANES);
+        }
+        gather.more.sort_unstable();
+        gather
+    }
+
+    /// Sum of the corner forces of one node.
+    pub fn one(&self, node: usize, corners: &[Corners]) -> [f64; 2] {
+        let mut force = [[0.0; 2]];
+        self.sum(node, corners, &mut force);
+        force[0]
+    }
+
+    /// Sums of the corner forces of nodes from `first` on.
+    #[inline(always)]
+    pub fn sum(&self, first: usize, corners: &[Corners], forces: &mut [[f64; 2]]) {
+        let pair = |slot: u32| {
+            let (block, at) = (slot as usize / (8 * LANES), slot as usize % (8 * LANES));
+            let corner = corners[block].0.as_flattened();
+            [corner[at], corner[at | LANES]]
+        };
+        let last = first + forces.len();
+        for (force, slots) in forces.iter_mut().zip(&self.slots[first..last]) {
+            let [a, b, c, d] = slots.map(pair);
+            *force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
+        }
+        if self.more.is_empty() {
+            return;
+        }
+        let begin = self.more.partition_point(|m| (m.0 as usize) < first);
+        for &(node, slot) in self.more[begin..].iter().take_while(|m| (m.0 as usize) < last) {
+            let (force, more) = (&mut forces[node as usize - first], pair(slot));
+            *force = [force[0] + more[0], force[1] + more[1]];
+        }
+    }
+
+    /// Bytes of its lists.
+    pub fn bytes(&self) -> usize {
+        size_of::<[u32; SLOTS]>() * self.slots.capacity() + size_of::<(u32, u32)>() * self.more.capacity()
+    }
+}

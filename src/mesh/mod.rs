@@ -1,0 +1,5 @@
+//! Surfaces and the way from elements to nodes.
+//! Never here: time.
+
+pub mod gather;
+pub mod surface;

@@ -1,0 +1,135 @@
+//! Surfaces: chains of facets on rigid bodies, whose shape never changes, and of faces on deformable nodes.
+//! Never here: what acts on a surface.
+
+use crate::kernel::facet::Facet;
+use crate::state::archive::{Archive, Persist};
+use crate::state::nodes::Nodes;
+
+/// A surface of a scene; either part may be empty.
+#[derive(Clone, Debug, Default)]
+pub struct Surface {
+    /// The parts on rigid bodies, each body once.
+    pub patches: Vec<Patch>,
+    /// The part on what deforms.
+    pub skin: Skin,
+}
+
+/// The facets of one rigid body at their places at the start.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// The body.
+    pub body: usize,
+    /// Facets with the index of their element in the mesh.
+    pub facets: Vec<(usize, Facet)>,
+}
+
+/// Faces of deformable elements.
+#[derive(Clone, Debug, Default)]
+pub struct Skin {
+    /// The two nodes of each, so that the body lies to the left of the way from the first to the second.
+    pub faces: Vec<[usize; 2]>,
+    /// Index in the mesh of the element behind each.
+    pub elements: Vec<usize>,
+    /// Whether that element is still there.
+    pub carries: Vec<bool>,
+}
+
+/// A face as it is now.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    /// Its nodes.
+    pub nodes: [usize; 2],
+    /// Places of the nodes, `[r, z]`.
+    pub ends: [[f64; 2]; 2],
+    /// Outward unit normal.
+    pub normal: [f64; 2],
+}
+
+impl Face {
+    /// The face between two nodes.
+    #[inline]
+    pub fn new(face: [usize; 2], nodes: &Nodes) -> Face {
+        let [a, b] = face.map(|n| nodes[n].place());
+        let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
+        let length = dr.hypot(dz);
+        Face { nodes: face, ends: [a, b], normal: [dz / length, -dr / length] }
+    }
+
+    /// Middle.
+    pub fn middle(&self) -> [f64; 2] {
+        let [a, b] = self.ends;
+        [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+    }
+
+    /// Mean of what its two nodes have.
+    #[inline]
+    pub fn mean(&self, of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+        let [a, b] = self.nodes.map(of);
+        [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+    }
+
+    /// Velocity along the normal at the instant's own time.
+    pub fn normal_velocity(&self, nodes: &Nodes) -> f64 {
+        let v = self.mean(|n| nodes.velocity_now(n));
+        v[0] * self.normal[0] + v[1] * self.normal[1]
+    }
+}
+
+impl Surface {
+    /// Whether it has neither facets nor faces.
+    pub fn is_empty(&self) -> bool {
+        self.patches.is_empty() && self.skin.faces.is_empty()
+    }
+
+    /// Facets and faces.
+    pub fn count(&self) -> usize {
+        self.patches.iter().map(|p| p.facets.len()).sum::<usize>() + self.skin.faces.len()
+    }
+
+    /// Bytes of the arrays.
+    pub fn bytes(&self) -> usize {
+        let facets = |p: &Patch| size_of::<(usize, Facet)>() * p.facets.capacity();
+        self.patches.iter().map(facets).sum::<usize>()
+            + size_of::<Patch>() * self.patches.capacity()
+            + self.skin.bytes()
+    }
+}
+
+impl Skin {
+    /// Faces that all carry, with the elements behind them.
+    pub fn new(faces: Vec<[usize; 2]>, elements: Vec<usize>) -> Self {
+        Skin { carries: vec![true; faces.len()], faces, elements }
+    }
+
+    /// The faces behind which there is an element.
+    pub fn carrying(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.faces.iter().zip(&self.carries).filter(|f| *f.1).map(|f| *f.0)
+    }
+
+    /// Elements with these corner nodes are no more: their faces no longer carry.
+    pub fn release(&mut self, gone: &[[u32; 4]]) {
+        for (face, carries) in self.faces.iter().zip(&mut self.carries) {
+            *carries &= !is_of(*face, gone);
+        }
+    }
+
+    /// Bytes of the arrays.
+    pub fn bytes(&self) -> usize {
+        size_of::<[usize; 2]>() * self.faces.capacity()
+            + size_of::<usize>() * self.elements.capacity()
+            + self.carries.capacity()
+    }
+}
+
+/// Whether a face belongs to one of these elements: its nodes follow each other there, and in no neighbour.
+fn is_of(face: [usize; 2], elements: &[[u32; 4]]) -> bool {
+    let [a, b] = face.map(|n| n as u32);
+    elements.iter().any(|corners| (0..4).any(|i| corners[i] == a && corners[(i + 1) % 4] == b))
+}
+
+impl Persist for Skin {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Skin { faces: _, elements: _, carries } = self;
+        carries.as_mut_slice().persist(archive);
+    }
+}

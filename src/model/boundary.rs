@@ -1,0 +1,111 @@
+//! `*BOUNDARY`.
+//! Never here: what becomes of boundaries over the steps.
+
+use super::builder::Builder;
+use super::completion::Rotational;
+use super::names::upper;
+use super::types::{Boundary, Motion};
+use crate::deck::{Card, DataLine, Diagnostic, Word};
+
+impl Builder<'_> {
+    pub(super) fn boundary(&mut self, card: &Card) {
+        let kind = match card.value("TYPE").map(|w| upper(&w.text)).as_deref() {
+            None | Some("DISPLACEMENT") => Motion::Displacement,
+            Some("VELOCITY") => Motion::Velocity,
+            Some("ACCELERATION") => Motion::Acceleration,
+            Some(other) => {
+                let help = "DISPLACEMENT, VELOCITY and ACCELERATION are";
+                self.unsupported(card.span, format!("TYPE={other} on *BOUNDARY is not supported"), help);
+                return;
+            }
+        };
+        let user = card.has("USER");
+        let ramp = self.step.as_ref().is_some_and(|s| s.ramp);
+        let Ok(amplitude) = self.amplitude_of(card) else { return };
+        self.boundary_operation(card);
+        for line in &card.lines {
+            let Some(set) = line.field(0) else { continue };
+            let Some(nodes) = self.node_members(set) else { continue };
+            let Some(([first, last], value)) = self.boundary_dofs(line) else { continue };
+            let value = self.scaled(value, amplitude);
+            if kind == Motion::Displacement && value != 0.0 && amplitude.is_none() && !user && !ramp {
+                let message = format!(
+                    "the displacement {value} has no AMPLITUDE and would be a jump: it is ignored, the motion is held"
+                );
+                let finding = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
+                self.diagnostics.push(finding.help("give AMPLITUDE=, or prescribe a velocity"));
+            }
+            if first > 2 {
+                let (span, set, nodes) = (line.span, set.text.clone(), nodes.clone());
+                self.rotational.push(Rotational { span, set, dofs: [first, last], nodes, lost: "is held", value });
+            }
+            for dof in first..=last {
+                let boundary = Boundary {
+                    nodes: nodes.clone(),
+                    set: set.text.clone(),
+                    dof,
+                    kind,
+                    user,
+                    value,
+                    amplitude,
+                    span: line.span,
+                };
+                self.state().boundaries.push(boundary);
+            }
+        }
+    }
+
+    /// With OP=NEW the boundaries of earlier steps end. OP must be the same on all `*BOUNDARY` cards of a step (ABAQUS
+    /// Keywords Reference Guide, *BOUNDARY).
+    fn boundary_operation(&mut self, card: &Card) {
+        let new = self.is_new(card);
+        let Some(step) = &mut self.step else { return };
+        if step.new_boundaries.is_some_and(|other| other != new) {
+            let message =
+                "OP must be the same on every *BOUNDARY of a step: NEW removes all of earlier steps, MOD keeps them";
+            self.out_of_range(card.span, message);
+            return;
+        }
+        step.new_boundaries = Some(new);
+        if new {
+            step.history.boundaries.clear();
+        }
+    }
+
+    /// First and last degree of freedom, and the value.
+    fn boundary_dofs(&mut self, line: &DataLine) -> Option<([u8; 2], f64)> {
+        let word: &Word = match line.field(1) {
+            Some(word) => word,
+            None => {
+                let finding = Diagnostic::error("M102", "a degree of freedom is missing").at(line.span, "here");
+                self.diagnostics.push(finding);
+                return None;
+            }
+        };
+        match upper(&word.text).as_str() {
+            "ENCASTRE" => return Some(([1, 6], 0.0)),
+            "PINNED" => return Some(([1, 3], 0.0)),
+            "XSYMM" => return Some(([1, 1], 0.0)),
+            "YSYMM" => return Some(([2, 2], 0.0)),
+            "ZSYMM" => return Some(([3, 3], 0.0)),
+            other @ ("XASYMM" | "YASYMM" | "ZASYMM") => {
+                let message =
+                    format!("antisymmetry ({other}) is not supported: ABAQUS has it in implicit analyses alone");
+                self.unsupported(word.span, message, "name the degrees of freedom: 1 is r, 2 is z");
+                return None;
+            }
+            _ => {}
+        }
+        let first = word.integer(&mut self.diagnostics)?;
+        let last = line.field(2).map_or(Some(first), |w| w.integer(&mut self.diagnostics))?;
+        let value = self.number_or(line, 3, 0.0)?;
+        if !(1..=6).contains(&first) || !(first..=6).contains(&last) {
+            self.out_of_range(
+                line.span,
+                format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation"),
+            );
+            return None;
+        }
+        Some(([first as u8, last as u8], value))
+    }
+}

@@ -1,0 +1,136 @@
+//! What only the whole deck shows: the density at the temperature at which bodies start, controls that would change a failure,
+//! conditions on degrees of freedom that no node has. Never here: single cards.
+
+use super::builder::Builder;
+use super::types::{InitialKind, LoadKind};
+use crate::deck::{Diagnostic, Span};
+use crate::kernel::hardening::Table;
+
+/// A condition on degrees of freedom above 2.
+#[derive(Clone, Debug)]
+pub(super) struct Rotational {
+    /// Its line.
+    pub span: Span,
+    /// What the deck called the nodes.
+    pub set: String,
+    /// First and last degree of freedom.
+    pub dofs: [u8; 2],
+    /// Nodes.
+    pub nodes: Vec<usize>,
+    /// What does not happen where they do not have it.
+    pub lost: &'static str,
+    /// Magnitude.
+    pub value: f64,
+}
+
+impl Builder<'_> {
+    /// Once all cards are read.
+    pub(super) fn complete(&mut self) {
+        self.initial_densities();
+        self.refuse_kept_elements();
+        self.missing_degrees();
+    }
+
+    /// Says what is lost of conditions on degrees of freedom that nodes do not have: nodes of an axisymmetric body have 1 (r)
+    /// and 2 (z), the reference node of a rigid one the rotation 6 as well, which symmetry holds (ABAQUS Analysis User's
+    /// Guide 1.2.2, "Conventions").
+    fn missing_degrees(&mut self) {
+        let velocities = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
+            InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 => {
+                let nodes = c.members.clone();
+                Some(Rotational {
+                    span: c.span,
+                    set: "initial velocity".into(),
+                    dofs: [dof; 2],
+                    nodes,
+                    lost: "moves",
+                    value,
+                })
+            }
+            _ => None,
+        });
+        let forces = self.model.steps.iter().flat_map(|s| &s.loads).filter_map(|l| match &l.kind {
+            LoadKind::Concentrated { nodes, dof, set } if *dof > 2 && l.magnitude != 0.0 => {
+                let (dofs, nodes) = ([*dof; 2], nodes.clone());
+                Some(Rotational { span: l.span, set: set.clone(), dofs, nodes, lost: "is loaded", value: l.magnitude })
+            }
+            _ => None,
+        });
+        let mut all: Vec<Rotational> = velocities.chain(forces).collect();
+        all.append(&mut self.rotational);
+        let mut told = Vec::new();
+        for condition in all {
+            let references = |n: &usize| self.model.rigid_bodies.iter().any(|b| b.reference == *n);
+            let turns = condition.dofs[1] == 6 && condition.nodes.iter().all(references);
+            if turns || told.contains(&condition.span) {
+                continue;
+            }
+            told.push(condition.span);
+            self.diagnostics.push(missing(&condition));
+        }
+    }
+
+    /// A density over temperature is that of the initial temperature, and stays: mass does not change (ABAQUS Analysis User's
+    /// Guide 21.2.1, "Density").
+    fn initial_densities(&mut self) {
+        for index in 0..self.model.materials.len() {
+            if self.model.materials[index].densities.len() < 2 {
+                continue;
+            }
+            let span = self.model.materials[index].span;
+            match self.initial_temperature(index) {
+                Ok(temperature) => {
+                    let material = &mut self.model.materials[index];
+                    let table = Table { rows: material.densities.clone() };
+                    material.density = Some(table.value(temperature));
+                }
+                Err(message) => self.unsupported(span, message, "give one row, or a material for each temperature"),
+            }
+        }
+    }
+
+    /// The temperature at which everything of a material starts.
+    fn initial_temperature(&self, material: usize) -> Result<f64, &'static str> {
+        let mut nodes = vec![0.0; self.model.mesh.node_names.len()];
+        for condition in &self.model.initial_conditions {
+            if let InitialKind::Temperature(value) = condition.kind {
+                condition.members.iter().for_each(|&n| nodes[n] = value);
+            }
+        }
+        let sections = self.model.sections.iter().filter(|s| s.material == material);
+        let elements = sections.flat_map(|s| &s.elements).flat_map(|&e| &self.model.mesh.elements[e].nodes);
+        let mut temperatures = elements.map(|&n| nodes[n]);
+        let first = temperatures.next().ok_or("a density over temperature needs elements that have a temperature")?;
+        if temperatures.any(|t| t != first) {
+            return Err("a density over temperature, where elements start at different temperatures, is not supported");
+        }
+        Ok(first)
+    }
+
+    /// An element whose material fails is deleted here; where the deck wants it kept, that is refused.
+    fn refuse_kept_elements(&mut self) {
+        let kept = |section: &super::SolidSection| -> Option<(Span, bool)> {
+            let name = section.controls.as_ref()?;
+            let span = self.model.controls.iter().find(|c| c.name == *name)?.keeps_failed?;
+            let material = self.model.materials.get(section.material)?;
+            Some((span, !material.failures.is_empty() || material.tensile_failure.is_some_and(|t| t.deletes)))
+        };
+        let kept: Vec<(Span, bool)> = self.model.sections.iter().filter_map(kept).collect();
+        for (span, fails) in kept {
+            if fails {
+                let message = "ELEMENT DELETION=NO is not supported: elements that fail are deleted";
+                self.diagnostics.push(Diagnostic::error("M104", message).at(span, "not supported"));
+            }
+        }
+    }
+}
+
+fn missing(condition: &Rotational) -> Diagnostic {
+    let [first, last] = condition.dofs;
+    let dofs = if first == last { format!("{first}") } else { format!("{first} to {last}") };
+    let message =
+        format!("no node of `{}` has degree of freedom {dofs}: nothing {} by this line", condition.set, condition.lost);
+    let help = "1 is r, 2 is z; symmetry about a plane z = constant is YSYMM";
+    let severity = if condition.value == 0.0 { Diagnostic::warning } else { Diagnostic::error };
+    severity("M149", message).at(condition.span, "here").help(help)
+}

@@ -1,0 +1,283 @@
+//! The one table of output variables: name, where it lives, labels of its components, the words of the manual, and how it
+//! is read. Decks, `explain`, histories, frames, norms, the page of variables and messages read it; a new variable is one
+//! entry here, and what holds its value answers for it (`value(.., Variable)`).
+//! Never here: which of them a deck asks for, where in a file they stand.
+//!
+//! Source of names and meanings: Abaqus Analysis User's Guide, "Abaqus/Explicit output variable identifiers".
+
+use crate::kernel::{quad, stress};
+
+/// Where a variable lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// At nodes.
+    Node,
+    /// At the integration point of an element, which lies in its middle.
+    Point,
+    /// In a whole element.
+    Element,
+    /// On facets of loaded surfaces.
+    Facet,
+    /// An energy of the whole model.
+    Energy,
+    /// Of an increment.
+    Increment,
+}
+
+/// When a field is shown without being asked for by its name (`PRESELECT`, or no request at all).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preselected {
+    /// Not at all.
+    Never,
+    /// In every scene.
+    Always,
+    /// Where something deforms.
+    Deforming,
+    /// Where elements can be deleted.
+    Deleting,
+}
+
+/// One entry of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Name in decks and files.
+    pub name: &'static str,
+    /// Names of the components; empty for a scalar and for numbered variables.
+    pub labels: &'static [&'static str],
+    /// Where it lives.
+    pub place: Place,
+    /// What it is.
+    pub words: &'static str,
+    /// Whether frames show it without a request by name.
+    pub preselected: Preselected,
+    /// Whether it exists only where something deforms.
+    pub deforming: bool,
+    /// Whether its name is followed by a number of its own (`SDV1`).
+    pub numbered: bool,
+    /// Whether elements follow it only if an output asks.
+    pub followed: bool,
+    /// What an element must have to have this, where it cannot be seen before it is followed.
+    pub needs: Option<Variable>,
+    /// Not in ABAQUS: ours.
+    pub extension: bool,
+    /// How it follows from other variables of the element; `None` where its holder answers.
+    pub formula: Option<Formula>,
+    /// What several loads on one facet come to: the value so far and the next one.
+    pub combined: fn(f64, f64) -> f64,
+}
+
+/// A component of a variable by what else the element has; `None` where it lacks that.
+pub type Formula = fn(&dyn ElementValues, usize) -> Option<f64>;
+
+/// An element as formulas see it.
+pub trait ElementValues {
+    /// A component of a variable that the element holds; `None` where it does not have it.
+    fn held(&self, variable: Variable, component: usize) -> Option<f64>;
+    /// Corners now, `[r, z]`.
+    fn corners(&self) -> [[f64; 2]; 4];
+}
+
+/// Declares the variables: an enumeration and the table, in one order. Frames and energies keep this order.
+macro_rules! variables {
+    ($($variant:ident: $row:expr,)*) => {
+        /// An output variable; what it is says its row.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[allow(missing_docs)] // The words are in the rows.
+        pub enum Variable { $($variant,)* }
+
+        impl Variable {
+            /// All of them, in the order of outputs.
+            pub const ALL: &'static [Variable] = &[$(Variable::$variant,)*];
+        }
+
+        const ROWS: &[Row] = &[$($row,)*];
+    };
+}
+
+const TENSOR_S: &[&str] = &["S11", "S22", "S33", "S12"];
+
+variables! {
+    Displacement: node("U", &["U1", "U2"], "Displacement along r and z").preselected(Preselected::Always),
+    Velocity: node("V", &["V1", "V2"], "Velocity along r and z").preselected(Preselected::Always),
+    Acceleration: node("A", &["A1", "A2"], "Acceleration along r and z").preselected(Preselected::Always),
+    Reaction: node("RF", &["RF1", "RF2"], "Reaction force of what is prescribed; of a rigid body at its reference node")
+        .preselected(Preselected::Deforming),
+    Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
+    Stress: point("S", TENSOR_S, "Stress: radial, axial, hoop, shear").preselected(Preselected::Deforming),
+    Mises: point("MISES", &[], "Mises equivalent stress").preselected(Preselected::Deforming)
+        .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
+    Pressure: point("PRESS", &[], "Equivalent pressure stress, positive in compression")
+        .preselected(Preselected::Deforming).by(|e, _| Some(stress::pressure(tensor(e, Variable::Stress)?))),
+    PlasticStrain: point("PEEQ", &[], "Equivalent plastic strain").preselected(Preselected::Deforming),
+    Temperature: point("TEMP", &[], "Temperature, where the material follows it"),
+    LogarithmicStrain: point("LE", &["LE11", "LE22", "LE33", "LE12"], "Logarithmic strain; LE12 is the engineering shear")
+        .preselected(Preselected::Deforming).followed(None),
+    PlasticComponents: point("PE", &["PE11", "PE22", "PE33", "PE12"], "Plastic strain; PE12 is the engineering shear")
+        .preselected(Preselected::Deforming).followed(Some(Variable::PlasticStrain)),
+    StrainRate: point("ER", &["ER11", "ER22", "ER33", "ER12"], "Strain rate of the last increment; ER12 is the engineering shear")
+        .followed(None),
+    StrainEnergy: point("SENER", &[], "Elastic strain energy a current volume").followed(None)
+        .by(|e, _| Some(e.held(Variable::ElementStrainEnergy, 0)? / volume(e))),
+    PlasticEnergy: point("PENER", &[], "Energy dissipated by plastic flow a current volume").followed(None)
+        .by(|e, _| Some(e.held(Variable::ElementPlasticEnergy, 0)? / volume(e))),
+    Status: element("STATUS", "1 where an element carries, 0 where it is deleted").preselected(Preselected::Deleting),
+    Volume: element("EVOL", "Current volume of an element").by(|e, _| Some(volume(e))),
+    Density: point("DENSITY", &[], "Mass a current volume").by(|e, _| Some(e.held(Variable::Mass, 0)? / volume(e))),
+    ElementStrainEnergy: element("ELSE", "Elastic strain energy of an element").followed(None),
+    ElementPlasticEnergy: element("ELPD", "Energy dissipated by plastic flow in an element").followed(None),
+    Mass: element("MASS", "Mass of an element").ours(),
+    SpecificEnergy: point("SPECIFIC_ENERGY", &[], "Internal energy a mass, where an equation of state follows it").ours(),
+    State: point("SDV", &[], "Solution-dependent state variables of a user's material, by number: SDV1, SDV2, ...").numbered(),
+    FacetPressure: facet("PRESSURE", "Pressure of the loads on a facet", |sum, next| sum + next),
+    NormalVelocity: facet("NORMAL_VELOCITY", "Velocity of a facet along its outward normal", |_, last| last),
+    Layer: facet("LAYER", "Number (from 1) of the layer of a target that takes the largest part of a facet; 0 outside", f64::max),
+    KineticEnergy: energy("ALLKE", "Kinetic energy"),
+    Work: energy("ALLWK", "External work: of prescribed loads and motions"),
+    FrictionEnergy: energy("ALLFD", "Energy dissipated by friction"),
+    CavityEnergy: energy("ALLCAV", "Energy dissipated by opening the cavity in targets").ours(),
+    InternalEnergy: energy("ALLIE", "Internal energy: ALLSE + ALLPD + ALLAE").only_deforming(),
+    AllStrainEnergy: energy("ALLSE", "Recoverable strain energy").only_deforming(),
+    AllPlasticEnergy: energy("ALLPD", "Energy dissipated by plastic flow").only_deforming(),
+    ViscousEnergy: energy("ALLVD", "Energy dissipated by bulk viscosity").only_deforming(),
+    ArtificialEnergy: energy("ALLAE", "Artificial strain energy: taken by hourglass control").only_deforming(),
+    ConstraintWork: energy("ALLCW", "Constraint work: lost where nodes meet analytical planes").only_deforming(),
+    DistortionEnergy: energy("ALLDC", "Energy dissipated by distortion control").only_deforming(),
+    TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK"),
+    TimeIncrement: Row { place: Place::Increment, ..energy("DT", "Time increment") },
+}
+
+const fn node(name: &'static str, labels: &'static [&'static str], words: &'static str) -> Row {
+    Row {
+        name,
+        labels,
+        place: Place::Node,
+        words,
+        preselected: Preselected::Never,
+        deforming: false,
+        numbered: false,
+        followed: false,
+        needs: None,
+        extension: false,
+        formula: None,
+        combined: |_, last| last,
+    }
+}
+
+const fn point(name: &'static str, labels: &'static [&'static str], words: &'static str) -> Row {
+    Row { place: Place::Point, deforming: true, ..node(name, labels, words) }
+}
+
+const fn element(name: &'static str, words: &'static str) -> Row {
+    Row { place: Place::Element, deforming: true, ..node(name, &[], words) }
+}
+
+const fn facet(name: &'static str, words: &'static str, combined: fn(f64, f64) -> f64) -> Row {
+    Row { place: Place::Facet, extension: true, combined, ..node(name, &[], words) }
+}
+
+const fn energy(name: &'static str, words: &'static str) -> Row {
+    Row { place: Place::Energy, ..node(name, &[], words) }
+}
+
+impl Row {
+    const fn preselected(self, preselected: Preselected) -> Row {
+        Row { preselected, ..self }
+    }
+
+    const fn by(self, formula: Formula) -> Row {
+        Row { formula: Some(formula), ..self }
+    }
+
+    const fn followed(self, needs: Option<Variable>) -> Row {
+        Row { followed: true, needs, ..self }
+    }
+
+    const fn numbered(self) -> Row {
+        Row { numbered: true, ..self }
+    }
+
+    const fn ours(self) -> Row {
+        Row { extension: true, ..self }
+    }
+
+    const fn only_deforming(self) -> Row {
+        Row { deforming: true, ..self }
+    }
+}
+
+fn tensor(element: &dyn ElementValues, variable: Variable) -> Option<[f64; 4]> {
+    let component = |i| element.held(variable, i);
+    Some([component(0)?, component(1)?, component(2)?, component(3)?])
+}
+
+fn volume(element: &dyn ElementValues) -> f64 {
+    quad::volume(element.corners())
+}
+
+impl Variable {
+    /// Its entry of the table.
+    pub fn row(self) -> &'static Row {
+        &ROWS[self as usize]
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// Where it lives.
+    pub fn place(self) -> Place {
+        self.row().place
+    }
+
+    /// Whether it is one of nodes.
+    pub fn is_of_nodes(self) -> bool {
+        self.place() == Place::Node
+    }
+
+    /// Whether it is one of elements.
+    pub fn is_of_elements(self) -> bool {
+        matches!(self.place(), Place::Point | Place::Element)
+    }
+
+    /// Its components; one for a scalar. Of a numbered variable a component is a number, and there is no telling how many.
+    pub fn parts(self) -> impl Iterator<Item = Part> {
+        (0..self.row().labels.len().max(1)).map(move |component| Part { variable: self, component })
+    }
+
+    /// A component of it in an element, by its formula or by what the element holds; `None` where it does not have it.
+    pub fn of(self, component: usize, element: &dyn ElementValues) -> Option<f64> {
+        match self.row().formula {
+            Some(formula) => formula(element, component),
+            None => element.held(self, component),
+        }
+    }
+}
+
+/// One number of a variable: a component, or a numbered variable, counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Part {
+    /// The variable.
+    pub variable: Variable,
+    /// Its component.
+    pub component: usize,
+}
+
+impl Part {
+    /// Its label, as histories and frames have it: `S11`, `PEEQ`, `SDV2`.
+    pub fn label(self) -> String {
+        let row = self.variable.row();
+        match row.labels.get(self.component) {
+            Some(label) => (*label).to_owned(),
+            None if row.numbered => format!("{}{}", row.name, self.component + 1),
+            None => row.name.to_owned(),
+        }
+    }
+}
+
+impl From<Variable> for Part {
+    /// A scalar, or the first component.
+    fn from(variable: Variable) -> Part {
+        Part { variable, component: 0 }
+    }
+}

@@ -1,0 +1,85 @@
+//! The bytes of the ledger: what plan and state have allocated, each under the effect that it serves.
+//! Never here: how much of what is needed.
+
+use super::ledger::Ledger;
+use super::{Plan, State};
+use crate::state::BodyState;
+use crate::state::EffectId;
+
+/// Puts bytes beside the effects.
+pub(super) fn book(plan: &mut Plan, state: &State) {
+    let ledger = &mut plan.ledger;
+    for step in &plan.steps {
+        for load in &step.loads {
+            load.arrays().into_iter().for_each(|(name, bytes)| add(ledger, load.id(), name, bytes));
+        }
+        for constraint in &step.constraints {
+            add(ledger, constraint.id(), "constraint", constraint.bytes());
+        }
+        if let Some(scaling) = &step.scaling {
+            let row = ledger.effects.iter().position(|row| row.effect == "mass scaling");
+            row.into_iter().for_each(|row| add(ledger, row, "requests", scaling.bytes()));
+        }
+    }
+    for amplitude in &plan.amplitudes {
+        add(ledger, amplitude.id, "routine", amplitude.bytes());
+    }
+    elements(ledger, state, plan.rows.gather);
+    let places = plan.places.bytes();
+    if let Some(row) = plan.rows.integration {
+        add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
+        add(ledger, row, "steps", plan.steps.iter().map(|s| size_of_val(s)).sum());
+    }
+    if let Some(row) = plan.rows.output {
+        let bodies = plan.bodies.iter().map(super::Body::bytes).sum();
+        let columns = plan.columns.iter().map(|c| size_of_val(c) + c.name.capacity()).sum();
+        let fields = plan.fields.iter().map(|f| size_of_val(f) + f.bytes()).sum();
+        for (name, bytes) in [
+            ("mesh", plan.mesh.bytes()),
+            ("places", places),
+            ("bodies", bodies),
+            ("columns", columns),
+            ("fields", fields),
+        ] {
+            add(ledger, row, name, bytes);
+        }
+    }
+}
+
+fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
+    let elements = &state.elements;
+    for (group, &id) in elements.groups.iter().zip(&elements.ids) {
+        add(ledger, id, "element state", group.bytes());
+    }
+    if let Some(frequency) = &elements.frequency {
+        frequency.arrays().into_iter().for_each(|(name, bytes)| add(ledger, frequency.id, name, bytes));
+    }
+    let named = [
+        ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
+        ("springs", "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
+        ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),
+        ("mass scaling", "masses", elements.bytes_of_masses()),
+    ];
+    for (effect, name, bytes) in named {
+        let dashpots = || ledger.effects.iter().position(|row| row.effect == "dashpots");
+        let row = ledger.effects.iter().position(|row| row.effect == effect).or_else(dashpots);
+        if let Some(row) = row.filter(|_| bytes > 0) {
+            add(ledger, row, name, bytes);
+        }
+    }
+    if let Some(row) = gather {
+        state.dofs.nodes.arrays().into_iter().for_each(|(name, bytes)| add(ledger, row, name, bytes));
+        add(ledger, row, "gather", elements.bytes_of_gather());
+    }
+}
+
+fn add(ledger: &mut Ledger, row: EffectId, name: &str, bytes: usize) {
+    if bytes == 0 {
+        return;
+    }
+    let arrays = &mut ledger.effects[row].arrays;
+    match arrays.iter_mut().find(|a| a.0 == name) {
+        Some(array) => array.1 += bytes,
+        None => arrays.push((name.to_owned(), bytes)),
+    }
+}

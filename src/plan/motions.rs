@@ -1,0 +1,162 @@
+//! Prescribed motions of a step: of rigid bodies along z, of nodes along r and z, and of the axis of symmetry.
+//! Never here: what they do in an increment.
+
+use std::collections::HashSet;
+
+use super::Compiler;
+use crate::constraint::Constraint;
+use crate::constraint::motion::{Prescribed, PrescribedMotion};
+use crate::constraint::user_motion::{Asked, UserMotion};
+use crate::deck::Diagnostic;
+use crate::model::{self, Boundary, Step};
+use crate::state::dofs::Dof;
+use crate::state::magnitude::Magnitude;
+
+/// Degrees of freedom whose motion is prescribed already, with what prescribes it.
+type Taken = Vec<(Dof, Prescribed, f64)>;
+
+impl Compiler<'_> {
+    /// What is prescribed in a step, and the axis, which holds r by itself. User motions are asked once an increment.
+    pub(super) fn motions(&mut self, step: &Step, asking: &mut Vec<UserMotion>) -> Vec<Box<dyn Constraint>> {
+        let mut motions: Vec<Box<dyn Constraint>> = Vec::new();
+        let (mut taken, mut nodes) = (Taken::new(), HashSet::new());
+        for boundary in &step.boundaries {
+            let dofs = self.dofs(boundary, &mut taken, &mut nodes);
+            if !dofs.is_empty() {
+                motions.extend(self.motion(boundary, dofs, asking));
+            }
+        }
+        motions.extend(self.axis(step, &nodes));
+        motions
+    }
+
+    /// Degrees of freedom that a boundary prescribes, with their nodes of the mesh.
+    fn dofs(&mut self, boundary: &Boundary, taken: &mut Taken, nodes: &mut HashSet<Dof>) -> Vec<(Dof, usize)> {
+        let mut dofs = Vec::new();
+        let (kind, value) = prescribed(boundary);
+        let mut radial = false;
+        for &node in &boundary.nodes {
+            if let Some(place) = self.places.free_node(node) {
+                let dof = Dof::Node(place, usize::from(boundary.dof).wrapping_sub(1));
+                if boundary.dof <= 2 && nodes.insert(dof) {
+                    dofs.push((dof, node));
+                }
+                continue;
+            }
+            let Some(&body) = self.body_of_node.get(&node) else { continue };
+            if boundary.dof != 2 {
+                radial = true;
+            } else if self.bodies[body].reference != node {
+                self.dependent_node(boundary, node);
+            } else if let Some(other) = taken.iter().find(|t| t.0 == Dof::Body(body)) {
+                if (other.1, other.2) != (kind, value) {
+                    let message = format!("body `{}` is given two motions along z", self.bodies[body].name);
+                    self.diagnostics.push(Diagnostic::error("P008", message).at(boundary.span, "the second of them"));
+                }
+            } else {
+                taken.push((Dof::Body(body), kind, value));
+                dofs.push((Dof::Body(body), node));
+            }
+        }
+        if radial {
+            self.radial_boundary(boundary);
+        }
+        dofs
+    }
+
+    fn motion(
+        &mut self,
+        boundary: &Boundary,
+        dofs: Vec<(Dof, usize)>,
+        asking: &mut Vec<UserMotion>,
+    ) -> Option<Box<dyn Constraint>> {
+        if boundary.user {
+            return self.user_motion(boundary, dofs, asking);
+        }
+        let (kind, value) = prescribed(boundary);
+        let detail = format!("{}: {kind:?} {value} along {}", boundary.set, along(boundary)).to_lowercase();
+        let id = self.cause(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
+        let magnitude = self.magnitude(value, boundary.amplitude);
+        let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
+        Some(Box::new(PrescribedMotion::new(id, kind, magnitude, &dofs)))
+    }
+
+    /// `*BOUNDARY, USER`: each degree of freedom follows what the routine is asked for once an increment.
+    fn user_motion(
+        &mut self,
+        boundary: &Boundary,
+        dofs: Vec<(Dof, usize)>,
+        asking: &mut Vec<UserMotion>,
+    ) -> Option<Box<dyn Constraint>> {
+        if self.routines.motion.is_none() {
+            let asks = format!("the motion of `{}` is the user's (*BOUNDARY, USER)", boundary.set);
+            self.no_routine(boundary.span, "motion", &asks, "vdisp");
+            return None;
+        }
+        let (kind, _) = prescribed(boundary);
+        let detail = format!("{}: {kind:?} along {} by the user", boundary.set, along(boundary)).to_lowercase();
+        let id = self.cause(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
+        let mesh = &self.model.mesh;
+        let asked = |&(dof, node): &(Dof, usize)| Asked {
+            dof,
+            number: mesh.node_names[node].parse().unwrap_or(node as i32 + 1),
+            reference: mesh.points[node],
+            offset: 0.0,
+        };
+        let first = self.told;
+        self.told += dofs.len();
+        let (set, asked) = (boundary.set.to_uppercase(), dofs.iter().map(asked).collect());
+        let amplitude = self.magnitude(1.0, boundary.amplitude);
+        asking.push(UserMotion { set, kind, amplitude, asked, first, increment_before: 0.0 });
+        let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
+        Some(Box::new(PrescribedMotion::told(id, kind, first, &dofs)))
+    }
+
+    fn axis(&mut self, step: &Step, nodes: &HashSet<Dof>) -> Option<Box<dyn Constraint>> {
+        let mesh = &self.model.mesh;
+        let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
+        let free = self.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| self.places.free_node(*n));
+        let dofs: Vec<Dof> = free.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
+        if dofs.is_empty() {
+            return None;
+        }
+        let id = self.cause(step.span, "axis of symmetry", dofs.len(), "nodes", "r = 0 held".into());
+        Some(Box::new(PrescribedMotion::new(id, Prescribed::Velocity, Magnitude::constant(0.0), &dofs)))
+    }
+
+    fn radial_boundary(&mut self, boundary: &Boundary) {
+        if boundary.value == 0.0 {
+            let what = format!("*BOUNDARY {}, {}", boundary.set, boundary.dof);
+            self.unused(boundary.span, what, "a rigid body of revolution moves along z only");
+        } else {
+            let message = "radial motion or rotation of a rigid body of revolution cannot be prescribed";
+            self.diagnostics.push(Diagnostic::error("P103", message).at(boundary.span, "only 2 (z) can move"));
+        }
+    }
+
+    fn dependent_node(&mut self, boundary: &Boundary, node: usize) {
+        let name = &self.model.mesh.node_names[node];
+        let message = format!("node {name} follows its rigid body; its motion cannot be prescribed");
+        let finding = Diagnostic::error("P007", message).at(boundary.span, "here");
+        self.diagnostics.push(finding.help("prescribe the motion of the body's REF NODE"));
+    }
+}
+
+fn along(boundary: &Boundary) -> &'static str {
+    ["r", "z"][usize::from(boundary.dof) - 1]
+}
+
+fn unit(dofs: &[(Dof, usize)]) -> &'static str {
+    if dofs.iter().all(|d| matches!(d.0, Dof::Body(_))) { "bodies" } else { "nodes" }
+}
+
+/// What a boundary prescribes, and its value at amplitude 1.
+fn prescribed(boundary: &Boundary) -> (Prescribed, f64) {
+    match boundary.kind {
+        // ABAQUS/Explicit ignores a displacement without amplitude: it would be a jump.
+        model::Motion::Displacement if boundary.amplitude.is_none() => (Prescribed::Displacement, 0.0),
+        model::Motion::Displacement => (Prescribed::Displacement, boundary.value),
+        model::Motion::Velocity => (Prescribed::Velocity, boundary.value),
+        model::Motion::Acceleration => (Prescribed::Acceleration, boundary.value),
+    }
+}

@@ -1,0 +1,306 @@
+//! Central differences: accelerations from forces, velocities half an increment on, displacements (ABAQUS Theory Guide 2.4.5)
+//! of all degrees of freedom, those of rigid bodies and those of nodes.
+//! Never here: which forces act, what constrains the motion, the length of an increment.
+
+use rayon::prelude::*;
+
+use crate::element::elements::Elements;
+use crate::element::quiescent::FEW;
+use crate::state::BodyState;
+use crate::state::dofs::Dofs;
+use crate::state::nodes::{Node, Nodes};
+
+/// Nodes from which on it pays to wake other threads every increment.
+const PARALLEL: usize = 6000;
+/// Nodes that a thread takes at once: fixed, so that sums do not depend on the number of threads.
+const CHUNK: usize = 4096;
+
+/// Accelerations of bodies from their forces; those of prescribed ones are still to be replaced.
+#[inline]
+pub(super) fn accelerate_body(body: &mut BodyState) {
+    body.before.acceleration = body.acceleration;
+    body.acceleration = body.force * body.inverse_mass;
+}
+
+/// Velocities of bodies at the instant's own time, an increment `behind` after the last.
+#[inline]
+pub(super) fn velocities_from_half(bodies: &mut [BodyState], behind: f64) {
+    let half = 0.5 * behind;
+    for body in bodies {
+        body.velocity = body.velocity_half + half * body.acceleration;
+    }
+}
+
+/// Carries bodies over an increment.
+#[inline]
+pub(super) fn advance_bodies(bodies: &mut [BodyState], dt: f64) {
+    for body in bodies {
+        body.before.displacement = body.displacement;
+        body.before.velocity = body.velocity;
+        body.velocity_half = body.velocity + 0.5 * dt * body.acceleration;
+        body.displacement += dt * body.velocity_half;
+    }
+}
+
+/// Accelerations of nodes from their forces, their kinetic energy, and the work of forces over the increment behind. `parts` is
+/// room for the energies of chunks.
+pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut [f64], threads: bool) {
+    let Dofs { nodes, energies, .. } = dofs;
+    let mut acceleration = std::mem::take(&mut nodes.acceleration);
+    let pass = NodePass { elements, nodes };
+    let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
+        *kinetic = pass.accelerate(index * CHUNK, accelerations);
+    };
+    if threads && nodes.len() >= PARALLEL {
+        let chunks = acceleration.par_chunks_mut(CHUNK).zip(&mut *parts).enumerate();
+        chunks.for_each(|(i, (a, k))| chunk(i, a, k));
+    } else {
+        let chunks = acceleration.chunks_mut(CHUNK).zip(&mut *parts).enumerate();
+        chunks.for_each(|(i, (a, k))| chunk(i, a, k));
+    }
+    nodes.acceleration = acceleration;
+    energies.kinetic = parts.iter().sum();
+    if nodes.moved {
+        let half = 0.5 * nodes.behind;
+        let [now, before] = &nodes.forces;
+        for ((f, g), node) in now.iter().zip(before).zip(nodes.as_slice()) {
+            energies.external += half * ((f[0] + g[0]) * node.v_r + (f[1] + g[1]) * node.v_z);
+        }
+    }
+}
+
+/// Room for [`accelerate_nodes`].
+pub(super) fn room_for_parts(nodes: &Nodes) -> Vec<f64> {
+    vec![0.0; nodes.len().div_ceil(CHUNK)]
+}
+
+/// What accelerations come from.
+struct NodePass<'a> {
+    elements: &'a Elements,
+    nodes: &'a Nodes,
+}
+
+impl NodePass<'_> {
+    /// Accelerations of nodes from `first` on, and their kinetic energy. A few nodes at a time: first all their forces,
+    /// then arithmetic that vectors can do.
+    fn accelerate(&self, first: usize, accelerations: &mut [[f64; 2]]) -> f64 {
+        let mut parts = [0.0; 4];
+        let (mut forces, mut energies) = ([[0.0; 2]; FEW], [0.0; FEW]);
+        let (behind, more) = (self.nodes.behind, &self.nodes.forces[0]);
+        for (i, accelerations) in accelerations.chunks_mut(FEW).enumerate() {
+            let (first, count) = (first + i * FEW, accelerations.len());
+            if !self.elements.has_work(first) {
+                continue;
+            }
+            let forces = &mut forces[..count];
+            self.elements.nodal_forces(first, forces);
+            if !more.is_empty() {
+                for (force, more) in forces.iter_mut().zip(&more[first..first + count]) {
+                    *force = [force[0] + more[0], force[1] + more[1]];
+                }
+            }
+            let masses =
+                self.nodes.mass[first..first + count].iter().zip(&self.nodes.inverse_mass[first..first + count]);
+            let nodes = self.nodes.as_slice()[first..first + count].iter().zip(masses);
+            let all = accelerations.iter_mut().zip(&*forces).zip(nodes).zip(&mut energies);
+            for (((acceleration, force), (node, (mass, inverse))), energy) in all {
+                let [a_r, a_z] = force.map(|f| f * inverse);
+                *acceleration = [a_r, a_z];
+                let twice = node.v_r * (node.v_r + behind * a_r) + node.v_z * (node.v_z + behind * a_z);
+                *energy = mass * twice;
+            }
+            energies[count..].fill(0.0);
+            // Four sums side by side: one would wait for each addition.
+            for four in energies.as_chunks::<4>().0 {
+                for (part, energy) in parts.iter_mut().zip(four) {
+                    *part += energy;
+                }
+            }
+        }
+        0.5 * ((parts[0] + parts[1]) + (parts[2] + parts[3]))
+    }
+}
+
+/// Where central differences start, forces act for half an increment alone and bring velocities from v to v + dt/2 a.
+/// What they give in that half is their impulse times the mean of both, v + dt/4 a, while the trapezoid over the whole
+/// increment reckons with the velocity at its end: too much by f a dt^2/8.
+fn book_start(dofs: &mut Dofs, dt: f64) {
+    let forces = dofs.nodes.forces[0].iter().zip(&dofs.nodes.acceleration);
+    let power: f64 = forces.map(|(f, a)| f[0] * a[0] + f[1] * a[1]).sum();
+    dofs.energies.external -= 0.125 * dt * dt * power;
+}
+
+/// Carries nodes over an increment. The first one starts central differences with half of it.
+pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threads: bool) {
+    if dofs.nodes.behind == 0.0 {
+        book_start(dofs, dt);
+    }
+    let half = 0.5 * (dt + dofs.nodes.behind);
+    let chunk = |(index, (nodes, accelerations)): (usize, (&mut [Node], &[[f64; 2]]))| {
+        for (i, (nodes, accelerations)) in nodes.chunks_mut(FEW).zip(accelerations.chunks(FEW)).enumerate() {
+            if !elements.has_work(index * CHUNK + i * FEW) {
+                continue;
+            }
+            for (node, a) in nodes.iter_mut().zip(accelerations) {
+                node.v_r += half * a[0];
+                node.v_z += half * a[1];
+                node.r += dt * node.v_r;
+                node.z += dt * node.v_z;
+            }
+        }
+    };
+    let many = threads && dofs.nodes.len() >= PARALLEL;
+    let (nodes, accelerations) = dofs.nodes.motion_mut();
+    if many {
+        nodes.par_chunks_mut(CHUNK).zip(accelerations.par_chunks(CHUNK)).enumerate().for_each(chunk);
+    } else {
+        nodes.chunks_mut(CHUNK).zip(accelerations.chunks(CHUNK)).enumerate().for_each(chunk);
+    }
+    (dofs.nodes.behind, dofs.nodes.half, dofs.nodes.moved) = (dt, half, true);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{accelerate_nodes, advance_nodes, room_for_parts};
+    use crate::element::constants::Constants;
+    use crate::element::elements::Elements;
+    use crate::element::frequency::{Held, HighestFrequency};
+    use crate::element::group::Quads;
+    use crate::kernel::quad;
+    use crate::material::failure::Intact;
+    use crate::material::plasticity::Elastic;
+    use crate::material::volumetric::Linear;
+    use crate::mesh::gather::Gather;
+    use crate::state::Instant;
+    use crate::state::dofs::Dofs;
+    use crate::state::nodes::{Node, Nodes};
+
+    /// A rectangle of elements, nodes row by row, with one node more of no element.
+    struct Mesh {
+        nodes: Vec<Node>,
+        elements: Vec<[u32; 4]>,
+    }
+
+    impl Mesh {
+        fn new(columns: usize, rows: usize, place: impl Fn(usize) -> [f64; 2]) -> Mesh {
+            let count = (columns + 1) * (rows + 1);
+            let mut nodes: Vec<Node> = (0..count).map(place).map(|[r, z]| Node { r, z, ..Node::default() }).collect();
+            nodes.push(Node::default());
+            let elements = (0..columns * rows)
+                .map(|e| (e / columns * (columns + 1) + e % columns) as u32)
+                .map(|n| [n, n + 1, n + columns as u32 + 2, n + columns as u32 + 1])
+                .collect();
+            Mesh { nodes, elements }
+        }
+
+        fn free(&self, bulk_viscosity: [f64; 2], awake: bool) -> Free {
+            let constants = Constants {
+                bulk: 3.0,
+                shear: 1.0,
+                hourglass_stiffness: 0.005,
+                hourglass_viscosity: 0.0,
+                bulk_viscosity,
+            };
+            let count = self.nodes.len();
+            let mut mass = vec![0.0; count];
+            for corners in &self.elements {
+                let places = corners.map(|n| self.nodes[n as usize].place());
+                for (n, m) in corners.iter().zip(quad::corner_masses(places, 1.0)) {
+                    mass[*n as usize] += m;
+                }
+            }
+            let mut quads = Quads::new((Elastic, Linear, Intact), constants, 1.0, &self.elements, &self.nodes);
+            if awake {
+                quads.keep_awake(count as u32 - 1);
+            }
+            let gather = Gather::new(count, &[&self.elements]);
+            let elements = Elements::new(vec![Box::new(quads)], vec![0], gather, count);
+            let dofs = Dofs { nodes: Nodes::new(self.nodes.clone(), mass), ..Dofs::default() };
+            Free { parts: room_for_parts(&dofs.nodes), dofs, elements }
+        }
+    }
+
+    /// A body that nothing pushes or holds.
+    struct Free {
+        dofs: Dofs,
+        elements: Elements,
+        parts: Vec<f64>,
+    }
+
+    impl Free {
+        fn evaluate(&mut self) {
+            self.elements.update(&mut self.dofs, &Instant::default(), false, None, None);
+            self.elements.link(&mut self.dofs);
+            accelerate_nodes(&self.elements, &mut self.dofs, &mut self.parts, false);
+            self.dofs.nodes.moved = false;
+        }
+
+        fn advance(&mut self, dt: f64) {
+            advance_nodes(&self.elements, &mut self.dofs, dt, false);
+            self.elements.moved();
+        }
+    }
+
+    /// A wave that enters a long bar at rest: with quiescent elements and without, bit by bit.
+    #[test]
+    fn what_is_quiescent_changes_no_bit() {
+        let (columns, rows) = (2, 1500);
+        let mut mesh = Mesh::new(columns, rows, |n| [(n % (columns + 1)) as f64, (n / (columns + 1)) as f64]);
+        mesh.nodes[..3].iter_mut().for_each(|n| n.v_z = 1e-3);
+        // The node of no element never rests: a task that counts it stays awake.
+        let count = mesh.nodes.len() - 1;
+        mesh.nodes[count].v_r = 1.0;
+        let run = |awake: bool| {
+            let mut free = mesh.free([0.06, 1.2], awake);
+            let mut quiescent = Vec::new();
+            for _ in 0..600 {
+                free.evaluate();
+                quiescent.push((0..6).filter(|t| free.elements.groups[0].sleeps(*t)).count());
+                let dt = 0.9 * free.elements.stable_increment();
+                free.advance(dt);
+            }
+            (free.dofs, quiescent)
+        };
+        let (quiescent, awake) = (run(false), run(true));
+        let last = *quiescent.1.last().expect("a count");
+        assert_eq!((quiescent.1[1], last, awake.1[1]), (5, 3, 0));
+        assert_eq!(quiescent.0.energies, awake.0.energies);
+        let bits = |dofs: &Dofs| -> Vec<u64> {
+            let nodes = &dofs.nodes.as_slice()[..count];
+            nodes.iter().flat_map(Node::as_array).map(f64::to_bits).collect()
+        };
+        assert_eq!(bits(&quiescent.0), bits(&awake.0));
+    }
+
+    /// Free vibration from a start with all frequencies in it: stable at the estimate, unstable a little above the exact
+    /// bound, so that the estimate is worth what it says.
+    #[test]
+    fn vibration_is_stable_just_up_to_the_estimate() {
+        let noise = |i: usize| 0.3 * (((i * 7919) % 101) as f64 / 101.0 - 0.5);
+        let mut mesh = Mesh::new(6, 6, |n| [1.0 + (n % 7) as f64 + noise(n), (n / 7) as f64 + noise(n + 3)]);
+        for (n, node) in mesh.nodes.iter_mut().enumerate() {
+            node.v_r = 1e-8 * (((n * 7907) % 89) as f64 / 89.0 - 0.5);
+            node.v_z = 1e-8 * (((n * 7901) % 97) as f64 / 97.0 - 0.5);
+        }
+        let run = |factor: f64| {
+            let mut free = mesh.free([0.0, 0.0], false);
+            free.elements.frequency = HighestFrequency::new(&free.elements, &free.dofs.nodes).map(Box::new);
+            free.elements.begin_frequency(true, &free.dofs.nodes, &Held { prescribed: &[], carried: &[] });
+            let (mut largest, mut stable): (f64, f64) = (0.0, 0.0);
+            for increment in 0..4000 {
+                free.evaluate();
+                if increment <= 1 {
+                    stable = free.elements.stable_increment();
+                }
+                free.advance(if increment == 0 { stable } else { factor * stable });
+                largest = largest.max(free.dofs.energies.kinetic.abs());
+                if largest > 1e-10 {
+                    break;
+                }
+            }
+            largest
+        };
+        assert!(run(1.0) < 1e-12);
+        assert!(run(1.03) > 1e-10);
+    }
+}

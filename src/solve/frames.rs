@@ -1,0 +1,202 @@
+//! What a run shows of the scene at an instant: numbers of bodies, nodes, elements, facets and the whole model.
+//! Never here: when it is shown, files.
+
+use indexmap::IndexMap;
+
+use super::{Energy, Run};
+use crate::constraint::{Constraint, reaction};
+use crate::element::values;
+use crate::model::Position;
+use crate::output::variables::{Part, Place, Variable};
+use crate::output::{Field, Frame};
+use crate::plan::{Column, FrameField, Source};
+use crate::state::dofs::{Dof, Dofs};
+
+/// A number of a node of what deforms; not a number where nodes do not have it.
+pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize, part: Part) -> f64 {
+    let axis = part.component;
+    let dof = Dof::Node(node, axis);
+    match part.variable {
+        Variable::Displacement => dofs.displacement(dof),
+        Variable::Velocity => dofs.velocity(dof),
+        Variable::Acceleration => dofs.acceleration(dof),
+        Variable::Reaction => reaction(constraints, dofs, dof),
+        Variable::Coordinate => dofs.nodes[node].place()[axis],
+        _ => f64::NAN,
+    }
+}
+
+/// A number of the whole model; not a number where it does not have it.
+fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
+    match variable {
+        Variable::KineticEnergy => energy.kinetic,
+        Variable::Work => energy.work,
+        Variable::FrictionEnergy => energy.friction,
+        Variable::CavityEnergy => energy.cavity,
+        Variable::InternalEnergy => energy.internal,
+        Variable::AllStrainEnergy => energy.strain,
+        Variable::AllPlasticEnergy => energy.plastic,
+        Variable::ViscousEnergy => energy.viscous,
+        Variable::ArtificialEnergy => energy.artificial,
+        Variable::ConstraintWork => energy.contact,
+        Variable::DistortionEnergy => energy.distortion,
+        Variable::TotalEnergy => energy.total,
+        Variable::TimeIncrement => increment,
+        _ => f64::NAN,
+    }
+}
+
+impl Run<'_> {
+    pub(super) fn value(&self, column: &Column, energy: &Energy) -> f64 {
+        let part = column.part;
+        match column.source {
+            Source::Model => model_value(energy, self.last_increment, part.variable),
+            Source::Body { body, node } => self.body_value(body, node, part),
+            Source::Node(node) => node_value(&self.dofs, &self.constraints, node, part),
+            Source::Element(group, e) => self.element_value((group, e), part),
+        }
+    }
+
+    /// A number of an element; not a number where its group does not have it.
+    fn element_value(&self, (group, e): (usize, usize), part: Part) -> f64 {
+        values::value(&*self.elements.groups[group], self.dofs.nodes.as_slice(), e, part).unwrap_or(f64::NAN)
+    }
+
+    /// A number of a node (of the mesh) of a rigid body. Axial symmetry keeps it at its radius.
+    fn body_value(&self, body: usize, node: usize, part: Part) -> f64 {
+        let state = &self.dofs.bodies[body];
+        match (part.variable, part.component) {
+            (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
+            (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
+            (_, 0) => 0.0,
+            (Variable::Displacement, _) => state.displacement,
+            (Variable::Velocity, _) => state.velocity,
+            (Variable::Acceleration, _) => state.acceleration,
+            (Variable::Reaction, _) => state.reaction,
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// The scene now: what deforms, and facets of all rigid bodies at their current place.
+pub(super) fn frame(run: &Run<'_>) -> Frame {
+    let mesh = &run.plan.mesh;
+    let mut frame = Frame { time: run.now.total_time, increment: run.now.increment, ..Frame::default() };
+    let mut point_of_node = vec![usize::MAX; mesh.points.len()];
+    let mut of_point = Vec::new();
+    for (&node, &place) in &run.plan.places.nodes {
+        point_of_node[node] = frame.points.len();
+        frame.points.push(run.dofs.nodes[place].place());
+        of_point.push(Owner::Node(place));
+    }
+    let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
+    for (b, body) in run.plan.bodies.iter().enumerate() {
+        for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(*n)) {
+            let [r, z] = mesh.points[node];
+            point_of_node[node] = frame.points.len();
+            frame.points.push([r, z + run.dofs.bodies[b].displacement]);
+            of_point.push(Owner::Body(b, node));
+        }
+        elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
+    }
+    let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
+    frame.cells = elements.iter().map(|&e| corners(e)).collect();
+    let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
+    for field in &run.plan.fields {
+        let values = match (field.variable().place(), field.position) {
+            (Place::Node, _) => of_nodes(run, field, &of_point),
+            (_, Position::Element) => of_elements(run, field, &solid, elements.len()),
+            (_, Position::Nodes) => averaged_at_nodes(run, field, &solid, &frame),
+        };
+        let list = if field.is_on_points() { &mut frame.point_fields } else { &mut frame.cell_fields };
+        list.push(array(field, values));
+    }
+    frame.cell_fields.extend(facet_fields(run, &elements));
+    frame
+}
+
+/// What a point of a frame moves with.
+#[derive(Clone, Copy)]
+enum Owner {
+    /// A rigid body, with the node of the mesh.
+    Body(usize, usize),
+    /// Itself.
+    Node(usize),
+}
+
+fn array(field: &FrameField, values: Vec<f64>) -> Field {
+    let components = field.parts.len();
+    let labels = if components > 1 { field.parts.iter().map(|p| p.label()).collect() } else { Vec::new() };
+    Field { name: field.name.clone(), components, component_names: labels, values }
+}
+
+/// A variable of nodes over points. A rigid body's reaction is that of its reference node.
+fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[Owner]) -> Vec<f64> {
+    let value = |owner: &Owner, part: Part| match *owner {
+        Owner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
+        Owner::Body(b, node) => run.body_value(b, node, part),
+        Owner::Node(n) => node_value(&run.dofs, &run.constraints, n, part),
+    };
+    let value = &value;
+    of_point.iter().flat_map(|owner| field.parts.iter().map(move |part| value(owner, *part))).collect()
+}
+
+/// A variable of elements over cells: those of deformable elements (group and element) come first. Cells that do not have
+/// it, as those of rigid bodies, hold NaN, which ParaView leaves out of ranges and draws in a colour of its own.
+fn of_elements(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)], cells: usize) -> Vec<f64> {
+    let value = &|place, part: &Part| run.element_value(place, *part);
+    let mut values: Vec<f64> = solid.iter().flat_map(|&e| field.parts.iter().map(move |p| value(e, p))).collect();
+    values.resize(cells * field.parts.len(), f64::NAN);
+    values
+}
+
+/// A variable of integration points over points: the mean over the elements around that have it and are not deleted, not
+/// weighted. An element has one such point, so that the value extrapolated to its corners is that of the point.
+fn averaged_at_nodes(run: &Run<'_>, field: &FrameField, solid: &[(usize, usize)], frame: &Frame) -> Vec<f64> {
+    let of_elements = of_elements(run, field, solid, solid.len());
+    let width = field.parts.len();
+    let (mut sums, mut counts) = (vec![0.0; width * frame.points.len()], vec![0_u32; frame.points.len()]);
+    let is_there = |&(group, e): &(usize, usize)| !run.elements.groups[group].is_deleted(e);
+    let elements = solid.iter().zip(of_elements.chunks(width)).zip(&frame.cells);
+    for ((_, values), corners) in elements.filter(|((e, v), _)| is_there(e) && v.iter().all(|x| !x.is_nan())) {
+        for &point in corners {
+            counts[point] += 1;
+            sums[width * point..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        }
+    }
+    let mean = |(i, sum): (usize, f64)| match counts[i / width] {
+        0 => f64::NAN,
+        count => sum / f64::from(count),
+    };
+    sums.into_iter().enumerate().map(mean).collect()
+}
+
+/// What loads show of facets; several loads on one facet come together as the variable says. Of the faces of one deformable
+/// element the mean counts.
+fn facet_fields(run: &Run<'_>, elements: &[usize]) -> Vec<Field> {
+    let shown: Vec<_> = run.loads.iter().filter_map(|load| load.fields(&run.dofs)).collect();
+    if shown.is_empty() {
+        return Vec::new();
+    }
+    let mut cell_of_element = vec![usize::MAX; run.plan.mesh.elements.len()];
+    for (cell, &element) in elements.iter().enumerate() {
+        cell_of_element[element] = cell;
+    }
+    let facet_variables = Variable::ALL.iter().filter(|v| v.place() == Place::Facet);
+    let field = |&variable: &Variable| {
+        let mut values = vec![0.0; elements.len()];
+        for fields in &shown {
+            let mut means: IndexMap<usize, (f64, f64)> = IndexMap::new();
+            for (facet, element) in fields.elements.iter().enumerate() {
+                let (sum, count) = means.entry(cell_of_element[*element]).or_default();
+                *sum += fields.value(facet, variable).unwrap_or_default();
+                *count += 1.0;
+            }
+            for (cell, (sum, count)) in means {
+                values[cell] = (variable.row().combined)(values[cell], sum / count);
+            }
+        }
+        Field { name: variable.name().into(), components: 1, component_names: Vec::new(), values }
+    };
+    facet_variables.map(field).collect()
+}

@@ -1,0 +1,30 @@
+//! What things cost: times as ratios to plain loops in the same run. Nothing is asserted of a time: machines differ.
+//!
+//! `cargo bench` runs all, `cargo bench NAME` those whose name contains it.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod elastic_cost;
+mod increment_cost;
+mod overhead;
+mod solid_cost;
+mod user_cost;
+
+/// A name and what it runs.
+const BENCHES: &[(&str, fn())] = &[
+    ("increment_cost", increment_cost::run),
+    ("solid_cost", solid_cost::run),
+    ("elastic_cost", elastic_cost::run),
+    ("user_cost", user_cost::run),
+    ("overhead", overhead::run),
+];
+
+fn main() {
+    // What begins with a dash is cargo's.
+    let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    for (name, run) in BENCHES.iter().filter(|b| names.is_empty() || names.iter().any(|n| b.0.contains(n.as_str()))) {
+        println!("{name}");
+        run();
+    }
+}

@@ -1,0 +1,78 @@
+//! Goal: an elastic deck pays nothing for plasticity, failure or equations of state. The group that a deck brings to life is
+//! measured in alternation with the same loop built for a law that holds no code of plasticity at all.
+
+use std::time::Instant as Stopwatch;
+
+use revolve::element::constants::Constants;
+use revolve::element::group::{ElementGroup, Pass, Quads};
+use revolve::kernel::lanes::{Corners, LANES};
+use revolve::material::failure::Intact;
+use revolve::material::plasticity::{Flow, Hardening};
+use revolve::material::volumetric::Linear;
+use revolve::state::Instant;
+use revolve::state::nodes::Node;
+use revolve::user::Routines;
+
+use crate::common;
+use crate::common::solid::{grid, material};
+
+/// A law without anything: what is called here would be noticed.
+struct Bare;
+
+impl Hardening for Bare {
+    type State = ();
+    const FLOWS: bool = false;
+
+    fn fresh(&self) {}
+
+    fn flow(&self, (): &mut (), _flow: &mut Flow<'_>) {
+        unreachable!("nothing flows");
+    }
+
+    fn plastic_strain(&self, (): &(), _lane: usize) -> f64 {
+        unreachable!("nothing flows")
+    }
+}
+
+/// Nanoseconds an element of one pass, the best of some.
+fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], best: &mut f64) {
+    let begin = Stopwatch::now();
+    for _ in 0..4 {
+        group.update(Pass { nodes, dt: 1e-9, now: &Instant::default(), threads: false, user: None, corners });
+    }
+    *best = best.min(begin.elapsed().as_secs_f64() * 1e9 / (4 * group.len()) as f64);
+}
+
+pub fn run() {
+    // Fewer elements than are spread over threads.
+    let n = 64;
+    let deck = |plastic: &str| {
+        grid(n, n, false, |i, j| [0.1 * i as f64, 0.1 * j as f64])
+            + &material(200e3, 0.3, 7.85e-9, plastic)
+            // Without the strains that a deck without requests would follow.
+            + "*Step\n*Dynamic, Explicit\n , 1.\n*Output, history\n*Energy Output\n ALLIE\n*End Step\n"
+    };
+    let groups = |plastic: &str| common::prepared(&deck(plastic), &[], &Routines::none()).state;
+    let (mut elastic, mut plastic) = (groups(""), groups("*Plastic\n 1e9, 0.\n"));
+    let wobble = |i: usize| ((i * 7919) % 101) as f64 * 1e-3;
+    let moving = |(i, n): (usize, &Node)| Node { v_r: wobble(i), v_z: wobble(i + 7), ..*n };
+    let nodes: Vec<Node> = elastic.dofs.nodes.as_slice().iter().enumerate().map(moving).collect();
+    let nodes = &nodes[..];
+    let elements: Vec<[u32; 4]> = (0..n * n).map(|e| elastic.elements.groups[0].corners(e)).collect();
+    let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
+    let constants =
+        Constants { bulk, shear, hourglass_stiffness: 0.005, hourglass_viscosity: 0.0, bulk_viscosity: [0.06, 1.2] };
+    let mut bare = Quads::new((Bare, Linear, Intact), constants, 7.85e-9, &elements, nodes);
+    let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
+    let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
+    for _ in 0..150 {
+        pass(&mut *elastic.elements.groups[0], nodes, &mut corners, &mut deck);
+        pass(&mut bare, nodes, &mut corners, &mut without);
+        pass(&mut *plastic.elements.groups[0], nodes, &mut corners, &mut with);
+    }
+    println!(
+        "elastic deck {deck:.2} ns an element ({:.3}), without plasticity {without:.2}, with it {with:.2} ({:.3})",
+        deck / without,
+        with / without
+    );
+}

@@ -1,0 +1,84 @@
+//! Goal: what a call of a routine in Fortran costs beside the same routine in Rust, and a job with one beside the built-in load.
+//! Scene: the ogive with 20 points and fixed increments; with 200 facets, output included.
+//! Needs gfortran; without it nothing is measured.
+
+use revolve::job;
+use revolve::output::Job;
+use revolve::user::compile::{Compiled, compile};
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+
+use crate::common;
+
+const INCREMENTS: u32 = 200_000;
+
+/// The seed paper's resistance in Rust, in the order of operations of `input/vdload_cavity.f`.
+struct Cavity;
+
+impl UserLoad for Cavity {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        for (k, p) in pressure.iter_mut().enumerate() {
+            let vn = points.velocity_r[k] * points.normal_r[k] + points.velocity_z[k] * points.normal_z[k];
+            *p = if vn > 0.0 { points.amplitude * (5.0394 * 276e6 + 0.983 * 2710.0 * vn * vn) } else { 0.0 };
+        }
+        Ok(())
+    }
+}
+
+/// Milliseconds of a job that writes its files.
+fn whole_job(deck: &str, settings: &[(&str, &str)], routines: &Routines) -> f64 {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut prepared = job::prepare(&common::project(deck), &common::pairs(settings), routines);
+    let job = Job { folder: folder.path().to_path_buf(), name: "job".into() };
+    let summary = job::run_to_files(&mut prepared, &job, &mut |_, _, _| {}).expect("files");
+    assert!(!summary.rests.is_empty(), "{deck}");
+    summary.timing.seconds * 1e3
+}
+
+/// Nanoseconds an increment, and the bits of the kinetic energy.
+fn increments(deck: &str, routines: &Routines) -> (f64, u64) {
+    let mut prepared = job::prepare_text("user.inp", deck, &[], routines);
+    assert!(!prepared.diagnostics.has_errors());
+    let (outcome, _) = job::run_in_memory(&mut prepared);
+    assert_eq!(outcome.increments, u64::from(INCREMENTS));
+    (outcome.seconds * 1e9 / f64::from(INCREMENTS), outcome.energy.kinetic.to_bits())
+}
+
+fn jobs(fortran: &Compiled) {
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..9 {
+        best[0] = best[0].min(whole_job("input/ogive.inp", &[("n", "200"), ("front", "0.1")], &Routines::none()));
+        let routines = fortran.open().expect("routines");
+        best[1] = best[1].min(whole_job("input/ogive_user.inp", &[("n", "200")], &routines));
+    }
+    println!(
+        "200 facets, whole job: CAVITY {:.2} ms, Fortran VDLOAD {:.2} ms ({:.2})",
+        best[0],
+        best[1],
+        best[1] / best[0]
+    );
+}
+
+fn calls(fortran: &Compiled) {
+    let deck = std::fs::read_to_string(common::project("input/ogive_user.inp")).expect("the deck");
+    let card = format!("*Dynamic, Explicit, direct user control\n {:e}, 1.e-3", 1e-3 / f64::from(INCREMENTS));
+    let deck = deck.replace("mass = 0.021", "mass = 1e4").replace("*Dynamic, Explicit\n , 1.e-3", &card);
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..15 {
+        let own = increments(&deck, &Routines::none().with_load(Cavity));
+        let compiled = increments(&deck, &fortran.open().expect("routines"));
+        assert_eq!(own.1, compiled.1, "the same arithmetic, the same bits");
+        best = [best[0].min(own.0), best[1].min(compiled.0)];
+    }
+    let [rust, fortran] = best;
+    println!("20 points: {rust:.1} ns an increment in Rust, {fortran:.1} ns in Fortran ({:.2})", fortran / rust);
+}
+
+pub fn run() {
+    match compile(&[common::project("input/vdload_cavity.f")], false) {
+        Ok(fortran) => {
+            jobs(&fortran);
+            calls(&fortran);
+        }
+        Err(found) => println!("not measured: {}", found.render(&revolve::deck::Sources::default())),
+    }
+}

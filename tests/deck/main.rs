@@ -1,0 +1,10 @@
+//! Words: the deck language, what a deck means, mesh files.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod dialects;
+mod language;
+mod mesh_files;
+mod variables;
+mod words;

@@ -1,0 +1,337 @@
+//! Output variables as the table has them.
+//!
+//! Goal: every variable of the table can be asked for and comes under its labels, in histories and in frames; `explain`, the
+//! page of variables and messages say what the table says; POSITION puts variables of integration points on nodes.
+//! Source: Abaqus Analysis User's Guide, "Writing element output to the output database" (positions).
+
+use std::collections::BTreeSet;
+
+use crate::common::solid::{grid, material};
+use crate::common::{Memory, ogive, prepared};
+use revolve::explain::explain;
+use revolve::job;
+use revolve::output::asked::NOT_SIMULATED;
+use revolve::output::manual::variable_manual;
+use revolve::output::variables::{Part, Place, Variable};
+use revolve::output::{Field, Frame};
+use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
+
+/// A block of 2 by 2 elements that flies against its held foot, with sets ONE (an element) and TIP (a node).
+fn block(material: &str, requests: &str) -> String {
+    grid(2, 2, false, |i, j| [1.0 + i as f64, j as f64])
+        + material
+        + "*Elset, elset=ONE\n 1,\n*Nset, nset=TIP\n 9,\n*Initial Conditions, type=VELOCITY\n ALL, 2, -1.\n\
+           *Step\n*Dynamic, Explicit\n , 0.05\n*Boundary\n J0, 2, 2\n"
+        + requests
+        + "*End Step\n"
+}
+
+/// Flows and is heated by that.
+fn steel() -> String {
+    material(
+        1000.0,
+        0.3,
+        2.0,
+        "*Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 10.,\n*Plastic, hardening=JOHNSON COOK\n \
+         1., 1., 0.5, 1., 1500., 20.\n*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n",
+    )
+}
+
+fn gas() -> String {
+    "*Solid Section, elset=SOLID, material=GAS\n*Material, name=GAS\n*Density\n 1.,\n*Eos, type=IDEAL GAS\n 0.4, 0.\n\
+     *Specific Heat\n 1.,\n*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 10.\n"
+        .into()
+}
+
+/// Elastic, by the strain alone; keeps the density and a constant.
+struct Elastic;
+
+impl UserMaterial for Elastic {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let n = call.count;
+        for i in 0..n {
+            let strain = [0, 1, 2, 3].map(|k| call.strain[k * n + i]);
+            let dilation = strain[0] + strain[1] + strain[2];
+            for (k, part) in strain.into_iter().enumerate() {
+                let bulk = if k < 3 { 100.0 * dilation } else { 0.0 };
+                answer.stress[k * n + i] = call.stress[k * n + i] + bulk + 200.0 * part;
+            }
+            (answer.state[i], answer.state[n + i]) = (call.density[i], 7.0);
+        }
+        Ok(())
+    }
+}
+
+fn kept() -> String {
+    "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n*User Material, constants=1\n 1.,\n*Depvar\n 2,\n".into()
+}
+
+/// The material of a block whose elements have a variable.
+fn material_with(variable: Variable) -> String {
+    match variable {
+        Variable::State => kept(),
+        Variable::SpecificEnergy => gas(),
+        _ => steel(),
+    }
+}
+
+fn run(deck: &str) -> (Vec<String>, Memory) {
+    let routines = Routines::none().with_material(Elastic);
+    let columns = prepared(deck, &[], &routines).plan.columns.iter().map(|c| c.name.clone()).collect();
+    let (outcome, memory) = crate::common::run(deck, &[], &routines);
+    assert_eq!(outcome.halt, None, "{deck}");
+    (columns, memory)
+}
+
+/// Labels of a variable in these scenes; the user's material keeps two variables.
+fn labels(variable: Variable) -> Vec<String> {
+    let numbers = if variable.row().numbered { 2 } else { variable.parts().count() };
+    (0..numbers).map(|component| Part { variable, component }.label()).collect()
+}
+
+/// A request for a name of a variable as a history, and what stands behind the names of its columns.
+fn history(variable: Variable, name: &str) -> (String, &'static str) {
+    let (card, place) = match variable.place() {
+        Place::Node => ("*Node Output, nset=TIP", "@TIP"),
+        Place::Point | Place::Element => ("*Element Output, elset=ONE", "@ONE"),
+        Place::Energy => ("*Energy Output", ""),
+        Place::Increment => ("*Incrementation Output", ""),
+        Place::Facet => unreachable!("facets have no histories"),
+    };
+    (format!("*Output, history, number interval=2\n{card}\n {name}\n"), place)
+}
+
+#[test]
+fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
+    for &variable in Variable::ALL.iter().filter(|v| v.place() != Place::Facet) {
+        let all = labels(variable);
+        let whole = [(variable.name().to_owned(), all.clone())];
+        for (name, expected) in whole.into_iter().chain(all.into_iter().map(|l| (l.clone(), vec![l]))) {
+            let (request, place) = history(variable, &name);
+            let (columns, memory) = run(&block(&material_with(variable), &request));
+            let expected: Vec<String> = expected.iter().map(|l| format!("{l}{place}")).collect();
+            assert_eq!(columns, expected, "{name}");
+            let values = memory.rows.iter().flat_map(|row| &row.1);
+            assert!(values.clone().all(|v| v.is_finite()), "{name}: {:?}", memory.rows);
+        }
+    }
+}
+
+#[test]
+fn a_rigid_body_has_the_histories_of_a_node() {
+    for &variable in Variable::ALL.iter().filter(|v| v.place() == Place::Node) {
+        let request = format!("*Output, history\n*Node Output, nset=REF\n {}\n*End Step", variable.name());
+        let (columns, _) = run(&ogive().replace("*End Step", &request));
+        for label in labels(variable) {
+            assert!(columns.contains(&format!("{label}@REF")), "{label}: {columns:?}");
+        }
+    }
+}
+
+fn field<'a>(fields: &'a [Field], name: &str) -> Option<&'a Field> {
+    fields.iter().find(|f| f.name == name)
+}
+
+#[test]
+fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
+    for &variable in Variable::ALL.iter().filter(|v| v.is_of_nodes() || v.is_of_elements()) {
+        let card = if variable.is_of_nodes() { "*Node Output" } else { "*Element Output" };
+        let request = format!("*Output, field, number interval=1\n{card}\n {}\n", variable.name());
+        let (_, memory) = run(&block(&material_with(variable), &request));
+        let frame = memory.frames.last().expect("a frame");
+        let fields = if variable.is_of_nodes() { &frame.point_fields } else { &frame.cell_fields };
+        let all = labels(variable);
+        match variable {
+            // The points of a frame are the coordinates.
+            Variable::Coordinate => assert!(fields.is_empty()),
+            Variable::State => assert!(all.iter().all(|l| field(fields, l).is_some_and(|f| f.components == 1))),
+            _ => {
+                let shown = field(fields, variable.name()).expect(variable.name());
+                assert_eq!(shown.components, all.len());
+                assert!(all.len() == 1 || shown.component_names == all, "{:?}", shown.component_names);
+                assert!(shown.values.iter().all(|v| v.is_finite()), "{}", shown.name);
+            }
+        }
+        let count = frame.point_fields.len() + frame.cell_fields.len();
+        assert_eq!(
+            count,
+            if variable == Variable::Coordinate {
+                0
+            } else if variable == Variable::State {
+                2
+            } else {
+                1
+            }
+        );
+    }
+}
+
+#[test]
+fn every_variable_of_facets_is_in_the_frames_of_a_loaded_surface() {
+    let (_, memory) = run(&ogive());
+    let names: Vec<&str> = memory.frames[0].cell_fields.iter().map(|f| f.name.as_str()).collect();
+    let facets = Variable::ALL.iter().filter(|v| v.place() == Place::Facet);
+    assert_eq!(names, facets.map(|v| v.name()).collect::<Vec<_>>());
+}
+
+/// Without a request, and in what order.
+#[test]
+fn what_is_shown_by_default_is_what_the_table_says() {
+    let fields = |frame: &Frame| {
+        let all = frame.point_fields.iter().chain(&frame.cell_fields);
+        all.map(|f| f.name.clone()).collect::<Vec<_>>()
+    };
+    let (columns, memory) = run(&block(&steel(), ""));
+    assert_eq!(fields(&memory.frames[0]), ["U", "V", "A", "RF", "S", "MISES", "PRESS", "PEEQ", "LE", "PE"]);
+    let energies =
+        ["ALLKE", "ALLWK", "ALLFD", "ALLCAV", "ALLIE", "ALLSE", "ALLPD", "ALLVD", "ALLAE", "ALLCW", "ALLDC", "ETOTAL"];
+    assert_eq!(columns, energies);
+    let (_, memory) = run(&block(&material(1000.0, 0.3, 2.0, ""), "*Output, field, variable=PRESELECT\n"));
+    assert_eq!(fields(&memory.frames[0]), ["U", "V", "A", "RF", "S", "MISES", "PRESS", "LE"]);
+}
+
+#[test]
+fn all_and_preselect_mean_what_lives_on_their_card() {
+    let names = |card: &str| {
+        let (columns, memory) = run(&block(&steel(), card));
+        let fields = memory.frames.first().map(|f| f.point_fields.iter().chain(&f.cell_fields).map(|f| f.name.clone()));
+        (columns, fields.map(Iterator::collect::<Vec<_>>).unwrap_or_default())
+    };
+    assert_eq!(names("*Output, history\n*Incrementation Output, variable=ALL\n").0, ["DT"]);
+    let nodes = names("*Output, history\n*Node Output, nset=TIP, variable=ALL\n").0;
+    assert_eq!(nodes.join(" "), "U1@TIP U2@TIP V1@TIP V2@TIP A1@TIP A2@TIP RF1@TIP RF2@TIP COOR1@TIP COOR2@TIP");
+    assert_eq!(names("*Output, field\n*Node Output, variable=ALL\n").1, ["U", "V", "A", "RF"]);
+    assert_eq!(
+        names("*Output, field\n*Element Output, variable=PRESELECT\n").1,
+        ["S", "MISES", "PRESS", "PEEQ", "LE", "PE"]
+    );
+    let elements = names("*Output, field\n*Element Output, variable=ALL\n").1;
+    let expected = "S MISES PRESS PEEQ TEMP LE PE ER SENER PENER STATUS EVOL DENSITY ELSE ELPD MASS";
+    assert_eq!(elements.join(" "), expected);
+}
+
+/// With one point an element shows its own value at all its corners; a node shows the mean over its elements.
+#[test]
+fn positions_at_nodes_are_means_over_the_elements_around() {
+    for position in ["NODES", "averaged at nodes"] {
+        let request = format!(
+            "*Output, field, number interval=3\n*Element Output\n S\n*Element Output, position={position}\n S, EVOL\n"
+        );
+        let (_, memory) = run(&block(&steel(), &request));
+        let frame = memory.frames.last().expect("a frame");
+        let (cells, points) = (field(&frame.cell_fields, "S").expect("S"), field(&frame.point_fields, "S").expect("S"));
+        assert_eq!(points.component_names, cells.component_names);
+        let around: [&[usize]; 9] = [&[0], &[0, 1], &[1], &[0, 2], &[0, 1, 2, 3], &[1, 3], &[2], &[2, 3], &[3]];
+        for (node, elements) in around.iter().enumerate() {
+            for c in 0..4 {
+                let mean = elements.iter().map(|e| cells.values[4 * e + c]).sum::<f64>() / elements.len() as f64;
+                assert!((points.values[4 * node + c] - mean).abs() <= 1e-14 * mean.abs(), "node {node}");
+            }
+        }
+        // Of whole elements, not of points in them.
+        assert!(field(&frame.cell_fields, "EVOL").is_some() && field(&frame.point_fields, "EVOL").is_none());
+    }
+    let cells =
+        "*Output, field\n*Element Output, position=CENTROIDAL\n S\n*Element Output, position=integration points\n S\n";
+    let (_, memory) = run(&block(&steel(), cells));
+    assert_eq!((memory.frames[0].cell_fields.len(), memory.frames[0].point_fields.len()), (1, 0));
+}
+
+/// What is deleted has no part in a mean; where all elements around are gone, and on rigid bodies, there is none.
+#[test]
+fn positions_at_nodes_leave_out_what_is_not_there() {
+    let rigid = "*Node, nset=REF\n 90, 0., 9.\n*Node\n 91, 1., 9.\n*Element, type=RAX2, elset=WALL\n 90, 90, 91\n\
+                 *Rigid Body, ref node=REF, elset=WALL\n*Element, type=MASS, elset=M\n 92, 90\n*Mass, elset=M\n 1.,\n";
+    let request = "*Output, field, number interval=20\n*Element Output\n MISES, STATUS\n*Element Output, position=NODES\n MISES\n";
+    let fragile = steel().replace("*Initial", "*Shear Failure\n 0.03,\n*Initial") + rigid;
+    let (_, memory) = run(&block(&fragile, request));
+    let (mut partly, mut nowhere) = (0, 0);
+    for frame in &memory.frames {
+        let [mises, status] = ["MISES", "STATUS"].map(|n| &field(&frame.cell_fields, n).expect(n).values);
+        let points = &field(&frame.point_fields, "MISES").expect("MISES").values;
+        for (node, value) in points.iter().enumerate() {
+            let around = (0..frame.cells.len()).filter(|c| frame.cells[*c].contains(&node));
+            let all: Vec<usize> = around.collect();
+            let there: Vec<usize> = all.iter().copied().filter(|c| status[*c] == 1.0).collect();
+            let mean = there.iter().map(|e| mises[*e]).sum::<f64>() / there.len() as f64;
+            partly += usize::from(!there.is_empty() && there.len() < all.len());
+            nowhere += usize::from(there.is_empty() && all.iter().any(|c| status[*c] == 0.0));
+            assert!(value.is_nan() && mean.is_nan() || (value - mean).abs() <= 1e-14 * mean, "{node}: {value} {mean}");
+        }
+    }
+    assert!(partly > 0 && nowhere > 0, "elements are deleted: {partly} {nowhere}");
+    assert!(
+        field(&memory.frames[0].point_fields, "MISES").is_some_and(|f| f.values[9].is_nan() && f.values[10].is_nan())
+    );
+}
+
+/// Errors, warnings and notes of a deck, rendered.
+fn findings(requests: &str) -> String {
+    let prepared = job::prepare_text("test.inp", &block(&steel(), requests), &Vec::new(), &Routines::none());
+    prepared.diagnostics.render(&prepared.deck.sources)
+}
+
+#[test]
+fn messages_say_what_there_is() {
+    let element = |words: &str| findings(&format!("*Output, field\n*Element Output\n {words}\n"));
+    let told = element("PEQ");
+    assert!(told.contains("M141") && told.contains("did you mean PEEQ?") && told.contains("MISES, PRESS"), "{told}");
+    assert!(element("S13").contains("S has the components S11, S22, S33, S12"));
+    assert!(element("MISES2").contains("MISES has no components"));
+    let of = |card: &str, words: &str| findings(&format!("*Output, history\n{card}\n {words}\n"));
+    assert!(of("*Node Output, nset=TIP", "QQQQQQQ").contains("there are U, V, A, RF, COORD"));
+    assert!(of("*Energy Output", "U7").contains("U has the components U1, U2"));
+    assert!(findings("*Output, field, variable=SOME\n").contains("M103"));
+    assert!(findings("*Output, field\n*Element Output, position=MIDDLE\n S\n").contains("M103"));
+    assert!(of("*Element Output, elset=ONE, position=NODES", "S").contains("always those of their integration points"));
+    assert!(findings("*Output, field\n*Element Output, position=NODES\n S\n").contains("mean over the elements"));
+}
+
+#[test]
+fn what_comes_to_nothing_is_listed_with_its_reason() {
+    let unused = |requests: &str| {
+        let plan = prepared(&block(&steel(), requests), &[], &Routines::none()).plan;
+        plan.ledger.unused.iter().map(|u| format!("{}: {}", u.what, u.why)).collect::<Vec<_>>().join("\n")
+    };
+    for known in NOT_SIMULATED {
+        let told = unused(&format!("*Output, field\n*Element Output\n {}\n", known.name));
+        assert!(told.contains(&format!("{}: {} ({}) is not simulated", known.name, known.name, known.words)), "{told}");
+    }
+    let history = |card: &str, word: &str| unused(&format!("*Output, history\n{card}\n {word}\n"));
+    assert!(history("*Node Output, nset=TIP", "S").contains("S lives in elements"));
+    assert!(history("*Element Output, elset=ONE", "U").contains("U lives at nodes"));
+    assert!(history("*Energy Output, elset=ONE", "ALLIE").contains("not of a set"));
+    assert!(history("*Element Output, elset=ONE", "PRESSURE").contains("not in histories"));
+    assert!(unused("*Output, field\n*Element Output\n S11\n").contains("frames show S with all its components"));
+    assert!(unused("*Output, field\n*Element Output\n ALLKE\n").contains("*OUTPUT, HISTORY"));
+    assert!(unused("*Output, field\n*Element Output\n SDV1\n").contains("no value in this scene"));
+}
+
+#[test]
+fn explain_and_the_page_say_what_the_table_says() {
+    let path = crate::common::project("docs/variables.md");
+    let manual = variable_manual();
+    if std::env::var_os("REVOLVE_BLESS").is_some() {
+        std::fs::write(&path, &manual).expect("the page written");
+    }
+    let written = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(written == manual, "docs/variables.md is out of date: run again with REVOLVE_BLESS=1");
+    assert_eq!(explain("variables"), Some(manual.clone()));
+    for &variable in Variable::ALL {
+        let row = variable.row();
+        assert!(manual.contains(&format!("| `{}`", row.name)) && manual.contains(row.words), "{}", row.name);
+        for name in labels(variable).iter().map(String::as_str).chain([row.name]) {
+            let text = explain(&name.to_lowercase()).expect(name);
+            assert!(text.contains(row.words) && row.labels.iter().all(|l| text.contains(l)), "{name}: {text}");
+        }
+    }
+    for known in NOT_SIMULATED {
+        assert!(explain(known.name).is_some_and(|t| t.contains(known.words) && t.contains("not simulated")));
+    }
+    // A word that is both is told as both; a variable's name is no abbreviation of a keyword.
+    let density = explain("density").expect("both");
+    assert!(density.contains("*DENSITY") && density.contains("Mass a current volume"));
+    assert!(explain("ER").is_some_and(|t| !t.contains('*') || t.starts_with("ER:")));
+    let names: BTreeSet<&str> = Variable::ALL.iter().map(|v| v.name()).collect();
+    assert_eq!(names.len(), Variable::ALL.len());
+}

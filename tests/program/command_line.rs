@@ -1,0 +1,143 @@
+//! The program as a user runs it: exit status, messages, files.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::common;
+
+fn revolve(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("the program runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn run_writes_whole_files_with_stable_keys() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    let output = revolve(&["run", "input/ogive.inp", "--quiet", "--out", out, "--set", "V=600"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty(), "quiet");
+    let summary = std::fs::read_to_string(folder.path().join("ogive.json")).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    let keys: Vec<_> = summary.as_object().expect("an object").keys().cloned().collect();
+    let expected =
+        ["status", "steps", "history", "energy", "digest", "rests", "ledger", "scene", "timing", "deck", "version"];
+    assert_eq!(keys, expected);
+    assert_eq!(summary["status"], "completed");
+    assert_eq!(summary["deck"]["parameters"]["V"], 600.0);
+    for key in ["final", "min", "max", "time_min", "time_max"] {
+        assert!(summary["history"]["U2@REF"][key].is_number(), "{key}");
+    }
+    let csv = std::fs::read_to_string(folder.path().join("ogive_history.csv")).expect("a history");
+    assert!(csv.starts_with("time,U2@REF,V2@REF,A2@REF,ALLKE,ALLWK,ALLFD,ALLCAV,ETOTAL\n"));
+    let names: Vec<String> = std::fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(names.iter().filter(|n| n.ends_with(".vtu")).count(), 21);
+    assert!(names.iter().all(|n| !n.starts_with(".revolve")), "no temporary file is left: {names:?}");
+}
+
+#[test]
+fn every_broken_deck_is_refused_with_a_place() {
+    let mut seen = 0;
+    for entry in std::fs::read_dir(common::project("tests/decks/bad")).expect("broken decks") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|e| e != "inp") {
+            continue;
+        }
+        let name = path.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(&path).to_str().expect("a name").to_owned();
+        let output = revolve(&["run", &name, "--out", "target/never"]);
+        assert_eq!(output.status.code(), Some(2), "{name}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("error["), "{name}: {}", text(&output.stderr));
+        seen += 1;
+    }
+    assert!(seen >= 10, "{seen} broken decks");
+    assert!(!Path::new("target/never").exists(), "nothing is written for a refused deck");
+}
+
+#[test]
+fn arguments_are_refused_with_words() {
+    for arguments in [
+        &["run", "no/such.inp"][..],
+        &["run", "input/ogive.inp", "--set", "v=1"],
+        &["run", "input/ogive.inp", "--set", "V"],
+        &["run", "input/ogive.inp", "--set", "V=1+"],
+        &["explain", "NOSUCHWORD"],
+        &["sweep", "input/ogive.inp", "--set", "V=1:2", "--quantity", "final(U2@REF)"],
+        &["sweep", "input/ogive.inp", "--set", "V=600", "--quantity", "final("],
+        &["study", "input/ogive.inp", "--refine", "m=10,20", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=10", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=20,40,10", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@RFE)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "norm(S22, r)"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "3"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@REF)", "--target", "0"],
+        &["study", "input/ogive.inp", "--refine", "n=10,20", "--quantity", "final(U2@REF)", "--exact", "1+"],
+        &["study", "input/ogive.inp", "--refine", "hourglass=enhanced", "--quantity", "final(U2@REF)", "--exact", "1"],
+        &["study", "input/ogive.inp", "--refine", "load-velocity=lagged", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--refine", "increment=1000,1", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--quantity", "final(U2@REF)"],
+        &["study", "input/ogive.inp", "--ablate", "--quantity", "final(U2@REF)", "--exact", "1"],
+    ] {
+        let output = revolve(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("error"), "{arguments:?}");
+    }
+}
+
+#[test]
+fn the_ledger_of_the_seed_deck_is_pinned() {
+    let output = revolve(&["check", "input/ogive.inp"]);
+    assert!(output.status.success());
+    insta::assert_snapshot!(text(&output.stdout));
+}
+
+#[test]
+fn explain_knows_keywords_and_every_code() {
+    assert!(text(&revolve(&["explain", "cavity", "expansion"]).stdout).contains("CAVITY EXPANSION"));
+    for code in revolve::explain::codes() {
+        assert!(revolve::explain::explain(code.code).is_some_and(|t| t.contains(code.text)));
+    }
+}
+
+#[test]
+fn a_sweep_gives_table_picture_and_the_same_bits_for_any_thread_count() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = |threads: &str| {
+        let out = folder.path().join(threads);
+        let output = revolve(&[
+            "sweep",
+            "input/ogive.inp",
+            "--set",
+            "V=569,570,679,821,966,1147",
+            "--quantity",
+            "-1000*final(U2@REF)",
+            "--compare",
+            "input/reference/piekutowski_1999.csv",
+            "--threads",
+            threads,
+            "--out",
+            out.to_str().expect("a name"),
+        ]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        for picture in ["ogive_sweep.svg", "ogive_sweep.png"] {
+            assert!(std::fs::metadata(out.join(picture)).expect("a picture").len() > 4000);
+        }
+        std::fs::read_to_string(out.join("ogive_sweep.csv")).expect("a table")
+    };
+    let (one, two, five) = (table("1"), table("2"), table("5"));
+    assert_eq!(one, two);
+    assert_eq!(one, five);
+    assert_eq!(one.lines().count(), 7);
+    assert!(
+        one.lines().nth(1).is_some_and(|l| l.starts_with("569,64.85") && l.contains(",58,") && l.contains(",67.1,"))
+    );
+}

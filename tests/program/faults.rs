@@ -1,0 +1,327 @@
+//! What happens to a run from outside: kills, signals, full disks, folders that vanish, too little memory.
+//!
+//! Goal: no file is ever torn, no finished frame is lost or other than it would have been, and `--resume` comes to the same
+//! files as a run that nothing happened to. Source: that run. Tolerance: none. Moments are random with a seed; a run that is
+//! over before its moment comes is tried again, so that a busy machine changes nothing.
+//!
+//! The long form: `cargo test --release --test program faults -- --ignored --show-output` kills 200 runs.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use revolve::output::checkpoint::Checkpoint;
+
+/// A deck with its settings, how long it takes alone, and its results.
+struct Case {
+    name: &'static str,
+    arguments: Vec<String>,
+    seconds: f64,
+    results: BTreeMap<String, Vec<u8>>,
+}
+
+impl Case {
+    /// Runs it undisturbed.
+    fn new(name: &'static str, deck: &Path, more: &[&str], scratch: &Path) -> Case {
+        let mut arguments = vec!["run".to_owned(), deck.to_str().expect("a name").to_owned(), "--quiet".into()];
+        arguments.extend(more.iter().map(|a| (*a).to_owned()));
+        let mut case = Case { name, arguments, seconds: 0.0, results: BTreeMap::new() };
+        let folder = scratch.join(format!("whole-{name}"));
+        let begin = Instant::now();
+        let status = case.start(&folder, &[]).wait().expect("a status");
+        case.seconds = begin.elapsed().as_secs_f64();
+        assert!(status.success(), "{name}: {status}");
+        case.results = results(&folder);
+        assert!(case.results.keys().filter(|n| n.ends_with(".vtu")).count() >= 20, "{name}");
+        case
+    }
+
+    fn start(&self, folder: &Path, more: &[&str]) -> Child {
+        self.command(Command::new(env!("CARGO_BIN_EXE_revolve")), folder, more).spawn().expect("the program runs")
+    }
+
+    fn command(&self, mut command: Command, folder: &Path, more: &[&str]) -> Command {
+        command.args(&self.arguments).arg("--out").arg(folder).args(more).current_dir(env!("CARGO_MANIFEST_DIR"));
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command
+    }
+
+    /// Under a limit of the shell's `ulimit`.
+    fn limited(&self, limit: &str, folder: &Path, more: &[&str]) -> ExitStatus {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_revolve")]);
+        self.command(shell, folder, more).status().expect("the program runs")
+    }
+
+    /// Goes on to the end and compares all files.
+    fn resume(&self, folder: &Path, threads: &str) {
+        let status = self.start(folder, &["--resume", "--threads", threads]).wait().expect("a status");
+        assert!(status.success(), "{}: {status}", self.name);
+        let results = results(folder);
+        let names = |r: &BTreeMap<String, Vec<u8>>| r.keys().cloned().collect::<Vec<_>>();
+        assert_eq!(names(&results), names(&self.results), "{}", self.name);
+        for (name, bytes) in &results {
+            assert!(*bytes == self.results[name], "{}: {name} differs after going on", self.name);
+        }
+    }
+
+    /// Whatever happened: every file is whole, and every frame in the list is the one it shall be. Returns their number.
+    fn check(&self, folder: &Path) -> usize {
+        let Ok(entries) = fs::read_dir(folder) else { return 0 };
+        let names: Vec<String> =
+            entries.map(|e| e.expect("an entry").file_name().to_str().expect("a name").to_owned()).collect();
+        let read = |name: &str| fs::read(folder.join(name)).expect("a file");
+        for name in names.iter().filter(|n| !n.starts_with(".revolve-")) {
+            let bytes = read(name);
+            let whole = match name.rsplit_once('.').expect("an ending").1 {
+                "vtu" | "pvd" => bytes.ends_with(b"</VTKFile>\n"),
+                "json" => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
+                "csv" => self.results.iter().any(|(n, all)| n == name && rows_begin(all, &bytes)),
+                "checkpoint" => Checkpoint::read(&folder.join(name)).is_ok_and(|c| c.is_some()),
+                _ => false,
+            };
+            assert!(whole, "{}: {name} is torn", self.name);
+        }
+        let Some(list) = names.iter().find(|n| n.ends_with(".pvd")) else { return 0 };
+        let list = String::from_utf8(read(list)).expect("text");
+        let frames: Vec<&str> = list.split("file=\"").skip(1).map(|f| f.split('"').next().expect("a name")).collect();
+        for (i, frame) in frames.iter().enumerate() {
+            let bytes = read(frame);
+            // A run that was told to end writes one frame more, which belongs to no mark.
+            let extra = i + 1 == frames.len() && names.iter().any(|n| n.ends_with(".json"));
+            assert!(extra || bytes == self.results[*frame], "{}: {frame} is another", self.name);
+        }
+        frames.len()
+    }
+}
+
+/// Whether rows are those of all, perhaps with one more at the end.
+fn rows_begin(all: &[u8], rows: &[u8]) -> bool {
+    let lines = rows.split_inclusive(|b| *b == b'\n').collect::<Vec<_>>();
+    let commas = |line: &[u8]| line.iter().filter(|b| **b == b',').count();
+    let Some((last, before)) = lines.split_last() else { return false };
+    all.starts_with(&before.concat()) && last.ends_with(b"\n") && commas(last) == commas(lines[0])
+}
+
+/// All files of a folder; of the summary what is not about time.
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut results = BTreeMap::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let mut bytes = fs::read(&path).expect("a file");
+        if path.extension().is_some_and(|e| e == "json") {
+            let mut summary: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
+            summary["timing"] = serde_json::Value::Null;
+            for row in summary["ledger"]["effects"].as_array_mut().expect("rows") {
+                row.as_object_mut().expect("a row").remove("share");
+            }
+            bytes = summary.to_string().into_bytes();
+        }
+        results.insert(path.file_name().expect("a name").to_str().expect("a name").to_owned(), bytes);
+    }
+    results
+}
+
+/// Random numbers from a seed (Marsaglia 2003, xorshift).
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, n: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0 % n
+    }
+
+    fn fraction(&mut self) -> f64 {
+        self.below(1 << 20) as f64 / (1 << 20) as f64
+    }
+}
+
+fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// A rigid body, a body that deforms, and two steps of a body whose elements fail; all with states of their own.
+fn cases(scratch: &Path) -> Vec<Case> {
+    let input = |name: &str| project(&format!("input/{name}.inp"));
+    let ogive = fs::read_to_string(input("ogive")).expect("a deck");
+    let small = scratch.join("ogive_small.inp");
+    let fixed = ogive.replace("*Dynamic, Explicit\n ,", "*Dynamic, Explicit, direct user control\n 2.e-9,");
+    assert_ne!(fixed, ogive);
+    fs::write(&small, fixed).expect("a deck");
+    let taylor = fs::read_to_string(input("taylor_copper")).expect("a deck");
+    let (head, step) = taylor.split_at(taylor.find("*Step").expect("a step"));
+    let failing =
+        head.replacen("*Plastic", "*Shear Failure\n 0.6,\n*Plastic", 1) + &step.replace("80.e-6", "30.e-6").repeat(2);
+    let two = scratch.join("taylor_two.inp");
+    fs::write(&two, failing).expect("a deck");
+    vec![
+        Case::new("rigid", &small, &["--checkpoint-every", "40000"], scratch),
+        Case::new("bar", &input("taylor_copper"), &["--checkpoint-every", "1500"], scratch),
+        Case::new("failing", &two, &["--checkpoint-every", "0.02s"], scratch),
+    ]
+}
+
+/// Kills so many runs at random moments and goes on from what is left, perhaps to be killed once more.
+fn kill(times: usize, seed: u64) {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let (cases, mut dice) = (cases(scratch.path()), Dice(seed));
+    let (mut runs, mut kills, mut tries) = (0, 0, 0);
+    while runs < times {
+        tries += 1;
+        assert!(tries < 10 * times + 50, "{runs} runs killed in {tries} tries");
+        let case = &cases[runs % cases.len()];
+        let folder = scratch.path().join(format!("killed-{tries}"));
+        let mut more: Vec<&str> = Vec::new();
+        let mut killed = 0;
+        while killed < 2 {
+            let mut child = case.start(&folder, &more);
+            std::thread::sleep(Duration::from_secs_f64(1.1 * case.seconds * dice.fraction()));
+            let over = child.try_wait().expect("a status").is_some();
+            child.kill().expect("killed");
+            child.wait().expect("a status");
+            case.check(&folder);
+            if over {
+                break;
+            }
+            killed += 1;
+            more = vec!["--resume"];
+            if dice.below(3) > 0 {
+                break;
+            }
+        }
+        if killed > 0 {
+            case.resume(&folder, ["1", "2", "3"][dice.below(3) as usize]);
+            runs += 1;
+        }
+        kills += killed;
+        fs::remove_dir_all(&folder).ok();
+    }
+    println!("{runs} runs killed {kills} times, {kills} times gone on, {runs} identical results ({tries} tries)");
+}
+
+#[test]
+fn kills_at_random_moments() {
+    kill(15, 20_250_611);
+}
+
+#[test]
+#[ignore = "some minutes: cargo test --release --test program faults -- --ignored --show-output"]
+fn two_hundred_runs_killed() {
+    kill(200, 4_711);
+}
+
+/// Waits until a run has written its third frame.
+fn wait_for_frames(folder: &Path, child: &mut Child) {
+    let begin = Instant::now();
+    let third = |name: &str| name.ends_with("_0002.vtu");
+    while !fs::read_dir(folder).is_ok_and(|mut d| d.any(|e| e.is_ok_and(|e| e.file_name().to_str().is_some_and(third))))
+    {
+        assert!(child.try_wait().expect("a status").is_none(), "over too soon");
+        assert!(begin.elapsed().as_secs() < 100);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn fine_bar(scratch: &Path) -> Case {
+    let deck = project("input/taylor_copper.inp");
+    Case::new("fine", &deck, &["--set", "nr=8", "--set", "nz=40"], scratch)
+}
+
+/// SIGINT and SIGTERM end the run behind its increment: state, frame, histories and summary are written, the exit status is
+/// that of the signal.
+#[test]
+fn signals_leave_all_that_is_needed() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let case = fine_bar(scratch.path());
+    for (signal, status) in [("INT", 130), ("TERM", 143)] {
+        let folder = scratch.path().join(signal);
+        let mut child = case.start(&folder, &[]);
+        wait_for_frames(&folder, &mut child);
+        let sent =
+            Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().expect("kill runs");
+        assert!(sent.success());
+        assert_eq!(child.wait().expect("a status").code(), Some(status));
+        let frames = case.check(&folder);
+        let summary = fs::read(folder.join("taylor_copper.json")).expect("a summary");
+        let summary: serde_json::Value = serde_json::from_slice(&summary).expect("JSON");
+        let reason = summary["reason"].as_str().expect("a reason");
+        assert!(
+            summary["status"] == "halted" && reason.starts_with(&format!("R207: interrupted by SIG{signal}")),
+            "{reason}"
+        );
+        let list = fs::read_to_string(folder.join("taylor_copper.pvd")).expect("a list");
+        let time = reason.rsplit(' ').next().expect("a time").parse::<f64>().expect("a number");
+        let last = list.rsplit("timestep=\"").next().and_then(|l| l.split('"').next()).expect("a frame");
+        assert!(frames > 2 && last.parse::<f64>() == Ok(time), "the last frame is that of the end");
+        let rows = fs::read_to_string(folder.join("taylor_copper_history.csv")).expect("histories");
+        assert!(rows.lines().last().is_some_and(|row| row.starts_with(&format!("{time:?},"))));
+        case.resume(&folder, "1");
+    }
+}
+
+/// A limit on the size of files stops writing as a full disk does: at any size, from none to enough.
+#[test]
+fn a_full_disk_halts_the_run_and_tears_nothing() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let cases = cases(scratch.path());
+    let mut halted = 0;
+    for (i, blocks) in [0, 1, 4, 16, 40, 64, 100, 160, 100_000].into_iter().enumerate() {
+        let case = &cases[1 + i % 2];
+        let folder = scratch.path().join(format!("full-{blocks}"));
+        let status = case.limited(&format!("-f {blocks}"), &folder, &[]);
+        assert!(matches!(status.code(), Some(0 | 1)), "{blocks} blocks: {status}");
+        halted += usize::from(status.code() == Some(1));
+        case.check(&folder);
+        case.resume(&folder, "2");
+    }
+    assert!((3..9).contains(&halted), "{halted} of 9 runs were halted");
+}
+
+/// With too little memory the program may die at any moment, as if it were killed.
+#[test]
+fn too_little_memory_tears_nothing() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let case = fine_bar(scratch.path());
+    let mut died = 0;
+    for kilobytes in [4_000, 12_000, 20_000, 60_000, 160_000] {
+        let folder = scratch.path().join(format!("memory-{kilobytes}"));
+        let status = case.limited(&format!("-v {kilobytes}"), &folder, &["--threads", "1"]);
+        died += usize::from(!status.success());
+        case.check(&folder);
+        case.resume(&folder, "2");
+    }
+    assert!(died > 0, "no limit was felt");
+}
+
+#[test]
+fn a_folder_that_vanishes_or_cannot_be_made_is_told() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let deck = project("input/taylor_copper.inp");
+    let arguments = ["run", deck.to_str().expect("a name"), "--quiet", "--out"];
+    let file = scratch.path().join("file");
+    fs::write(&file, "").expect("a file");
+    for folder in [&file, &file.join("below"), Path::new("/proc/revolve")] {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_revolve")).args(arguments).arg(folder).output().expect("a status");
+        assert_eq!(output.status.code(), Some(2), "{folder:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains("folder"), "{output:?}");
+    }
+    // So fine that it would take minutes: it ends because its folder is gone.
+    let folder = scratch.path().join("gone");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
+    let fine = ["--set", "nr=30", "--set", "nz=150"];
+    let child =
+        command.args(arguments).arg(&folder).args(fine).stderr(Stdio::piped()).spawn().expect("the program runs");
+    let begin = Instant::now();
+    while !folder.join("taylor_copper.pvd").exists() && begin.elapsed().as_secs() < 100 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    fs::rename(&folder, scratch.path().join("elsewhere")).expect("moved away");
+    let output = child.wait_with_output().expect("a status");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && words.contains("R205") && words.contains("gone"), "{output:?}");
+}

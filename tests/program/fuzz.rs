@@ -1,0 +1,342 @@
+//! Rubbish: decks, expressions, mesh files and checkpoints that are changed at random. Each is read up to the plan, and what is found is
+//! printed; nothing may panic or take longer than a few seconds.
+//!
+//! The seeds are the decks of the project. In CI each target runs for some seconds on a fixed sequence; for longer
+//! `FUZZ_SECONDS=1800 FUZZ_SEED=7 cargo test --release --test program fuzz::TARGET` (docs/stability.md). A failure is shrunk and
+//! printed. Each target is a function from a change to a check: other readers are added the same way.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicUsize;
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use revolve::job;
+use revolve::output::checkpoint::{Checkpoint, Identity};
+use revolve::output::vtu::VtuWriter;
+use revolve::solve::{self, Control, Every, Sink};
+use revolve::user::Routines;
+use sha2::{Digest as _, Sha256};
+
+use crate::common;
+use crate::common::mesh::mesh_frame;
+
+/// What is done to a text: kind, place, and what with.
+type Change = (u8, u32, u32);
+
+/// Longest time that one reading may take, on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Words that break readers.
+const NASTY: &[&str] = &[
+    "",
+    "0",
+    "-1",
+    "1",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "nan",
+    "inf",
+    "-0",
+    "2147483648",
+    "18446744073709551616",
+    "1e99999",
+    "0x10",
+    "1.2.3",
+    "1d2",
+    "<",
+    ">",
+    "<nope>",
+    "<n",
+    "\"",
+    "'",
+    ",",
+    "*",
+    "**",
+    "=",
+    "*End Step",
+    "*Step",
+    "*Node",
+    "*Element, type=CAX4R",
+    "*Include, input=",
+    "*Parameter",
+    "\u{fc}",
+    "\u{0}",
+    "\t",
+    "generate",
+    "S5",
+    "SNEG",
+    "ALL",
+];
+
+/// How long each target runs.
+fn budget() -> Duration {
+    let seconds = std::env::var("FUZZ_SECONDS").ok().and_then(|s| s.parse().ok()).unwrap_or(4.0);
+    Duration::from_secs_f64(seconds)
+}
+
+/// Runs a check on random inputs until the time is over, and says how many it were.
+fn fuzz<S: Strategy>(name: &str, strategy: &S, check: impl Fn(&S::Value)) {
+    let seed: u64 = std::env::var("FUZZ_SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
+    let (begin, mut batches) = (Instant::now(), 0_u64);
+    while begin.elapsed() < budget() {
+        let mut bytes = [0; 32];
+        bytes[..8].copy_from_slice(&seed.to_le_bytes());
+        bytes[8..16].copy_from_slice(&batches.to_le_bytes());
+        let config = Config { cases: 32, failure_persistence: None, max_shrink_iters: 400, ..Config::default() };
+        let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &bytes));
+        let run = runner.run(strategy, |input| {
+            let begin = Instant::now();
+            check(&input);
+            let took = begin.elapsed();
+            if took > PATIENCE { Err(TestCaseError::fail(format!("took {took:?}"))) } else { Ok(()) }
+        });
+        if let Err(failure) = run {
+            panic!("{name}: {failure}");
+        }
+        batches += 1;
+    }
+    println!("{name}: {} inputs", 32 * batches);
+}
+
+/// Decks of the project, without what only a meshed run would need.
+fn seeds() -> Vec<(PathBuf, String)> {
+    let mut seeds = Vec::new();
+    for folder in ["input", "input/gauntlet", "tests/decks/good", "tests/decks/bad"] {
+        let files = std::fs::read_dir(common::project(folder)).expect("a folder");
+        let mut paths: Vec<PathBuf> = files.map(|f| f.expect("a file").path()).collect();
+        paths.sort();
+        for path in paths.into_iter().filter(|p| p.extension().is_some_and(|e| e == "inp")) {
+            let bytes = std::fs::read(&path).expect("a deck");
+            seeds.push((path, String::from_utf8_lossy(&bytes).into_owned()));
+        }
+    }
+    assert!(seeds.len() > 20);
+    seeds
+}
+
+/// The place in a text at or before a number of bytes, at the beginning of a character.
+fn place(text: &str, at: u32) -> usize {
+    let mut at = at as usize % (text.len() + 1);
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// Start and end of a word.
+fn word(text: &str, at: u32) -> (usize, usize) {
+    let middle = place(text, at);
+    let cut = |c: char| ",=\n <>()+-*/".contains(c);
+    let start = text[..middle].rfind(cut).map_or(0, |i| i + 1);
+    let end = text[middle..].find(cut).map_or(text.len(), |i| middle + i);
+    (start, end)
+}
+
+/// One change of a text; `other` gives lines and words of another one.
+fn change(text: &mut String, other: &str, (kind, at, with): Change) {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let line = at as usize % lines.len().max(1);
+    match kind {
+        0 if !lines.is_empty() => drop(lines.remove(line)),
+        1 if !lines.is_empty() => lines.insert(with as usize % lines.len(), lines[line].clone()),
+        2 if !lines.is_empty() => {
+            let second = with as usize % lines.len();
+            lines.swap(line, second);
+        }
+        3 => {
+            let foreign: Vec<&str> = other.lines().collect();
+            if !foreign.is_empty() {
+                lines.insert(line, foreign[with as usize % foreign.len()].to_owned());
+            }
+        }
+        4 => lines.truncate(line),
+        5 => {
+            let (start, end) = word(text, at);
+            return text.replace_range(start..end, NASTY[with as usize % NASTY.len()]);
+        }
+        6 => {
+            let ((start, end), (from, to)) = (word(text, at), word(other, with));
+            return text.replace_range(start..end, &other[from..to]);
+        }
+        7 => return text.insert_str(place(text, at), NASTY[with as usize % NASTY.len()]),
+        _ => {
+            let (from, to) = (place(text, at), place(text, at.wrapping_add(with % 5)));
+            if from < to {
+                text.replace_range(from..to, "");
+            }
+            return;
+        }
+    }
+    *text = lines.join("\n") + "\n";
+}
+
+/// Whether a text counts items by the million: up to the limit of generated items that is valid, and slow.
+fn is_large(text: &str) -> bool {
+    let runs = text.split(|c: char| !c.is_ascii_digit());
+    runs.filter_map(|run| run.parse::<u64>().ok()).any(|n| (30_000..30_000_000).contains(&n))
+}
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    prop::collection::vec((0_u8..9, any::<u32>(), any::<u32>()), 1..8)
+}
+
+#[test]
+fn decks() {
+    let seeds = seeds();
+    let input = (0..seeds.len(), 0..seeds.len(), changes());
+    fuzz("decks", &input, |(seed, other, changes)| {
+        let (path, mut text) = seeds[*seed].clone();
+        changes.iter().for_each(|c| change(&mut text, &seeds[*other].1, *c));
+        if is_large(&text) {
+            return;
+        }
+        // What hangs can be looked at.
+        std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/fuzz_deck.inp"), &text).expect("a file");
+        let prepared = job::prepare_text(&path.to_string_lossy(), &text, &[], &Routines::none());
+        let said = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(!prepared.diagnostics.has_errors() || !said.is_empty());
+        let _ = prepared.plan.ledger.render();
+    });
+}
+
+/// Pieces of expressions.
+const PARTS: &[&str] = &[
+    "1", "0", "2.", "1e308", "-", "+", "*", "/", "//", "%", "**", "(", ")", ",", "sqrt", "exp", "log", "abs", "min",
+    "max", "int", "pi", "a", "b", "c", "=", "#", "'", "\"", " ", "1e", ".", "<a>", "nan", "\u{e4}", "sin(", "pow(",
+    "[", "]", "\n",
+];
+
+#[test]
+fn parameters() {
+    let part = prop::sample::select(PARTS.to_vec());
+    let input = prop::collection::vec(prop::collection::vec(part, 0..20), 1..6);
+    fuzz("parameters", &input, |lines| {
+        let names = ["a", "b", "c", "a b", "1", ""];
+        let mut text = String::from("*Parameter\n");
+        for (name, line) in names.iter().zip(lines) {
+            text += &format!("{name} = {}\n", line.concat());
+        }
+        text += "*Node\n 1, <a>, <b>\n <c>, 1., 1.\n";
+        // Brackets in brackets, deeper than any stack of calls should go.
+        let deep = lines[0].len() * 200;
+        text += &format!("*Parameter\n d = {}1{}\n", "(".repeat(deep), ")".repeat(deep));
+        text += &format!("*Parameter\n e = {}1\n", "-".repeat(deep));
+        let prepared = job::prepare_text("fuzz.inp", &text, &[("a".into(), "2".into())], &Routines::none());
+        let _ = prepared.diagnostics.render(&prepared.deck.sources);
+    });
+}
+
+#[test]
+fn mesh_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = "*Node\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 5, 0., 2.\n*Element, type=CAX4R, elset=BODY\n 10, 1, 2, 3, 4\n\
+                *Element, type=CAX3, elset=BODY\n 11, 4, 3, 5\n*Nset, nset=AXIS\n 1, 4, 5\n";
+    let (parsed, _) = revolve::deck::read_text("t.inp", deck, &[]);
+    let (model, _) = revolve::model::build(&parsed);
+    let mut writer = VtuWriter::default();
+    let vtu = writer.text(&mesh_frame(&model));
+    let legacy = "# vtk DataFile Version 3.0\nmesh\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 1 1 0 0 1 0\n\
+                  CELLS 2 9\n3 0 1 2\n4 0 1 2 3\nCELL_TYPES 2\n5\n9\n";
+    let seeds = [("mesh.vtu", vtu.as_bytes().to_vec()), ("mesh.vtk", legacy.as_bytes().to_vec())];
+    let bytes = prop::collection::vec((0_u8..5, any::<u32>(), any::<u32>()), 1..6);
+    fuzz("mesh files", &(0..seeds.len(), bytes), |(seed, changes)| {
+        let (name, mut bytes) = seeds[*seed].clone();
+        for (kind, at, with) in changes {
+            let at = *at as usize % bytes.len().max(1);
+            match kind {
+                0 if !bytes.is_empty() => bytes[at] = *with as u8,
+                1 if !bytes.is_empty() => drop(bytes.remove(at)),
+                2 => bytes.truncate(at),
+                3 => bytes.insert(at, *with as u8),
+                _ => {
+                    let mut text = String::from_utf8_lossy(&bytes).into_owned();
+                    change(&mut text, legacy, (5, at as u32, *with));
+                    bytes = text.into_bytes();
+                }
+            }
+        }
+        let path = folder.path().join(name);
+        std::fs::write(&path, &bytes).expect("a file");
+        let text = format!("*Mesh, input=\"{}\"\n", path.display());
+        let prepared = job::prepare_text("fuzz.inp", &text, &[], &Routines::none());
+        let _ = prepared.diagnostics.render(&prepared.deck.sources);
+    });
+}
+
+/// Keeps the first state and stops there.
+#[derive(Default)]
+struct First(Vec<u8>);
+
+impl Sink for First {
+    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), String> {
+        Ok(())
+    }
+    fn keeps(&self) -> bool {
+        self.0.is_empty()
+    }
+    fn keep(&mut self, state: &[u8], _now: &revolve::state::Instant) -> Result<(), String> {
+        self.0 = state.to_vec();
+        Ok(())
+    }
+}
+
+/// Takes a state up in a plan and ends behind one increment; the increments behind, or why it does not fit.
+fn take_up(text: &str, control: Control<'_>) -> (Result<u64, String>, Vec<u8>) {
+    let prepared = common::prepared(text, &[], &Routines::none());
+    let mut first = First::default();
+    let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
+    (outcome.map(|(o, _)| o.increments), first.0)
+}
+
+/// Bytes changed at random, with a checksum that is right again: the file is refused with a reason, or it is the one that
+/// was written but for words. States that are too short, too long or of another deck are refused. (Numbers inside a state
+/// that fits are the checksum's to keep.)
+#[test]
+fn checkpoints() {
+    let decks = [common::ogive(), std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck")];
+    let signal = AtomicUsize::new(15);
+    let end = Control { interrupt: Some(&signal), ..Control::default() };
+    let states = decks.each_ref().map(|text| {
+        let every = Some(Every::Increments(1));
+        take_up(text, Control { every, ..end }).1
+    });
+    assert!(states.iter().all(|s| s.len() > 100));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("job.checkpoint");
+    let identity = Identity { deck: "d".into(), parameters: "p".into(), mesh: "m".into(), user: String::new() };
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    let whole = Checkpoint { version, identity, shown: vec![1, 2, 3], state: states[0].clone(), ..Default::default() };
+    whole.clone().write(&path).expect("a file");
+    let bytes = std::fs::read(&path).expect("bytes");
+    let input = (any::<bool>(), any::<u32>(), any::<u32>(), any::<u8>(), changes());
+    fuzz("checkpoints", &input, |(mended, at, length, value, changes)| {
+        let mut changed = bytes.clone();
+        for (_, at, with) in changes {
+            // Mostly in the head, where lengths are.
+            let at = if at % 2 == 0 { *at as usize % 200 } else { *at as usize % changed.len() };
+            changed[at] = *with as u8;
+        }
+        if value % 3 == 0 {
+            changed.truncate(*at as usize % (changed.len() + 1));
+        }
+        if *mended && changed.len() > 40 {
+            let sum = Sha256::digest(&changed[40..]);
+            changed[8..40].copy_from_slice(&sum);
+        }
+        std::fs::write(&path, &changed).expect("a file");
+        if let Err(refused) = Checkpoint::read(&path) {
+            assert!(["K001", "K002"].contains(&refused.code), "{refused:?}");
+        }
+        let which = usize::from(value % 2 == 0);
+        let (own, other) = (&states[which], &states[1 - which]);
+        let cut = *length as usize % own.len();
+        let longer = [&own[..], &other[..cut % other.len() + 1]].concat();
+        for state in [&own[..cut], &longer[..], &other[..]] {
+            let (taken, _) = take_up(&decks[which], Control { state: Some(state), ..end });
+            assert!(taken.is_err(), "a state of {} bytes where {} belong", state.len(), own.len());
+        }
+        assert!(take_up(&decks[which], Control { state: Some(own), ..end }).0.is_ok());
+    });
+}

@@ -1,0 +1,18 @@
+//! The program as a whole: commands and their files, faults from outside, restart, reports, studies, the same bits everywhere.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod command_line;
+mod faults;
+mod fuzz;
+mod memory;
+mod report;
+mod reproducibility;
+mod restart;
+mod same_bits;
+mod study;
+mod study_cases;
+mod study_effects;
+mod tidy;
+mod vtk;

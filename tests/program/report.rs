@@ -1,0 +1,296 @@
+//! `revolve report`: what it reads from a folder, what the page carries, and the page in a real browser.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use revolve::report;
+use revolve::report::data::Meridian;
+use serde_json::{Value, json};
+
+use crate::common;
+
+fn revolve(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("the program runs")
+}
+
+fn folder() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = folder.path().to_str().expect("a name").to_owned();
+    (folder, name)
+}
+
+/// Runs a deck of the project into a folder.
+fn run(deck: &str, out: &str, settings: &[&str]) -> Output {
+    let mut arguments = vec!["run", deck, "--quiet", "--out", out];
+    settings.iter().for_each(|s| arguments.extend(["--set", s]));
+    revolve(&arguments)
+}
+
+fn numbers(text: &str) -> Vec<u16> {
+    let bytes = STANDARD.decode(text).expect("base64");
+    bytes.as_chunks::<2>().0.iter().map(|b| u16::from_le_bytes(*b)).collect()
+}
+
+/// Smallest and largest z of a frame, as the page has it.
+fn extent(meridian: &Meridian, frame: usize) -> [f64; 2] {
+    let [_, _, low, high] = meridian.bounds;
+    let places = numbers(&meridian.places);
+    let of_frame = &places[2 * frame * meridian.points..2 * (frame + 1) * meridian.points];
+    let z = of_frame.iter().skip(1).step_by(2).map(|&q| low + (high - low) * f64::from(q) / 65534.0);
+    z.fold([f64::INFINITY, f64::NEG_INFINITY], |e, z| [e[0].min(z), e[1].max(z)])
+}
+
+#[test]
+fn a_rigid_run_brings_frames_histories_ledger_and_target() {
+    let (folder, out) = folder();
+    assert!(run("input/ogive.inp", &out, &[]).status.success());
+    let page = report::gather(folder.path()).expect("a page");
+    assert_eq!((page.runs.len(), page.sweeps.len(), page.studies.len()), (1, 0, 0));
+    let run = &page.runs[0];
+    let titles: Vec<&str> = run.charts.iter().map(|c| c.title.as_str()).collect();
+    assert_eq!(titles, ["Energy", "U2", "V2", "A2"]);
+    let energies: Vec<&str> = run.charts[0].series.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(energies, ["ALLKE", "ALLCAV", "ETOTAL"], "those that are not zero throughout");
+    assert!(run.summary.get("history").is_none() && run.summary["ledger"]["effects"].is_array());
+    assert_eq!(run.summary["scene"]["targets"][0]["layers"][0], json!({"material": "AL6061", "thickness": 0.5}));
+
+    let meridian = run.meridian.as_ref().expect("frames");
+    assert_eq!((meridian.times.len(), meridian.cells, meridian.points), (21, 20, 21));
+    // The tip starts at the face and comes to rest at the depth that the summary tells; places have 65535 steps.
+    let depth = run.columns.iter().find(|c| c.name == "U2@REF").expect("a column").last;
+    let step = (meridian.bounds[3] - meridian.bounds[2]) / 65534.0;
+    assert!((extent(meridian, 0)[0]).abs() <= step, "{:?}", extent(meridian, 0));
+    assert!((extent(meridian, 20)[0] - depth).abs() <= step, "{:?} {depth}", extent(meridian, 20));
+    let pressure = meridian.fields.iter().find(|f| f.name == "PRESSURE").expect("a field");
+    assert!(pressure.on_cells && numbers(&pressure.values).len() == 21 * 20);
+    assert!(pressure.high > 276e6 * 5.0394, "more than A Y at speed: {}", pressure.high);
+}
+
+#[test]
+fn a_deformable_run_brings_its_shape_and_the_element_that_limits() {
+    let (folder, out) = folder();
+    assert!(run("input/taylor_copper.inp", &out, &["nr=5", "nz=25"]).status.success());
+    let page = report::gather(folder.path()).expect("a page");
+    let run = &page.runs[0];
+    let meridian = run.meridian.as_ref().expect("frames");
+    let final_length = run.columns.iter().find(|c| c.name == "COOR2@TIP").expect("a column").last;
+    let [low, high] = extent(meridian, meridian.times.len() - 1);
+    // The rear face is flat within some micrometres; a step of the places is half a micrometre.
+    assert!((high - low - final_length).abs() < 1e-5, "{low} {high} {final_length}");
+    let names: Vec<&str> = meridian.fields.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(&names[..3], ["MISES", "PEEQ", "|V|"]);
+    assert!(!names.contains(&"S_MISES"), "not twice");
+    assert!(run.summary["steps"][0]["limiting_element"].is_string());
+    let velocity = meridian.fields.iter().find(|f| f.name == "V2").expect("a field");
+    assert!((velocity.low + 227.0).abs() < 23.0, "the bar starts at -227: {}", velocity.low);
+}
+
+/// The page leaves out cells below the middle of their range: nothing is deleted here, so nothing must be.
+#[test]
+fn status_is_told_apart_where_nothing_is_deleted() {
+    let (folder, out) = folder();
+    let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
+    let text = text.replace("*Element Output\n", "*Element Output\n STATUS\n");
+    let deck = folder.path().join("whole.inp");
+    std::fs::write(&deck, text).expect("a deck");
+    assert!(run(deck.to_str().expect("a name"), &out, &["nr=4", "nz=20"]).status.success());
+    let page = report::gather(folder.path()).expect("a page");
+    let fields = &page.runs[0].meridian.as_ref().expect("frames").fields;
+    let status = fields.iter().find(|f| f.name == "STATUS").expect("a field");
+    assert_eq!([status.low, status.high], [0.0, 1.0]);
+    assert!(numbers(&status.values).iter().all(|v| *v == 65534), "all are there");
+}
+
+#[test]
+fn a_large_run_stays_within_its_size_and_says_what_was_left_out() {
+    let (folder, out) = folder();
+    let name = folder.path().join("large.inp");
+    // A hundred frames of 14 400 elements over some hundred increments.
+    let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
+    let text = text.replace(", 80.e-6", ", 1.e-6").replace("field, number interval=20", "field, number interval=100");
+    std::fs::write(&name, text).expect("a deck");
+    assert!(run(name.to_str().expect("a name"), &out, &["nr=60", "nz=240"]).status.success());
+    let page = report::gather(folder.path()).expect("a page");
+    let run = &page.runs[0];
+    let meridian = run.meridian.as_ref().expect("frames");
+    assert!(
+        meridian.cells <= report::frames::CELLS && meridian.cells > report::frames::CELLS / 4,
+        "{}",
+        meridian.cells
+    );
+    assert!(meridian.times.len() <= report::frames::FRAMES && meridian.times.len() >= 10, "{}", meridian.times.len());
+    assert_eq!(meridian.times.last(), Some(&1e-6), "the last frame is among them");
+    assert!(run.notes.iter().any(|n| n.starts_with("drawn coarser")), "{:?}", run.notes);
+    assert!(run.notes.iter().any(|n| n.contains("frames are shown")), "{:?}", run.notes);
+    let html = report::html(&page).expect("a page");
+    assert!(html.len() < report::frames::BYTES + 500_000, "{} bytes", html.len());
+}
+
+#[test]
+fn halted_and_frameless_runs_and_empty_folders() {
+    let text = common::ogive();
+    let (halted, out) = folder();
+    let deck = halted.path().join("stuck.inp");
+    // A force that no number can hold once it is divided by the mass.
+    std::fs::write(&deck, text.replace("*Output, field", "*Cload\n REF, 2, -1.e308\n*Output, field")).expect("a deck");
+    let output = run(deck.to_str().expect("a name"), &out, &[]);
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = report::gather(halted.path()).expect("a page");
+    assert_eq!(page.runs[0].summary["status"], "halted");
+    assert!(page.runs[0].summary["reason"].as_str().is_some_and(|r| r.starts_with("R203")));
+
+    let (bare, out) = folder();
+    let deck = bare.path().join("bare.inp");
+    let field = text.find("*Output, field").expect("a card")..text.find("*Output, history").expect("a card");
+    // With a variable that is none, so that there is something to be told.
+    std::fs::write(&deck, text.replace(&text[field], "").replace("U2, V2, A2", "U2, V2, A2, VV2")).expect("a deck");
+    assert!(run(deck.to_str().expect("a name"), &out, &[]).status.success());
+    let page = report::gather(bare.path()).expect("a page");
+    assert!(page.runs[0].meridian.is_none());
+    assert!(page.runs[0].notes.iter().any(|n| n.starts_with("there are no frames")), "{:?}", page.runs[0].notes);
+
+    let finding = &page.runs[0].summary["diagnostics"][0];
+    assert_eq!((&finding["code"], &finding["severity"]), (&json!("M141"), &json!("warning")));
+    assert!(finding["place"].as_str().is_some_and(|p| p.contains("bare.inp:")), "{finding}");
+
+    let (_empty, out) = folder();
+    for (folder, word) in [(out.as_str(), "holds no run"), ("no/such/folder", "no/such/folder")] {
+        let output = revolve(&["report", folder]);
+        assert_eq!(output.status.code(), Some(2));
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(message.starts_with("error: ") && message.contains(word), "{message}");
+    }
+}
+
+#[test]
+fn damaged_frames_are_refused_in_words() {
+    let (folder, out) = folder();
+    common::run_ogive(folder.path(), &[]);
+    std::fs::write(folder.path().join("ogive_0003.vtu"), "<VTKFile>").expect("a file");
+    let output = revolve(&["report", &out]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("ogive_0003.vtu"));
+    assert!(!folder.path().join("report.html").exists());
+}
+
+#[test]
+fn charts_and_pictures_on_the_command_line() {
+    let (folder, out) = folder();
+    assert!(run("input/ogive.inp", &out, &[]).status.success());
+    let draw = |arguments: &[&str], file: &str| {
+        let file = folder.path().join(file);
+        let output = revolve(&[&["chart", &out][..], arguments, &["--out", file.to_str().expect("a name")]].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), message, std::fs::read(file).unwrap_or_default())
+    };
+    let svg = |arguments: &[&str]| {
+        let (status, message, bytes) = draw(arguments, "a.svg");
+        assert_eq!(status, Some(0), "{message}");
+        String::from_utf8(bytes).expect("text")
+    };
+    let columns = svg(&["--column", "u2@ref", "--column", "V2@REF"]);
+    assert!(columns.contains("U2@REF") && columns.contains("V2@REF"));
+    assert!(svg(&["--energy"]).contains("ALLCAV"));
+    // Twenty facets on both sides of the axis, and the axis.
+    let picture = svg(&["--field", "PRESSURE", "--frame", "3"]);
+    assert_eq!(picture.matches("<path").count(), 2 * 20 + 1);
+    assert!(picture.contains("BLOCK: AL6061") && picture.contains("frame 3 of 21"));
+    let (_, _, png) = draw(&["--field", "V2"], "a.png");
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{}", png.len());
+    for (arguments, file, word) in [
+        (&["--column", "U2@REFF"][..], "b.png", "did you mean `U2@REF`?"),
+        (&["--field", "MISES"], "b.png", "there is no field `MISES`"),
+        (&["--field", "V2", "--frame", "22"], "b.png", "the run has 21"),
+        (&["--energy"], "b.gif", ".png or .svg"),
+        (&["--energy", "--frame", "1"], "b.png", "--frame"),
+        (&[], "b.png", "--energy"),
+    ] {
+        let (status, message, bytes) = draw(arguments, file);
+        assert_eq!(status, Some(2), "{arguments:?}");
+        assert!(message.contains(word) && bytes.is_empty(), "{message}");
+    }
+}
+
+/// A browser without a window, or `None` after saying so. In CI it must be there.
+fn browser() -> Option<PathBuf> {
+    let names = ["chromium", "google-chrome", "chromium-browser", "chrome"];
+    let runs = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
+    let found = names.iter().find(runs).map(PathBuf::from);
+    assert!(found.is_some() || std::env::var_os("CI").is_none(), "in CI chromium must be installed");
+    if found.is_none() {
+        println!("left out: the report in a browser (no chromium)");
+    }
+    found
+}
+
+/// What the page's own test wrote into it.
+fn self_test(browser: &Path, page: &Path) -> Value {
+    let profile = tempfile::tempdir().expect("a folder");
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"])
+        .arg("--window-size=1200,900")
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg("--dump-dom")
+        .arg(format!("file://{}#selftest", page.display()))
+        .output()
+        .expect("the browser runs");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let start = text.find("<pre id=\"selftest\">").expect("the page tested itself") + "<pre id=\"selftest\">".len();
+    let end = start + text[start..].find("</pre>").expect("its end");
+    let words = text[start..end].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
+    serde_json::from_str(&words).expect("JSON")
+}
+
+#[test]
+fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
+    let (folder, out) = folder();
+    let sweep = "V=569,821,1147";
+    let quantity = "-1000*final(U2@REF)";
+    let reference = "input/reference/piekutowski_1999.csv";
+    assert!(run("input/taylor_copper.inp", &out, &["nr=4", "nz=20"]).status.success());
+    assert!(run("input/ogive.inp", &out, &[]).status.success());
+    let arguments =
+        ["sweep", "input/ogive.inp", "--quiet", "--set", sweep, "--quantity", quantity, "--compare", reference];
+    assert!(revolve(&[&arguments[..], &["--out", &out]].concat()).status.success());
+    let study = json!({"quantity": quantity, "levels": [
+        {"n": 10, "value": 64.9, "error": 0.09, "seconds": 0.001, "pareto": true},
+        {"n": 20, "value": 64.85, "error": 0.02, "seconds": 0.002, "pareto": true},
+    ]});
+    std::fs::write(folder.path().join("ogive_study.json"), study.to_string()).expect("a file");
+    let output = revolve(&["report", &out]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = folder.path().join("report.html");
+    let html = std::fs::read_to_string(&page).expect("a page");
+    assert!(html.contains("default-src 'none'"));
+    for reference in ["http:", "https:", " src=", "url(", "@import", "fetch(", "XMLHttpRequest"] {
+        let found = html.matches(reference).count();
+        // The one address is the name of the SVG name space.
+        assert_eq!(found, usize::from(reference == "http:"), "{reference}");
+    }
+
+    let Some(browser) = browser() else { return };
+    let result = self_test(&browser, &page);
+    assert_eq!(result["faults"], json!([]));
+    assert_eq!(result["requests"], json!([]), "nothing is fetched");
+    assert_eq!(result["not_a_number"], false);
+    // Four charts of the ogive, five of the bar, the sweep's and the study's.
+    assert_eq!(result["charts"], 11);
+    assert_eq!(result["tips"], 11, "every chart answers to its cursor");
+    assert_eq!(result["lines"], 6 + 11 + 1 + 1);
+    assert_eq!(result["points"], 3 * 3 + 2 * 2, "runs, experiment, the paper's; the price list and its front");
+    let meridians = result["meridians"].as_array().expect("pictures");
+    assert_eq!(meridians.len(), 2);
+    // The projectile rests from 221 microseconds on: frames 0 to 4 move, the fifth and all after it are the same.
+    assert_eq!((&meridians[0]["frames"], &meridians[0]["different_frames"]), (&json!(21), &json!(6)));
+    assert_eq!((&meridians[1]["frames"], &meridians[1]["different_frames"]), (&json!(21), &json!(21)));
+    assert_eq!(
+        meridians[1]["different_fields"],
+        meridians[1]["fields"].as_array().map_or(json!(0), |f| json!(f.len()))
+    );
+}

@@ -1,0 +1,455 @@
+//! Going on from a kept state.
+//!
+//! Goal: a run that goes on from any state that was kept comes to the same bits as one that was never interrupted: rows,
+//! frames, summaries and digest. Source: the uninterrupted run. Tolerance: none.
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicUsize;
+
+use revolve::job::{self, Options};
+use revolve::output::{Frame, Job};
+use revolve::solve::{self, Control, Every, Outcome, Sink};
+use revolve::state::Instant;
+use revolve::user::compile::compile;
+use revolve::user::{
+    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, Moment, MotionCall, Routines, UserAmplitude, UserEvents,
+    UserLoad, UserMotion, Wish,
+};
+
+use crate::common;
+use crate::common::solid::{grid, material};
+use crate::common::{Memory, prepared, project};
+
+/// Keeps what is shown, and states with the numbers of rows and frames before them.
+#[derive(Default)]
+struct Keeper {
+    shown: Memory,
+    states: Vec<(Vec<u8>, usize, usize)>,
+}
+
+impl Sink for Keeper {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+    fn frame(&mut self, frame: &Frame) -> Result<(), String> {
+        self.shown.frame(frame)
+    }
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+        self.shown.row(time, values)
+    }
+    fn keeps(&self) -> bool {
+        true
+    }
+    fn keep(&mut self, state: &[u8], _now: &Instant) -> Result<(), String> {
+        self.states.push((state.to_vec(), self.shown.rows.len(), self.shown.frames.len()));
+        Ok(())
+    }
+}
+
+fn rows(memory: &Memory, from: usize) -> Vec<Vec<u64>> {
+    let bits = |(time, values): &(f64, Vec<f64>)| [*time].iter().chain(values).map(|v| v.to_bits()).collect();
+    memory.rows[from..].iter().map(bits).collect()
+}
+
+fn frames(memory: &Memory, from: usize) -> Vec<(u64, Vec<u64>)> {
+    let bits = |frame: &Frame| {
+        let fields = frame.point_fields.iter().chain(&frame.cell_fields).flat_map(|f| &f.values);
+        let all = [frame.time].into_iter().chain(frame.points.iter().flatten().copied()).chain(fields.copied());
+        (frame.increment, all.map(f64::to_bits).collect())
+    };
+    memory.frames[from..].iter().map(bits).collect()
+}
+
+/// What the end of a run is compared by.
+fn ending(outcome: &Outcome) -> String {
+    let Outcome { halt, ended_by_user, steps, energy, rests, increments, digest, .. } = outcome;
+    format!("{halt:?} {ended_by_user} {steps:?} {energy:?} {rests:?} {increments} {digest}")
+}
+
+fn run(text: &str, routines: &Routines, control: Control<'_>) -> (Outcome, Keeper) {
+    let prepared = prepared(text, &[], routines);
+    let mut keeper = Keeper::default();
+    let (outcome, _) = solve::run_with(&prepared.plan, prepared.state, &mut keeper, control).expect("the state fits");
+    (outcome, keeper)
+}
+
+/// Interrupts a deck at about six increments and goes on from each; other threads than before from every second.
+fn goes_on(name: &str, text: &str, routines: impl Fn() -> Routines) -> Outcome {
+    let (whole, reference) = run(text, &routines(), Control::default());
+    assert!(whole.increments > 12, "{name}: {whole:?}");
+    let every = Some(Every::Increments(whole.increments / 6));
+    let (kept, keeper) = run(text, &routines(), Control { every, ..Control::default() });
+    assert_eq!(ending(&kept), ending(&whole), "{name}: keeping states changes the run");
+    assert!(keeper.states.len() >= 4, "{name}: {} states", keeper.states.len());
+    for (i, (state, row, frame)) in keeper.states.iter().enumerate() {
+        let control = Control { state: Some(state), ..Control::default() };
+        let (outcome, more) = run(text, &routines(), control);
+        assert_eq!(ending(&outcome), ending(&whole), "{name}: state {i}");
+        assert!(rows(&more.shown, 0) == rows(&reference.shown, *row), "{name}: rows behind state {i}");
+        assert!(frames(&more.shown, 0) == frames(&reference.shown, *frame), "{name}: frames behind state {i}");
+    }
+    whole
+}
+
+/// A bar of so many elements that flies against what holds its foot, with outputs of all that can be shown.
+fn bar(n: usize, material: &str, speed: f64, time: f64, cards: &str) -> String {
+    let (width, height) = (3.2 / n as f64, 12.8 / (4 * n) as f64);
+    grid(n, 4 * n, false, |i, j| [width * i as f64, height * j as f64])
+        + material
+        + &format!(
+            "*Nset, nset=TOP\n 5\n*Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit\n , {time:e}\n\
+             *Boundary\n I0, 1, 1\n J0, 2, 2\n{cards}*Output, field, number interval=7\n*Node Output\n U, V, A, RF\n\
+             *Element Output\n ALL\n*Output, history, number interval=23\n*Node Output, nset=TOP\n U, V, A\n\
+             *Node Output, nset=J0\n RF2\n*Energy Output\n ALL\n*Incrementation Output\n DT\n*End Step\n",
+            -speed
+        )
+}
+
+fn steel(cards: &str) -> String {
+    material(206e3, 0.3, 7.83e-9, cards)
+}
+
+fn bare(cards: &str) -> String {
+    format!("*Solid Section, elset=SOLID, material=M\n*Material, name=M\n{cards}")
+}
+
+const JOHNSON_COOK: &str = "*Plastic, hardening=JOHNSON COOK\n 90., 292., 0.31, 1.09, 1058., 25.\n\
+     *Rate Dependent, type=JOHNSON COOK\n 0.025, 1.\n*Specific Heat\n 3.83e8,\n*Inelastic Heat Fraction\n 0.9,\n";
+
+#[test]
+fn every_law_of_material() {
+    let head = "*Density\n 2.785e-9,\n";
+    let gas = "*Density\n 1.2e-12,\n*Eos, type=IDEAL GAS\n 2.87e8, 0.\n*Specific Heat\n 7.175e8,\n\
+         *Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 2.1e11\n";
+    for (name, material, speed, time) in [
+        ("elastic", steel(""), 1e4, 5e-6),
+        ("plastic", steel("*Plastic\n 400., 0.\n 500., 0.1\n"), 2e5, 5e-6),
+        ("kinematic", steel("*Plastic, hardening=KINEMATIC\n 400., 0.\n 500., 0.1\n"), 2e5, 5e-6),
+        ("Johnson-Cook", steel(JOHNSON_COOK), 2e5, 5e-6),
+        ("deletion", steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n"), 2e5, 5e-6),
+        (
+            "damage",
+            steel(
+                "*Plastic\n 400., 0.\n*Damage Initiation, criterion=DUCTILE\n 0.05, 0., 0.\n*Damage Evolution, type=DISPLACEMENT\n 0.02,\n",
+            ),
+            2e5,
+            5e-6,
+        ),
+        ("rubber", bare("*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n"), 1e4, 1e-4),
+        ("linear Us-Up", bare(&format!("{head}*Eos, type=USUP\n 5.328e6, 1.338, 2.\n")), 1e5, 3e-6),
+        ("ideal gas", bare(gas), 1e4, 3e-5),
+    ] {
+        let outcome = goes_on(name, &bar(4, &material, speed, time, ""), Routines::none);
+        assert_eq!(outcome.halt, None, "{name}");
+    }
+}
+
+/// Single elements instead of the whole limit the increment; distortion control; area weighting; a target that is not
+/// meshed, with friction on faces that fail.
+#[test]
+fn controls_of_elements_and_a_target() {
+    let plastic = steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n");
+    let controlled = |parameters: &str| {
+        let cards = format!("material=M, controls=C\n*Section Controls, name=C, {parameters}\n*Material");
+        bar(4, &plastic.replacen("material=M\n*Material", &cards, 1), 2e5, 5e-6, "")
+    };
+    let target = "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n\
+         *Target, name=WALL, front=1., direction=-1\n ROCK, 900.\n";
+    let shot = bar(
+        4,
+        &(plastic.clone() + target),
+        8e5,
+        5e-6,
+        "*Dsload, target=WALL, friction=0.1\n J0, CAVITY\n I1, CAVITY\n",
+    );
+    for (name, deck) in [
+        ("element by element", bar(4, &plastic, 2e5, 5e-6, "").replace("Explicit\n", "Explicit, element by element\n")),
+        ("distortion control", controlled("distortion control=YES, length ratio=0.7")),
+        ("area weighting", controlled("weighting=AREA")),
+        ("target", shot.replace(" J0, 2, 2\n", "")),
+    ] {
+        let outcome = goes_on(name, &deck, Routines::none);
+        assert_eq!(outcome.halt, None, "{name}");
+        assert!(name != "target" || outcome.energy.cavity > 0.0 && outcome.energy.friction > 0.0);
+    }
+}
+
+/// What is at rest sleeps, wakes as the wave comes, and is spread over threads.
+#[test]
+fn a_large_body_on_any_number_of_threads() {
+    let steel = steel("*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.05,\n");
+    let deck = bar(40, &steel, 2e5, 1e-6, "").replace(" ALL, 2,", " J1, 2,");
+    let with = |threads: usize, control: Control<'_>| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let (outcome, keeper) = run(&deck, &Routines::none(), control);
+            (ending(&outcome), keeper.states)
+        })
+    };
+    let every = Some(Every::Increments(15));
+    let (whole, states) = with(1, Control { every, ..Control::default() });
+    assert!(states.len() > 3);
+    for (i, threads) in [(0, 2), (1, 5), (3, 1)] {
+        assert_eq!(
+            with(threads, Control { state: Some(&states[i].0), ..Control::default() }).0,
+            whole,
+            "{threads} threads"
+        );
+    }
+}
+
+const WALL: &str = "*Node, nset=ANVIL\n 800, 0., 0.\n*Surface, type=SEGMENTS, name=WALL\n START, 0., 0.\n LINE, 100., 0.\n\
+     *Rigid Body, ref node=800, analytical surface=WALL\n*Surface Interaction, name=ROUGH\n*Friction\n 0.2\n";
+
+/// Two steps over a scene with cards that bring all links and loads to life.
+fn linked() -> String {
+    let step = |name: &str, more: &str| {
+        format!(
+            "*Step, name={name}\n*Dynamic, Explicit, scale factor=0.8\n , 1.5\n*Boundary\n I0, 1, 1\n 800, 2, 2\n{more}\
+             *Output, field, number interval=3\n*Node Output\n U, V, A, RF\n*Element Output\n S, LE\n\
+             *Output, history, number interval=17\n*Node Output, nset=REF\n U2, V2, A2\n*Node Output, nset=ANVIL\n RF2\n\
+             *Node Output, nset=I1\n U, V, RF\n*Energy Output\n ALL\n*End Step\n"
+        )
+    };
+    let links = "*Element, type=SPRINGA, elset=K\n 301, 2, 9\n*Spring, elset=K\n\n 3.\n*Element, type=DASHPOT1, elset=C\n 302, 12\n\
+         *Dashpot, elset=C\n 2\n 0.4\n*Equation\n 2\n 8, 1, 1., 11, 1, -1.\n*Amplitude, name=RAMP, time=TOTAL TIME\n 0., 0., 1., 1., 4., 0.3\n\
+         *Initial Conditions, type=VELOCITY\n ALL, 2, -0.02\n 900, 2, -0.02\n";
+    let tied = "*Node, nset=REF\n 900, 0., 1.\n*Element, type=MASS, elset=POINT\n 900, 900\n*Mass, elset=POINT\n 1.2\n\
+         *Rigid Body, ref node=900, tie nset=J1\n";
+    grid(2, 5, false, |i, j| [0.5 * i as f64, 0.3 * j as f64 + 1e-4])
+        + &material(20.0, 0.25, 1.0, "*Plastic\n 0.02, 0.\n 0.2, 0.2\n")
+        + tied
+        + WALL
+        + links
+        + &step(
+            "One",
+            "*Contact Pair, interaction=ROUGH\n J0, WALL\n*Dsload, amplitude=RAMP\n I1, P, 0.05\n*Dload\n , GRAV, 0.02, 0., -1.\n",
+        )
+        + &step("Two", "*Cload, amplitude=RAMP\n 6, 1, 0.01\n")
+}
+
+#[test]
+fn links_and_loads_over_two_steps() {
+    let outcome = goes_on("links", &linked(), Routines::none);
+    assert_eq!(outcome.halt, None);
+    let energy = &outcome.energy;
+    assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
+}
+
+#[test]
+fn scaled_masses() {
+    let cards =
+        "*Fixed Mass Scaling, factor=2., elset=EJ0\n*Variable Mass Scaling, type=BELOW MIN, dt=3.e-8, frequency=9\n";
+    let outcome = goes_on("mass scaling", &bar(4, &steel("*Plastic\n 400., 0.\n"), 2e5, 5e-6, cards), Routines::none);
+    assert!(outcome.steps[0].added_mass.expect("mass") > 0.0);
+}
+
+struct Push;
+
+impl UserLoad for Push {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        for (p, v) in pressure.iter_mut().zip(points.velocity_z) {
+            *p = 0.01 + 0.3 * points.now.total_time - 0.1 * v;
+        }
+        Ok(())
+    }
+}
+
+struct Sway;
+
+impl UserMotion for Sway {
+    fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
+        Ok(0.02 * call.now.total_time - 0.1 * call.state[0] + 0.01 * call.increments[0])
+    }
+}
+
+/// Remembers its peak in the variables that the deck gives it.
+struct Peak;
+
+impl UserAmplitude for Peak {
+    fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure> {
+        let value = (7.0 * call.now.total_time).min(1.5) + 0.1 * call.old;
+        call.variables[0] = call.variables[0].max(value);
+        Ok(AmplitudeAnswer { value: value - 0.2 * call.variables[0], ..AmplitudeAnswer::default() })
+    }
+}
+
+/// The moments it is told of, with the increment; `R` where its state will be kept.
+#[derive(Clone, Default)]
+struct Diary(std::sync::Arc<std::sync::Mutex<Vec<String>>>);
+
+impl UserEvents for Diary {
+    fn moment(&mut self, moment: Moment, now: &Instant, _increment: f64) -> Result<Wish, LoadFailure> {
+        self.0.lock().expect("a diary").push(format!("{} {}", moment as i32, now.increment));
+        Ok(Wish::Continue)
+    }
+    fn restart_follows(&mut self) {
+        self.0.lock().expect("a diary").push("R".into());
+    }
+}
+
+fn with_routines() -> String {
+    let cards = "*Amplitude, name=PEAK, definition=USER, properties=1, variables=1\n 6.,\n";
+    linked()
+        .replacen("*Step", &format!("{cards}*Step"), 1)
+        .replace("*Dsload, amplitude=RAMP\n I1, P, 0.05\n", "*Dsload, amplitude=PEAK\n I1, PNU, 0.05\n")
+        .replace("*Cload, amplitude=RAMP", "*Boundary, user, type=VELOCITY\n 1, 1, 1\n*Cload, amplitude=PEAK")
+}
+
+#[test]
+fn routines_of_the_user_without_memory_of_their_own() {
+    let routines = || Routines::none().with_load(Push).with_motion(Sway).with_amplitude(Peak);
+    let outcome = goes_on("routines", &with_routines(), routines);
+    assert_eq!(outcome.halt, None);
+}
+
+/// A routine that is told of events learns which states are kept, and that the analysis starts in the middle.
+#[test]
+fn events_tell_of_states_that_are_kept() {
+    let diary = Diary::default();
+    let routines = |diary: &Diary| Routines::none().with_events(diary.clone());
+    let every = Some(Every::Increments(10));
+    let (_, keeper) = run(&linked(), &routines(&diary), Control { every, ..Control::default() });
+    let told = std::mem::take(&mut *diary.0.lock().expect("a diary"));
+    let at = told.iter().position(|t| t == "R").expect("a state");
+    assert_eq!(told[at..at + 4], ["R", "4 10", "2 10", "3 10"]);
+    run(&linked(), &routines(&diary), Control { state: Some(&keeper.states[0].0), ..Control::default() });
+    let again = std::mem::take(&mut *diary.0.lock().expect("a diary"));
+    assert_eq!(again[..3], ["0 10", "2 10", "3 10"]);
+    assert_eq!(again[1..], told.iter().filter(|t| *t != "R").skip(at + 1).cloned().collect::<Vec<_>>());
+}
+
+/// Every deck in `input`, those of routines with the Fortran files that belong to them.
+#[test]
+fn every_example() {
+    for (deck, user) in [
+        ("ogive", None),
+        ("ogive_user", Some("vdload_cavity.f")),
+        ("ogive_user", Some("vdload_table.f90")),
+        ("blast_disk", Some("vdload_blast.f")),
+        ("taylor_copper", None),
+        ("taylor_vumat", Some("vumat_hardening.f90")),
+    ] {
+        let text = fs::read_to_string(project(&format!("input/{deck}.inp"))).expect("a deck");
+        if user.is_some() && !common::fortran("restart of examples with routines in Fortran") {
+            continue;
+        }
+        let files: Vec<_> = user.iter().map(|f| project(&format!("input/{f}"))).collect();
+        let compiled = (!files.is_empty()).then(|| compile(&files, false).expect("a library"));
+        let routines = || compiled.as_ref().map_or(Routines::none(), |c| c.open().expect("routines"));
+        let outcome = goes_on(deck, &text, routines);
+        assert_eq!(outcome.halt, None, "{deck}");
+    }
+}
+
+/// Where a deformable body fails, the last frame is that of the last complete instant: as a run shows it that writes every
+/// instant. Near the start, and more increments behind it than lie between the states that are held.
+#[test]
+fn the_last_good_instant_of_a_deformable_body_is_shown() {
+    for control in ["", ", direct user control\n 2.e-7"] {
+        let deck = |interval: &str| {
+            let dynamic = if control.is_empty() { "\n , 1.".into() } else { format!("{control}, 1.") };
+            grid(3, 3, false, |i, j| [1.0 + i as f64, j as f64])
+                + &material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n")
+                + &format!(
+                    "*Initial Conditions, type=VELOCITY\n 6, 1, 4000.\n*Step\n*Dynamic, Explicit{dynamic}\n*Output, field, {interval}\n\
+                     *Node Output\n U, V, A\n*Element Output\n S, PEEQ, LE\n*Output, history, {interval}\n*Energy Output\n ALLKE, ALLPD\n*End Step\n"
+                )
+        };
+        let (outcome, memory) = common::run(&deck("number interval=1"), &[], &Routines::none());
+        let (every, all) = common::run(&deck("frequency=1"), &[], &Routines::none());
+        let halt = outcome.halt.as_ref().expect("a halt");
+        assert_eq!(every.halt, outcome.halt);
+        // The first and the last, which are one where the first increment fails.
+        let increment = memory.frames.last().expect("a frame").increment;
+        let count = if increment == 0 { 1 } else { 2 };
+        assert_eq!((memory.frames.len(), memory.rows.len()), (count, count));
+        assert!(frames(&memory, count - 1) == frames(&all, all.frames.len() - 1));
+        assert!(rows(&memory, count - 1) == rows(&all, all.rows.len() - 1));
+        // It collapses at an instant that is complete, or turns inside out in the increment behind the last good one.
+        let failed = if halt.code == "R209" { increment } else { increment + 1 };
+        assert!(halt.reason.contains(&format!("increment {failed},")), "{halt:?} {increment}");
+        assert!(control.is_empty() || halt.code != "R209" && increment > 5000, "{halt:?} {increment}");
+        assert_eq!(outcome.digest, every.digest);
+    }
+}
+
+/// The way back starts where a part of the body was still at rest, and all of it moves when it fails.
+#[test]
+fn the_way_back_leads_over_what_has_slept() {
+    let deck = grid(4, 256, false, |i, j| [1.0 + i as f64, j as f64])
+        + &material(1000.0, 0.3, 1.0, "*Plastic\n 100., 0.\n")
+        + "*Step\n*Dynamic, Explicit, direct user control\n 0.01, 400.\n*Boundary, type=VELOCITY\n J1, 2, 2, -2.\n*Boundary\n J0, 2, 2\n\
+           *Output, field, number interval=1\n*Node Output\n U\n*End Step\n";
+    let (outcome, memory) = common::run(&deck, &[], &Routines::none());
+    let halt = outcome.halt.expect("a halt");
+    let increment = memory.frames.last().expect("a frame").increment;
+    // The wave needs some 700 increments from end to end.
+    assert!(halt.code == "R206" && increment > 1000 && memory.frames.len() == 2, "{halt:?} {increment}");
+    assert!(halt.reason.contains(&format!("increment {},", increment + 1)), "{} {increment}", halt.reason);
+}
+
+/// A run into files that is interrupted before its first increment.
+fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str) -> Job {
+    let mut prepared = prepared(deck, settings, &Routines::none());
+    let (signal, job) = (AtomicUsize::new(15), Job { folder: folder.into(), name: "test".into() });
+    let options = Options { interrupt: Some(&signal), user: user.into(), ..Options::default() };
+    let summary = job::run_with(&mut prepared, &job, options, &mut |_, _, _| {}).expect("a run");
+    assert!(summary.interrupted && summary.reason.is_some_and(|r| r.starts_with("R207: interrupted by SIGTERM")));
+    job
+}
+
+#[test]
+fn a_checkpoint_of_something_else_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = common::ogive();
+    let job = interrupted(&deck, folder.path(), &[("V", "600")], "a");
+    let code = |text: &str, settings: &[(&str, &str)], user: &str| {
+        let found = job::find_checkpoint(&prepared(text, settings, &Routines::none()), &job, user);
+        found.map_or_else(|finding| finding.code, |(checkpoint, _)| if checkpoint.is_some() { "taken" } else { "none" })
+    };
+    assert_eq!(code(&deck, &[("V", "600")], "a"), "taken");
+    assert_eq!(code(&deck, &[("V", "601")], "a"), "K004");
+    assert_eq!(code(&deck, &[("V", "600")], "b"), "K005");
+    assert_eq!(code(&deck.replace(", 1.e-3", ", 2.e-3"), &[("V", "600")], "a"), "K003");
+    // Its only frame is gone, and routines have a memory of their own: both is said.
+    fs::remove_file(job.path("_0000.vtu")).expect("removed");
+    let routines = Routines::none().with_load(Push);
+    let (_, notes) = job::find_checkpoint(&prepared(&deck, &[("V", "600")], &routines), &job, "a").expect("taken");
+    assert_eq!(notes.iter().map(|n| n.code).collect::<Vec<_>>(), ["K103", "K102"]);
+    let path = job.path(".checkpoint");
+    let bytes = fs::read(&path).expect("bytes");
+    fs::write(&path, &bytes[..bytes.len() - 1]).expect("cut");
+    assert_eq!(code(&deck, &[("V", "600")], "a"), "K001");
+    fs::remove_file(&path).expect("removed");
+    assert_eq!(code(&deck, &[("V", "600")], "a"), "none");
+}
+
+/// A state of another scene is refused by its shape even where nothing else tells them apart.
+#[test]
+fn a_state_that_does_not_fit_is_refused() {
+    let every = Some(Every::Increments(20));
+    let (_, keeper) = run(&linked(), &Routines::none(), Control { every, ..Control::default() });
+    for text in
+        [common::ogive(), bar(4, &steel(""), 1e4, 5e-6, ""), linked().replace("*Plastic\n 0.02, 0.\n 0.2, 0.2\n", "")]
+    {
+        let prepared = prepared(&text, &[], &Routines::none());
+        let control = Control { state: Some(&keeper.states[0].0), ..Control::default() };
+        let refused = solve::run_with(&prepared.plan, prepared.state.clone(), &mut Keeper::default(), control);
+        assert!(refused.is_err(), "{:?}", refused.map(|(o, _)| o.digest));
+    }
+}
+
+/// `*RESTART, WRITE`: at its marks, and at the end of a step that another follows.
+#[test]
+fn the_deck_asks_for_states() {
+    let deck = |card: &str| linked().replacen("*Boundary", &format!("{card}\n*Boundary"), 1);
+    let count = |card: &str| run(&deck(card), &Routines::none(), Control::default()).1.states.len();
+    // Of the marks the last one of the second step is the end of the run.
+    assert_eq!(count("*Restart, write, number interval=4"), 7);
+    assert_eq!(count("*Restart, write"), 1);
+    assert_eq!(count("*Restart, write, frequency=0"), 0);
+    let prepared = prepared(&deck("*Restart, write, number interval=4"), &[], &Routines::none());
+    assert!(prepared.plan.ledger.effects.iter().any(|row| row.effect == "checkpoint"));
+}

@@ -1,0 +1,149 @@
+//! Effects left out in turn.
+//!
+//! Goal: leaving an effect out is what a deck without its card does, to the last bit; what is known of the scene without it
+//! comes out; an effect below the error estimate is told.
+//! Source: the same decks without the card; closed forms (`verification/rigid.rs`).
+
+use std::f64::consts::PI;
+
+use revolve::deck;
+use revolve::job::Overrides;
+use revolve::model;
+use revolve::study::bench::Bench;
+use revolve::study::effects::{self, Effect, Effects};
+use revolve::study::measure::Measure;
+use revolve::study::settings;
+
+use crate::common;
+use crate::common::solid::{grid, material};
+
+fn left_out(text: &str, refine: &str, quantity: &str) -> Effects {
+    let source = |overrides: &Overrides| deck::read_text("case.inp", text, overrides);
+    let measure = Measure::parse(quantity).expect("a quantity");
+    let (read, _) = source(&[]);
+    let parameters: Vec<String> = read.parameters.iter().map(|p| p.0.clone()).collect();
+    let axes = settings::axes(&[refine.to_owned()], &parameters).expect("levels");
+    let mut bench = Bench::new(&source, &[], None, &measure, 1, &|| {});
+    effects::leave_out(&mut bench, &axes, &model::build(&read).0).expect("effects")
+}
+
+fn find<'a>(effects: &'a Effects, name: &str) -> &'a Effect {
+    let names: Vec<&str> = effects.effects.iter().map(|e| e.effect.as_str()).collect();
+    effects.effects.iter().find(|e| e.effect == name).unwrap_or_else(|| panic!("no {name} among {names:?}"))
+}
+
+#[test]
+fn friction_entry_and_gravity_of_a_rigid_shot() {
+    let text = common::ogive()
+        .replace("friction = 0.", "friction = 0.05")
+        .replace("*Output, field", "*Dload\n , GRAV, 9.81, 0., -1.\n*Output, field");
+    let effects = left_out(&text, "n=20,40", "-final(U2@REF)");
+    effects.conclusions().iter().for_each(|line| println!("{line}"));
+    // Without friction: the quadrature of the entry integrals; gravity adds g t^2 / 2, less than a thousandth.
+    let frictionless = find(&effects, "friction").value.expect("a value");
+    assert!((frictionless / 64.8475307e-3 - 1.0).abs() < 1e-3, "{frictionless}");
+    assert!(find(&effects, "friction").matters && find(&effects, "entry phase").matters);
+    let gravity = find(&effects, "gravity");
+    let fall = 0.5 * 9.81 * 2e-4_f64 * 2e-4;
+    let change = gravity.change.expect("a change").abs();
+    assert!(!gravity.matters && change > 0.2 * fall && change < 2.0 * fall, "{change:e} {fall:e}");
+    assert!(effects.conclusions().iter().any(|l| l.starts_with("warning: gravity changes nothing")));
+
+    let smooth = left_out(&common::ogive(), "n=20,40", "-final(U2@REF)");
+    // Embedded from the start: the closed form.
+    let embedded = find(&smooth, "entry phase").value.expect("a value");
+    assert!((embedded / 59.612643939e-3 - 1.0).abs() < 1e-3, "{embedded}");
+    assert!(smooth.effects.iter().all(|e| e.effect != "friction" && e.effect != "gravity"), "only what is there");
+    // Static resistance alone: m V^2 / 2 over pi a^2 A Y, with the entry; without it, by hand.
+    let embedded = common::ogive().replace("front = 0.", "front = 0.1");
+    let without = left_out(&embedded, "n=20,40", "-final(U2@REF)");
+    let depth = find(&without, "resistance quadratic in velocity").value.expect("a value");
+    let area = PI * 3.555e-3 * 3.555e-3;
+    let expected = 0.5 * 0.021 * 569.0 * 569.0 / (area * 5.0394 * 276e6);
+    assert!((depth / expected - 1.0).abs() < 1e-3, "{depth} {expected}");
+}
+
+#[test]
+fn layers_take_their_neighbours_place() {
+    let materials = "*Material, name=TWIN\n*Density\n 2710.,\n*Cavity Expansion, yield=276.e6\n 5.0394, 0., 0.9830\n\
+        *Material, name=HARD\n*Density\n 7850.,\n*Cavity Expansion, yield=600.e6\n 4.2, 0.5, 1.1\n*Target";
+    let stack = |layers: &str| common::ogive().replace("*Target", materials).replace(" AL6061, 0.5\n", layers);
+    let effects = left_out(&stack(" AL6061, 0.02\n TWIN, 0.01\n HARD, 0.5\n"), "n=20,40", "-final(U2@REF)");
+    effects.conclusions().iter().for_each(|line| println!("{line}"));
+    assert_eq!(find(&effects, "layer 1 of BLOCK").change, Some(0.0), "its neighbour is the same law");
+    assert!(!find(&effects, "layer 2 of BLOCK").matters);
+    let soft = find(&effects, "layer 3 of BLOCK");
+    let alone = left_out(&common::ogive().replace("AL6061, 0.5", "AL6061, 0.53"), "n=20,40", "-final(U2@REF)");
+    // The planes between layers are met by increments of their own: the accuracy asked for, 1e-4.
+    assert!(soft.matters && (soft.value.expect("a value") / alone.value - 1.0).abs() < 1e-5, "{soft:?}");
+}
+
+/// A hot bar of Johnson-Cook material that is pressed, with all that its law has.
+fn bar(plastic: &str, dynamic: &str, more: &str) -> String {
+    grid(3, 6, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+        + &material(206e3, 0.3, 7.83e-9, plastic)
+        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Initial Conditions, type=VELOCITY\n J1, 2, -1.e5\n*Step\n"
+        + dynamic
+        + more
+        + "*Boundary\n J0, 2, 2\n*Output, history, number interval=10\n*Energy Output\n ALLKE, ALLPD, ALLIE\n*End Step\n"
+}
+
+#[test]
+fn leaving_out_is_what_a_deck_without_the_card_does() {
+    let (rate, heat) = (
+        "*Rate Dependent, type=JOHNSON COOK\n 0.0089, 1.\n",
+        "*Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 4.6e8,\n",
+    );
+    let yields = "*Plastic, hardening=JOHNSON COOK\n 806., 614., 0.168, 1.1, 1540., 20.\n";
+    let failure = "*Shear Failure\n 0.008,\n";
+    let (adiabatic, plain) = ("*Dynamic, Explicit, adiabatic\n , 1.e-7\n", "*Dynamic, Explicit\n , 1.e-7\n");
+    let whole = bar(&format!("{yields}{rate}{heat}{failure}"), adiabatic, "");
+    let effects = left_out(&whole, "increment=1,0.5", "final(ALLIE)");
+    effects.conclusions().iter().for_each(|line| println!("{line}"));
+    let value = |text: &str| left_out(text, "increment=1,0.5", "final(ALLIE)").value;
+    for (name, without) in [
+        ("rate dependence", bar(&format!("{yields}{heat}{failure}"), adiabatic, "")),
+        ("heating by plastic work", bar(&format!("{yields}{rate}{heat}{failure}"), plain, "")),
+        ("failure", bar(&format!("{yields}{rate}{heat}"), adiabatic, "")),
+        ("plasticity", bar("", plain, "")),
+        ("bulk viscosity", bar(&format!("{yields}{rate}{heat}{failure}"), adiabatic, "*Bulk Viscosity\n 0., 0.\n")),
+        (
+            "hourglass control",
+            whole
+                .replace(
+                    "material=M\n",
+                    "material=M, controls=C\n*Section Controls, name=C, hourglass=VISCOUS\n , , , \n",
+                )
+                .replace("hourglass=VISCOUS\n , , , \n", "hourglass=VISCOUS\n 0.\n"),
+        ),
+    ] {
+        assert_ne!(without, whole, "{name}");
+        let found = find(&effects, name).value.expect("a value");
+        assert_eq!(found.to_bits(), value(&without).to_bits(), "{name}: {found}");
+        assert_ne!(found, effects.value, "{name} is felt");
+    }
+}
+
+/// A stiff disc driven into a target, made rigid: the closed form of m V' = -k0 - k2 V^2.
+#[test]
+fn a_body_made_rigid_follows_the_closed_form() {
+    let (a, thickness, density, v): (f64, f64, f64, f64) = (5.0, 5.0, 7.85e-9, 300e3);
+    let text = grid(6, 6, false, |i, j| [a * i as f64 / 6.0, thickness * j as f64 / 6.0])
+        + &material(200e3, 0.3, density, "")
+        + &format!(
+            "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n*Target, name=WALL, front=1., direction=-1\n ROCK, 900.\n\
+             *Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit, accuracy=1e-6\n , 1.e-5\n*Dsload, target=WALL\n J0, CAVITY\n\
+             *Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n",
+            -v
+        );
+    let effects = left_out(&text, "increment=1,0.5", "final(ALLKE)");
+    let (k0, k2, m): (f64, f64, f64) = (400.0, 2.7e-9, density * thickness);
+    let start = (v * (k2 / k0).sqrt()).atan();
+    let speed = (k0 / k2).sqrt() * (start - (k0 * k2).sqrt() / m * 1e-5).tan();
+    let expected = 0.5 * m * PI * a * a * speed * speed;
+    let rigid = find(&effects, "deformation of the body");
+    let found = rigid.value.expect("a value");
+    println!("{}", effects.conclusions().join("\n"));
+    // The accuracy asked for.
+    assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+}

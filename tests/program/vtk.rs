@@ -1,0 +1,59 @@
+//! Result files as others read them: the real VTK library (where there is one) and vtkio.
+
+use std::process::Command;
+
+use vtkio::Vtk;
+
+use crate::common;
+
+/// Python with the vtk wheel, or `None` after saying so. In CI it must be there.
+fn python() -> Option<String> {
+    let python = std::env::var("REVOLVE_PYTHON").unwrap_or_else(|_| "python3".into());
+    let found = Command::new(&python).args(["-c", "import vtkmodules"]).output().is_ok_and(|o| o.status.success());
+    assert!(found || std::env::var_os("CI").is_none(), "in CI the vtk wheel must be installed");
+    if !found {
+        println!("left out: reading results with VTK (no Python with the vtk wheel)");
+    }
+    found.then_some(python)
+}
+
+#[test]
+fn the_vtk_library_reads_the_series() {
+    let folder = tempfile::tempdir().expect("a folder");
+    common::run_ogive(folder.path(), &[("n", "8")]);
+    let Some(python) = python() else { return };
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/read_vtk.py");
+    let output = Command::new(python).arg(script).arg(folder.path().join("ogive.pvd")).output().expect("python runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let series: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let frames = series.as_array().expect("frames");
+    assert_eq!(frames.len(), 21, "20 intervals and the start");
+    for frame in frames {
+        assert_eq!(frame["time"], frame["timestep"]);
+        assert_eq!(frame["cell_types"].as_array().map(Vec::len), Some(8));
+        assert_eq!(frame["cell_types"][0], 3, "lines");
+        assert_eq!(frame["point"]["U"]["components"], 3);
+        assert_eq!(frame["point"]["U"]["names"][1], "U2");
+        assert_eq!(frame["point"]["V"]["type"], "double");
+        for name in ["PRESSURE", "NORMAL_VELOCITY", "LAYER"] {
+            assert_eq!(frame["cell"][name]["components"], 1, "{name}");
+        }
+    }
+    let last = &frames[20];
+    let depth = last["point"]["U"]["values"][0][1].as_f64().expect("a number");
+    assert!((depth + 0.0648).abs() < 5e-4, "{depth}");
+    assert_eq!(last["cell"]["LAYER"]["values"][0], 1.0);
+    assert_eq!(last["time"], 1e-3);
+}
+
+#[test]
+fn vtkio_reads_a_frame_with_all_its_arrays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    common::run_ogive(folder.path(), &[]);
+    let vtk = Vtk::import(folder.path().join("ogive_0003.vtu")).expect("a frame");
+    let vtkio::model::DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("an unstructured grid") };
+    let vtkio::model::Piece::Inline(piece) = &pieces[0] else { panic!("an inline piece") };
+    assert_eq!(piece.cells.types.len(), 20);
+    assert_eq!(piece.data.point.len(), 2, "U and V");
+    assert_eq!(piece.data.cell.len(), 3, "PRESSURE, NORMAL_VELOCITY, LAYER");
+}

@@ -1,0 +1,83 @@
+//! User loads through the library: agreement with the built-in resistance, state, and failures that are located.
+
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+
+use crate::common;
+
+/// A load made of a closure.
+struct Routine<F>(F);
+
+impl<F: FnMut(&LoadPoints<'_>, &mut [f64]) -> Result<(), LoadFailure> + Send> UserLoad for Routine<F> {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        (self.0)(points, pressure)
+    }
+}
+
+fn user_deck() -> String {
+    common::ogive().replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU")
+}
+
+fn cavity() -> Routines {
+    Routines::none().with_load(Routine(|points: &LoadPoints<'_>, pressure: &mut [f64]| {
+        for (i, p) in pressure.iter_mut().enumerate() {
+            let v_n = points.velocity_r[i] * points.normal_r[i] + points.velocity_z[i] * points.normal_z[i];
+            *p = if v_n > 0.0 { 5.0394 * 276e6 + 0.983 * 2710.0 * v_n * v_n } else { 0.0 };
+        }
+        Ok(())
+    }))
+}
+
+#[test]
+fn a_user_load_reproduces_the_built_in_resistance() {
+    for v in ["569", "1147"] {
+        let settings = [("V", v), ("front", "0.1")];
+        let (built_in, _) = common::run(&common::ogive(), &settings, &Routines::none());
+        let (own, _) = common::run(&user_deck(), &settings, &cavity());
+        let (a, b) = (built_in.rests[0].displacement, own.rests[0].displacement);
+        assert!((a / b - 1.0).abs() < 1e-12, "{a} against {b}");
+    }
+}
+
+fn halt(routines: Routines) -> (String, common::Memory) {
+    let (outcome, memory) = common::run(&user_deck(), &[("front", "0.1")], &routines);
+    (outcome.halt.expect("a halt").reason, memory)
+}
+
+#[test]
+fn nan_is_located_and_the_last_good_state_is_shown() {
+    let mut calls = 0;
+    let routine = Routines::none().with_load(Routine(move |_: &LoadPoints<'_>, pressure: &mut [f64]| {
+        calls += 1;
+        pressure.fill(1e8);
+        if calls == 50 {
+            pressure[3] = f64::NAN;
+        }
+        Ok(())
+    }));
+    let (reason, memory) = halt(routine);
+    for part in ["NOSE", "point 4", "time", "NaN"] {
+        assert!(reason.contains(part), "`{part}` in: {reason}");
+    }
+    let frame = memory.frames.last().expect("a frame");
+    assert!(frame.point_fields.iter().chain(&frame.cell_fields).all(|f| f.values.iter().all(|v| v.is_finite())));
+    assert!(memory.rows.iter().all(|r| r.1.iter().all(|v| v.is_finite())));
+}
+
+#[test]
+fn a_point_left_out_and_an_error_are_told() {
+    let (reason, _) = halt(Routines::none().with_load(Routine(|_: &LoadPoints<'_>, pressure: &mut [f64]| {
+        pressure[0] = 0.0;
+        Ok(())
+    })));
+    assert!(reason.contains("point 2"), "{reason}");
+    let (reason, _) = halt(Routines::none().with_load(Routine(|_: &LoadPoints<'_>, _: &mut [f64]| {
+        Err(LoadFailure { point: Some(1), reason: "table exhausted".into() })
+    })));
+    assert!(reason.contains("table exhausted") && reason.contains("point 2"), "{reason}");
+}
+
+#[test]
+fn pnu_without_a_routine_is_refused() {
+    let prepared = revolve::job::prepare_text("t.inp", &user_deck(), &[], &Routines::none());
+    assert!(prepared.diagnostics.iter().any(|d| d.code == "P004"));
+}

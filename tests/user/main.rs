@@ -1,0 +1,9 @@
+//! User routines: loads, motions and materials, through the library and from files in Fortran and C.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod deformable;
+mod load;
+mod material;
+mod subroutines;

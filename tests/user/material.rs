@@ -1,0 +1,302 @@
+//! Materials of the user against the built-in ones and closed forms.
+//!
+//! Goal: a VUMAT written for ABAQUS/Explicit gives what the same law gives when built in; faults are told with a place.
+//! Needs gfortran for the routines in Fortran; without it those tests say so and pass, except in CI.
+
+use std::fmt::Write as _;
+
+use revolve::job;
+use revolve::solve::Outcome;
+use revolve::user::compile::compile;
+use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
+
+use crate::common;
+use crate::common::Memory;
+use crate::common::solid::grid;
+
+fn fortran() -> bool {
+    common::fortran("user materials in Fortran")
+}
+
+/// The routines of a source in Fortran, or what is said against it.
+fn compiled(source: &str) -> Result<Routines, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("material.f90");
+    std::fs::write(&file, source).expect("a file");
+    let said = |found: revolve::deck::Diagnostics| found.render(&revolve::deck::Sources::default());
+    let library = compile(&[file], false).map_err(said)?;
+    library.open().map_err(|d| format!("{} {}", d.code, d.message))
+}
+
+fn hardening() -> String {
+    std::fs::read_to_string(common::project("input/vumat_hardening.f90")).expect("the example")
+}
+
+/// Value of a column at the end.
+fn last(text: &str, routines: &Routines, memory: &Memory, name: &str) -> f64 {
+    let prepared = common::prepared(text, &[], routines);
+    let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
+    memory.rows.last().expect("a row").1[at]
+}
+
+/// Taylor's copper bar, coarse.
+fn taylor(material: &str, variable: &str) -> String {
+    let (n, m) = (5, 25);
+    grid(n, m, false, |i, j| [i as f64 * 3.2e-3 / n as f64, j as f64 * 32.4e-3 / m as f64])
+        + "*Solid Section, elset=SOLID, material=COPPER\n*Material, name=COPPER\n*Density\n 8930.\n"
+        + material
+        + "*Initial Conditions, type=VELOCITY\n ALL, 2, -227.\n*Nset, nset=CORNER\n 6,\n*Nset, nset=TIP\n 151,\n\
+           *Elset, elset=FOOT\n 1,\n*Step\n*Dynamic, Explicit, element by element\n , 80.e-6\n*Boundary\n J0, 2, 2\n\
+           *Output, history, number interval=20\n*Node Output, nset=CORNER\n U1\n*Node Output, nset=TIP\n U2\n\
+           *Energy Output\n ALLIE, ALLPD, ALLSE\n*Element Output, elset=FOOT\n"
+        + variable
+        + ", S\n*Output, field, number interval=2\n*Element Output\n"
+        + variable
+        + "\n*End Step\n"
+}
+
+const BUILT_IN: &str = "*Elastic\n 117.e9, 0.35\n*Plastic\n 400.e6, 0.\n 900.e6, 5.\n";
+const BY_USER: &str = "*User Material, constants=4\n 117.e9, 0.35, 400.e6, 100.e6\n*Depvar\n 1,\n";
+
+#[test]
+fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
+    if !fortran() {
+        return;
+    }
+    let (built_in, by_user) = (taylor(BUILT_IN, "PEEQ"), taylor(BY_USER, "SDV1"));
+    let (none, routines) = (Routines::none(), compiled(&hardening()).expect("it compiles"));
+    let (expected, there) = common::run(&built_in, &[], &none);
+    let (got, here) = common::run(&by_user, &[], &routines);
+    assert_eq!((&expected.halt, &got.halt), (&None, &None));
+    assert_eq!(expected.increments, got.increments);
+    assert!(
+        got.energy.drift < 2e-3 && (got.energy.drift / expected.energy.drift - 1.0).abs() < 1e-3,
+        "{:?}",
+        got.energy
+    );
+    let names = [
+        ("U1@CORNER", "U1@CORNER"),
+        ("U2@TIP", "U2@TIP"),
+        ("ALLIE", "ALLIE"),
+        ("ALLPD", "ALLPD"),
+        ("PEEQ@FOOT", "SDV1@FOOT"),
+        ("S22@FOOT", "S22@FOOT"),
+        ("ALLSE", "ALLSE"),
+    ];
+    for (there_name, here_name) in names {
+        let expected = last(&built_in, &none, &there, there_name);
+        let ratio = last(&by_user, &routines, &here, here_name) / expected;
+        println!("{here_name}: {expected:e}, ratio - 1 = {:e}", ratio - 1.0);
+        // The same law with sums in another order; a wave of plastic flow carries rounding on over 1000 increments.
+        assert!((ratio - 1.0).abs() < 1e-11, "{here_name}: {expected:e}, ratio {ratio:.15}");
+    }
+    let state = here.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "SDV1").expect("SDV1");
+    let strain = there.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "PEEQ").expect("PEEQ");
+    assert_eq!(state.values.len(), 125);
+    // Of a routine's material nobody but the routine knows a plastic strain.
+    let fields = &here.frames.last().expect("a frame").cell_fields;
+    assert!(fields.iter().all(|f| f.name != "PEEQ" && f.name != "PE"));
+    assert!(state.values.iter().zip(&strain.values).all(|(a, b)| (a - b).abs() < 1e-11));
+}
+
+/// What the deck of the example says in words: the same bar as `taylor_copper.inp`, element by element.
+#[test]
+fn the_example_deck_is_the_built_in_example() {
+    if !fortran() {
+        return;
+    }
+    let depth = |deck: &str, settings: &[(&str, &str)], routines: &Routines| {
+        // A user's material has no global estimate.
+        let text = std::fs::read_to_string(common::project(deck)).expect("the deck");
+        let text = text.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, element by element\n");
+        let mut prepared = job::prepare_text(deck, &text, &common::pairs(settings), routines);
+        assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
+        let (outcome, summary) = job::run_in_memory(&mut prepared);
+        assert_eq!(outcome.halt, None);
+        serde_json::to_value(&summary).expect("JSON")["U2@TIP"]["final"].as_f64().expect("a depth")
+    };
+    let routines = compiled(&hardening()).expect("it compiles");
+    let expected = depth("input/taylor_copper.inp", &[("nr", "5"), ("nz", "25")], &Routines::none());
+    let got = depth("input/taylor_vumat.inp", &[], &routines);
+    assert!(expected < -0.01 && (got / expected - 1.0).abs() < 1e-11, "{got} {expected}");
+}
+
+/// Elastic, from a strain that it keeps as state: right only if its frame turns with the material. Behind the strain it
+/// keeps what it was shown: deformation gradient, stretch, density, length. Fails where its own strain exceeds a limit.
+struct Keeping {
+    limit: f64,
+}
+
+impl UserMaterial for Keeping {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let n = call.count;
+        let (bulk, shear2) = (call.properties[0], 2.0 * call.properties[1]);
+        for i in 0..n {
+            let strain = [0, 1, 2, 3].map(|k| call.state[k * n + i] + call.strain[k * n + i]);
+            let mean = (strain[0] + strain[1] + strain[2]) / 3.0;
+            for (k, &part) in strain.iter().enumerate() {
+                let dilation = if k < 3 { mean } else { 0.0 };
+                answer.stress[k * n + i] = 3.0 * bulk * dilation + shear2 * (part - dilation);
+                answer.state[k * n + i] = part;
+            }
+            let shown = call.gradient[1].chunks(n).chain(call.stretch[1].chunks(n)).chain([call.density, call.length]);
+            for (k, list) in shown.enumerate() {
+                answer.state[(4 + k) * n + i] = list[i];
+            }
+            let there = strain[1] < self.limit && call.state[15 * n + i] == 1.0;
+            answer.state[15 * n + i] = if there { 1.0 } else { 0.0 };
+        }
+        Ok(())
+    }
+}
+
+const KEEPING: &str = "*User Material, constants=2\n 833.3333333333334, 384.6153846153846\n*Depvar, delete=16\n 16,\n";
+
+/// A grid of 2 by 2 cells from r = 1 to 3, z = 0 to 2, of which all velocities are given.
+fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], material: &str, outputs: &str) -> String {
+    let place = |i: usize, j: usize| [1.0 + i as f64, j as f64];
+    let mut deck = grid(2, 2, false, place)
+        + "*Elset, elset=ONE\n 1,\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n"
+        + material;
+    for node in 1..=9 {
+        write!(deck, "*Nset, nset=N{node}\n {node},\n").expect("text");
+    }
+    deck += "*Step\n*Dynamic, Explicit, direct user control\n 1.e-3, 1.\n*Boundary, type=VELOCITY\n";
+    for node in 0..9 {
+        let [v_r, v_z] = velocity(place(node % 3, node / 3));
+        write!(deck, " N{}, 1, 1, {v_r:e}\n N{}, 2, 2, {v_z:e}\n", node + 1, node + 1).expect("text");
+    }
+    deck + "*Output, history, number interval=10\n*Element Output, elset=ONE\n" + outputs + "*End Step\n"
+}
+
+#[test]
+fn tensors_among_the_state_variables_turn_with_the_material() {
+    let built_in = moving(|[r, _]| [0.0, r], "*Elastic\n 1000., 0.3\n", " S\n");
+    let by_user = moving(|[r, _]| [0.0, r], KEEPING, " S, SDV\n*Energy Output\n ETOTAL\n");
+    let (none, routines) = (Routines::none(), Routines::none().with_material(Keeping { limit: f64::INFINITY }));
+    let ((expected, there), (outcome, here)) =
+        (common::run(&built_in, &[], &none), common::run(&by_user, &[], &routines));
+    assert_eq!(outcome.halt, None);
+    for component in ["S11", "S22", "S33", "S12"] {
+        let name = format!("{component}@ONE");
+        let (expected, got) = (last(&built_in, &none, &there, &name), last(&by_user, &routines, &here, &name));
+        // Rounding of 1000 rotations of stresses up to 300.
+        assert!((expected - got).abs() < 1e-10, "{name}: {expected} {got}");
+    }
+    let state = |k: usize| last(&by_user, &routines, &here, &format!("SDV{k}@ONE"));
+    // Deformation gradient of simple shear by 1: rr, zz, hoop, rz, zr.
+    for (k, expected) in [1.0, 1.0, 1.0, 0.0, 1.0].into_iter().enumerate() {
+        assert!((state(5 + k) - expected).abs() < 1e-12, "F{k} {}", state(5 + k));
+    }
+    // Its stretch: C = [2, 1; 1, 1] has the root [3, 1; 1, 2] / sqrt(5).
+    for (k, expected) in [3.0, 2.0, 5_f64.sqrt(), 1.0].into_iter().enumerate() {
+        assert!((state(10 + k) - expected / 5_f64.sqrt()).abs() < 1e-12, "U{k} {}", state(10 + k));
+    }
+    assert!((state(14) - 2.0).abs() < 1e-12 && (state(15) - 1.0).abs() < 1e-12, "density and length");
+    // What the sudden start of the motion makes of the built-in material, too.
+    let [drift, known] = [outcome.energy.drift, expected.energy.drift];
+    assert!(drift < 1e-3 && (drift - known).abs() < 1e-9, "{drift:e} {known:e}");
+}
+
+/// Rows of a column.
+fn column(text: &str, routines: &Routines, memory: &Memory, name: &str) -> Vec<f64> {
+    let prepared = common::prepared(text, &[], routines);
+    let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
+    memory.rows.iter().map(|row| row.1[at]).collect()
+}
+
+#[test]
+fn the_variable_that_deletes_takes_an_element_away_for_good() {
+    // A bar pulled: its strain reaches 0.2 at z-stretch exp(0.2), t = 0.2214 of 1 at a rate of one length a time.
+    let deck = moving(|[_, z]| [0.0, z], KEEPING, " S22, STATUS, SDV16, SENER\n*Energy Output\n ALLIE, ETOTAL\n");
+    let routines = Routines::none().with_material(Keeping { limit: 0.2 });
+    let (outcome, memory) = common::run(&deck, &[], &routines);
+    assert_eq!(outcome.halt, None);
+    let rows = |name: &str| column(&deck, &routines, &memory, name);
+    let (stress, status) = (rows("S22@ONE"), rows("STATUS@ONE"));
+    assert_eq!(status, rows("SDV16@ONE"));
+    let expected: Vec<f64> = memory.rows.iter().map(|r| if r.0 < 0.2214 { 1.0 } else { 0.0 }).collect();
+    assert_eq!(status, expected);
+    assert!(stress[2] > 100.0 && stress[3..].iter().all(|s| *s == 0.0), "{stress:?}");
+    // The work that broke it stays in the books; forces vanish at once, between two increments of 1e-3.
+    let internal = rows("ALLIE");
+    assert!(internal[3..].iter().all(|e| *e == internal[3]) && internal[3] > 0.0, "{internal:?}");
+    assert!(outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
+}
+
+/// A run with another material in Fortran, which halts.
+fn halted(source: &str) -> Outcome {
+    let routines = compiled(source).expect("it compiles");
+    common::run(&taylor(BY_USER, "SDV1"), &[], &routines).0
+}
+
+#[test]
+fn faults_of_a_routine_are_located() {
+    if !fortran() {
+        return;
+    }
+    let good = hardening();
+    let later = |statement: &str| {
+        good.replace("end subroutine", &format!("if (totalTime > 1.d-6) {statement}\nend subroutine"))
+    };
+    let cases = [
+        (
+            "a state variable left out",
+            good.replace("stateNew(k,1) =", "unused ="),
+            vec!["stateNew(k, 1)", "NaN", "element 1"],
+        ),
+        (
+            "a stress that is none",
+            later("stressNew(7,2) = sqrt(-1.d0*totalTime)"),
+            vec!["element 7", "stressNew(k, 2)", "increment"],
+        ),
+        (
+            "an energy that is infinite",
+            later("enerInelasNew(9) = 1.d0/(dt - dt)"),
+            vec!["element 9", "enerInelasNew", "inf"],
+        ),
+        ("past the block", later("stressNew(nblock+1,4) = 0.d0"), vec!["past the nblock = 125", "stressNew"]),
+        ("state past the block", later("stateNew(nblock+3,1) = 0.d0"), vec!["past the nblock = 125", "stateNew"]),
+        ("the name", later("cmname = 'X'"), vec!["cmname"]),
+        ("STOP", later("stop 'out of table'"), vec!["STOP out of table", "COPPER", "increment"]),
+        ("nothing elastic", good.replace("bulk = ", "bulk = 0.d0*"), vec!["time zero", "bulk modulus", "element 1"]),
+    ];
+    for (name, source, words) in cases {
+        assert_ne!(source, good, "{name}");
+        let halt = halted(&source).halt.unwrap_or_else(|| panic!("{name}: it must halt"));
+        assert_eq!(halt.code, "R201", "{name}: {halt:?}");
+        for word in words {
+            assert!(halt.reason.contains(word), "{name}: `{word}` in {}", halt.reason);
+        }
+    }
+    let short = compiled(&good.replace("tempNew, stretchNew, ", "stretchNew, ").replace("tempNew(nblock), ", ""));
+    let said = short.err().expect("it is refused");
+    assert!(said.contains("U004") && said.contains("32 arguments") && said.contains("tempNew"), "{said}");
+    let single = compiled(&good.replace("include 'vaba_param.inc'", "implicit real (a-h,o-z)"));
+    assert!(single.err().is_some_and(|s| s.contains("U004") && s.contains("single precision")));
+}
+
+#[test]
+fn faults_of_a_deck_are_refused_with_a_place() {
+    let routines = Routines::none().with_material(Keeping { limit: 1.0 });
+    let refused = |material: &str, routines: &Routines| {
+        let prepared = job::prepare_text("test.inp", &taylor(material, "SDV1"), &[], routines);
+        assert!(prepared.diagnostics.has_errors(), "{material}");
+        prepared.diagnostics.render(&prepared.deck.sources)
+    };
+    let cases = [
+        ("*User Material, constants=3\n 1., 2.\n", "M103", "2 constants follow"),
+        ("*User Material\n 1.\n", "M101", "CONSTANTS"),
+        ("*User Material, constants=1, type=THERMAL\n 1.\n", "M10", "THERMAL"),
+        ("*User Material, constants=1, effmod\n 1.\n", "M10", "EFFMOD"),
+        ("*User Material, constants=1\n 1.\n*Depvar, delete=2\n 1,\n", "M103", "DELETE=2"),
+        ("*User Material, constants=1\n 1.\n*Depvar\n -1,\n", "M103", "state variables"),
+        ("*User Material, constants=1\n 1.\n*Elastic\n 1., 0.3\n", "P041", "beside"),
+    ];
+    for (material, code, words) in cases {
+        let said = refused(material, &routines);
+        assert!(said.contains(code) && said.contains(words) && said.contains("test.inp:"), "{material}:\n{said}");
+    }
+    let said = refused(BY_USER, &Routines::none());
+    assert!(said.contains("P004") && said.contains("vumat"), "{said}");
+}

@@ -1,0 +1,547 @@
+//! User subroutines in Fortran and C as a user runs them.
+//!
+//! Goal: a VDLOAD file written for ABAQUS/Explicit runs unchanged; one with a fault is answered with a located message.
+//! Needs gfortran and cc; without gfortran the tests say so and pass, except in CI.
+
+#[path = "../../examples/moving_blast.rs"]
+mod moving_blast;
+#[path = "../../examples/stateful_load.rs"]
+mod stateful_load;
+#[path = "../../examples/table_resistance.rs"]
+mod table_resistance;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use revolve::user::compile::compile;
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+
+use crate::common;
+
+fn fortran() -> bool {
+    common::fortran("user subroutines in Fortran")
+}
+
+/// A folder with the user's files; compiled libraries go below it, too.
+struct Desk(tempfile::TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        Desk(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        std::fs::write(self.path(name), text).expect("a file");
+        self.path(name)
+    }
+
+    /// `revolve run` on a deck with user files.
+    fn run(&self, deck: &Path, files: &[&Path], more: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
+        command.arg("run").arg(deck).args(["--quiet", "--out"]).arg(self.path("out"));
+        for file in files {
+            command.arg("--user").arg(file);
+        }
+        command.args(more).env("XDG_CACHE_HOME", self.path("cache")).current_dir(self.0.path());
+        command.output().expect("the program runs")
+    }
+
+    fn summary(&self, job: &str) -> serde_json::Value {
+        let text = std::fs::read_to_string(self.path("out").join(format!("{job}.json"))).expect("a summary");
+        serde_json::from_str(&text).expect("JSON")
+    }
+
+    fn depth(&self, job: &str) -> f64 {
+        self.summary(job)["history"]["U2@REF"]["final"].as_f64().expect("a depth")
+    }
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn user_deck() -> PathBuf {
+    common::project("input/ogive_user.inp")
+}
+
+/// A VDLOAD in fixed form around these statements; `value` is filled where they do it.
+fn vdload(statements: &str) -> String {
+    format!(
+        "      subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude,\n     1 curCoords, velocity, dirCos, jltyp, \
+         sname, value)\n      include 'vaba_param.inc'\n      dimension curCoords(nblock,ndim), velocity(nblock,ndim),\n     \
+         1 dirCos(nblock,ndim,ndim), value(nblock)\n      character*80 sname\n{statements}\n      return\n      end\n"
+    )
+}
+
+const FILL: &str = "      do k = 1, nblock\n        value(k) = 1.d8\n      end do\n";
+
+#[test]
+fn the_seed_papers_shots_through_fortran_have_the_depth_of_the_built_in_load() {
+    if !fortran() {
+        return;
+    }
+    let desk = Desk::new();
+    let routine = common::project("input/vdload_cavity.f");
+    for v in ["569", "570", "679", "821", "966", "1147"] {
+        let speed = format!("V={v}");
+        let settings = ["--set", &speed, "--set", "n=200"];
+        let output = desk.run(&user_deck(), &[&routine], &settings);
+        assert!(output.status.success(), "{}", told(&output));
+        let inside: Vec<&str> = settings.into_iter().chain(["--set", "front=0.1"]).collect();
+        let output = desk.run(&common::project("input/ogive.inp"), &[], &inside);
+        assert!(output.status.success(), "{}", told(&output));
+        let ratio = desk.depth("ogive_user") / desk.depth("ogive");
+        assert!((ratio - 1.0).abs() < 1e-12, "V = {v}: {ratio}");
+    }
+}
+
+#[test]
+fn files_beside_the_source_are_not_touched_and_the_second_build_is_the_first() {
+    if !fortran() {
+        return;
+    }
+    let desk = Desk::new();
+    desk.write("law.inc", "      parameter (p0 = 1.d8)\n");
+    let file = desk.write("load.f", &vdload("      include 'law.inc'\n      value = p0"));
+    let built = || {
+        let output = desk.run(&user_deck(), &[&file], &[]);
+        assert!(output.status.success(), "{}", told(&output));
+        std::fs::read_dir(desk.path("cache/revolve/user")).expect("a cache").count()
+    };
+    assert_eq!((built(), built()), (1, 1));
+    let first = desk.depth("ogive_user");
+    desk.write("law.inc", "      parameter (p0 = 2.d8)\n");
+    assert_eq!(built(), 2, "a changed include makes another library");
+    let slowed = |u: f64| u + 569e-3;
+    assert!((slowed(desk.depth("ogive_user")) / slowed(first) - 2.0).abs() < 1e-6, "twice the deceleration");
+    let mut names: Vec<_> =
+        std::fs::read_dir(desk.0.path()).expect("a folder").map(|e| e.expect("an entry").file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["cache", "law.inc", "load.f", "out"]);
+}
+
+/// Faults found before the run: exit status 2, and each of the words in the message.
+#[test]
+fn faults_in_the_source_are_told_before_the_run() {
+    if !fortran() {
+        return;
+    }
+    let good = vdload(FILL);
+    let cases: &[(&str, String, &[&str])] = &[
+        (
+            "real arguments",
+            good.replace("include 'vaba_param.inc'", "implicit real (a-h,o-z)"),
+            &["U004", "stepTime", "real*4", "vaba_param.inc"],
+        ),
+        (
+            "ten arguments",
+            good.replace("dirCos, jltyp, sname", "dirCos, sname"),
+            &["U004", "10 arguments", "missing: jltyp"],
+        ),
+        ("an undefined helper", vdload("      call helper(value)"), &["U005", "helper", "nothing defines"]),
+        ("a syntax error", vdload("      value(1 = 2"), &["U003", "load.f:", "Error"]),
+        ("no known routine", "      subroutine other\n      end\n".into(), &["U006", "vdload"]),
+    ];
+    for (name, source, words) in cases {
+        let desk = Desk::new();
+        let file = desk.write("load.f", source);
+        let output = desk.run(&user_deck(), &[&file], &[]);
+        let message = told(&output);
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        for word in *words {
+            assert!(message.contains(word), "{name}: `{word}` in\n{message}");
+        }
+        assert!(!desk.path("out").exists(), "{name}: nothing ran");
+    }
+    let desk = Desk::new();
+    let output = desk.run(&user_deck(), &[&desk.path("absent.f"), Path::new("load.txt")], &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(told(&output).contains("absent.f") && told(&output).contains("load.txt"), "{}", told(&output));
+}
+
+/// Faults inside the run: exit status 1, a message that says where, and the last state on disk.
+#[test]
+fn faults_in_the_run_are_located() {
+    if !fortran() {
+        return;
+    }
+    let later = |what: &str| format!("{FILL}      if (totalTime .gt. 1.d-5) then\n        {what}\n      end if");
+    let cases: &[(&str, String, &[&str])] = &[
+        (
+            "a third coordinate",
+            "      do k = 1, nblock\n        value(k) = 1.d8*curCoords(k,3)\n      end do".into(),
+            &["third coordinate", "two, r and z"],
+        ),
+        (
+            "a third coordinate in a comparison",
+            format!("{FILL}      if (curCoords(1,3) .lt. 0.d0) value = 0.d0"),
+            &["third coordinate", "two, r and z"],
+        ),
+        (
+            "a third direction",
+            "      do k = 1, nblock\n        value(k) = 1.d8*dirCos(k,3,3)\n      end do".into(),
+            &["NaN", "direction"],
+        ),
+        ("STOP", later("stop 'table exhausted'"), &["STOP table exhausted", "increment"]),
+        ("STOP with a number", later("stop 7"), &["STOP 7"]),
+        ("ERROR STOP", later("error stop"), &["ERROR STOP"]),
+        ("exit", later("call exit(3)"), &["exit(3)"]),
+        ("a NaN", later("value(4) = sqrt(-1.d0*totalTime)"), &["point 4", "NaN", "r = "]),
+        ("an infinity", later("value(2) = 1.d0/(totalTime - totalTime)"), &["point 2", "inf"]),
+        ("no value set", "      dummy = stepTime".into(), &["point 1", "NaN", "left out"]),
+        ("a value left out", "      value(1) = 1.d0".into(), &["point 2", "left out"]),
+        (
+            "past the end",
+            "      do k = 1, nblock + 1\n        value(k) = 1.d8\n      end do".into(),
+            &["past the nblock = 20"],
+        ),
+        ("sname written", format!("{FILL}      sname = 'OTHER'"), &["sname", "read"]),
+        ("sname longer than it is", later("call long(sname)"), &["sname", "read"]),
+        ("xplb_exit", later("call xplb_exit"), &["xplb_exit"]),
+        (
+            "xplb_abqerr",
+            later("call xplb_abqerr(-3, 'pressure %R of point %I', 12, 3.5d0, ' ')"),
+            &["pressure 3.5e0 of point 12"],
+        ),
+    ];
+    let helper = "      subroutine long(s)\n      character*256 s\n      s(1:90) = 'OTHER'\n      end\n";
+    for (name, statements, words) in cases {
+        let desk = Desk::new();
+        let file = desk.write("load.f", &(vdload(statements) + helper));
+        let output = desk.run(&user_deck(), &[&file], &[]);
+        let message = told(&output);
+        assert_eq!(output.status.code(), Some(1), "{name}: {message}");
+        for word in words.iter().chain(&["NOSE", "step 1", "increment", "last good state"]) {
+            assert!(message.contains(word), "{name}: `{word}` in\n{message}");
+        }
+        assert_eq!(desk.summary("ogive_user")["status"], "halted", "{name}");
+        assert!(desk.path("out/ogive_user.pvd").exists() && desk.path("out/ogive_user_history.csv").exists(), "{name}");
+    }
+}
+
+/// What takes the whole process along: words, and no result that looks whole.
+#[test]
+fn what_kills_the_process_leaves_words_behind() {
+    if !fortran() {
+        return;
+    }
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("wild index", "      i = 100000000 + nblock\n      value(i) = 1.d0", &["memory", "--check-user"]),
+        ("read error", "      open(101, file='absent.txt', status='old')", &["ended the process"]),
+        ("wild division", "      value = 7/jltyp", &["divided an integer by zero"]),
+    ];
+    for (name, statements, words) in cases {
+        let desk = Desk::new();
+        let file = desk.write("load.f", &vdload(statements));
+        let output = desk.run(&user_deck(), &[&file], &[]);
+        let message = told(&output);
+        assert_eq!(output.status.code(), Some(1), "{name}: {message}");
+        for word in words.iter().chain(&["vdload", "NOSE", "step 1", "increment"]) {
+            assert!(message.contains(word), "{name}: `{word}` in\n{message}");
+        }
+        assert!(!desk.path("out/ogive_user.json").exists(), "{name}");
+    }
+}
+
+#[test]
+fn a_checked_build_names_the_index() {
+    if !fortran() {
+        return;
+    }
+    let desk = Desk::new();
+    let file = desk.write("load.f", &vdload(&format!("{FILL}      j = nblock + 1\n      value(j) = 0.d0")));
+    let output = desk.run(&user_deck(), &[&file], &["--check-user"]);
+    let message = told(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    for word in ["load.f", "Index '21'", "'value'", "NOSE"] {
+        assert!(message.contains(word), "`{word}` in\n{message}");
+    }
+}
+
+/// Code past column 72 counts, as with ABAQUS's own compile command; the user is told.
+#[test]
+fn code_past_column_72_counts_and_is_told() {
+    if !fortran() {
+        return;
+    }
+    let wide = format!("{:<71}*100.d0\n", "        value(k) = 1.d6");
+    let desk = Desk::new();
+    let file = desk.write("load.f", &vdload(&format!("      do k = 1, nblock\n{wide}      end do")));
+    let plain = desk.write("plain.f", &vdload(FILL));
+    let output = desk.run(&user_deck(), &[&plain], &[]);
+    assert!(output.status.success(), "{}", told(&output));
+    let expected = desk.depth("ogive_user");
+    let output = Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .arg("run")
+        .arg(user_deck())
+        .arg("--user")
+        .arg(&file)
+        .arg("--out")
+        .arg(desk.path("out"))
+        .env("XDG_CACHE_HOME", desk.path("cache"))
+        .output()
+        .expect("the program runs");
+    assert!(told(&output).contains("U007") && told(&output).contains("load.f:8"), "{}", told(&output));
+    assert_eq!(desk.depth("ogive_user"), expected);
+}
+
+#[test]
+fn routines_of_all_styles_compile_and_run() {
+    if !fortran() {
+        return;
+    }
+    let tabs = vdload(FILL)
+        .replace("      do", "\tdo")
+        .replace("        value", "\t  value")
+        .replace("      end do", "\tend do");
+    let sum: String = (0..400).map(|i| format!("     {} + 2.5d5\n", char::from(b'1' + (i % 9) as u8))).collect();
+    let long = vdload(&format!("      do k = 1, nblock\n        value(k) = 0.d0\n{sum}      end do"));
+    let upper = vdload(FILL).to_uppercase();
+    let free = "subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude, curCoords, velocity, &\n  dirCos, jltyp, sname, \
+                value)\n  use law\n  implicit none\n  integer, intent(in) :: nblock, ndim, jltyp\n  real*8, intent(in) :: stepTime, \
+                totalTime, amplitude, curCoords(nblock,ndim), velocity(nblock,ndim), dirCos(nblock,ndim,ndim)\n  \
+                character(len=80), intent(in) :: sname\n  real*8, intent(out) :: value(nblock)\n  if (trim(sname) == 'NOSE' .and. \
+                jltyp == 0) value = pressure()\nend subroutine\n";
+    let module =
+        "module law\ncontains\n  real*8 function pressure()\n    pressure = 1.d8\n  end function\nend module\n";
+    let c = "void vdload_(const int *nblock, const int *ndim, const double *st, const double *tt, const double *amplitude,\n \
+             const double *x, const double *v, const double *d, const int *jltyp, const char *sname, double *value, long n)\n{\n  \
+             for (int k = 0; k < *nblock; k++) value[k] = 1e8;\n}\n";
+    let state = vdload(
+        "      save first\n      logical first\n      data first /.true./\n      common /law/ p\n      if (first) then\n        \
+                        p = 1.d8\n        first = .false.\n      end if\n      value = p",
+    );
+    let bare = vdload(FILL).replace("include 'vaba_param.inc'", "INCLUDE 'VABA_PARAM.INC'");
+    let cases: &[(&str, Vec<(&str, String)>)] = &[
+        ("fixed form", vec![("a.f", vdload(FILL))]),
+        (
+            "a guarded third coordinate",
+            vec![("a.f", vdload(&format!("      z = 0.d0\n      if (ndim .gt. 2) z = curCoords(1,3)\n{FILL}")))],
+        ),
+        ("tabs", vec![("a.for", tabs)]),
+        ("400 continuation lines", vec![("a.f", long)]),
+        ("upper case", vec![("A.F", upper)]),
+        ("upper-case include", vec![("a.f", bare)]),
+        ("free form with a module", vec![("law.f90", module.into()), ("a.f90", free.into())]),
+        ("free form that is called .f", vec![("a.f", format!("{module}{free}"))]),
+        ("C", vec![("a.c", c.into())]),
+        ("SAVE, DATA and COMMON", vec![("a.f", state)]),
+    ];
+    let mut depths = Vec::new();
+    for (name, files) in cases {
+        let desk = Desk::new();
+        let paths: Vec<PathBuf> = files.iter().map(|(file, text)| desk.write(file, text)).collect();
+        let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
+        let output = desk.run(&user_deck(), &paths, &[]);
+        assert!(output.status.success(), "{name}: {}", told(&output));
+        depths.push(desk.depth("ogive_user"));
+    }
+    assert!(depths.iter().all(|d| *d == depths[0]), "{depths:?}");
+}
+
+#[test]
+fn a_ready_library_is_opened_as_it_is() {
+    if !fortran() {
+        return;
+    }
+    let desk = Desk::new();
+    let source = desk.write(
+        "a.c",
+        "void vdload_(int *n, int *a, double *b, double *c, double *d, double *e, double *f, double *g, int *h,\n \
+                             char *s, double *value, long l)\n{ for (int k = 0; k < *n; k++) value[k] = 1e8; }\n",
+    );
+    let library = desk.path("a.so");
+    let built = Command::new("cc").args(["-shared", "-fPIC", "-o"]).arg(&library).arg(&source).status();
+    assert!(built.is_ok_and(|s| s.success()));
+    let output = desk.run(&user_deck(), &[&library], &[]);
+    assert!(output.status.success(), "{}", told(&output));
+    let deck = desk.write("no_library.so", "not a library");
+    let output = desk.run(&user_deck(), &[&deck], &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(told(&output).contains("U005"), "{}", told(&output));
+}
+
+/// The host routines that real files call, and files of their own in the folder of results.
+#[test]
+fn host_routines_answer() {
+    if !fortran() {
+        return;
+    }
+    let statements = "      character*256 job, dir\n      character*80 part\n      save first\n      logical first\n      data first /.true./\n      \
+        value = 1.d8\n      if (first) then\n        first = .false.\n        call vgetjobname(job, lj)\n        call vgetoutdir(dir, ld)\n        \
+        call vgetnumcpus(ncpu)\n        call vgetrank(nrank)\n        part = ' '\n        call vgetinternal(part, 9999, 0, nint, nrc)\n        \
+        call vgetpartinfo(nint, 0, part, nloc, nrc2)\n        open(unit=101, file=dir(1:ld)//'/'//job(1:lj)//'.own')\n        \
+        write(101,'(A,6I6)') sname(1:4), ncpu, nrank, nrc, nloc, nrc2, jltyp\n        close(101)\n        \
+        call xplb_abqerr(1, 'surface %S of %I points', nblock, 0.d0, 'NOSE    ')\n        call xplb_abqerr(-1, 'mind this', 0, 0.d0, ' ')\n      end if";
+    let desk = Desk::new();
+    let file = desk.write("load.f", &vdload(statements));
+    let output = desk.run(&user_deck(), &[&file], &[]);
+    assert!(output.status.success(), "{}", told(&output));
+    let own = std::fs::read_to_string(desk.path("out/ogive_user.own")).expect("the routine's own file");
+    let words: Vec<&str> = own.split_whitespace().collect();
+    assert_eq!(words, ["NOSE", "1", "0", "0", "9999", "0", "0"]);
+    let messages = &desk.summary("ogive_user")["messages"];
+    assert_eq!(messages[0]["text"], "surface NOSE of 20 points");
+    assert_eq!((&messages[0]["level"], &messages[1]["level"]), (&"note".into(), &"warning".into()));
+}
+
+/// Amplitude, prescribed motion and events in one file; the motion is the closed form that they describe.
+#[test]
+fn vuamp_vdisp_and_vexternaldb_do_what_they_say() {
+    if !fortran() {
+        return;
+    }
+    let source = "      subroutine vuamp(ampName, time, ampValueOld, dt, nprops, props, nSvars, svars, lFlagsInfo, nSensor,\n     \
+        1 sensorValues, sensorNames, jSensorLookUpTable, ampValueNew, lFlagsDefine, ampDerivative, ampSecDerivative, ampIncIntegral)\n      \
+        include 'vaba_param.inc'\n      dimension time(2), props(nprops), svars(nSvars), lFlagsInfo(*), sensorValues(nSensor), lFlagsDefine(*)\n      \
+        character*80 sensorNames(nSensor), ampName\n      svars(1) = svars(1) + 1.d0\n      \
+        ampValueNew = props(1)*time(2)\n      i = ivGetSensorID('SPEED', jSensorLookUpTable)\n      v = vGetSensorValue('SPEED', jSensorLookUpTable, sensorValues)\n      \
+        if (ampName .ne. 'RISE' .or. sensorValues(i) .ne. v) call xplb_exit\n      \
+        if (v .gt. 3.d0) lFlagsDefine(5) = 1\n      end\n      \
+        subroutine vdisp(nblock, nDof, nCoord, kstep, kinc, stepTime, totalTime, dtNext, dt, cbname, jBCType, jDof, jNodeUid, amp,\n     \
+        1 coordNp, u, v, a, rf, rmass, rotaryI, rval)\n      include 'vaba_param.inc'\n      character*80 cbname\n      \
+        dimension jDof(nDof), jNodeUid(nblock), amp(nblock), coordNp(nCoord,nblock), rval(nDof,nblock)\n      \
+        do k = 1, nblock\n        if (jDof(2) .gt. 0 .and. cbname .eq. 'DRIVEN') rval(2,k) = 3.d0*totalTime**2\n      end do\n      end\n      \
+        subroutine vexternaldb(lOp, i_Array, niArray, r_Array, nrArray)\n      include 'vaba_param.inc'\n      dimension i_Array(niArray), r_Array(nrArray)\n      \
+        character*256 dir\n      if (lOp .eq. 0) then\n        call vgetoutdir(dir, ld)\n        open(unit=101, file=dir(1:ld)//'/log')\n      end if\n      \
+        if (lOp .ne. 2 .and. lOp .ne. 3 .and. lOp .ne. 4) write(101,*) lOp, i_Array(3)\n      if (lOp .eq. 6) close(101)\n      end\n";
+    let deck = "*Heading\n two bodies\n*Node, nset=ALL\n 1, 0., 0.\n 2, 0., 1.\n*Nset, nset=FREE\n 1\n*Nset, nset=DRIVEN\n 2\n\
+        *Element, type=MASS, elset=A\n 1, 1\n*Element, type=MASS, elset=B\n 2, 2\n*Mass, elset=A\n 2.,\n*Mass, elset=B\n 1.,\n\
+        *Rigid Body, ref node=1, elset=A\n*Rigid Body, ref node=2, elset=B\n\
+        *Amplitude, name=RISE, definition=USER, properties=1, variables=1\n 6.,\n\
+        *Step, name=First\n*Dynamic, Explicit\n , 4.\n*Cload, amplitude=RISE\n FREE, 2, 1.\n*Boundary, user, type=VELOCITY\n DRIVEN, 2\n\
+        *Output, history, sensor, name=SPEED, number interval=50\n*Node Output, nset=FREE\n V2\n\
+        *Output, history, op=ADD, number interval=50\n*Node Output, nset=FREE\n U2, V2\n*Node Output, nset=DRIVEN\n U2, V2\n*End Step\n";
+    let desk = Desk::new();
+    let deck = desk.write("two.inp", deck);
+    let file = desk.write("all.f", source);
+    let output = desk.run(&deck, &[&file], &[]);
+    assert!(output.status.success(), "{}", told(&output));
+    let summary = desk.summary("two");
+    let last = |name: &str| summary["history"][name]["final"].as_f64().expect("a value");
+    // F = 6 t on a mass of 2: v = 1.5 t^2 passes 3 at t = sqrt(2), where the routine ends the step.
+    let end = summary["steps"][0]["time"].as_f64().expect("a time");
+    assert!((end - 2f64.sqrt()).abs() < 0.05, "{end}");
+    assert!((last("V2@FREE") / (1.5 * end * end) - 1.0).abs() < 1e-3, "{}", last("V2@FREE"));
+    assert!((last("U2@FREE") / (0.5 * end.powi(3)) - 1.0).abs() < 1e-3);
+    assert!((last("V2@DRIVEN") / (3.0 * end * end) - 1.0).abs() < 1e-9);
+    assert!((last("U2@DRIVEN") / end.powi(3) - 1.0).abs() < 1e-3);
+    let log = std::fs::read_to_string(desk.path("out/log")).expect("the routine's own file");
+    let words: Vec<&str> = log.split_whitespace().collect();
+    assert_eq!(words, ["0", "1", "1", "1", "5", "1", "6", "1"]);
+}
+
+#[test]
+fn a_sweep_gives_each_run_a_routine_of_its_own() {
+    if !fortran() {
+        return;
+    }
+    let desk = Desk::new();
+    // The pressure grows with every call, so a state carried over would show.
+    let file = desk.write(
+        "load.f",
+        &vdload("      save n\n      data n /0/\n      n = n + 1\n      value = 1.d8*(1.d0 + 1.d-3*n)"),
+    );
+    let sweep = |threads: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_revolve"))
+            .args([
+                "sweep",
+                "--set",
+                "V=569,569,569,569,569,569",
+                "--quantity",
+                "-1000*final(U2@REF)",
+                "--threads",
+                threads,
+            ])
+            .arg("--user")
+            .arg(&file)
+            .arg("--out")
+            .arg(desk.path("out"))
+            .arg(user_deck())
+            .env("XDG_CACHE_HOME", desk.path("cache"))
+            .output()
+            .expect("the program runs");
+        assert!(output.status.success(), "{}", told(&output));
+        let csv = std::fs::read_dir(desk.path("out")).expect("files").filter_map(Result::ok);
+        let csv = csv.map(|e| e.path()).find(|p| p.extension().is_some_and(|e| e == "csv")).expect("a table");
+        std::fs::read_to_string(csv).expect("a table")
+    };
+    let (one, two) = (sweep("1"), sweep("2"));
+    assert_eq!(one, two);
+    let rows: Vec<&str> = one.lines().skip(1).collect();
+    assert!(rows.len() == 6 && rows.iter().all(|r| *r == rows[0]), "{one}");
+}
+
+/// The seed paper's resistance in Rust, in the order of operations of `input/vdload_cavity.f`.
+struct Cavity;
+
+impl UserLoad for Cavity {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        for (k, p) in pressure.iter_mut().enumerate() {
+            let vn = points.velocity_r[k] * points.normal_r[k] + points.velocity_z[k] * points.normal_z[k];
+            *p = if vn > 0.0 { points.amplitude * (5.0394 * 276e6 + 0.983 * 2710.0 * vn * vn) } else { 0.0 };
+        }
+        Ok(())
+    }
+}
+
+/// The examples: the same arithmetic in both languages gives the same bits.
+#[test]
+fn rust_and_fortran_agree_to_the_last_bit() {
+    if !fortran() {
+        return;
+    }
+    let pairs = [
+        (
+            "moving blast",
+            moving_blast::fly(&Routines::none().with_load(moving_blast::Blast::default())),
+            moving_blast::in_fortran().and_then(|r| moving_blast::fly(&r)),
+        ),
+        (
+            "table",
+            table_resistance::fly(&Routines::none().with_load(table_resistance::Table)),
+            table_resistance::in_fortran().and_then(|r| table_resistance::fly(&r)),
+        ),
+        (
+            "state",
+            stateful_load::fly(&Routines::none().with_load(stateful_load::Bed::default())),
+            stateful_load::in_fortran().and_then(|r| stateful_load::fly(&r)),
+        ),
+    ];
+    for (name, rust, fortran) in pairs {
+        let (rust, fortran) = (rust.expect("a run in Rust"), fortran.expect("a run in Fortran"));
+        assert_eq!(rust.map(f64::to_bits), fortran.map(f64::to_bits), "{name}: {rust:?} against {fortran:?}");
+        assert!(rust[0] < -1e-3, "{name} moves: {rust:?}");
+    }
+}
+
+/// The impulse of the blast by quadrature, which knows nothing of increments: v = -I / (rho t pi R^2).
+#[test]
+fn the_blasts_impulse_is_its_integral() {
+    let load = Routines::none().with_load(moving_blast::Blast::default());
+    let [_, velocity] = moving_blast::fly(&load).expect("a run");
+    // Every point gets the same impulse: the integral of peak (1 - s) exp(-decay s) duration over s from 0 to 1.
+    let n = 20_000;
+    let sum: f64 = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n)).map(|s| (1.0 - s) * (-1.5 * s).exp()).sum();
+    let expected = -2e6 * 1e-3 * sum / f64::from(n) / (7850.0 * 0.02);
+    assert!((velocity / expected - 1.0).abs() < 2e-3, "{velocity} against {expected}");
+}
+
+/// The resistance of the seed paper, too.
+#[test]
+fn the_papers_resistance_has_the_same_bits_in_rust_and_fortran() {
+    if !fortran() {
+        return;
+    }
+    let deck = std::fs::read_to_string(user_deck()).expect("the deck");
+    let run = |routines: &Routines| {
+        let (outcome, _) = common::run(&deck, &[], routines);
+        (outcome.increments, outcome.rests[0].displacement.to_bits())
+    };
+    let compiled = compile(&[common::project("input/vdload_cavity.f")], false).expect("a library");
+    assert_eq!(run(&Routines::none().with_load(Cavity)), run(&compiled.open().expect("routines")));
+}

@@ -1,0 +1,148 @@
+//! Output variables of deformable elements against closed forms.
+//!
+//! Goal: LE, PE, ER, SENER, PENER, EVOL, DENSITY, STATUS, DT mean what their names say, and asking changes nothing.
+//! Source: logarithmic strain of a stretched bar, simple shear with the Jaumann rate, the energies of the whole model.
+
+use std::fmt::Write as _;
+
+use crate::common;
+use crate::common::solid::{column, grid, last, material, run};
+
+/// Velocities of all nodes of a grid of 2 by 2 cells that reaches from `r = 1` to 3 and from `z = 0` to 2.
+fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], duration: f64, outputs: &str, more: &str) -> String {
+    let place = |i: usize, j: usize| [1.0 + i as f64, j as f64];
+    let mut deck = grid(2, 2, false, place) + &material(1000.0, 0.3, 2.0, more);
+    for node in 1..=9 {
+        write!(deck, "*Nset, nset=N{node}\n {node},\n").expect("text");
+    }
+    write!(deck, "*Step\n*Dynamic, Explicit, direct user control\n 1.e-4, {duration}\n").expect("text");
+    deck += "*Bulk Viscosity\n 0., 0.\n*Boundary, type=VELOCITY\n";
+    for node in 0..9 {
+        let [v_r, v_z] = velocity(place(node % 3, node / 3));
+        write!(deck, " N{}, 1, 1, {v_r:e}\n N{}, 2, 2, {v_z:e}\n", node + 1, node + 1).expect("text");
+    }
+    deck + outputs + "*End Step\n"
+}
+
+#[test]
+fn a_stretched_bar_has_the_logarithm_of_its_stretch() {
+    let outputs = "*Elset, elset=ONE\n 1,\n*Output, history, number interval=4\n*Element Output, elset=ONE\n LE, ER22, \
+                   EVOL, DENSITY, STATUS, SENER, S22\n*Incrementation Output\n DT\n*Energy Output\n ALLSE\n";
+    let deck = moving(|[_, z]| [0.0, 0.5 * z], 1.0, outputs, "");
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let value = |name: &str| last(&deck, &memory, &format!("{name}@ONE"));
+    let strain = 1.5_f64.ln();
+    // The middle of an increment is exact to second order: (5e-5)^2 / 3.
+    assert!((value("LE22") / strain - 1.0).abs() < 1e-8, "{}", value("LE22"));
+    assert!(value("LE11").abs() + value("LE33").abs() + value("LE12").abs() < 1e-10);
+    // The rate at the middle of the last increment.
+    assert!((value("ER22") * (1.5 - 0.25e-4) / 0.5 - 1.0).abs() < 1e-8, "{}", value("ER22"));
+    let volume = std::f64::consts::PI * 3.0 * 1.5;
+    assert!((value("EVOL") / volume - 1.0).abs() < 1e-9 && (value("DENSITY") * 1.5 / 2.0 - 1.0).abs() < 1e-9);
+    assert_eq!(value("STATUS"), 1.0);
+    assert!((last(&deck, &memory, "DT") / 1e-4 - 1.0).abs() < 1e-9);
+    // E (1 - nu) / ((1 + nu) (1 - 2 nu)) = 1346.15: the work of its stress over the changing volume.
+    let modulus = 1000.0 * 0.7 / (1.3 * 0.4);
+    assert!((value("S22") / (modulus * strain) - 1.0).abs() < 1e-8);
+    // int s dV = V0 m int ln(x) dx = V0 m (x ln x - x + 1), divided by the volume at the end.
+    let work = modulus * (1.5 * strain - 0.5) / 1.5;
+    assert!((value("SENER") / work - 1.0).abs() < 1e-7, "{} {work}", value("SENER"));
+}
+
+#[test]
+fn simple_shear_turns_the_strain_with_the_spin_of_the_material() {
+    let outputs = "*Elset, elset=ONE\n 1,\n*Output, history, number interval=4\n*Element Output, elset=ONE\n LE\n";
+    let deck = moving(|[r, _]| [0.0, r], 1.0, outputs, "");
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    // Jaumann rate with constant D and W: E12 = sin(g)/2, E11 = -E22 = (cos(g) - 1)/2 at the shear g = 1.
+    let expected = [("LE12", 1_f64.sin()), ("LE11", 0.5 * (1_f64.cos() - 1.0)), ("LE22", 0.5 * (1.0 - 1_f64.cos()))];
+    for (name, expected) in expected {
+        // An increment of 1e-4 turns by its angle to third order, but adds a strain that is half an increment behind.
+        let got = last(&deck, &memory, &format!("{name}@ONE"));
+        assert!((got - expected).abs() < 2e-4 * expected.abs().max(0.3), "{name} {got} {expected}");
+    }
+    assert!(last(&deck, &memory, "LE33@ONE").abs() < 1e-12);
+}
+
+#[test]
+fn plastic_strain_and_energies_agree_with_stress_and_with_the_whole_model() {
+    let plastic = "*Plastic\n 10., 0.\n 30., 0.1\n";
+    let outputs = "*Output, history, number interval=10\n*Element Output, elset=SOLID\n LE, PE, PEEQ, S, SENER, PENER, EVOL\n\
+                   *Energy Output\n ALLSE, ALLPD\n*Output, field, number interval=2, variable=PRESELECT\n";
+    let deck = moving(|[r, z]| [-0.02 * r, 0.1 * z], 1.0, outputs, plastic);
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let value = |name: &str, e: usize| last(&deck, &memory, &format!("{name}@{e}"));
+    let (shear, bulk) = (1000.0 / 2.6, 1000.0 / 1.2);
+    let (mut elastic_energy, mut plastic_energy) = (0.0, 0.0);
+    for e in 1..=4 {
+        let tensor = |name: &str| ["11", "22", "33"].map(|c| value(&format!("{name}{c}"), e));
+        let (total, flow, stress) = (tensor("LE"), tensor("PE"), tensor("S"));
+        let dilation: f64 = total.iter().sum();
+        assert!(flow.iter().sum::<f64>().abs() < 1e-12, "flow keeps the volume: {flow:?}");
+        for i in 0..3 {
+            let hooke = bulk * dilation + 2.0 * shear * (total[i] - flow[i] - dilation / 3.0);
+            // Without spin the law is exact; rounding of 10^4 additions.
+            assert!((hooke - stress[i]).abs() < 1e-8, "{hooke} {}", stress[i]);
+        }
+        // Proportional from the start: the equivalent of the components is PEEQ.
+        let equivalent = (2.0 / 3.0 * flow.iter().map(|x| x * x).sum::<f64>()).sqrt();
+        assert!(equivalent > 0.05 && (equivalent / value("PEEQ", e) - 1.0).abs() < 1e-9, "{equivalent}");
+        elastic_energy += value("SENER", e) * value("EVOL", e);
+        plastic_energy += value("PENER", e) * value("EVOL", e);
+    }
+    // The same sums in another order.
+    assert!((elastic_energy / last(&deck, &memory, "ALLSE") - 1.0).abs() < 1e-9, "{elastic_energy}");
+    assert!((plastic_energy / last(&deck, &memory, "ALLPD") - 1.0).abs() < 1e-9, "{plastic_energy}");
+    let frame = memory.frames.last().expect("a frame");
+    let names: Vec<&str> = frame.point_fields.iter().chain(&frame.cell_fields).map(|f| f.name.as_str()).collect();
+    for name in ["U", "V", "A", "RF", "S", "LE", "PE", "PEEQ"] {
+        assert!(names.contains(&name), "PRESELECT lacks {name}: {names:?}");
+    }
+    assert!(!names.contains(&"STATUS") && !names.contains(&"SENER"), "{names:?}");
+}
+
+#[test]
+fn asking_for_strains_changes_no_bit_of_the_motion() {
+    let deck = |more: &str| {
+        let outputs = format!("*Output, history, number interval=10\n*Energy Output\n ALLIE, ALLPD\n{more}");
+        moving(|[r, z]| [-0.03 * r * z, 0.1 * z * r], 0.5, &outputs, "*Plastic\n 10., 0.\n 30., 0.1\n")
+    };
+    let (plain, asked) = (deck(""), deck("*Element Output, elset=SOLID\n LE, PE\n"));
+    let ((_, quiet), (_, told)) = (run(&plain), run(&asked));
+    for name in ["ALLIE", "ALLPD"] {
+        assert_eq!(column(&plain, &quiet, name), column(&asked, &told, name), "{name}");
+    }
+}
+
+/// Of two materials one flows: the other has no plastic strain, and nothing here follows a temperature.
+#[test]
+fn what_a_group_does_not_have_is_not_shown() {
+    let outputs = "*Output, history, number interval=2\n*Element Output, elset=SOLID\n PEEQ, S22\n\
+                   *Output, field, number interval=2\n*Element Output\n PEEQ, PE, MISES, TEMP\n";
+    let flows = "*Plastic\n 10., 0.\n 30., 0.1\n";
+    let sets = "*Elset, elset=HARD\n 2, 4\n*Elset, elset=SOFT\n 1, 3\n*Solid Section, elset=SOFT";
+    let second = "*Solid Section, elset=HARD, material=E\n\
+                  *Material, name=E\n*Density\n 2.,\n*Elastic\n 1000., 0.3\n";
+    let deck = moving(|[_, z]| [0.0, 0.1 * z], 0.5, outputs, flows)
+        .replace("*Solid Section, elset=SOLID", sets)
+        .replace("*Step\n", &format!("{second}*Step\n"));
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let prepared = common::prepared(&deck, &[], &revolve::user::Routines::none());
+    let columns: Vec<&str> = prepared.plan.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(columns, ["PEEQ@1", "PEEQ@3", "S22@1", "S22@2", "S22@3", "S22@4"]);
+    assert!(prepared.plan.ledger.unused.iter().any(|u| u.what == "TEMP"), "{:?}", prepared.plan.ledger.unused);
+    let frame = memory.frames.last().expect("a frame");
+    let names: Vec<&str> = frame.cell_fields.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["PEEQ", "PE", "MISES"]);
+    for field in &frame.cell_fields {
+        let cells = field.values.chunks(field.components);
+        let absent: Vec<bool> = cells.map(|c| c.iter().all(|v| v.is_nan())).collect();
+        let flows = field.name != "MISES";
+        assert_eq!(absent.iter().filter(|a| **a).count(), if flows { 2 } else { 0 }, "{}", field.name);
+        assert!(field.values.iter().filter(|v| !v.is_nan()).all(|v| v.is_finite()));
+    }
+}

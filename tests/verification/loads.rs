@@ -1,0 +1,94 @@
+//! Loads on the faces of what deforms.
+//!
+//! Goal: a user load is a pressure; a deformable body in a target is slowed as a rigid one is, and friction is booked as such.
+//! Source: the built-in pressure; closed forms of the resistance. Each test says its tolerance and why.
+
+use std::f64::consts::PI;
+
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+
+use super::vessels::sphere;
+use crate::common;
+use crate::common::solid::{grid, last, material, run};
+
+struct Constant;
+
+impl UserLoad for Constant {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        // The normal is shown outward in `normal_r`, and into the solid in `directions`.
+        let n = pressure.len();
+        assert!(points.normal_r.iter().zip(&points.directions[..n]).all(|(a, b)| *a == -b));
+        pressure.fill(100.0 * points.amplitude);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_user_load_on_faces_is_a_pressure() {
+    let deck = sphere(5, 10, 100.0, "");
+    let user = deck.replace("I0, P, 100", "I0, PNU");
+    let (a, _) = run(&deck);
+    let (b, _) = common::run(&user, &[], &Routines::none().with_load(Constant));
+    assert_eq!((a.halt, b.halt), (None, None));
+    assert_eq!(a.energy.work.to_bits(), b.energy.work.to_bits());
+}
+
+/// A stiff disc that deforms, driven into a target that is not meshed, goes as deep as a rigid one: the closed form of
+/// m dV/dt = -pi a^2 (A Y + C rho V^2).
+#[test]
+fn a_deformable_projectile_enters_the_same_target() {
+    let (a, thickness, density, v): (f64, f64, f64, f64) = (5.0, 5.0, 7.85e-9, 300e3);
+    let deck = grid(6, 6, false, |i, j| [a * i as f64 / 6.0, thickness * j as f64 / 6.0])
+        + &material(200e3, 0.3, density, "")
+        + &format!(
+            "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n*Target, name=WALL, front=1., direction=-1\n ROCK, 900.\n\
+             *Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit\n , 1.e-5\n*Dsload, target=WALL\n J0, CAVITY\n\
+             *Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n",
+            -v
+        );
+    let (outcome, memory) = run(&deck);
+    assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+    // m V' = -k0 - k2 V^2 with m/area = rho t.
+    let (k0, k2, m): (f64, f64, f64) = (400.0, 2.7e-9, density * thickness);
+    let root = (k0 * k2).sqrt();
+    let start = (v * (k2 / k0).sqrt()).atan();
+    let expected = (k0 / k2).sqrt() * (start - root / m * 1e-5).tan();
+    // The speed of the whole, from its kinetic energy; the disc rings a little.
+    let got = (2.0 * last(&deck, &memory, "ALLKE") / (PI * a * a * m)).sqrt();
+    assert!((got - expected).abs() < 0.01 * (v - expected), "{got} {expected}");
+    // Nothing is done from outside: what is lost opens the cavity, but for what the disc stores.
+    let energy = outcome.energy;
+    let lost = 0.5 * PI * a * a * m * (v * v - expected * expected);
+    assert_eq!(energy.friction, 0.0);
+    assert!(energy.work.abs() < 1e-6 * lost, "{energy:?}");
+    assert!((energy.cavity / lost - 1.0).abs() < 0.01 && energy.drift < 2e-3, "{energy:?} {lost}");
+}
+
+/// A cone that deforms, driven by a given velocity into a target with friction: the work of the cavity and of friction
+/// are those of the pressure and of mu times it along the sides, F_n V and F_t V with F_t / F_n = mu / tan(half angle).
+#[test]
+fn friction_in_a_target_is_booked_as_friction() {
+    let (n, mu, v) = (8, 0.3, 300e3);
+    // A frustum of the half angle 45 degrees, its flat faces loaded by nothing.
+    let deck = grid(n, n, false, |i, j| {
+        let z = 10.0 * j as f64 / n as f64;
+        [(2.0 + z) * i as f64 / n as f64, z]
+    }) + &material(200e3, 0.3, 7.85e-9, "")
+        + &format!(
+            "*Material, name=ROCK\n*Density\n 2.7e-9,\n*Cavity Expansion, yield=100.\n 4., 0., 1.\n*Target, name=WALL, front=11., direction=-1\n ROCK, 900.\n\
+             *Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit\n , 4.e-6\n*Dsload, target=WALL, friction={mu}\n I1, CAVITY\n\
+             *Boundary, type=VELOCITY\n ALL, 2, 2, {:e}\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n",
+            -v, -v
+        );
+    let (outcome, _) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    // Moved without a change of shape: sigma = 4 Y + rho (V/sqrt 2)^2 on the sides, whose projected area is pi (12^2 - 2^2).
+    let sigma = 400.0 + 2.7e-9 * 0.5 * v * v;
+    let cavity = sigma * PI * (144.0 - 4.0) * v * 4e-6;
+    let energy = outcome.energy;
+    println!("cone: ALLCAV {:e} of {cavity:e}, ALLFD over it {:.6}", energy.cavity, energy.friction / energy.cavity);
+    assert!((energy.cavity / cavity - 1.0).abs() < 1e-6, "{energy:?} {cavity}");
+    assert!((energy.friction / energy.cavity / mu - 1.0).abs() < 1e-6, "{energy:?}");
+    // What moves the cone does all of it.
+    assert!((energy.work / (energy.cavity + energy.friction) - 1.0).abs() < 1e-6 && energy.drift < 1e-6, "{energy:?}");
+}

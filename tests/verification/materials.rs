@@ -1,0 +1,330 @@
+//! Material laws of single elements against the same law by hand.
+//!
+//! Goal: hardening, failure and deletion as the cards ask for them.
+//! Source: one-dimensional return mapping and closed forms, written here a second time. Each test says its tolerance.
+
+use revolve::job;
+use revolve::solve::Outcome;
+use revolve::user::Routines;
+
+use crate::common;
+use crate::common::Memory;
+use crate::common::solid::{column, grid, last, material, run};
+
+/// A tiny cylinder, so that inertia does not matter, whose top follows an amplitude times `height` in `time`.
+fn cylinder(cards: &str, amplitude: &str, displacement: f64, time: f64, variables: &str) -> String {
+    grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+        + &material(200e3, 0.3, 7.85e-9, cards)
+        + &format!(
+            "*Amplitude, name=A\n {amplitude}\n*Step\n*Dynamic, Explicit\n , {time:e}\n*Boundary\n J0, 2, 2\n\
+             *Boundary, amplitude=A\n J1, 2, 2, {displacement:e}\n*Output, history, number interval=400\n\
+             *Element Output, elset=SOLID\n {variables}\n*Node Output, nset=J1\n U2\n*Energy Output\n ALLPD, ALLIE\n*End Step\n"
+        )
+}
+
+fn whole(outcome: &Outcome, drift: f64) {
+    assert_eq!(outcome.halt, None);
+    println!("{} increments, drift {:.1e}", outcome.increments, outcome.energy.drift);
+    assert!(outcome.energy.drift < drift, "drift {:e}", outcome.energy.drift);
+}
+
+/// Mean of two corner nodes at the top: all of them move alike.
+fn strains(deck: &str, memory: &Memory) -> Vec<f64> {
+    let prepared = common::prepared(deck, &[], &Routines::none());
+    let at = prepared.plan.columns.iter().position(|c| c.name.starts_with("U2@")).expect("U2");
+    memory.rows.iter().map(|row| (1.0 + row.1[at] / 1e-3).ln()).collect()
+}
+
+/// Tension, compression, tension again with linear kinematic hardening: the stress of every row by hand. Hooke's law acts
+/// on the rate, so the bar's axial stress follows its logarithmic strain.
+#[test]
+fn a_cycle_of_kinematic_hardening_by_hand() {
+    let (young, radius, slope) = (200e3, 300.0, 5000.0);
+    let deck = cylinder(
+        "*Plastic, hardening=KINEMATIC\n 300., 0.\n 800., 0.1\n",
+        "0., 0., 1.e-5, 1., 3.e-5, -1., 5.e-5, 1.",
+        2e-5,
+        5e-5,
+        "S22, PEEQ",
+    );
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 2e-3);
+    let stress = column(&deck, &memory, "S22@SOLID");
+    let (mut plastic, mut sum, mut before) = (0.0, 0.0, 0.0);
+    let mut worst: f64 = 0.0;
+    for (strain, found) in strains(&deck, &memory).into_iter().zip(&stress) {
+        // Small steps between rows, so that corners of the path are met.
+        for k in 1..=50 {
+            let here = before + (strain - before) * f64::from(k) / 50.0;
+            let relative: f64 = young * (here - plastic) - slope * plastic;
+            let over = relative.abs() - radius;
+            if over > 0.0 {
+                plastic += relative.signum() * over / (young + slope);
+                sum += over / (young + slope);
+            }
+        }
+        before = strain;
+        worst = worst.max((found.1 - young * (strain - plastic)).abs());
+    }
+    let peeq = last(&deck, &memory, "PEEQ@SOLID");
+    println!("kinematic: worst {worst:.2} MPa, PEEQ {peeq:.5} against {sum:.5}");
+    // The bar still swings a little, and corners of the path fall between rows.
+    assert!(worst < 3.0, "{worst}");
+    assert!((peeq / sum - 1.0).abs() < 2e-3 && sum > 0.08, "{peeq} {sum}");
+}
+
+/// Between the tables of 20 and 220 degrees the yield stress is linear in the temperature.
+#[test]
+fn a_table_over_temperature_is_linear_between() {
+    let deck = cylinder(
+        "*Plastic\n 400., 0., 20.\n 500., 0.1, 20.\n 200., 0., 220.\n 240., 0.1, 220.\n",
+        "0., 0., 1.e-5, 1.",
+        5e-5,
+        1e-5,
+        "S22, PEEQ",
+    )
+    .replace("*Step", "*Initial Conditions, type=TEMPERATURE\n ALL, 170.\n*Step");
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 2e-3);
+    let (stress, strain) = (last(&deck, &memory, "S22@SOLID"), last(&deck, &memory, "PEEQ@SOLID"));
+    let expected = 0.25 * (400.0 + 1000.0 * strain) + 0.75 * (200.0 + 400.0 * strain);
+    println!("table over temperature: {stress:.3} against {expected:.3}");
+    assert!(strain > 0.04 && (stress / expected - 1.0).abs() < 2e-3, "{stress} {expected}");
+}
+
+#[test]
+fn bad_materials_are_refused_with_a_reason() {
+    let deck = |cards: &str| cylinder(cards, "0., 0., 1., 1.", 1e-5, 1e-6, "S22");
+    let gas = |cards: &str| deck(cards).replace("*Elastic\n 2e5, 0.3\n", "");
+    for (code, text) in [
+        ("M104", deck("*Plastic, hardening=KINEMATIC\n 300., 0.\n")),
+        ("M103", deck("*Plastic, hardening=KINEMATIC\n 300., 0.\n 200., 0.1\n")),
+        ("M104", deck("*Plastic, hardening=KINEMATIC\n 300., 0., 20.\n 400., 0.1, 30.\n")),
+        ("M103", deck("*Plastic, hardening=KINEMATIC\n 3., 0., 20.\n 4., 0.1, 20.\n 2., 0., 10.\n 3., 0.1, 10.\n")),
+        ("P014", deck("*Plastic\n 300., 0., 20.\n 200., 0.\n")),
+        ("P014", deck("*Plastic\n 300., 0., 20.\n 200., 0., 10.\n")),
+        ("P019", deck("*Shear Failure\n 0.1,\n")),
+        ("P019", deck("*Plastic\n 300., 0.\n*Shear Failure, type=JOHNSON COOK\n 0.1, 0., 0., 0.1\n")),
+        ("P019", deck("*Tensile Failure, element deletion=NO\n 100.,\n")),
+        ("P014", deck("*Plastic, hardening=KINEMATIC\n 300., 0.\n 400., 0.1\n*Shear Failure\n 0.1,\n")),
+        ("M104", deck("*Tensile Failure, element deletion=NO, pressure=BRITTLE\n 100.,\n")),
+        ("M104", deck("*Shear Failure, element deletion=NO\n 0.1,\n")),
+        ("M103", deck("*Shear Failure\n 0.1, 1.\n 0.2, 0.\n")),
+        ("M104", deck("*Shear Failure\n 0.1, 0., 0., 20., 1.\n")),
+        ("M103", deck("*Damage Initiation, criterion=DUCTILE\n 0.1, 0., 5.\n 0.1, 0., 1.\n")),
+        ("M103", deck("*Shear Failure\n -0.1,\n")),
+        ("M103", deck("*Tensile Failure\n -1.,\n")),
+        ("M104", deck("*Damage Initiation, criterion=FLD\n 0.1,\n")),
+        ("M103", deck("*Damage Initiation, criterion=DUCTILE\n 0.1, 0.\n 0.1, -1.\n")),
+        ("M105", deck("*Damage Evolution, type=ENERGY\n 0.1,\n")),
+        ("P013", deck("*Hyperelastic, neo hooke\n 1., 0.1\n")),
+        ("P013", gas("*Hyperelastic, neo hooke\n 1., 0.1\n*Plastic\n 1., 0.\n")),
+        ("M104", gas("*Hyperelastic, yeoh\n 1., 0.1\n")),
+        ("M103", gas("*Hyperelastic, neo hooke\n 1., 0.\n")),
+        ("P017", gas("*Hyperelastic, neo hooke\n 1., 0.1\n*Initial Conditions, type=STRESS\n SOLID, 1., 1., 1.\n")),
+        ("M104", deck("*Eos, type=JWL\n 1., 1.\n")),
+        ("M103", deck("*Eos, type=USUP\n -1., 1.\n")),
+        ("P013", deck("*Eos, type=USUP\n 5000., 1.\n")),
+        ("P013", gas("*Eos, type=IDEAL GAS\n 287., 0.\n")),
+        ("P013", gas("*Eos, type=USUP\n 5000., 1.\n*Plastic\n 300., 0.\n")),
+        ("P013", gas("*Elastic, type=SHEAR\n 80e3,\n")),
+        ("P017", gas("*Eos, type=USUP\n 5000., 1.\n*Initial Conditions, type=STRESS\n SOLID, 1., 1., 1.\n")),
+        ("P017", deck("*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 1.\n")),
+    ] {
+        let prepared = job::prepare_text("bad.inp", &text, &[], &Routines::none());
+        let found = prepared.diagnostics.iter().any(|d| d.code == code);
+        assert!(found, "{code}: {text}\n{}", prepared.diagnostics.render(&prepared.deck.sources));
+    }
+}
+
+/// Perfectly plastic cylinders in tension: failure as the cards ask for it.
+fn torn(cards: &str) -> (String, Outcome, Memory) {
+    let deck = cylinder(&format!("*Plastic\n 400., 0.\n{cards}"), "0., 0., 1.e-5, 1.", 2e-4, 1e-5, "S22, PEEQ");
+    let (outcome, memory) = run(&deck);
+    // The piece swings freely after its failure.
+    whole(&outcome, 2e-3);
+    (deck, outcome, memory)
+}
+
+/// Plastic strain when the stress has gone.
+fn strain_at_the_end(deck: &str, memory: &Memory) -> f64 {
+    assert_eq!(last(deck, memory, "S22@SOLID"), 0.0);
+    last(deck, memory, "PEEQ@SOLID")
+}
+
+/// A deleted element bears nothing, at the plastic strain of its criterion. In uniaxial tension the triaxiality is 1/3.
+#[test]
+fn elements_fail_at_their_strain() {
+    for (cards, expected) in [
+        ("*Shear Failure\n 0.12,\n", 0.12),
+        ("*Shear Failure, type=JOHNSON COOK\n 0.05, 0.1, 1.5\n", 0.05 + 0.1 * (-0.5f64).exp()),
+        (
+            "*Damage Initiation, criterion=DUCTILE\n 0.2, 0.\n 0.05, 0.66666666667\n*Damage Evolution, type=DISPLACEMENT\n 0.,\n",
+            0.125,
+        ),
+    ] {
+        let (deck, outcome, memory) = torn(cards);
+        let strain = strain_at_the_end(&deck, &memory);
+        println!("failed at {strain:.5}, expected {expected:.5}");
+        // An increment strains by less than 1e-5.
+        assert!((strain - expected).abs() < 2e-4, "{strain} {expected}");
+        // All that was stored is dissipated.
+        let energy = outcome.energy;
+        assert!(energy.strain.abs() < 1e-3 * energy.plastic, "{} {}", energy.strain, energy.plastic);
+        // Perfect plasticity: 400 times the strain and the volume, and the elastic energy.
+        let expected = std::f64::consts::PI * 1e-9 * (400.0 * strain + 0.5 * 400.0 * 400.0 / 200e3);
+        assert!((energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", energy.plastic);
+    }
+}
+
+/// Linear damage: the stress falls with the plastic displacement, and the energy is that of the card.
+#[test]
+fn damage_takes_its_displacement_and_its_energy() {
+    // The length of the element is 1e-3, so the strain grows by 0.05; an energy of 400 times 5e-5 / 2 is the same.
+    for evolution in ["type=DISPLACEMENT\n 5.e-5,\n", "type=ENERGY\n 1.e-2,\n"] {
+        let begin = "*Damage Initiation, criterion=JOHNSON COOK\n 0.1, 0., 0., 0., 0., 0., 0., 1.\n*Damage Evolution, ";
+        let (deck, outcome, memory) = torn(&format!("{begin}{evolution}"));
+        let strain = strain_at_the_end(&deck, &memory);
+        assert!((strain - 0.15).abs() < 2e-4, "{strain}");
+        let (stress, strains) = (column(&deck, &memory, "S22@SOLID"), column(&deck, &memory, "PEEQ@SOLID"));
+        for (s, p) in stress.iter().zip(&strains).filter(|x| (0.1..0.149).contains(&x.1.1)) {
+            let expected = 400.0 * (1.0 - (p.1 - 0.1) / 0.05);
+            assert!((s.1 - expected).abs() < 2.0, "{} {expected}", s.1);
+        }
+        let expected = std::f64::consts::PI * 1e-9 * 400.0 * (0.1 + 0.025 + 0.001);
+        println!("damage: strain {strain:.5}, dissipated {:e} of {expected:e}", outcome.energy.plastic);
+        assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3);
+    }
+}
+
+/// A load on the face of an element ends with the element: what is left of the cylinder flies on without a force.
+#[test]
+fn loads_end_with_their_element() {
+    let deck = grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+        + &material(200e3, 0.3, 7.85e-9, "*Plastic\n 400., 0.\n*Shear Failure\n 0.05,\n")
+        + "*Amplitude, name=A\n 0., 0., 1.e-6, 1., 1., 1.\n*Step\n*Dynamic, Explicit\n , 3.e-6\n*Boundary\n J0, 2, 2\n\
+           *Dsload, amplitude=A\n J1, P, -500.\n*Output, history, frequency=1\n*Node Output, nset=J1\n A2, V2\n\
+           *Energy Output\n ALLWK\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 2e-3);
+    let prepared = common::prepared(&deck, &[], &Routines::none());
+    let at = |start: &str| prepared.plan.columns.iter().position(|c| c.name.starts_with(start)).expect("a column");
+    let free = memory.rows.iter().skip(1).position(|row| row.1[at("A2@")] == 0.0).expect("the end of the load") + 1;
+    let after = &memory.rows[free..];
+    println!("free from row {free} of {}", memory.rows.len());
+    assert!(free > 100 && after.len() >= 3);
+    // The trapezoid of the work has its last half a row later.
+    for row in &after[1..] {
+        assert_eq!((row.1[at("A2@")], row.1[at("ALLWK")]), (0.0, after[1].1[at("ALLWK")]));
+        assert!(row.1[at("V2@")] > 0.0);
+    }
+}
+
+/// A fluid that is pulled apart: its tension stays at the cutoff, or is gone with the element.
+#[test]
+fn tension_is_cut_off() {
+    for (deletion, expected) in [("NO", -50.0), ("YES", 0.0)] {
+        let deck = grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+            + &format!(
+                "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.e-9,\n*Eos, type=USUP\n 1.5e6, 1.9, 0.1\n\
+                 *Tensile Failure, element deletion={deletion}\n 50.,\n*Step\n*Dynamic, Explicit\n , 1.e-7\n*Boundary\n ALL, 1, 1\n\
+                 J0, 2, 2\n*Boundary, type=VELOCITY\n J1, 2, 2, 1000.\n*Output, history, number interval=10\n\
+                 *Element Output, elset=SOLID\n PRESS\n*End Step\n"
+            );
+        let (outcome, memory) = run(&deck);
+        // Prescribed motion alone: the energy met is the work on the fluid.
+        whole(&outcome, 5e-2);
+        let pressure = last(&deck, &memory, "PRESS@SOLID");
+        assert!((pressure - expected).abs() < 1e-9, "{pressure} {expected}");
+    }
+}
+
+/// Neo-Hooke with C10 = 0.5 and D1 = 0.1: shear modulus 1, bulk modulus 20.
+const RUBBER: &str = "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n";
+
+/// A block of rubber whose edge follows a prescribed stretch: displacements of node 4 and stresses at the end.
+fn rubber(boundary: &str) -> [f64; 6] {
+    let deck = grid(1, 1, false, |i, j| [i as f64, j as f64])
+        + RUBBER
+        + "*Nset, nset=CORNER\n 4,\n*Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 0.02, 1.\n*Step\n*Dynamic, Explicit\n , 0.02\n"
+        + &format!("*Boundary\n J0, 2, 2\n*Boundary, amplitude=A\n {boundary}\n")
+        + "*Output, history, number interval=100\n*Node Output, nset=CORNER\n U1, U2\n*Element Output, elset=SOLID\n S11, S22, S33, S12\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 1e-3);
+    let of = |name: &str| last(&deck, &memory, name);
+    let corner = ["U1@CORNER", "U2@CORNER"].map(of);
+    let [rr, zz, hoop, rz] = ["S11@SOLID", "S22@SOLID", "S33@SOLID", "S12@SOLID"].map(of);
+    [corner[0], corner[1], rr, zz, hoop, rz]
+}
+
+/// Uniaxial to a stretch of 2.5, equibiaxial to 1.8: the closed form for the stretches found, and no stress where it is
+/// free.
+#[test]
+fn rubber_stretches_by_its_closed_form() {
+    for (boundary, equibiaxial) in [("J1, 2, 2, 1.5", false), ("I1, 1, 1, 0.8", true)] {
+        let [u, w, rr, zz, hoop, rz] = rubber(boundary);
+        let (radial, axial) = (1.0 + u, 1.0 + w);
+        let j = radial * radial * axial;
+        let deviator =
+            |stretch: f64| j.powf(-5.0 / 3.0) * (stretch * stretch - (2.0 * radial * radial + axial * axial) / 3.0);
+        let (expected_r, expected_z) = (deviator(radial) + 20.0 * (j - 1.0), deviator(axial) + 20.0 * (j - 1.0));
+        println!("rubber: {radial:.4} {axial:.4}: rr {rr:.5} {expected_r:.5}, zz {zz:.5} {expected_z:.5}");
+        // By rounding alone: the deformation gradient is exact.
+        for (got, expected) in [(rr, expected_r), (hoop, expected_r), (zz, expected_z), (rz, 0.0)] {
+            assert!((got - expected).abs() < 1e-9, "{got} {expected}");
+        }
+        let (free, held) = if equibiaxial { (zz, rr) } else { (rr, zz) };
+        // The block still swings a little.
+        assert!(free.abs() < 0.02 && held > 2.0, "{free} {held}");
+    }
+}
+
+/// Simple shear of a ring so wide that it is plane: S12 = 2 C10 gamma, S22 - S11 = 2 C10 gamma^2, at gamma = 2.
+#[test]
+fn rubber_shears_by_its_closed_form() {
+    let deck = grid(1, 1, false, |i, j| [1e6 + i as f64, j as f64])
+        + RUBBER
+        + "*Amplitude, name=A\n 0., 0., 0.01, 1.\n*Step\n*Dynamic, Explicit\n , 0.01\n*Boundary\n ALL, 1, 1\n I0, 2, 2\n\
+           *Boundary, amplitude=A\n I1, 2, 2, 2.\n*Output, history, number interval=10\n\
+           *Element Output, elset=SOLID\n S11, S22, S33, S12\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 1e-3);
+    let [rr, zz, hoop, rz] = ["S11@SOLID", "S22@SOLID", "S33@SOLID", "S12@SOLID"].map(|n| last(&deck, &memory, n));
+    println!("rubber in shear: {rr} {zz} {hoop} {rz}");
+    // Rounding of the radius 1e6, summed over the increments.
+    for (got, expected) in [(rz, 2.0), (zz - rr, 4.0), (hoop - rr, 0.0), (rr + zz + hoop, 0.0)] {
+        assert!((got - expected).abs() < 1e-5, "{got} {expected}");
+    }
+}
+
+/// Johnson-Cook with rate and heat on one element that is compressed at a constant rate: the yield stress by hand.
+#[test]
+fn johnson_cook_with_heat_by_hand() {
+    let cards = "*Plastic, hardening=JOHNSON COOK\n 806., 614., 0.168, 1.1, 1540., 20.\n*Rate Dependent, type=JOHNSON COOK\n 0.0089, 1.\n\
+                 *Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 4.6e8,\n";
+    // Uniform motion v_z = -1000 z, v_r free: the element is tiny, so inertia does not matter.
+    let deck = grid(1, 1, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+        + &material(206e3, 0.3, 7.83e-9, cards)
+        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Step\n*Dynamic, Explicit, adiabatic\n , 3.e-4\n*Boundary\n J0, 2, 2\n\
+           *Boundary, type=VELOCITY\n J1, 2, 2, -1.\n*Output, history, number interval=300\n*Element Output, elset=SOLID\n MISES, PEEQ, TEMP, S11\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+    let [mises, strain, heat] = ["MISES", "PEEQ", "TEMP"].map(|n| column(&deck, &memory, &format!("{n}@SOLID")));
+    // Temperature by quadrature of the plastic work along the hand-written law, rate by differences of the strain.
+    let law = |p: f64, rate: f64, t: f64| {
+        (806.0 + 614.0 * p.powf(0.168))
+            * (1.0 + 0.0089 * rate.ln().max(0.0))
+            * (1.0 - ((t - 20.0) / 1520.0).max(0.0).powf(1.1))
+    };
+    let mut temperature = 20.0;
+    for k in 1..strain.len() {
+        let (dp, dt) = (strain[k].1 - strain[k - 1].1, strain[k].0 - strain[k - 1].0);
+        temperature += 0.9 / (7.83e-9 * 4.6e8) * 0.5 * (mises[k].1 + mises[k - 1].1) * dp;
+        if k > 10 && dp > 0.0 {
+            let expected = law(strain[k].1, dp / dt, heat[k].1);
+            assert!((mises[k].1 / expected - 1.0).abs() < 2e-3, "row {k}: {} {expected}", mises[k].1);
+        }
+    }
+    let got = heat.last().expect("a row").1;
+    assert!(got > 60.0 && ((got - 20.0) / (temperature - 20.0) - 1.0).abs() < 5e-3, "{got} {temperature}");
+}

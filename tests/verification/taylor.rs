@@ -1,0 +1,87 @@
+//! The copper Taylor bar.
+//!
+//! Goal: its length and foot; the same bar with the global estimate of the increment and on any number of threads.
+//! Source: the results of other codes. Each test says its tolerance and why.
+
+use revolve::job;
+use revolve::solve::Outcome;
+use revolve::user::Routines;
+
+use crate::common;
+use crate::common::solid::{grid, last, material, run};
+
+fn taylor(settings: &[(&str, &str)]) -> (Outcome, revolve::output::HistorySummary) {
+    let mut prepared =
+        job::prepare(&common::project("input/taylor_copper.inp"), &common::pairs(settings), &Routines::none());
+    assert!(!prepared.diagnostics.has_errors());
+    job::run_in_memory(&mut prepared)
+}
+
+/// Other codes: length 21.26 to 21.51 mm, foot radius 6.80 to 7.24 mm; OpenRadioss on 20x100: 21.428 and 7.169 mm.
+#[test]
+fn the_copper_taylor_bar_is_that_of_other_codes() {
+    for (nr, nz, length, foot) in [("10", "50", 21.46, 7.11), ("20", "100", 21.428, 7.169)] {
+        let (outcome, history) = taylor(&[("nr", nr), ("nz", nz)]);
+        assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+        let got = [history.0["COOR2@TIP"].last * 1e3, history.0["COOR1@CORNER"].last * 1e3];
+        println!("Taylor {nr}x{nz}: L {:.3} mm, R {:.3} mm, drift {:.1e}", got[0], got[1], outcome.energy.drift);
+        assert!((got[0] - length).abs() < 0.05 && (got[1] - foot).abs() < 0.05, "{got:?}");
+        assert!(outcome.energy.drift < 2e-3, "{}", outcome.energy.drift);
+        let element = outcome.steps[0].limiting_element.as_deref().expect("an element limits the increment");
+        assert!(element.parse::<u32>().is_ok());
+    }
+}
+
+/// ABAQUS's default, the global estimate, takes fewer increments than going element by element and comes to the same bar.
+/// Elastic vibration, in which an estimate holds for good, needs one.
+#[test]
+fn the_global_estimate_saves_increments_and_changes_no_answer() {
+    let deck = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
+    let by_elements = deck.replace("*Dynamic, Explicit", "*Dynamic, Explicit, element by element");
+    let [(global, a), (local, b)] = [&deck, &by_elements].map(|text| common::run(text, &[], &Routines::none()));
+    assert_eq!((&global.halt, &local.halt), (&None, &None));
+    let ratio = global.increments as f64 / local.increments as f64;
+    let estimates = global.steps[0].global_estimates.expect("a count");
+    println!("Taylor 10x50: {ratio:.3} of the increments, {estimates} estimates");
+    // sqrt(1/2) would be squares at all times; elements start twice as long as wide and end flattened.
+    assert!((0.71..0.93).contains(&ratio), "{ratio}");
+    assert!((2..100).contains(&estimates) && local.steps[0].global_estimates.is_none());
+    for name in ["COOR2@TIP", "COOR1@CORNER"] {
+        let [x, y] = [(&by_elements, &b), (&deck, &a)].map(|(deck, memory)| last(deck, memory, name));
+        // The error of the increments, second order, of a flow that is smooth in time.
+        assert!((x / y - 1.0).abs() < 1e-3, "{name}: {x} {y}");
+    }
+    let elastic = grid(6, 6, false, |i, j| [1.0 + i as f64, j as f64])
+        + &material(1.0, 0.3, 1.0, "")
+        + "*Initial Conditions, type=VELOCITY\n J0, 2, 1.e-6\n";
+    let run = |option: &str| run(&format!("{elastic}*Step\n*Dynamic, Explicit{option}\n , 500.\n*End Step\n")).0;
+    let (global, local) = (run(""), run(", element by element"));
+    assert_eq!((global.halt, global.steps[0].global_estimates), (None, Some(1)));
+    let ratio = global.increments as f64 / local.increments as f64;
+    println!("elastic squares: {ratio:.3} of the increments, drift {:.1e}", global.energy.drift);
+    // sqrt(1/2) for the squares of a plane.
+    assert!((0.7..0.76).contains(&ratio), "{ratio}");
+    assert!(global.energy.drift < 2e-3, "{:e}", global.energy.drift);
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    // More elements than it takes to spread them.
+    let digest = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
+            let text = text.replace(" , 80.e-6", " , 0.3e-6");
+            let (outcome, memory) = common::run(&text, &[("nr", "50"), ("nz", "200")], &Routines::none());
+            assert!(outcome.halt.is_none() && outcome.increments > 20);
+            let rows: Vec<u64> = memory.rows.iter().flat_map(|r| r.1.iter().map(|v| v.to_bits())).collect();
+            let frame = memory.frames.last().expect("a frame");
+            let fields = frame.point_fields.iter().chain(&frame.cell_fields);
+            (outcome.increments, rows, fields.flat_map(|f| f.values.iter().map(|v| v.to_bits())).collect::<Vec<u64>>())
+        })
+    };
+    let one = digest(1);
+    for threads in [2, 5] {
+        assert!(one == digest(threads), "{threads} threads");
+    }
+}
