@@ -100,9 +100,9 @@ impl<'a> Builder<'a> {
                     *value = self.number(line, i, "a point of the axis or the angle")?;
                 }
                 let axis = Unit::try_new(Vector3::new(n[3] - n[0], n[4] - n[1], n[5] - n[2]), 0.0);
-                let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || (n[6] % 180.0).abs() < 1e-9) else {
-                    let message =
-                        "an instance may turn about an axis normal to the r-z plane, or be flipped by 180 degrees";
+                let lies = n[2] == 0.0 && n[5] == 0.0 && (n[6] % 180.0).abs() < 1e-9;
+                let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || lies) else {
+                    let message = "an instance may turn about an axis normal to the r-z plane, or by 180 degrees about one that lies in it";
                     self.diagnostics.push(Diagnostic::error("M126", message).at(line.span, "leaves the r-z plane"));
                     return None;
                 };

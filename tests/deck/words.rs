@@ -167,16 +167,20 @@ fn files(folder: &Path) {
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{parts}\" format=\"ascii\">{values}</DataArray>"
         )
     };
-    let mesh = format!(
-        "<?xml version=\"1.0\"?><VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"><UnstructuredGrid>\
-         <Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData/><CellData/><Points>{}</Points><Cells>{}{}{}</Cells></Piece>\
+    let mesh = |width: &str| {
+        format!(
+            "<?xml version=\"1.0\"?><VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"><UnstructuredGrid>\
+         <Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData/><CellData>{}</CellData><Points>{}</Points><Cells>{}{}{}</Cells></Piece>\
          </UnstructuredGrid></VTKFile>",
-        array("Points", "Float64", "3", "5 0 0 6 0 0 6 1 0 5 1 0"),
-        array("connectivity", "Int64", "1", "0 1 2 3"),
-        array("offsets", "Int64", "1", "4"),
-        array("types", "UInt8", "1", "9"),
-    );
-    write("a.vtu", &mesh);
+            array("ELSET_M", "Int64", "1", "1"),
+            array("Points", "Float64", "3", &format!("5 0 0 {width} 0 0 {width} 1 0 5 1 0")),
+            array("connectivity", "Int64", "1", "0 1 2 3"),
+            array("offsets", "Int64", "1", "4"),
+            array("types", "UInt8", "1", "9"),
+        )
+    };
+    write("a.vtu", &mesh("6"));
+    write("b.vtu", &mesh("7"));
 }
 
 /// The entries in which two decks differ.
@@ -234,15 +238,6 @@ fn what_is_read_changes_something() {
         let differ = differences(&deck_a, &deck_b);
         if !elsewhere && differ != BTreeSet::from([pair.name.clone()]) {
             faults.push(format!("{}: the pair differs in {differ:?}", pair.name));
-        }
-        if std::env::var_os("REVOLVE_PAIRS").is_some() {
-            let how = if a.starts_with('"') && b.starts_with('"') { "results" } else { "findings" };
-            println!(
-                "{}: {how}\n  {}\n  {}",
-                pair.name,
-                a.lines().next().unwrap_or(""),
-                b.lines().next().unwrap_or("")
-            );
         }
         tried.insert(pair.name);
     }
@@ -334,7 +329,7 @@ fn what_is_said_too_often_is_told() {
         (" 4, 5, 6, 9, 8", " 4, 5, 6, 9, 8, 7", "M161"),
         ("TOP, 2, -1.", "TOP, 2, -1., 3.", "M161"),
         ("FACE, P, 1.", "FACE, P, 1., 5", "M161"),
-        ("*Density\n 1.,", "*Density\n 1.,\n 2.,", "M162"),
+        ("100., 0.3", "100., 0.3\n 90., 0.3", "M162"),
         ("*Density\n 1.,", "*Density\n 1,5", "M163"),
         (", 0.5\n", ", 0.5\n , 0.6\n", "M162"),
         ("**model", "**model\n*Node\n 9, 2., 2.", "M164"),
