@@ -122,7 +122,7 @@ fn the_ledger_names_the_bytes_that_are_allocated() {
         ("elastic", mesh(60) + &material(200e3, 0.3, 7.85e-9, "") + end),
         ("failing", mesh(60) + &material(200e3, 0.3, 7.85e-9, tough) + end),
         ("gas", mesh(60) + gas + &end.replace("J1, P, 1.", "J1, P, 1e-9")),
-        ("rigid", common::ogive().replace("n = 20", "n = 4000")),
+        ("rigid", common::ogive().replace("n    = 20", "n    = 4000")),
     ];
     for (name, text) in scenes {
         let (told, held) = told_and_held(&text, &Routines::none());
