@@ -17,8 +17,8 @@ pub const CODES: &[Code] = &[
     },
     Code {
         code: "P003",
-        title: "load on elements of no rigid body",
-        text: "A distributed load acts on facets of a rigid body; these elements belong to none.",
+        title: "load on what belongs to no body",
+        text: "Loads act on rigid bodies and on what deforms; these nodes or elements belong to neither.",
     },
     Code {
         code: "P004",
@@ -33,7 +33,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P006",
         title: "nothing to simulate",
-        text: "A run needs at least one rigid body and one step with *DYNAMIC, EXPLICIT.",
+        text: "A run needs at least one body, rigid or deformable, and one step with *DYNAMIC, EXPLICIT.",
     },
     Code {
         code: "P007",
