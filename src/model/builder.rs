@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Parameter, Span, Word};
 use crate::deck::{keywords::Tier, names::nearest};
 
-use super::completion::Rotational;
+use super::degrees::Rotational;
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
 use super::types::{Inert, Material, Model};
