@@ -10,8 +10,6 @@ impl Builder<'_> {
     /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
     pub(super) fn section_controls(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        let refused = ["MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
-        self.refuse(card, &refused);
         // The second and third factor are of shells.
         for word in card.lines.first().into_iter().flat_map(|l| [l.field(3), l.field(4)]).flatten() {
             if word.number(&mut self.diagnostics).is_some_and(|factor| factor != 1.0) {

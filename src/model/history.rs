@@ -60,7 +60,7 @@ impl History {
             if spans.contains(&b.span) {
                 words.extend(self.jump(&b, model));
             }
-            self.counted_from_place(b, model)
+            self.since_start(b, model)
         };
         let in_force = merged.into_iter().map(begun).collect();
         self.places = places;
@@ -166,7 +166,7 @@ impl History {
     }
 
     /// A displacement counts from where its nodes are: what its amplitude begins with is taken off.
-    fn counted_from_place(&self, mut b: Boundary, model: &mut Model) -> Boundary {
+    fn since_start(&self, mut b: Boundary, model: &mut Model) -> Boundary {
         if b.kind != Motion::Displacement || b.user {
             return b;
         }

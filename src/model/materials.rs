@@ -20,7 +20,6 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no material above"));
             return;
         }
-        self.refuse(card, &["RATE", "SCALESTRESS"]);
         match card.keyword.name {
             "DENSITY" => {
                 let rows = self.over_temperature(card, "the density").unwrap_or_default();
@@ -77,7 +76,6 @@ impl Builder<'_> {
 
     /// Rows of a value above zero and its temperature (NaN where the only row has none), ascending.
     fn over_temperature(&mut self, card: &Card, what: &str) -> Option<Vec<[f64; 2]>> {
-        self.refuse(card, &["DEPENDENCIES"]);
         self.first_line(card)?;
         let mut rows = Vec::with_capacity(card.lines.len());
         for line in &card.lines {
@@ -101,14 +99,6 @@ impl Builder<'_> {
             self.unsupported(card.span, format!("TYPE={kind} is not supported"), "ISOTROPIC and SHEAR are");
             return;
         }
-        if card.has("DEPENDENCIES") || card.lines.len() > 1 {
-            self.unsupported(
-                card.span,
-                "elasticity that depends on fields or temperature is not supported",
-                "give one line",
-            );
-            return;
-        }
         if kind == "SHEAR" {
             let shear = self.positive(card, "the shear modulus");
             self.last_material().shear_modulus = shear;
@@ -130,8 +120,8 @@ impl Builder<'_> {
 
     /// `*HYPERELASTIC, NEO HOOKE`: C10 and D1, both above zero: what does not give way in volume has no stable increment.
     fn hyperelastic(&mut self, card: &Card) {
-        if !card.has("NEO HOOKE") || card.lines.len() > 1 {
-            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE with one line is");
+        if !card.has("NEO HOOKE") {
+            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE is");
             return;
         }
         let Some(line) = self.first_line(card) else { return };
@@ -144,13 +134,12 @@ impl Builder<'_> {
     }
 
     fn plastic(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
         let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
         let Some(extrapolates) = self.extrapolation(card, &hardening) else { return };
         self.last_material().extrapolates = extrapolates;
         match hardening.as_str() {
             "JOHNSONCOOK" => {
-                let Some(line) = self.only_line(card) else { return };
+                let Some(line) = self.first_line(card) else { return };
                 if let Some(values) = self.numbers::<6>(line, &[0.0; 6]) {
                     self.last_material().plastic = Some(Plastic::JohnsonCook(values));
                 }
@@ -193,15 +182,6 @@ impl Builder<'_> {
         }
     }
 
-    /// The data line of a card that has one and no more.
-    fn only_line<'c>(&mut self, card: &'c Card) -> Option<&'c DataLine> {
-        if let Some(line) = card.lines.get(1) {
-            self.out_of_range(line.span, format!("this *{} has one data line", card.keyword.name));
-            return None;
-        }
-        self.first_line(card)
-    }
-
     /// Linear kinematic hardening: two rows give its line, at each temperature where there are some.
     fn kinematic(&mut self, card: &Card) {
         let rows: Vec<[f64; 3]> =
@@ -242,7 +222,6 @@ impl Builder<'_> {
     }
 
     fn rate_dependent(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
         let kind = card.value("TYPE").map_or("POWERLAW".into(), |w| upper(&w.text).replace(' ', ""));
         if self.first_line(card).is_none() {
             return;
@@ -251,7 +230,7 @@ impl Builder<'_> {
         let rows: Vec<[f64; 3]> = card.lines.iter().filter_map(|l| self.numbers::<3>(l, &defaults)).collect();
         let rate = match kind.as_str() {
             "JOHNSONCOOK" => {
-                self.only_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]]))
+                self.first_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]]))
             }
             "POWERLAW" => self.power_law(card, rows),
             "YIELDRATIO" => self.yield_ratios(card, rows),
@@ -321,9 +300,33 @@ impl Builder<'_> {
             self.unknown("M111", "material", material, &names);
             return;
         }
+        self.claim("section", &elements, card.span);
         let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
         let controls = card.value("CONTROLS").map(|w| upper(&w.text));
+        self.controls_used.extend(card.value("CONTROLS").cloned());
         self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
+    }
+
+    /// `*EXPANSION`: where temperatures change, its strains are missing.
+    pub(super) fn expansion(&mut self, card: &Card) {
+        if self.deck.cards.iter().any(|c| c.keyword.name == "DYNAMIC" && c.has("ADIABATIC")) {
+            let message = "temperatures change, and the thermal strain of *EXPANSION is left out";
+            let finding = Diagnostic::warning("M167", message).at(card.span, "thermal strain is not simulated");
+            self.diagnostics.push(finding);
+        }
+    }
+
+    /// Sections may name controls that come later; at the end all must be there.
+    pub(super) fn check_controls(&mut self) {
+        let names: Vec<String> = self.model.controls.iter().map(|c| c.name.clone()).collect();
+        let refused = |c: &&Card| c.keyword.name == "SECTION CONTROLS" && c.has("NAME");
+        let given: Vec<String> =
+            self.deck.cards.iter().filter(refused).filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
+        for word in std::mem::take(&mut self.controls_used) {
+            if !given.contains(&upper(&word.text)) {
+                self.unknown("M116", "section controls", &word, &names);
+            }
+        }
     }
 
     /// Names of all materials of the deck, in order, whether read yet or not.
