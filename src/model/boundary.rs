@@ -2,7 +2,7 @@
 //! Never here: what becomes of boundaries over the steps.
 
 use super::builder::Builder;
-use super::completion::Rotational;
+use super::degrees::Rotational;
 use super::names::upper;
 use super::types::{Boundary, Motion};
 use crate::deck::{Card, DataLine, Diagnostic, Word};

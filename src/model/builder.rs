@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
-use super::completion::Rotational;
+use super::degrees::Rotational;
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
 use super::types::{Inert, Material, Model};

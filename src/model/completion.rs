@@ -2,26 +2,10 @@
 //! conditions on degrees of freedom that no node has. Never here: single cards.
 
 use super::builder::Builder;
+use super::degrees::Rotational;
 use super::types::{InitialKind, LoadKind};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::hardening::Table;
-
-/// A condition on degrees of freedom above 2.
-#[derive(Clone, Debug)]
-pub(super) struct Rotational {
-    /// Its line.
-    pub span: Span,
-    /// What the deck called the nodes; empty where it is not kept.
-    pub set: String,
-    /// First and last degree of freedom.
-    pub dofs: [u8; 2],
-    /// Nodes.
-    pub nodes: Vec<usize>,
-    /// What does not happen where they do not have it.
-    pub lost: &'static str,
-    /// Magnitude.
-    pub value: f64,
-}
 
 impl Builder<'_> {
     /// Once all cards are read.

@@ -11,6 +11,7 @@ mod completion;
 mod connectors;
 mod contact;
 mod controls;
+mod degrees;
 mod elements;
 mod energy_limit;
 mod eos;
