@@ -25,6 +25,7 @@ mod nodes;
 mod outputs;
 mod parts;
 pub mod scene;
+mod sections;
 mod sets;
 mod steps;
 mod surfaces;
