@@ -12,6 +12,7 @@ pub mod mesh;
 pub mod model;
 pub mod output;
 pub mod plan;
+#[cfg(feature = "cli")]
 pub mod report;
 pub mod solve;
 pub mod state;

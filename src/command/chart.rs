@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{ArgGroup, Args};
 use revolve::output;
 use revolve::report::picture;
+use revolve::study::draw;
 
 /// Draw history columns, energies or a frame of the run in a folder as PNG or SVG.
 #[derive(Args)]
@@ -38,7 +39,7 @@ impl Chart {
         let bytes = match &self.field {
             Some(field) => {
                 let picture = picture::meridian(&self.folder, self.frame, field)?;
-                if svg { picture.into_bytes() } else { picture::png(&picture)? }
+                if svg { picture.into_bytes() } else { draw::png(&picture)? }
             }
             None => {
                 let chart = match self.energy {

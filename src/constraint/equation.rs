@@ -9,6 +9,7 @@
 use std::collections::HashSet;
 
 use super::Constraint;
+use super::dependence::sources;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
 use crate::state::dofs::{Dof, Dofs};
@@ -44,12 +45,25 @@ pub struct System {
     lambda: Vec<f64>,
 }
 
+/// An equation that cannot be kept beside others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dependent {
+    /// Its index.
+    pub equation: usize,
+    /// Those that it follows from; none where nothing could move to keep it.
+    pub follows_from: Vec<usize>,
+}
+
 impl System {
     /// All systems of some equations.
     ///
     /// # Errors
-    /// The index of an equation that follows from others, or has nothing that could move to keep it.
-    pub fn all(equations: &[Equation], mass: &[f64], given: &HashSet<(usize, usize)>) -> Result<Vec<System>, usize> {
+    /// An equation that follows from others, or has nothing that could move to keep it.
+    pub fn all(
+        equations: &[Equation],
+        mass: &[f64],
+        given: &HashSet<(usize, usize)>,
+    ) -> Result<Vec<System>, Dependent> {
         let mut taken = vec![false; equations.len()];
         let mut systems = Vec::new();
         for first in 0..equations.len() {
@@ -79,7 +93,7 @@ impl System {
         members: &[usize],
         mass: &[f64],
         given: &HashSet<(usize, usize)>,
-    ) -> Result<System, usize> {
+    ) -> Result<System, Dependent> {
         let n = members.len();
         let mut system =
             System { freedoms: Vec::new(), rows: Vec::new(), factor: vec![0.0; n * n], lambda: vec![0.0; n] };
@@ -95,8 +109,21 @@ impl System {
         }
         match factorise(&mut system.factor, n) {
             Ok(()) => Ok(system),
-            Err(row) => Err(members[row]),
+            Err(row) => {
+                let before: Vec<Vec<f64>> = (0..row).map(|i| system.weighted(i)).collect();
+                let follows_from = sources(&before, &system.weighted(row)).into_iter().map(|i| members[i]).collect();
+                Err(Dependent { equation: members[row], follows_from })
+            }
         }
+    }
+
+    /// Coefficients of a row in units of the root of the mass, over the freedoms of the system.
+    fn weighted(&self, row: usize) -> Vec<f64> {
+        let mut weighted = vec![0.0; self.freedoms.len()];
+        for &(f, c) in &self.rows[row] {
+            weighted[f] += c * self.freedoms[f].softness.sqrt();
+        }
+        weighted
     }
 
     fn freedom(&mut self, node: usize, axis: usize, mass: &[f64], given: &HashSet<(usize, usize)>) -> usize {
@@ -274,7 +301,7 @@ impl Persist for System {
 mod tests {
     use std::collections::HashSet;
 
-    use super::{Equation, System};
+    use super::{Dependent, Equation, System};
 
     #[test]
     fn equations_that_repeat_are_found() {
@@ -283,7 +310,7 @@ mod tests {
         assert_eq!(System::all(&[equation(1.0, -1.0)], &mass, &HashSet::new()).map(|s| s.len()), Ok(1));
         assert_eq!(
             System::all(&[equation(1.0, -1.0), equation(2.0, -2.0)], &mass, &HashSet::new()).map(|s| s.len()),
-            Err(1)
+            Err(Dependent { equation: 1, follows_from: vec![0] })
         );
     }
 

@@ -1,6 +1,7 @@
 //! Constraints: what is prescribed, tied, linked or kept apart, one file a kind. The integrator knows none by name.
 //! Never here: loads.
 
+mod dependence;
 pub mod equation;
 pub mod motion;
 pub mod tie;
@@ -24,7 +25,7 @@ pub trait Constraint: Persist + Send + Sync {
     /// The step begins.
     fn begin(&mut self, _dofs: &mut Dofs) {}
 
-    /// Generalised forces that it passes on from nodes to rigid bodies.
+    /// Generalised forces that it passes on from nodes to rigid bodies: one where it carries nodes, else none.
     fn slots(&self) -> Vec<Slot> {
         Vec::new()
     }

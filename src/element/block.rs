@@ -25,10 +25,6 @@ pub struct Block<S, Q, X> {
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
     pub stress: [Lanes; 4],
-    /// Generalised hourglass stresses along r and z.
-    pub hourglass: [Lanes; 2],
-    /// Stress of the bulk viscosity.
-    pub viscous: Lanes,
     /// Mass of each element.
     pub mass: Lanes,
     /// One over the masses of the corners.
@@ -114,7 +110,13 @@ pub struct Stage {
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
+    /// Place of the block in the task.
+    pub(super) at: usize,
     pub(super) count: usize,
+    /// Of the task's blocks, generalised hourglass stresses along r and z; empty without hourglass stiffness.
+    pub(super) hourglass: Vec<[Lanes; 2]>,
+    /// Of the task's blocks, stresses of the bulk viscosity; empty without any.
+    pub(super) viscous: Vec<Lanes>,
     /// Of the task's blocks, what outputs ask for; empty if none does.
     pub(super) records: Vec<Record>,
     /// Elements that failure deleted in this pass.
@@ -292,6 +294,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let viscosity = constants.hourglass_viscosity / 8.0;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let block = stage.block;
+        let mut viscous = stage.viscous.get(stage.at).copied().unwrap_or_default();
+        let mut hourglass = stage.hourglass.get(stage.at).copied().unwrap_or_default();
         // Without an increment behind, the velocities say how fast the volume changes.
         let starts = V::VARIES && per_dt == 0.0;
         for l in 0..LANES {
@@ -325,12 +329,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let fraction = linear - quadratic2 * 2.0 * period * compression;
             let damping = 2.0 * modulus * period * dilation_rate * fraction;
-            let work = stage.volume[l] * 0.5 * (self.viscous[l] + damping) * dilation;
+            let work = stage.volume[l] * 0.5 * (viscous[l] + damping) * dilation;
             stage.sums.viscous[l] += work;
             if V::VARIES {
                 stage.heat[l] = work - stage.heat[l];
             }
-            self.viscous[l] = damping;
+            viscous[l] = damping;
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
             let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
@@ -340,10 +344,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let spring = stiffness * square * per;
             // The pattern moves a sixteenth of the mass: a fraction of what is critical at the highest frequency.
             let dashpot = viscosity * self.mass[l] * omega;
-            let (old_r, old_z) = (self.hourglass[0][l], self.hourglass[1][l]);
+            let (old_r, old_z) = (hourglass[0][l], hourglass[1][l]);
             let (new_r, new_z) = (old_r + spring * q_r, old_z + spring * q_z);
-            self.hourglass[0][l] = new_r;
-            self.hourglass[1][l] = new_z;
+            hourglass[0][l] = new_r;
+            hourglass[1][l] = new_z;
             let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
             let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
             stage.sums.artificial[l] += dt * stage.weight[l] * power;
@@ -380,6 +384,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             stage.sums.rate[l] = if larger { rate } else { best };
             stage.sums.limiting[l] = if larger { block } else { stage.sums.limiting[l] };
         }
+        if let Some(kept) = stage.viscous.get_mut(stage.at) {
+            *kept = viscous;
+        }
+        if let Some(kept) = stage.hourglass.get_mut(stage.at) {
+            *kept = hourglass;
+        }
     }
 }
 
@@ -394,9 +404,24 @@ pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
 }
 
 impl Stage {
-    /// Scratch memory of a task whose frequencies are not capped.
-    pub fn new() -> Self {
-        Stage { cap: f64::INFINITY, ..Stage::default() }
+    /// Scratch memory of a task of so many blocks whose frequencies are not capped, with room for what its elements keep of
+    /// hourglass control and bulk viscosity.
+    pub fn new(constants: &Constants, blocks: usize) -> Self {
+        let stiff = constants.hourglass_stiffness != 0.0;
+        let viscous = constants.bulk_viscosity != [0.0; 2];
+        Stage {
+            cap: f64::INFINITY,
+            hourglass: if stiff { vec![[[0.0; LANES]; 2]; blocks] } else { Vec::new() },
+            viscous: if viscous { vec![[0.0; LANES]; blocks] } else { Vec::new() },
+            ..Stage::default()
+        }
+    }
+
+    /// Bytes of its lists.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<[Lanes; 2]>() * self.hourglass.capacity()
+            + size_of::<Lanes>() * self.viscous.capacity()
+            + size_of::<Record>() * self.records.capacity()
     }
 
     /// A lane whose element is not there weighs nothing.
@@ -437,10 +462,12 @@ impl Stage {
         }
     }
 
-    /// Prepares for a block of which the first `count` lanes hold elements; the others weigh nothing.
+    /// Prepares for a block, by its number and its place in the task, of which the first `count` lanes hold elements; the
+    /// others weigh nothing.
     #[inline(always)]
-    pub fn prepare(&mut self, block: usize, count: usize) {
+    pub fn prepare(&mut self, block: usize, at: usize, count: usize) {
         self.block = block as f64;
+        self.at = at;
         self.count = count.min(LANES);
         self.weight = [1.0; LANES];
         if count < LANES {
@@ -471,8 +498,8 @@ pub fn across(list: &Lanes) -> f64 {
 
 impl<S: Persist, Q: Persist, X: Persist> Persist for Block<S, Q, X> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Block { nodes: _, stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure } = self;
-        persist_fields!(archive; stress, hourglass, viscous, mass, inverse_mass, state, volumetric, failure);
+        let Block { nodes: _, stress, mass, inverse_mass, state, volumetric, failure } = self;
+        persist_fields!(archive; stress, mass, inverse_mass, state, volumetric, failure);
     }
 }
 
@@ -486,7 +513,7 @@ impl Persist for Sums {
 impl Persist for Stage {
     /// The rest of it is scratch memory of one pass; the sums hold while a task sleeps.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Stage { sums, records, .. } = self;
-        persist_fields!(archive; sums, records.as_mut_slice());
+        let Stage { sums, records, hourglass, viscous, .. } = self;
+        persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), viscous.as_mut_slice());
     }
 }

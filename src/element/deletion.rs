@@ -30,7 +30,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 nodes.0[i][l] = [r, z, 0.0, 0.0];
             }
             self.stress.iter_mut().for_each(|s| s[l] = 0.0);
-            self.hourglass.iter_mut().for_each(|h| h[l] = 0.0);
+            if let Some(hourglass) = stage.hourglass.get_mut(stage.at) {
+                hourglass.iter_mut().for_each(|h| h[l] = 0.0);
+            }
             stage.weight[l] = 0.0;
             // Laws are asked for lanes with elements only: what another block left would stay.
             stage.flow[l] = 0.0;

@@ -186,7 +186,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
             laws: Arc::new((hardening, volumetric, failure)),
             constants,
             count: elements.len(),
-            tasks: vec![Stage::new(); blocks.len().div_ceil(TASK)],
+            tasks: blocks.chunks(TASK).map(|part| Stage::new(&constants, part.len())).collect(),
             blocks,
             arch: Arch::new(),
             rests: Rest::of_tasks(elements),
@@ -251,9 +251,7 @@ pub(super) fn block<S, Q, X>(
     let mut block = Block {
         nodes: [[0; LANES]; 4],
         stress: [[0.0; LANES]; 4],
-        hourglass: [[0.0; LANES]; 2],
         mass: [0.0; LANES],
-        viscous: [0.0; LANES],
         inverse_mass: [[0.0; LANES]; 4],
         state,
         volumetric,
@@ -325,9 +323,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn bytes(&self) -> usize {
-        let records: usize = self.tasks.iter().map(|t| size_of_val(&*t.records)).sum();
+        let kept: usize = self.tasks.iter().map(Stage::bytes).sum();
         let rests: usize = self.rests.iter().map(Rest::bytes).sum();
-        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + records + rests + self.told.capacity()
+        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + kept + rests + self.told.capacity()
     }
 
     fn value(&self, element: usize, part: Part) -> Option<f64> {
@@ -473,7 +471,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
         let mut places = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
-            stage.prepare(index, pass.count - index * LANES);
+            stage.prepare(index, i, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
             block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, stage, corners);
             if !stage.records.is_empty() {

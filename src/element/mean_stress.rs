@@ -44,10 +44,11 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             dilation[l] = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
             volume[l] = UNIT * operators::<AREA>(nodes.of(l, 0), nodes.of(l, 1)).volume;
         }
+        let viscous = stage.viscous.get(stage.at).copied().unwrap_or_default();
         let ask = Squeeze {
             mean: &mut stage.mean,
             bulk: &mut stage.bulk,
-            viscous: &self.viscous,
+            viscous: &viscous,
             heat: &mut stage.heat,
             dilation: &dilation,
             work: &work,

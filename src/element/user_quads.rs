@@ -91,7 +91,7 @@ impl UserQuads {
             count: elements.len(),
             names,
             blocks,
-            stages: vec![Stage::new(); BLOCKS],
+            stages: vec![Stage::new(&constants, elements.len().div_ceil(BLOCKS * LANES)); BLOCKS],
             nodes: vec![Nodes::default(); BLOCKS],
             now: Instant::default(),
             failure: None,
@@ -121,7 +121,7 @@ impl UserQuads {
         let chunk = &mut self.chunks[c];
         let blocks = self.blocks[first..].iter_mut().take(BLOCKS);
         for (s, ((block, stage), corners)) in blocks.zip(&mut self.stages).zip(&mut self.nodes).enumerate() {
-            stage.prepare(first + s, self.count - (first + s) * LANES);
+            stage.prepare(first + s, c, self.count - (first + s) * LANES);
             corners.collect(nodes, &block.nodes);
             for l in 0..LANES {
                 if chunk.deleted.get(s * LANES + l).copied().unwrap_or(true) {
@@ -187,7 +187,10 @@ impl UserQuads {
         for (s, ((block, forces), (stage, nodes))) in blocks.zip(self.stages.iter_mut().zip(&self.nodes)).enumerate() {
             block.forces::<Linear, false>(&self.constants, dt, stage, forces);
             for l in (0..LANES).filter(|l| deleted.get(s * LANES + l).copied().unwrap_or(true)) {
-                forces.0.iter_mut().chain(&mut block.hourglass).for_each(|list| list[l] = 0.0);
+                forces.0.iter_mut().for_each(|list| list[l] = 0.0);
+                if let Some(hourglass) = stage.hourglass.get_mut(c) {
+                    hourglass.iter_mut().for_each(|list| list[l] = 0.0);
+                }
             }
             if !stage.records.is_empty() {
                 stage.follow(c, block, false, nodes, dt);

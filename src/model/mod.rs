@@ -19,7 +19,7 @@ mod history;
 mod loads;
 mod mass_scaling;
 mod materials;
-pub mod mesh_file;
+pub(crate) mod mesh_file;
 mod names;
 mod nodes;
 mod outputs;
@@ -31,6 +31,11 @@ mod steps;
 mod surfaces;
 pub mod types;
 mod user_material;
+#[cfg(feature = "mesh-files")]
+pub(crate) mod vtk_file;
+#[cfg(not(feature = "mesh-files"))]
+#[path = "no_vtk_file.rs"]
+mod vtk_file;
 
 pub use types::*;
 

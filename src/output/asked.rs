@@ -38,7 +38,7 @@ pub const FAMILIES: &[Family] = &[
     Family {
         name: "ENER",
         members: &[Variable::StrainEnergy, Variable::PlasticEnergy],
-        words: "Energies a current volume",
+        words: "Energies per unit of current volume",
     },
     Family {
         name: "ELEN",

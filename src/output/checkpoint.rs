@@ -7,7 +7,7 @@
 use std::io;
 use std::path::Path;
 
-use sha2::{Digest as _, Sha256};
+use hmac_sha256::Hash;
 
 use super::write_durable;
 use crate::deck::Diagnostic;
@@ -50,7 +50,7 @@ pub struct Checkpoint {
 
 /// SHA-256 of pieces, each with its length, in hexadecimal.
 pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
-    let mut hash = Sha256::new();
+    let mut hash = Hash::new();
     for piece in pieces {
         hash.update((piece.len() as u64).to_le_bytes());
         hash.update(piece);
@@ -84,7 +84,7 @@ impl Checkpoint {
         bytes.extend(MAGIC);
         bytes.extend([0; SUM]);
         self.persist(&mut Archive::writer(&mut bytes));
-        let sum = Sha256::digest(&bytes[MAGIC.len() + SUM..]);
+        let sum = Hash::hash(&bytes[MAGIC.len() + SUM..]);
         bytes[MAGIC.len()..MAGIC.len() + SUM].copy_from_slice(&sum);
         write_durable(path, &bytes)
     }
@@ -111,7 +111,7 @@ impl Checkpoint {
             return Err(other_version(path, &format!("layout {}, this program has {}", magic[7], MAGIC[7])));
         }
         let Some((sum, body)) = rest.split_at_checked(SUM) else { return Err(damaged("it ends too early")) };
-        if Sha256::digest(body)[..] != *sum {
+        if Hash::hash(body)[..] != *sum {
             return Err(damaged("its checksum is not that of its content"));
         }
         let mut checkpoint = Checkpoint::default();

@@ -5,7 +5,7 @@ use super::asked::{Asked, FAMILIES, Family, Known, NOT_SIMULATED};
 use super::variables::{Place, Preselected, Variable};
 
 const HEAD: &str = "# Output variables\n\nWritten from the table of variables; do not edit by hand \
-(`REVOLVE_BLESS=1 cargo test --test variables` writes it anew). What a scene does not have is left out of its files and \
+(`REVOLVE_BLESS=1 cargo test --test deck` writes it anew). What a scene does not have is left out of its files and \
 listed as unused. Directions: 1 is r, 2 is z, 3 the hoop.\n";
 
 /// Chapters in their order: where variables live, and how decks ask for them.

@@ -4,6 +4,7 @@
 pub mod asked;
 pub mod checkpoint;
 pub mod codes;
+pub mod columns;
 pub mod history;
 pub mod manual;
 pub mod pvd;

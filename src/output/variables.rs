@@ -94,8 +94,6 @@ macro_rules! variables {
     };
 }
 
-const TENSOR_S: &[&str] = &["S11", "S22", "S33", "S12"];
-
 variables! {
     Displacement: node("U", &["U1", "U2"], "Displacement along r and z").preselected(Preselected::Always),
     Velocity: node("V", &["V1", "V2"], "Velocity along r and z").preselected(Preselected::Always),
@@ -103,7 +101,7 @@ variables! {
     Reaction: node("RF", &["RF1", "RF2"], "Reaction force of what is prescribed; of a rigid body at its reference node")
         .preselected(Preselected::Deforming),
     Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
-    Stress: point("S", TENSOR_S, "Stress: radial, axial, hoop, shear").preselected(Preselected::Deforming),
+    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear").preselected(Preselected::Deforming),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(Preselected::Deforming)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
     Pressure: point("PRESS", &[], "Equivalent pressure stress, positive in compression")
@@ -116,18 +114,18 @@ variables! {
         .preselected(Preselected::Deforming).followed(Some(Variable::PlasticStrain)),
     StrainRate: point("ER", &["ER11", "ER22", "ER33", "ER12"], "Strain rate of the last increment; ER12 is the engineering shear")
         .followed(None),
-    StrainEnergy: point("SENER", &[], "Elastic strain energy a current volume").followed(None)
+    StrainEnergy: point("SENER", &[], "Elastic strain energy per unit of current volume").followed(None)
         .by(|e, _| Some(e.held(Variable::ElementStrainEnergy, 0)? / volume(e))),
-    PlasticEnergy: point("PENER", &[], "Energy dissipated by plastic flow a current volume").followed(None)
+    PlasticEnergy: point("PENER", &[], "Energy dissipated by plastic flow per unit of current volume").followed(None)
         .by(|e, _| Some(e.held(Variable::ElementPlasticEnergy, 0)? / volume(e))),
     Status: element("STATUS", "1 where an element carries, 0 where it is deleted").preselected(Preselected::Deleting),
     Volume: element("EVOL", "Current volume of an element").by(|e, _| Some(volume(e))),
-    Density: point("DENSITY", &[], "Mass a current volume").by(|e, _| Some(e.held(Variable::Mass, 0)? / volume(e))),
+    Density: point("DENSITY", &[], "Mass per unit of current volume").by(|e, _| Some(e.held(Variable::Mass, 0)? / volume(e))),
     ElementStrainEnergy: element("ELSE", "Elastic strain energy of an element").followed(None),
     ElementPlasticEnergy: element("ELPD", "Energy dissipated by plastic flow in an element").followed(None),
     Mass: element("MASS", "Mass of an element").ours(),
-    SpecificEnergy: point("SPECIFIC_ENERGY", &[], "Internal energy a mass, where an equation of state follows it").ours(),
-    State: point("SDV", &[], "Solution-dependent state variables of a user's material, by number: SDV1, SDV2, ...").numbered(),
+    SpecificEnergy: point("SPECIFIC_ENERGY", &[], "Internal energy per unit of mass, where an equation of state follows it").ours(),
+    State: point("SDV", &[], "Solution-dependent state variables of a user's material; SDV1 is the first").numbered(),
     FacetPressure: facet("PRESSURE", "Pressure of the loads on a facet", |sum, next| sum + next),
     NormalVelocity: facet("NORMAL_VELOCITY", "Velocity of a facet along its outward normal", |_, last| last),
     Layer: facet("LAYER", "Number (from 1) of the layer of a target that takes the largest part of a facet; 0 outside", f64::max),

@@ -1,10 +1,13 @@
-//! Files that are there whole or not at all.
+//! Files that are there whole or not at all, and folders for files that go.
 //! Never here: what is in them.
 
 use std::ffi::OsStr;
-use std::fs::File;
+use std::fs::{DirBuilder, File, OpenOptions};
 use std::io::{self, Write as _};
-use std::path::Path;
+use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What names of temporary files begin with; the name of the file follows.
 const MARK: &str = ".revolve-";
@@ -30,30 +33,82 @@ pub fn write_durable(path: &Path, bytes: &[u8]) -> io::Result<()> {
 fn write(path: &Path, bytes: &[u8], durable: bool) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let write = || -> io::Result<()> {
-        let prefix = format!("{MARK}{}-", path.file_name().unwrap_or_default().to_string_lossy());
-        let mut builder = tempfile::Builder::new();
-        let builder = builder.prefix(&prefix).rand_bytes(RANDOM).permissions(permissions());
-        let mut file = builder.tempfile_in(folder)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let (mut file, temporary) = unique(|letters| {
+            let temporary = folder.join(format!("{MARK}{name}-{letters}"));
+            // Result files may be read by others, as files usually may.
+            let file = OpenOptions::new().write(true).create_new(true).mode(0o644).open(&temporary)?;
+            Ok((file, Temporary(temporary)))
+        })?;
         file.write_all(bytes)?;
-        file.flush()?;
         if durable {
-            file.as_file().sync_all()?;
+            file.sync_all()?;
         }
-        file.persist(path).map_err(|e| e.error)?;
+        std::fs::rename(&temporary.0, path)?;
         // The name, too, must be on the disk.
         if durable { File::open(folder)?.sync_all() } else { Ok(()) }
     };
     write().map_err(|e| io::Error::new(e.kind(), format!("cannot write {}: {e}", path.display())))
 }
 
+/// A file that goes unless it was renamed.
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+/// A folder for files that nothing needs later; it goes with what is in it.
+pub(crate) struct Scratch(PathBuf);
+
+impl Scratch {
+    /// A new folder in another, which only its owner may open.
+    ///
+    /// # Errors
+    /// That of the file system.
+    pub(crate) fn within(folder: &Path) -> io::Result<Scratch> {
+        unique(|letters| {
+            let path = folder.join(format!("revolve-{letters}"));
+            DirBuilder::new().mode(0o700).create(&path).map(|()| Scratch(path))
+        })
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Makes what has a name that nothing else has: tries letters until they are free.
+fn unique<T>(make: impl Fn(&str) -> io::Result<T>) -> io::Result<T> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        // Threads differ in the count, processes in their number, machines that share a folder mostly in the time.
+        let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| u64::from(t.subsec_nanos()));
+        let mut mixed = (u64::from(std::process::id()) << 32 ^ count << 20 ^ time).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let letter = |_| {
+            let at = mixed >> 59;
+            mixed = mixed.wrapping_mul(0xd129_42a7_5f8d_6bd5).wrapping_add(count | 1);
+            char::from(b'a' + (at % 26) as u8)
+        };
+        let letters: String = (0..RANDOM).map(letter).collect();
+        match make(&letters) {
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+            made => return made,
+        }
+    }
+}
+
 /// The file that a temporary one was to become, if it is one: what a killed process leaves behind.
 pub fn unfinished(name: &OsStr) -> Option<&str> {
     let name = name.to_str()?.strip_prefix(MARK)?;
     name.get(..name.len().checked_sub(RANDOM)?)?.strip_suffix('-')
-}
-
-/// Result files may be read by others, as files usually may.
-fn permissions() -> std::fs::Permissions {
-    use std::os::unix::fs::PermissionsExt as _;
-    std::fs::Permissions::from_mode(0o644)
 }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use super::{Compiler, State};
 use crate::constraint::Constraint;
-use crate::constraint::equation::{Equation, Equations, System};
+use crate::constraint::equation::{Dependent, Equation, Equations, System};
 use crate::deck::Diagnostic;
 use crate::model::Step;
 
@@ -42,10 +42,15 @@ impl Compiler<'_> {
                 let id = self.cause(span, "linear equations", equations.len(), "equations", detail);
                 Some(Box::new(Equations::new(id, systems)))
             }
-            Err(index) => {
+            Err(Dependent { equation, follows_from }) => {
                 let message = format!("this equation cannot be kept in step `{}`", step.name);
-                let finding =
-                    Diagnostic::error("P018", message).at(spans[index], "it follows from others, or all is given");
+                let label = if follows_from.is_empty() {
+                    "all of it is prescribed"
+                } else {
+                    "it follows from the others marked"
+                };
+                let finding = Diagnostic::error("P018", message).at(spans[equation], label);
+                let finding = follows_from.iter().fold(finding, |f, &i| f.at(spans[i], "from this one"));
                 self.diagnostics.push(finding.help("leave it out, or free one of its degrees of freedom"));
                 None
             }

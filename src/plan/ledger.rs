@@ -3,6 +3,8 @@
 
 use serde::Serialize;
 
+use crate::output::columns::lined_up;
+
 /// One row.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
@@ -70,17 +72,12 @@ impl Ledger {
     /// The ledger as text; the last column only after a run.
     pub fn render(&self) -> String {
         let timed = self.effects.iter().any(|r| r.share.is_some());
-        let mut table = comfy_table::Table::new();
-        table.load_style(comfy_table::presets::NOTHING);
         let mut header = vec!["effect", "count", "asked by", "bytes", "detail"];
         if timed {
             header.push("time");
         }
-        table.set_header(header);
-        for row in &self.effects {
-            table.add_row(row.cells(timed));
-        }
-        let mut text = trim_lines(&table.to_string());
+        let rows: Vec<_> = self.effects.iter().map(|row| row.cells(timed)).collect();
+        let mut text = lined_up(&header, &rows, false);
         for unused in &self.unused {
             text += &format!("not used: {} ({}): {}\n", unused.what, unused.asked_by, unused.why);
         }
@@ -103,8 +100,4 @@ impl Row {
         }
         cells
     }
-}
-
-fn trim_lines(text: &str) -> String {
-    text.lines().map(|l| l.trim_end().to_owned() + "\n").collect()
 }

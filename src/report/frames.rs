@@ -10,7 +10,8 @@ use serde_json::Value;
 use super::data::{Field, Meridian};
 use super::mesh::{Drawn, bounds, drawn};
 use crate::kernel::stress::mises;
-use crate::model::mesh_file::{self, MeshFile};
+use crate::model::mesh_file::MeshFile;
+use crate::model::vtk_file;
 use crate::output::variables::Variable;
 
 /// The most frames of a page.
@@ -58,7 +59,7 @@ pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
 pub fn read(time: f64, path: &Path) -> Result<Raw, String> {
     let wrong = |e: String| format!("{}: {e}", path.display());
     let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
-    let mesh = mesh_file::read(path).map_err(wrong)?;
+    let mesh = vtk_file::read(path).map_err(wrong)?;
     let mut scalars = Vec::new();
     for (name, values) in &mesh.point_arrays {
         scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));

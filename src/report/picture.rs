@@ -3,9 +3,7 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::Arc;
 
-use resvg::{tiny_skia, usvg};
 use serde_json::Value;
 
 use super::frames::{self, CELLS, Raw};
@@ -113,22 +111,6 @@ pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<Str
     let at = names.iter().position(|n| n.eq_ignore_ascii_case(field)).ok_or_else(|| missing("field", field, &names))?;
     let title = format!("{name}: {} at time {time:.6e}, frame {number} of {}", names[at], series.len());
     Ok(Picture::of(&frame, at, &find::scene(folder, &name)).svg(&title))
-}
-
-/// An SVG picture as PNG. The font comes with the program.
-///
-/// # Errors
-/// In words, where the picture cannot be drawn.
-pub fn png(svg: &str) -> Result<Vec<u8>, String> {
-    let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
-    let fonts = Arc::make_mut(&mut options.fontdb);
-    fonts.load_font_data(dejavu::sans::regular().to_vec());
-    fonts.set_sans_serif_family("DejaVu Sans");
-    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| e.to_string())?;
-    let size = tree.size().to_int_size();
-    let mut picture = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory for the picture")?;
-    resvg::render(&tree, tiny_skia::Transform::identity(), &mut picture.as_mut());
-    picture.encode_png().map_err(|e| e.to_string())
 }
 
 /// A cell to draw: corners `[r, z]` and the value, if it has one.

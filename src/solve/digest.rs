@@ -1,14 +1,14 @@
 //! One number for all that a run came to: a hash over the bits of its state, in a fixed order.
 //! Never here: bookkeeping that another build of the program may do otherwise.
 
-use sha2::{Digest as _, Sha256};
+use hmac_sha256::Hash;
 
 use super::Run;
 use crate::element::group::ElementGroup;
 use crate::output::variables::{Part, Variable};
 
 /// Takes numbers in by their bits.
-struct Bits(Sha256);
+struct Bits(Hash);
 
 impl Bits {
     fn add(&mut self, values: &[f64]) {
@@ -37,7 +37,7 @@ impl Bits {
 impl Run<'_> {
     /// SHA-256 in hexadecimal: time, increment, motion of bodies and nodes, what elements hold, energies.
     pub(super) fn digest(&self) -> String {
-        let mut bits = Bits(Sha256::new());
+        let mut bits = Bits(Hash::new());
         bits.0.update(self.now.increment.to_le_bytes());
         bits.add(&[self.now.step_time, self.now.total_time]);
         for body in &self.dofs.bodies {

@@ -5,6 +5,8 @@ pub mod ablation;
 pub mod bench;
 pub mod chart;
 pub mod compare;
+#[cfg(feature = "cli")]
+pub mod draw;
 pub mod effects;
 pub mod field;
 pub mod grid;

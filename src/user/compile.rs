@@ -6,10 +6,11 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use sha2::{Digest, Sha256};
+use hmac_sha256::Hash;
 
 use super::{MAX_BLOCK, Routines, library, prototype};
 use crate::deck::{Diagnostic, Diagnostics};
+use crate::output::whole::Scratch;
 
 /// Flags as ABAQUS's own compile command sets them for its compilers: long lines, no complaint about old Fortran, local
 /// arrays on the stack. No contraction, so that the same arithmetic gives the same bits as in Rust.
@@ -145,7 +146,7 @@ fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) 
     if library.exists() {
         return Ok(library);
     }
-    let scratch = tempfile::Builder::new().prefix("build-").tempdir_in(&folder).map_err(io)?;
+    let scratch = Scratch::within(&folder).map_err(io)?;
     write_includes(scratch.path()).map_err(io)?;
     let mut builder = Builder { tools: &tools, scratch: scratch.path(), checked, faults: Diagnostics::default() };
     let objects: Vec<PathBuf> =
@@ -214,7 +215,7 @@ fn cache_folder() -> PathBuf {
 
 /// Hash of all that decides what the library is: sources, what they include, flags, compilers.
 fn key(sources: &[(&Path, Language)], tools: &Tools, checked: bool) -> String {
-    let mut hash = Sha256::new();
+    let mut hash = Hash::new();
     let mut add = |bytes: &[u8]| {
         hash.update((bytes.len() as u64).to_le_bytes());
         hash.update(bytes);

@@ -19,6 +19,7 @@ use super::{
     Routines, UserAmplitude, UserEvents, UserLoad, UserMaterial, UserMotion, Wish,
 };
 use crate::deck::Diagnostic;
+use crate::output::whole::Scratch;
 use crate::state::Instant;
 
 /// `subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude, curCoords, velocity, dirCos, jltyp, sname, value)`.
@@ -184,10 +185,10 @@ fn open_copy(file: &Path) -> Result<Library, Diagnostic> {
     let fault = |why: String| Diagnostic::error("U005", format!("`{}` cannot be loaded: {why}", file.display()));
     // SAFETY: the user's library runs its initialisers here, as he asked for.
     let load = |path: &Path| unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) };
-    let copy =
-        tempfile::Builder::new().prefix("revolve-").suffix(".so").tempfile().map_err(|e| fault(e.to_string()))?;
-    std::fs::copy(file, copy.path()).map_err(|e| fault(e.to_string()))?;
-    let library = load(copy.path()).map_err(|e| fault(loaders_words(&e, copy.path(), file)))?;
+    let scratch = Scratch::within(&std::env::temp_dir()).map_err(|e| fault(e.to_string()))?;
+    let copy = scratch.path().join("user.so");
+    std::fs::copy(file, &copy).map_err(|e| fault(e.to_string()))?;
+    let library = load(&copy).map_err(|e| fault(loaders_words(&e, &copy, file)))?;
     // Keeps the Fortran runtime from going and coming with every run of a sweep.
     KEEPER.get_or_init(|| load(file).ok());
     Ok(library)

@@ -146,7 +146,7 @@ fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
             Variable::Coordinate => assert!(fields.is_empty()),
             Variable::State => assert!(all.iter().all(|l| field(fields, l).is_some_and(|f| f.components == 1))),
             _ => {
-                let shown = field(fields, variable.name()).expect(variable.name());
+                let shown = field(fields, variable.name()).expect("a field of its name");
                 assert_eq!(shown.components, all.len());
                 assert!(all.len() == 1 || shown.component_names == all, "{:?}", shown.component_names);
                 assert!(shown.values.iter().all(|v| v.is_finite()), "{}", shown.name);
@@ -330,7 +330,7 @@ fn explain_and_the_page_say_what_the_table_says() {
     }
     // A word that is both is told as both; a variable's name is no abbreviation of a keyword.
     let density = explain("density").expect("both");
-    assert!(density.contains("*DENSITY") && density.contains("Mass a current volume"));
+    assert!(density.contains("*DENSITY") && density.contains("Mass per unit of current volume"));
     assert!(explain("ER").is_some_and(|t| !t.contains('*') || t.starts_with("ER:")));
     let names: BTreeSet<&str> = Variable::ALL.iter().map(|v| v.name()).collect();
     assert_eq!(names.len(), Variable::ALL.len());
