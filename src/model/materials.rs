@@ -1,9 +1,9 @@
-//! Materials: `*MATERIAL` and the cards below it.
+//! Materials: `*MATERIAL` and the cards below it, `*SOLID SECTION`.
 //! Never here: what a material does under load.
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{CavityExpansion, Material, Plastic, RateDependence};
+use super::types::{CavityExpansion, Material, Plastic, RateDependence, SolidSection};
 use crate::deck::{Card, DataLine, Diagnostic};
 
 impl Builder<'_> {
@@ -286,6 +286,27 @@ impl Builder<'_> {
         self.last_material().cavity = Some(CavityExpansion { yield_stress, a, b, c, span: card.span });
     }
 
+    pub(super) fn solid_section(&mut self, card: &Card) {
+        let (Some(set), Some(material)) = (self.required(card, "ELSET"), self.required(card, "MATERIAL")) else {
+            return;
+        };
+        // In a part the material follows later in the deck: it is looked up by name in the whole deck.
+        let known = self.deck.cards.iter().any(|c| {
+            c.keyword.name == "MATERIAL" && c.value("NAME").is_some_and(|n| upper(&n.text) == upper(&material.text))
+        });
+        let elements = self.element_members(set).unwrap_or_default();
+        if !known {
+            let names = self.material_names();
+            self.unknown("M111", "material", material, &names);
+            return;
+        }
+        self.claim("section", &elements, card.span);
+        let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
+        let controls = card.value("CONTROLS").map(|w| upper(&w.text));
+        self.controls_used.extend(card.value("CONTROLS").cloned());
+        self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
+    }
+
     /// `*EXPANSION`: where temperatures change, its strains are missing.
     pub(super) fn expansion(&mut self, card: &Card) {
         if self.deck.cards.iter().any(|c| c.keyword.name == "DYNAMIC" && c.has("ADIABATIC")) {
@@ -293,5 +314,22 @@ impl Builder<'_> {
             let finding = Diagnostic::warning("M167", message).at(card.span, "thermal strain is not simulated");
             self.diagnostics.push(finding);
         }
+    }
+
+    /// Sections may name controls that come later; at the end all must be there.
+    pub(super) fn check_controls(&mut self) {
+        let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "SECTION CONTROLS");
+        let names: Vec<String> = cards.filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
+        for word in std::mem::take(&mut self.controls_used) {
+            if !names.contains(&upper(&word.text)) {
+                self.unknown("M116", "section controls", &word, &names);
+            }
+        }
+    }
+
+    /// Names of all materials of the deck, in order, whether read yet or not.
+    fn material_names(&self) -> Vec<String> {
+        let materials = self.deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
+        materials.filter_map(|c| c.value("NAME")).map(|n| upper(&n.text)).collect()
     }
 }

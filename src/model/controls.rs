@@ -1,36 +1,22 @@
-//! Sections: `*SOLID SECTION` and `*SECTION CONTROLS`.
-//! Never here: materials, what controls do.
+//! `*SECTION CONTROLS`.
+//! Never here: sections, what controls do.
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{Hourglass, SectionControls, SolidSection};
+use super::types::{Hourglass, SectionControls};
 use crate::deck::{Card, Span};
 
 impl Builder<'_> {
-    pub(super) fn solid_section(&mut self, card: &Card) {
-        let (Some(set), Some(material)) = (self.required(card, "ELSET"), self.required(card, "MATERIAL")) else {
-            return;
-        };
-        // In a part the material follows later in the deck: it is looked up by name in the whole deck.
-        let known = self.deck.cards.iter().any(|c| {
-            c.keyword.name == "MATERIAL" && c.value("NAME").is_some_and(|n| upper(&n.text) == upper(&material.text))
-        });
-        let elements = self.element_members(set).unwrap_or_default();
-        if !known {
-            let names = self.material_names();
-            self.unknown("M111", "material", material, &names);
-            return;
-        }
-        self.claim("section", &elements, card.span);
-        let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
-        let controls = card.value("CONTROLS").map(|w| upper(&w.text));
-        self.controls_used.extend(card.value("CONTROLS").cloned());
-        self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
-    }
-
     /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
     pub(super) fn section_controls(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
+        // The second and third factor are of shells.
+        for word in card.lines.first().into_iter().flat_map(|l| [l.field(3), l.field(4)]).flatten() {
+            if word.number(&mut self.diagnostics).is_some_and(|factor| factor != 1.0) {
+                let help = "give *BULK VISCOSITY in the step";
+                self.unsupported(word.span, "a factor on bulk viscosity by section is not supported", help);
+            }
+        }
         let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
         let Ok(distortion) = self.distortion_control(card) else { return };
         let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
@@ -59,22 +45,34 @@ impl Builder<'_> {
                 return;
             }
         };
-        let Ok(keeps_failed) = self.keeps_failed(card) else { return };
+        let Ok(keeps_failed) = self.other_controls(card) else { return };
         let name = upper(&name.text);
         self.model.controls.push(SectionControls { name, hourglass, factor, by_area, distortion, keeps_failed });
     }
 
-    /// Where `ELEMENT DELETION` is NO.
-    fn keeps_failed(&mut self, card: &Card) -> Result<Option<Span>, ()> {
-        match card.value("ELEMENT DELETION") {
-            None => Ok(None),
-            Some(word) if word.is("YES") => Ok(None),
-            Some(word) if word.is("NO") => Ok(Some(card.span)),
-            Some(word) => {
-                self.out_of_range(word.span, format!("ELEMENT DELETION is YES or NO, not {}", word.text));
-                Err(())
+    /// Controls that are YES or NO: where ELEMENT DELETION is NO, and what of the others means nothing here.
+    fn other_controls(&mut self, card: &Card) -> Result<Option<Span>, ()> {
+        let mut said = |name: &str| -> Result<Option<bool>, ()> {
+            match card.value(name) {
+                None => Ok(None),
+                Some(word) if word.is("YES") => Ok(Some(true)),
+                Some(word) if word.is("NO") => Ok(Some(false)),
+                Some(word) => {
+                    self.out_of_range(word.span, format!("{name} is YES or NO, not {}", word.text));
+                    Err(())
+                }
             }
+        };
+        let (deletion, accurate) = (said("ELEMENT DELETION")?, said("SECOND ORDER ACCURACY")?);
+        if accurate == Some(true) {
+            let help = "elements follow large rotations of an increment to first order";
+            self.unsupported(card.span, "SECOND ORDER ACCURACY=YES is not supported", help);
+            return Err(());
         }
+        if card.has("RAMP INITIAL STRESS") {
+            self.inert(card, "RAMP INITIAL STRESS is of membranes".into());
+        }
+        Ok((deletion == Some(false)).then_some(card.span))
     }
 
     /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.
@@ -98,22 +96,5 @@ impl Builder<'_> {
             return Err(());
         }
         Ok(wanted.then_some(ratio))
-    }
-
-    /// Sections may name controls that come later; at the end all must be there.
-    pub(super) fn check_controls(&mut self) {
-        let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "SECTION CONTROLS");
-        let names: Vec<String> = cards.filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
-        for word in std::mem::take(&mut self.controls_used) {
-            if !names.contains(&upper(&word.text)) {
-                self.unknown("M116", "section controls", &word, &names);
-            }
-        }
-    }
-
-    /// Names of all materials of the deck, in order, whether read yet or not.
-    fn material_names(&self) -> Vec<String> {
-        let materials = self.deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
-        materials.filter_map(|c| c.value("NAME")).map(|n| upper(&n.text)).collect()
     }
 }
