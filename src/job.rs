@@ -114,9 +114,6 @@ pub fn prepare_edited(
 /// What `<job>.json` holds. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// The `*HEADING`.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub title: String,
     /// `completed` or `halted`.
     pub status: &'static str,
     /// Why it halted.
@@ -178,6 +175,9 @@ pub struct Timing {
 /// The deck and its parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DeckSummary {
+    /// The `*HEADING`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub title: String,
     /// Files, the deck first.
     pub files: Vec<String>,
     /// `*PARAMETER` values in force.
@@ -433,7 +433,6 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
     let mut ledger = prepared.plan.ledger.clone();
     ledger.share(&outcome.effect_seconds, outcome.seconds);
     Summary {
-        title: prepared.title.clone(),
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),
@@ -455,6 +454,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
             checkpoint_seconds: None,
         },
         deck: DeckSummary {
+            title: prepared.title.clone(),
             files: deck.sources.files().iter().map(|f| f.name.clone()).collect(),
             parameters: deck.parameters.iter().cloned().collect(),
         },

@@ -33,7 +33,7 @@ fn chapter(title: &str, about: &str, belongs: fn(&Keyword) -> bool) -> String {
     format!("\n## {title}\n\n{about}\n{entries}")
 }
 
-fn entry(keyword: &Keyword) -> String {
+fn entry(keyword: &'static Keyword) -> String {
     let mut text = format!("\n### *{}\n\n{}.{}\n", keyword.name, keyword.summary, standing_place(keyword));
     if !keyword.parameters.is_empty() {
         text += "\n";
@@ -41,11 +41,14 @@ fn entry(keyword: &Keyword) -> String {
     for rule in keyword.parameters {
         text += &format!("- `{}`{}\n", rule.name, about(rule));
     }
-    let lines: Vec<String> = keyword.data.iter().flat_map(data_lines).collect();
+    let lines: Vec<_> = keyword.data.iter().flat_map(data_lines).collect();
     if !lines.is_empty() {
         text += "\nData lines:\n";
     }
-    lines.iter().for_each(|line| text += &format!("- {line}\n"));
+    for (line, words) in lines {
+        text += &format!("- {line}\n");
+        words.iter().for_each(|word| text += &format!("  - {word}\n"));
+    }
     text
 }
 
@@ -76,35 +79,31 @@ fn about(rule: &Rule) -> String {
     }
 }
 
-/// The data lines of one shape, a text for each.
-fn data_lines(data: &Data) -> Vec<String> {
+/// The data lines of one shape: for each its fields, and what is to be said of single ones.
+fn data_lines(data: &'static Data) -> Vec<(String, Vec<String>)> {
     let when = match data.when {
         None => String::new(),
         Some((name, "")) => format!("With {name}: "),
         Some((name, value)) => format!("With {name}={value}: "),
     };
-    let row = |rules: &[Rule]| rules.iter().map(field).collect::<Vec<_>>().join(", ");
+    let line = |rules: &[&Rule], behind: String| {
+        let names: Vec<&str> = rules.iter().map(|r| r.name).collect();
+        let words = rules.iter().filter(|r| !about(r).is_empty()).map(|r| format!("{}{}", r.name, about(r)));
+        (format!("{when}{}{behind}", names.join(", ")), words.collect())
+    };
+    let rules = data.shape.rules();
     match &data.shape {
         Shape::Nothing => Vec::new(),
-        Shape::Text(rule) => vec![format!("{when}{}", field(rule))],
-        Shape::List(rule) => vec![format!("{when}{}; any number of them, on any number of lines", field(rule))],
-        Shape::Stream(rules) => vec![format!("{when}{}; in turn, on any number of lines", row(rules))],
-        Shape::Wrapped(count, rules) => {
-            vec![format!("{when}{}; {count} values, if need be on several lines", row(rules))]
-        }
+        Shape::Text(_) => vec![line(&rules, String::new())],
+        Shape::List(_) => vec![line(&rules, "; any number of them, on any number of lines".into())],
+        Shape::Stream(_) => vec![line(&rules, "; in turn, on any number of lines".into())],
+        Shape::Wrapped(count, _) => vec![line(&rules, format!("; {count} values, if need be on several lines"))],
         Shape::Lines(lines, repeats) => {
             let last = lines.len() - 1;
-            let again = |i: usize| if *repeats && i == last { "; any number of such lines" } else { "" };
-            lines.iter().enumerate().map(|(i, line)| format!("{when}{}{}", row(line), again(i))).collect()
+            let again = |i| if *repeats && i == last { "; any number of such lines" } else { "" };
+            let row = |(i, rules): (usize, &&[Rule])| line(&rules.iter().collect::<Vec<_>>(), again(i).into());
+            lines.iter().enumerate().map(row).collect()
         }
-    }
-}
-
-fn field(rule: &Rule) -> String {
-    let about = about(rule);
-    match about.strip_prefix(": ") {
-        Some(about) => format!("{} ({about})", rule.name),
-        None => rule.name.into(),
     }
 }
 
@@ -133,15 +132,16 @@ pub fn is_keyword(name: &str) -> bool {
     keywords().any(|k| fold(k.name) == wanted)
 }
 
-fn explain(keyword: &Keyword) -> String {
+fn explain(keyword: &'static Keyword) -> String {
     let width = keyword.parameters.iter().map(|r| r.name.len()).max().unwrap_or(0);
     let (place, standing) = (standing_place(keyword), standing(keyword.tier));
     let mut text = format!("*{}{}: {}.\n{standing}.{place}\n", keyword.name, mark(keyword.extension), keyword.summary);
     for rule in keyword.parameters {
         text += &format!("  {:width$} {}\n", rule.name, about(rule).trim_start_matches(':'));
     }
-    for line in keyword.data.iter().flat_map(data_lines) {
+    for (line, words) in keyword.data.iter().flat_map(data_lines) {
         text += &format!("  data: {line}\n");
+        words.iter().for_each(|word| text += &format!("    {word}\n"));
     }
     text
 }

@@ -318,12 +318,10 @@ impl Builder<'_> {
 
     /// Sections may name controls that come later; at the end all must be there.
     pub(super) fn check_controls(&mut self) {
-        let names: Vec<String> = self.model.controls.iter().map(|c| c.name.clone()).collect();
-        let refused = |c: &&Card| c.keyword.name == "SECTION CONTROLS" && c.has("NAME");
-        let given: Vec<String> =
-            self.deck.cards.iter().filter(refused).filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
+        let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "SECTION CONTROLS");
+        let names: Vec<String> = cards.filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
         for word in std::mem::take(&mut self.controls_used) {
-            if !given.contains(&upper(&word.text)) {
+            if !names.contains(&upper(&word.text)) {
                 self.unknown("M116", "section controls", &word, &names);
             }
         }

@@ -78,6 +78,10 @@ impl Builder<'_> {
         if card.has("READ") {
             return;
         }
+        if self.step.is_none() {
+            self.outside_step(card);
+            return;
+        }
         if !card.has("WRITE") {
             let finding = Diagnostic::error("M101", "*RESTART needs WRITE").at(card.span, "WRITE is missing");
             self.diagnostics.push(finding);
