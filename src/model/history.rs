@@ -56,13 +56,13 @@ impl History {
         let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, words);
         self.boundaries = merged.iter().map(|b| self.settled_boundary(b, step, model)).collect();
         let places = self.places_after(&merged, step, model);
-        let from_place = |b: Boundary| {
+        let counted_from_place = |b: Boundary| {
             if spans.contains(&b.span) {
                 words.extend(self.jump(&b, model));
             }
-            self.from_place(b, model)
+            self.counted_from_place(b, model)
         };
-        let in_force = merged.into_iter().map(from_place).collect();
+        let in_force = merged.into_iter().map(counted_from_place).collect();
         self.places = places;
         in_force
     }
@@ -189,7 +189,7 @@ impl History {
     }
 
     /// A displacement counts from where its nodes are: what its amplitude begins with is taken off.
-    fn from_place(&self, mut b: Boundary, model: &mut Model) -> Boundary {
+    fn counted_from_place(&self, mut b: Boundary, model: &mut Model) -> Boundary {
         if b.kind != Motion::Displacement || b.user {
             return b;
         }

@@ -28,7 +28,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
     let places = plan.places.bytes();
     if let Some(row) = plan.rows.integration {
         add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
-        add(ledger, row, "steps", plan.steps.iter().map(|s| size_of_val(s)).sum());
+        add(ledger, row, "steps", plan.steps.iter().map(size_of_val).sum());
     }
     if let Some(row) = plan.rows.output {
         let bodies = plan.bodies.iter().map(super::Body::bytes).sum();

@@ -26,7 +26,7 @@ use crate::common::mesh::mesh_frame;
 type Change = (u8, u32, u32);
 
 /// Most bytes that one reading may hold at a time: what multiplies in a deck of some lines shows in them on any machine.
-const ROOM: u64 = 1 << 31;
+const ROOM: u64 = 1 << 30;
 
 /// Words that break readers.
 const NASTY: &[&str] = &[

@@ -36,9 +36,9 @@ impl UserLoad for Constant {
 /// Increments of a run, and how often it allocated.
 fn allocations(deck: &str) -> (u64, u64) {
     let routine = Routines::none().with_load(Constant);
-    let mut prepared = job::prepare_text("ogive.inp", deck, &[], &routine);
+    let prepared = job::prepare_text("ogive.inp", deck, &[], &routine);
     let mut increments = 0;
-    let counted = allocation_counter::measure(|| increments = job::run_in_memory(&mut prepared).0.increments);
+    let counted = allocation_counter::measure(|| increments = job::run_in_memory(&prepared).0.increments);
     (increments, counted.count_total)
 }
 
