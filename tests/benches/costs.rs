@@ -8,6 +8,7 @@ mod common;
 mod elastic_cost;
 mod increment_cost;
 mod overhead;
+mod plain_solid;
 mod solid_cost;
 mod user_cost;
 

@@ -1,6 +1,7 @@
-//! Goal: what a whole increment of deformable elements costs, beside what the machine can do, in one run.
+//! Goal: what a whole increment of deformable elements costs, beside a plain scalar loop of the same arithmetic, in one run.
 //! Scene: the copper Taylor bar (CAX4R, von Mises with hardening, stiffness hourglass control, bulk viscosity, all energies)
 //! with 32 768 and 524 288 elements, fixed increments, one thread and two.
+//! The loop: `plain_solid`.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,32 +9,50 @@ use std::time::Instant;
 use revolve::job;
 use revolve::user::Routines;
 
+use super::plain_solid::Bar;
 use crate::common;
 
-/// Nanoseconds an element and increment, the best of some runs.
-fn cost(nr: usize, nz: usize, increments: usize, threads: usize) -> f64 {
+const ROUNDS: usize = 3;
+/// Length of an increment, seconds.
+const DT: f64 = 1e-9;
+
+/// Nanoseconds an element and increment on so many threads, the best of some runs, and the energy of the motion.
+fn solver(nr: usize, nz: usize, increments: usize, threads: usize) -> (f64, f64) {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
-    let dt = 1e-12;
-    let time = dt * increments as f64;
+    let time = DT * increments as f64;
     let text = text.replace(
         "*Dynamic, Explicit\n , 80.e-6",
-        &format!("*Dynamic, Explicit, direct user control\n {dt:e}, {time:e}"),
+        &format!("*Dynamic, Explicit, direct user control\n {DT:e}, {time:e}"),
     );
     let text = text.split("*Output, field").next().expect("text").to_owned()
         + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";
     let settings = [("nr", nr.to_string()), ("nz", nz.to_string())].map(|(n, v)| (n.to_owned(), v));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(|| {
-        let mut best = f64::INFINITY;
-        for _ in 0..3 {
+        let mut best = (f64::INFINITY, 0.0);
+        for _ in 0..ROUNDS {
             let prepared = job::prepare_text("taylor.inp", &text, &settings, &Routines::none());
             assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
             let (outcome, _) = job::run_in_memory(&prepared);
             assert_eq!((outcome.halt, outcome.increments), (None, increments as u64));
-            best = best.min(outcome.seconds * 1e9 / (increments * nr * nz) as f64);
+            best = (best.0.min(outcome.seconds * 1e9 / (increments * nr * nz) as f64), outcome.energy.kinetic);
         }
         best
     })
+}
+
+/// The same of the plain loop.
+fn plain(nr: usize, nz: usize, increments: usize) -> (f64, f64) {
+    let mut best = (f64::INFINITY, 0.0);
+    for _ in 0..ROUNDS {
+        let mut bar = Bar::new(nr, nz);
+        let begin = Instant::now();
+        bar.run(increments, black_box(DT));
+        let seconds = begin.elapsed().as_secs_f64();
+        black_box((bar.energies, bar.rate));
+        best = (best.0.min(seconds * 1e9 / (increments * nr * nz) as f64), bar.kinetic);
+    }
+    best
 }
 
 /// Additions and multiplications a second of a plain loop, in units of 1e9: the baseline instruction set's.
@@ -71,12 +90,21 @@ fn triad() -> f64 {
 
 pub fn run() {
     println!("machine: {:.1} G add-or-mul/s (baseline instructions), triad {:.1} GB/s", arithmetic(), triad());
+    println!("nanoseconds an element and increment, best of {ROUNDS} (ratio to the plain loop)");
     for (nr, nz, increments) in [(128, 256, 200), (512, 1024, 60)] {
-        let [one, two] = [1, 2].map(|threads| cost(nr, nz, increments, threads));
+        let loops = plain(nr, nz, increments);
+        let [one, two] = [1, 2].map(|threads| solver(nr, nz, increments, threads));
+        // The same arithmetic in another order of adding forces.
+        let difference = (one.1 / loops.1 - 1.0).abs();
+        assert!(difference < 1e-10, "kinetic energy differs by {difference:e}");
         println!(
-            "{} elements: {one:.1} ns an element-cycle on one thread, {two:.1} on two ({:.2} x)",
+            "{} elements: loop {:.1}, one thread {:.1} ({:.2}), two {:.1} ({:.2})",
             nr * nz,
-            one / two
+            loops.0,
+            one.0,
+            one.0 / loops.0,
+            two.0,
+            two.0 / loops.0
         );
     }
 }

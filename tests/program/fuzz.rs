@@ -1,10 +1,11 @@
 //! Rubbish: decks, expressions, mesh files and checkpoints that are changed at random. Each is read up to the plan, and what is found is
-//! printed; nothing may panic or take longer than a few seconds.
+//! printed; nothing may panic or ask for more memory than such texts are worth; the longest is told.
 //!
 //! The seeds are the decks of the project. In CI each target runs for some seconds on a fixed sequence; for longer
 //! `FUZZ_SECONDS=1800 FUZZ_SEED=7 cargo test --release --test program fuzz::TARGET` (docs/stability.md). A failure is shrunk and
 //! printed. Each target is a function from a change to a check: other readers are added the same way.
 
+use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant};
@@ -24,8 +25,8 @@ use crate::common::mesh::mesh_frame;
 /// What is done to a text: kind, place, and what with.
 type Change = (u8, u32, u32);
 
-/// Longest time that one reading may take, on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(20);
+/// Most bytes that one reading may hold at a time: what multiplies in a deck of some lines shows in them on any machine.
+const ROOM: u64 = 1 << 30;
 
 /// Words that break readers.
 const NASTY: &[&str] = &[
@@ -79,7 +80,7 @@ fn budget() -> Duration {
 /// Runs a check on random inputs until the time is over, and says how many it were.
 fn fuzz<S: Strategy>(name: &str, strategy: &S, check: impl Fn(&S::Value)) {
     let seed: u64 = std::env::var("FUZZ_SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
-    let (begin, mut batches) = (Instant::now(), 0_u64);
+    let (begin, mut batches, worst) = (Instant::now(), 0_u64, Cell::new((Duration::ZERO, 0)));
     while begin.elapsed() < budget() {
         let mut bytes = [0; 32];
         bytes[..8].copy_from_slice(&seed.to_le_bytes());
@@ -88,16 +89,17 @@ fn fuzz<S: Strategy>(name: &str, strategy: &S, check: impl Fn(&S::Value)) {
         let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &bytes));
         let run = runner.run(strategy, |input| {
             let begin = Instant::now();
-            check(&input);
-            let took = begin.elapsed();
-            if took > PATIENCE { Err(TestCaseError::fail(format!("took {took:?}"))) } else { Ok(()) }
+            let held = allocation_counter::measure(|| check(&input)).bytes_max;
+            worst.set((worst.get().0.max(begin.elapsed()), worst.get().1.max(held)));
+            if held > ROOM { Err(TestCaseError::fail(format!("held {held} bytes"))) } else { Ok(()) }
         });
         if let Err(failure) = run {
             panic!("{name}: {failure}");
         }
         batches += 1;
     }
-    println!("{name}: {} inputs", 32 * batches);
+    let (longest, most) = worst.get();
+    println!("{name}: {} inputs, at most {longest:.1?} and {most} bytes", 32 * batches);
 }
 
 /// Decks of the project, without what only a meshed run would need.
