@@ -44,7 +44,7 @@ fn deck(rigid: bool, velocity: f64, step: &str) -> String {
         + &format!("*Initial Conditions, type=VELOCITY\n BODY, 2, {velocity}\n")
         + &format!("*Step\n*Dynamic, Explicit\n , 0.01\n{step}")
         + "*Output, field, number interval=4\n*Node Output\n U\n*Output, history, number interval=200\n*Node Output, nset=P\n U2\n\
-           *Energy Output\n*End Step\n"
+           *Energy Output\n ALLWK, ALLCAV, ALLFD\n*End Step\n"
 }
 
 /// A pressure that grows with time and against the motion, and a body force.
