@@ -9,7 +9,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
-use crate::element::instructions::Instructions;
+pub use crate::element::instructions::Instructions;
 use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::pvd::{FrameWriter, missing_frames};

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use clap::Args;
 use revolve::deck::{Diagnostic, Diagnostics, Sources};
-use revolve::element::instructions::Instructions;
+use revolve::job::Instructions;
 use revolve::job::{self, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;

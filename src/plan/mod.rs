@@ -30,7 +30,7 @@ use crate::element::mass_scaling::Scaling;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
 use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
-use crate::state::dofs::Dofs;
+pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 pub use bodies::Body;

@@ -276,7 +276,7 @@ impl Sink for First {
     fn keeps(&self) -> bool {
         self.0.is_empty()
     }
-    fn keep(&mut self, state: &[u8], _now: &revolve::state::Instant) -> Result<(), String> {
+    fn keep(&mut self, state: &[u8], _now: &solve::Instant) -> Result<(), String> {
         self.0 = state.to_vec();
         Ok(())
     }

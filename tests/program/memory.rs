@@ -3,12 +3,12 @@
 //! Goal: nothing is allocated inside an increment; an elastic deck holds no byte for plasticity.
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
-use revolve::element::constants::Constants;
-use revolve::element::group::{ElementGroup, Quads};
+use revolve::internals::constants::Constants;
+use revolve::internals::group::{ElementGroup, Quads};
 use revolve::job;
-use revolve::material::failure::Intact;
-use revolve::material::plasticity::{Flow, Hardening};
-use revolve::material::volumetric::Linear;
+use revolve::internals::failure::Intact;
+use revolve::internals::plasticity::{Flow, Hardening};
+use revolve::internals::volumetric::Linear;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;

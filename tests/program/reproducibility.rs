@@ -6,7 +6,7 @@
 
 use std::fs;
 
-use revolve::element::instructions::Instructions;
+use revolve::job::Instructions;
 use revolve::job;
 use revolve::user::Routines;
 use revolve::user::compile::compile;

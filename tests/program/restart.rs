@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicUsize;
 use revolve::job::{self, Options};
 use revolve::output::{Frame, Job};
 use revolve::solve::{self, Control, Every, Outcome, Sink};
-use revolve::state::Instant;
+use revolve::solve::Instant;
 use revolve::user::compile::compile;
 use revolve::user::{
     AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, Moment, MotionCall, Routines, UserAmplitude, UserEvents,
