@@ -93,12 +93,19 @@ pub fn prepare_edited(
     if !diagnostics.has_errors() {
         edit(&mut model);
     }
-    let (plan, state, found) = plan::compile(&deck, &model, routines);
+    let (plan, state, found) = plan::compile(&model, routines);
     // What follows from a fault already told would only hide it.
     if !diagnostics.has_errors() {
         diagnostics.append(found);
     }
     Prepared { scene: Scene::of(&model), deck, plan, state, diagnostics, has_routines: routines.any() }
+}
+
+/// Takes a model that is composed in Rust up to the plan.
+pub fn prepare_model(model: &Model, routines: &Routines) -> Prepared {
+    let (plan, state, diagnostics) = plan::compile(model, routines);
+    let deck = Deck::default();
+    Prepared { scene: Scene::of(model), deck, plan, state, diagnostics, has_routines: routines.any() }
 }
 
 /// What `<job>.json` holds. The keys are stable.

@@ -2,6 +2,7 @@
 //! Never here: what a card means (one file per family of cards).
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Parameter, Span, Word};
 use crate::deck::{keywords::Tier, names::nearest};
@@ -51,7 +52,11 @@ impl<'a> Builder<'a> {
     pub fn new(deck: &'a Deck) -> Self {
         Builder {
             deck,
-            model: Model::default(),
+            model: Model {
+                sources: Arc::clone(&deck.sources),
+                last_card: deck.cards.last().map(|card| card.span),
+                ..Model::default()
+            },
             diagnostics: Diagnostics::default(),
             nodes: Labels::default(),
             elements: Labels::default(),

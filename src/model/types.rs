@@ -1,15 +1,21 @@
 //! The model: a deck with all names resolved and nothing decided. Validated data, each piece with the span that asked for it.
 //! Never here: arrays for solving, decisions about effects.
 
+use std::sync::Arc;
+
 use indexmap::IndexMap;
 
-use crate::deck::{Span, Word};
+use crate::deck::{Sources, Span, Word};
 use crate::output::asked::Asked;
 use crate::output::variables::Place;
 
 /// Everything a deck describes.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
+    /// Where its spans lead; empty if it is composed in Rust.
+    pub sources: Arc<Sources>,
+    /// The last card of the deck; `None` if it is composed in Rust.
+    pub last_card: Option<Span>,
     /// The `*HEADING` text.
     pub title: String,
     /// Nodes and elements, parts and instances flattened.

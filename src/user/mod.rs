@@ -95,6 +95,16 @@ pub trait UserLoad: Send {
     }
 }
 
+/// A user load by a function of the points and the index of one.
+struct ByPoint<F>(F);
+
+impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        pressure.iter_mut().enumerate().for_each(|(i, p)| *p = (self.0)(points, i));
+        Ok(())
+    }
+}
+
 /// What a user amplitude is told: VUAMP's arguments (ABAQUS 6.11 User Subroutines Reference, 1.2.7 "VUAMP").
 #[derive(Debug)]
 pub struct AmplitudeCall<'a> {
@@ -380,6 +390,12 @@ impl Routines {
     pub fn with_load(mut self, routine: impl UserLoad + 'static) -> Self {
         self.load = Some(Shared(Arc::new(Mutex::new(routine))));
         self
+    }
+
+    /// With a load that gives the pressure at one point after the other, by the index of the point.
+    #[must_use]
+    pub fn with_pressure(self, pressure: impl FnMut(&LoadPoints<'_>, usize) -> f64 + Send + 'static) -> Self {
+        self.with_load(ByPoint(pressure))
     }
 
     /// With an amplitude.
