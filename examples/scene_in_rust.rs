@@ -19,10 +19,8 @@ fn bar(count: usize, duration: f64) -> Model {
     let mut model = Model::default();
     let rows: Vec<[usize; 2]> =
         (0..=count).map(|j| [0.0, 0.01].map(|r| model.node(r, LENGTH * j as f64 / count as f64))).collect();
-    let elements: Vec<usize> = rows
-        .windows(2)
-        .map(|w| model.element(ElementKind::Cax4r, &[w[0][0], w[0][1], w[1][1], w[1][0]]))
-        .collect();
+    let elements: Vec<usize> =
+        rows.windows(2).map(|w| model.element(ElementKind::Cax4r, &[w[0][0], w[0][1], w[1][1], w[1][0]])).collect();
     let steel = model.material(Material::elastic("STEEL", DENSITY, MODULUS, 0.0));
     model.section(&elements, steel);
     model.node_set("TIP", &rows[count][..1]);

@@ -7,22 +7,27 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use indexmap::IndexMap;
 use serde::Serialize;
+use thiserror::Error;
 
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
-pub use crate::element::instructions::Instructions;
+pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
-use crate::solve::{self, Control, Energy, Every, Outcome, Rest, Sink, StepSummary};
-use crate::state::Instant;
+use crate::solve::{self, Control, Energy, Every, Instant, Outcome, Rest, Sink, SinkError, StepSummary, UnfitState};
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
 
 /// `--set NAME=VALUE` pairs.
 pub type Overrides = [(String, String)];
+
+/// An instruction set that the machine does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("this machine does not have {0:?}")]
+pub struct MissingInstructions(pub Instructions);
 
 /// A deck that has been read, resolved and planned, with all that was found on the way.
 pub struct Prepared {
@@ -55,8 +60,8 @@ impl Prepared {
     ///
     /// # Errors
     /// Where the machine does not have it.
-    pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), String> {
-        let arch = instructions.arch().ok_or_else(|| format!("this machine does not have {instructions:?}"))?;
+    pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), MissingInstructions> {
+        let arch = instructions.arch().ok_or(MissingInstructions(instructions))?;
         self.state.elements.use_arch(arch);
         Ok(())
     }
@@ -188,7 +193,7 @@ pub struct HistoryOnly {
 }
 
 impl Sink for HistoryOnly {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.summary.observe(&self.columns, time, values);
         Ok(())
     }
@@ -213,11 +218,13 @@ pub struct Options<'a> {
 }
 
 /// Why a job does not begin.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub enum Refusal {
     /// Its folder cannot be made, cleared or read.
-    Folder(std::io::Error),
+    #[error(transparent)]
+    Folder(#[from] std::io::Error),
     /// Its checkpoint is not one of this job.
+    #[error(transparent)]
     Checkpoint(Box<Diagnostic>),
 }
 
@@ -267,9 +274,9 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
-    fn write_history(&mut self) -> Result<(), String> {
+    fn write_history(&mut self) -> Result<(), SinkError> {
         self.history_written = Stopwatch::now();
-        write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes()).map_err(|e| e.to_string())
+        Ok(write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes())?)
     }
 }
 
@@ -286,12 +293,12 @@ impl Sink for Files<'_> {
         true
     }
 
-    fn frame(&mut self, frame: &Frame) -> Result<(), String> {
-        self.frames.write(frame).map_err(|e| e.to_string())?;
+    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+        self.frames.write(frame)?;
         if self.history_written.elapsed() < STALE { Ok(()) } else { self.write_history() }
     }
 
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.history.push(time, values);
         self.summary.observe(&self.history.columns, time, values);
         Ok(())
@@ -305,14 +312,14 @@ impl Sink for Files<'_> {
         true
     }
 
-    fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), String> {
+    fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), SinkError> {
         self.write_history()?;
         let mut shown = Vec::new();
         let mut times = self.frames.times().to_vec();
         persist_shown(&mut times, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
-        checkpoint.write(&self.job.path(CHECKPOINT)).map_err(|e| e.to_string())
+        Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
     }
 }
 
@@ -333,11 +340,8 @@ pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
 ///
 /// # Errors
 /// Where the folder cannot be written; a file that cannot be written later halts the run instead.
-pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Progress<'a>) -> std::io::Result<Summary> {
-    run_with(prepared, job, Options::default(), progress).map_err(|refusal| match refusal {
-        Refusal::Folder(e) => e,
-        Refusal::Checkpoint(finding) => std::io::Error::other(finding.message),
-    })
+pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Progress<'a>) -> Result<Summary, Refusal> {
+    run_with(prepared, job, Options::default(), progress)
 }
 
 /// The same with options.
@@ -375,7 +379,7 @@ pub fn run_with<'a>(
     let mut summary = summarise(prepared, outcome, files.summary);
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
-    history_failed.into_iter().for_each(|why| summary.unwritten(why));
+    history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
     finish_files(job, &mut summary);
     Ok(summary)
 }
@@ -399,7 +403,7 @@ impl Summary {
     }
 }
 
-fn unfit(why: String) -> Refusal {
+fn unfit(why: UnfitState) -> Refusal {
     let message = format!("the checkpoint does not fit the deck: {why}");
     Refusal::Checkpoint(Box::new(Diagnostic::error("K006", message).help("run without --resume to start anew")))
 }

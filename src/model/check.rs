@@ -3,8 +3,8 @@
 //! Never here: what a card says, decisions about effects.
 
 use super::types::{
-    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind, Interval,
-    Load, LoadKind, Model, OutputRequest, Region, Side, Step, Target,
+    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
+    Interval, Load, LoadKind, Model, OutputRequest, Region, Side, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::output::asked::Asked;
@@ -97,7 +97,8 @@ impl Check<'_> {
         for element in &mesh.elements {
             let (need, has) = (element.kind.node_count(), element.nodes.len());
             if need != has {
-                let message = format!("element {} of {} has {has} nodes, not {need}", element.name, element.kind.name());
+                let message =
+                    format!("element {} of {} has {has} nodes, not {need}", element.name, element.kind.name());
                 self.error("M122", element.span, message);
             }
             self.indices("M122", element.span, "node", &element.nodes, points);
@@ -151,7 +152,9 @@ impl Check<'_> {
         }
         for point in &model.point_masses {
             self.nodes(point.span, &[point.node]);
-            self.value(not_below(point.mass), point.span, || format!("a mass must not be below zero, not {}", point.mass));
+            self.value(not_below(point.mass), point.span, || {
+                format!("a mass must not be below zero, not {}", point.mass)
+            });
         }
         for plane in model.planes.values() {
             self.nodes(plane.span, plane.reference.as_slice());
@@ -181,7 +184,8 @@ impl Check<'_> {
             let Some(material) = self.model.materials.get(layer.material) else { continue };
             if material.cavity.is_none() || material.density.is_none() {
                 let name = &material.name;
-                let message = format!("material {name} has no resistance: a layer needs *DENSITY and *CAVITY EXPANSION");
+                let message =
+                    format!("material {name} has no resistance: a layer needs *DENSITY and *CAVITY EXPANSION");
                 self.error("M101", layer.span, message);
             }
         }
@@ -304,7 +308,9 @@ impl Check<'_> {
             LoadKind::Cavity { sides, target, friction } => {
                 self.faces(load.span, &sides.faces);
                 self.indices("M113", load.span, "target", &[*target], self.model.targets.len());
-                self.value(not_below(*friction), load.span, || format!("FRICTION must not be below zero, not {friction}"));
+                self.value(not_below(*friction), load.span, || {
+                    format!("FRICTION must not be below zero, not {friction}")
+                });
             }
         }
     }

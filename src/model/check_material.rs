@@ -2,9 +2,7 @@
 //! Never here: which laws can stand beside each other, which the plan says.
 
 use super::check::{Check, above_zero, not_below};
-use super::types::{
-    DamageEvolution, EosKind, FailureCriterion, Material, Plastic, RateDependence, StrainAtFailure,
-};
+use super::types::{DamageEvolution, EosKind, FailureCriterion, Material, Plastic, RateDependence, StrainAtFailure};
 use crate::kernel::levels::Levels;
 
 /// Whether temperatures ascend in rows; one row needs none.
@@ -33,7 +31,8 @@ impl Check<'_> {
         need(material.rate.as_ref().is_none_or(is_rate), "rows of the rate dependence out of range");
         need(material.failures.iter().all(fails), "strain at failure or damage out of range");
         need(material.tensile_failure.is_none_or(|t| above_zero(t.cutoff)), "the cutoff must be above zero (tension)");
-        let resists = material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
+        let resists =
+            material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
         need(resists, "a resistance needs YIELD above zero and A, B, C not below zero");
         need(material.user.iter().flatten().all(|c| c.is_finite()), "constants of the user must be finite");
         let state = material.state;
@@ -60,10 +59,14 @@ fn yields(plastic: &Plastic) -> bool {
 fn is_rate(rate: &RateDependence) -> bool {
     match rate {
         RateDependence::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
-        RateDependence::PowerLaw(rows) => by_temperature(rows) && rows.iter().all(|r| above_zero(r[0]) && above_zero(r[1])),
+        RateDependence::PowerLaw(rows) => {
+            by_temperature(rows) && rows.iter().all(|r| above_zero(r[0]) && above_zero(r[1]))
+        }
         RateDependence::YieldRatio(rows) => {
             let follows = |w: &[[f64; 3]]| w[0][1] < w[1][1] || w[0][2] < w[1][2];
-            !rows.is_empty() && rows.windows(2).all(follows) && rows.iter().all(|r| r[0].is_finite() && r[1].is_finite())
+            !rows.is_empty()
+                && rows.windows(2).all(follows)
+                && rows.iter().all(|r| r[0].is_finite() && r[1].is_finite())
         }
     }
 }

@@ -85,8 +85,7 @@ impl Model {
     /// Adds a piecewise linear function of the time in a step, `[time, value]` with ascending times, and returns its index.
     #[track_caller]
     pub fn amplitude(&mut self, name: &str, points: &[[f64; 2]]) -> usize {
-        let definition =
-            AmplitudeDefinition::Curve { points: points.to_vec(), smooth: false, total_time: false };
+        let definition = AmplitudeDefinition::Curve { points: points.to_vec(), smooth: false, total_time: false };
         let (name, span) = (name.to_uppercase(), Span::composed());
         self.amplitudes.push(Amplitude { name, definition, absolute: false, span });
         self.amplitudes.len() - 1

@@ -26,10 +26,11 @@ use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Account, Behind, Load, Slot, VelocityUse, View};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepPlan};
+pub use crate::state::Instant;
+pub use crate::state::archive::UnfitState;
 use crate::state::dofs::Dofs;
 pub use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
-pub use crate::state::Instant;
 use crate::state::{Before, BodyState, direction};
 use crate::user::{Locked, Wish};
 use energy::Balance;
@@ -37,7 +38,7 @@ pub use energy::Energy;
 pub use frames::node_value;
 use increment::{End, Increment, Pace};
 use observe::Observing;
-pub use observe::Sink;
+pub use observe::{Sink, SinkError};
 use restart::{At, Keeping};
 pub use restart::{Control, Every};
 use timing::Timing;
@@ -123,7 +124,7 @@ pub fn run_with(
     state: State,
     sink: &mut dyn Sink,
     control: Control<'_>,
-) -> Result<(Outcome, State), String> {
+) -> Result<(Outcome, State), UnfitState> {
     let begin = Stopwatch::now();
     if plan.steps.is_empty() {
         return Ok((Outcome::default(), state));

@@ -55,7 +55,8 @@ pub struct LoadPoints<'a> {
 }
 
 /// Why a user routine gave up.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{reason}")]
 pub struct LoadFailure {
     /// Index of the point in the block, where one is to blame.
     pub point: Option<usize>,

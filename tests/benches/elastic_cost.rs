@@ -4,13 +4,13 @@
 use std::time::Instant as Stopwatch;
 
 use revolve::internals::constants::Constants;
+use revolve::internals::failure::Intact;
 use revolve::internals::group::{ElementGroup, Pass, Quads};
 use revolve::internals::lanes::{Corners, LANES};
-use revolve::internals::failure::Intact;
+use revolve::internals::nodes::Node;
 use revolve::internals::plasticity::{Flow, Hardening};
 use revolve::internals::volumetric::Linear;
 use revolve::solve::Instant;
-use revolve::internals::nodes::Node;
 use revolve::user::Routines;
 
 use crate::common;

@@ -4,11 +4,11 @@
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
 use revolve::internals::constants::Constants;
-use revolve::internals::group::{ElementGroup, Quads};
-use revolve::job;
 use revolve::internals::failure::Intact;
+use revolve::internals::group::{ElementGroup, Quads};
 use revolve::internals::plasticity::{Flow, Hardening};
 use revolve::internals::volumetric::Linear;
+use revolve::job;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;
