@@ -39,10 +39,14 @@ pub struct Prepared {
     pub state: State,
     /// Findings of all rooms.
     pub diagnostics: Diagnostics,
+    /// The `*HEADING`.
+    pub title: String,
     /// What no mesh shows.
     scene: Scene,
     /// Whether routines of the user take part.
     has_routines: bool,
+    /// What tells a model that is composed in Rust from others.
+    composed: Option<String>,
 }
 
 /// Takes a deck file up to the plan.
@@ -75,7 +79,7 @@ impl Prepared {
         let corners = mesh.elements.iter().flat_map(|e| [e.nodes.len()].into_iter().chain(e.nodes.iter().copied()));
         let corners: Vec<u8> = corners.flat_map(usize::to_le_bytes).collect();
         Identity {
-            deck: hash(files),
+            deck: self.composed.clone().unwrap_or_else(|| hash(files)),
             parameters: parameters.collect::<Vec<_>>().join(", "),
             mesh: hash([&points[..], &corners[..]]),
             user: user.into(),
@@ -98,24 +102,31 @@ pub fn prepare_edited(
     if !diagnostics.has_errors() {
         edit(&mut model);
     }
-    let (plan, state, found) = plan::compile(&model, routines);
-    // What follows from a fault already told would only hide it.
-    if !diagnostics.has_errors() {
-        diagnostics.append(found);
-    }
-    Prepared { scene: Scene::of(&model), deck, plan, state, diagnostics, has_routines: routines.any() }
+    planned(deck, &model, diagnostics, routines)
 }
 
 /// Takes a model that is composed in Rust up to the plan.
 pub fn prepare_model(model: &Model, routines: &Routines) -> Prepared {
-    let (plan, state, diagnostics) = plan::compile(model, routines);
-    let deck = Deck::default();
-    Prepared { scene: Scene::of(model), deck, plan, state, diagnostics, has_routines: routines.any() }
+    let prepared = planned(Deck::default(), model, Diagnostics::default(), routines);
+    Prepared { composed: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
+}
+
+fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> Prepared {
+    let (plan, state, found) = plan::compile(model, routines);
+    // What follows from a fault already told would only hide it.
+    if !diagnostics.has_errors() {
+        diagnostics.append(found);
+    }
+    let (title, scene, has_routines) = (model.title.clone(), Scene::of(model), routines.any());
+    Prepared { title, scene, deck, plan, state, diagnostics, has_routines, composed: None }
 }
 
 /// What `<job>.json` holds. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
+    /// The `*HEADING`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub title: String,
     /// `completed` or `halted`.
     pub status: &'static str,
     /// Why it halted.
@@ -431,6 +442,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
     let mut ledger = prepared.plan.ledger.clone();
     ledger.share(&outcome.effect_seconds, outcome.seconds);
     Summary {
+        title: prepared.title.clone(),
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),

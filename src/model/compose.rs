@@ -1,5 +1,5 @@
 //! Models composed in Rust: constructors of the pieces, and putting them together.
-//! Never here: decks; whether the pieces fit, which `check` says.
+//! Never here: decks; whether the pieces fit, which `consistency` says.
 
 use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
 use super::types::{

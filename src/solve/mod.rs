@@ -109,6 +109,29 @@ pub struct Rest {
 }
 
 /// Runs a plan from a state at its start to its end, showing every due instant to `sink`.
+///
+/// ```
+/// use revolve::solve::{self, Sink, SinkError};
+/// use revolve::{deck, model, plan, user::Routines};
+///
+/// /// Prints each row of the history.
+/// struct Print;
+/// impl Sink for Print {
+///     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
+///         println!("{time:e} {values:?}");
+///         Ok(())
+///     }
+/// }
+///
+/// let (deck, found) = deck::read("input/ogive.inp".as_ref(), &[]);
+/// assert!(!found.has_errors());
+/// let (model, _) = model::build(&deck);
+/// let (plan, start, _) = plan::compile(&model, &Routines::none());
+/// let (first, _) = solve::run(&plan, start.clone(), &mut Print);
+/// let (second, end) = solve::run(&plan, start, &mut Print);
+/// assert_eq!(first.digest, second.digest); // A plan runs as often as one likes, to the same bits.
+/// assert_eq!(end.dofs.bodies.len(), 1);
+/// ```
 pub fn run(plan: &Plan, state: State, sink: &mut dyn Sink) -> (Outcome, State) {
     // Without a state to go on from there is none that could be refused.
     run_with(plan, state, sink, Control::default()).unwrap_or_default()
@@ -388,8 +411,8 @@ impl<'a> Run<'a> {
             body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
             body.slots = self.slots.iter().filter(|s| s.body == b).count();
         }
-        let reads = |l: &&Box<dyn Load>| l.velocity() != VelocityUse::None;
-        for slot in self.loads.iter().filter(reads).flat_map(|l| l.slots()) {
+        let reading = self.loads.iter().filter(|l| l.velocity() != VelocityUse::None);
+        for slot in reading.flat_map(|l| l.slots()) {
             self.dofs.bodies[slot.body].reads_velocity = true;
         }
     }
@@ -450,15 +473,21 @@ impl<'a> Run<'a> {
         self.push_nodes()?;
         self.elements.link(&mut self.dofs);
         self.elements.check(&self.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
-        let (elements, nodes) = (&self.elements, &self.dofs.nodes);
-        let force =
-            |n: usize| [0, 1].map(|k| elements.nodal_force(n)[k] + nodes.forces[0].get(n).map_or(0.0, |f| f[k]));
-        let mut start = 0;
-        for constraint in self.constraints.iter().filter(|c| !c.carries().is_empty()) {
-            constraint.passes_on(&force, &mut self.forces[start..=start]);
-            start += 1;
-        }
+        self.pass_on();
         Ok(())
+    }
+
+    /// What constraints pass on from nodes to bodies.
+    fn pass_on(&mut self) {
+        let (elements, nodes) = (&self.elements, &self.dofs.nodes);
+        let force = |n: usize| {
+            let ([r, z], more) = (elements.nodal_force(n), nodes.forces[0].get(n).copied().unwrap_or_default());
+            [r + more[0], z + more[1]]
+        };
+        let passing = self.constraints.iter().filter(|c| !c.carries().is_empty());
+        for (constraint, out) in passing.zip(&mut self.forces) {
+            constraint.passes_on(&force, std::slice::from_mut(out));
+        }
     }
 
     fn scale_masses(&mut self) {

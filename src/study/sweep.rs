@@ -24,6 +24,17 @@ pub struct Results {
 
 /// Runs every combination. The results do not depend on the number of threads: runs share nothing, and the user's
 /// routines start afresh in each.
+///
+/// ```
+/// use revolve::study::{StudyError, grid::Grid, quantity::Quantity, sweep};
+///
+/// let grid = Grid::parse(&["V=569,781".into()])?;
+/// let depth = Quantity::parse("-1000*final(U2@REF)")?;
+/// let results = sweep::run("input/ogive.inp".as_ref(), &grid, &[depth], None, &|| {});
+/// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
+/// assert!(depths[1][0] > depths[0][0]); // The faster one goes deeper.
+/// # Ok::<(), StudyError>(())
+/// ```
 pub fn run(
     deck: &Path,
     grid: &Grid,

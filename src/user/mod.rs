@@ -82,6 +82,31 @@ impl LoadFailure {
 
 /// A load routine of the user: gives the pressure at each point. May keep state; is called once an increment, surface
 /// and block of at most [`MAX_BLOCK`] points.
+///
+/// ```
+/// use revolve::job;
+/// use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+///
+/// /// A drag that grows with the square of the normal velocity.
+/// struct Drag {
+///     density: f64,
+/// }
+///
+/// impl UserLoad for Drag {
+///     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+///         for (i, p) in pressure.iter_mut().enumerate() {
+///             let v = points.velocity_r[i] * points.normal_r[i] + points.velocity_z[i] * points.normal_z[i];
+///             *p = if v > 0.0 { 0.5 * self.density * v * v } else { 0.0 };
+///         }
+///         Ok(())
+///     }
+/// }
+///
+/// let routines = Routines::none().with_load(Drag { density: 1000.0 });
+/// let prepared = job::prepare("input/ogive_user.inp".as_ref(), &[], &routines);
+/// let (outcome, history) = job::run_in_memory(&prepared);
+/// assert!(outcome.halt.is_none() && history.0["V2@REF"].last < 0.0);
+/// ```
 pub trait UserLoad: Send {
     /// Fills `pressure` (one entry a point, positive pushes against the outward normal; NaN on entry). For a body force
     /// it is the force a volume along r (BRNU) or z (BZNU).

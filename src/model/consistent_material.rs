@@ -1,7 +1,7 @@
 //! Whether the values of a material are such as its cards could have.
 //! Never here: which laws can stand beside each other, which the plan says.
 
-use super::check::{Check, above_zero, not_below};
+use super::consistency::{Check, above_zero, not_below};
 use super::types::{DamageEvolution, EosKind, FailureCriterion, Material, Plastic, RateDependence, StrainAtFailure};
 use crate::kernel::levels::Levels;
 
