@@ -3,6 +3,7 @@
 //!
 //!     cargo run --release --example fidelity_ladder
 
+use std::error::Error;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
@@ -48,7 +49,7 @@ struct Climbed {
     seconds: f64,
 }
 
-fn main() -> Result<(), String> {
+fn main() -> Result<(), Box<dyn Error>> {
     let reference = Reference::read(Path::new("input/reference/piekutowski_1999.csv"))?;
     let shots: Vec<(f64, f64)> = reference.rows.iter().map(|(v, columns)| (*v, columns[0])).collect();
     let mut climbed = Vec::new();
@@ -60,16 +61,16 @@ fn main() -> Result<(), String> {
     print!("{table}");
     put_into_page(&table)?;
     let picture = picture(&shots, &climbed).png()?;
-    std::fs::write("docs/fidelity.png", picture).map_err(|e| e.to_string())
+    Ok(std::fs::write("docs/fidelity.png", picture)?)
 }
 
-fn climb(rung: &Rung, shots: &[(f64, f64)]) -> Result<Climbed, String> {
+fn climb(rung: &Rung, shots: &[(f64, f64)]) -> Result<Climbed, Box<dyn Error>> {
     let clock = Instant::now();
     let depth = |&(velocity, _): &(f64, f64)| match rung.model {
         Model::ClosedForm => Ok(closed_form(velocity)),
         Model::Deck(deck, settings, quantity) => shoot(deck, settings, quantity, velocity),
     };
-    let depths = shots.iter().map(depth).collect::<Result<_, _>>()?;
+    let depths = shots.iter().map(depth).collect::<Result<_, Box<dyn Error>>>()?;
     Ok(Climbed { depths, seconds: clock.elapsed().as_secs_f64() })
 }
 
@@ -84,17 +85,17 @@ fn closed_form(velocity: f64) -> f64 {
     1e3 * mass / (2.0 * beta) * libm::log(1.0 + beta * velocity * velocity / alpha)
 }
 
-fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -> Result<f64, String> {
+fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -> Result<f64, Box<dyn Error>> {
     let mut overrides: Vec<(String, String)> = vec![("V".into(), velocity.to_string())];
     overrides.extend(settings.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())));
     let prepared = job::prepare(Path::new(deck), &overrides, &Routines::none());
     if prepared.diagnostics.has_errors() {
-        return Err(prepared.diagnostics.render(&prepared.deck.sources));
+        return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
     }
     let (outcome, history) = job::run_in_memory(&prepared);
     match outcome.halt {
-        Some(halt) => Err(format!("{deck} at {velocity}: {}: {}", halt.code, halt.reason)),
-        None => Quantity::parse(quantity)?.evaluate(&history),
+        Some(halt) => Err(format!("{deck} at {velocity}: {halt}").into()),
+        None => Ok(Quantity::parse(quantity)?.evaluate(&history)?),
     }
 }
 

@@ -7,22 +7,27 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use indexmap::IndexMap;
 use serde::Serialize;
+use thiserror::Error;
 
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
-use crate::element::instructions::Instructions;
+pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
-use crate::solve::{self, Control, Energy, Every, Outcome, Rest, Sink, StepSummary};
-use crate::state::Instant;
+use crate::solve::{self, Control, Energy, Every, Instant, Outcome, Rest, Sink, SinkError, StepSummary, UnfitState};
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
 
 /// `--set NAME=VALUE` pairs.
 pub type Overrides = [(String, String)];
+
+/// An instruction set that the machine does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("this machine does not have {0:?}")]
+pub struct MissingInstructions(pub Instructions);
 
 /// A deck that has been read, resolved and planned, with all that was found on the way.
 pub struct Prepared {
@@ -40,6 +45,8 @@ pub struct Prepared {
     scene: Scene,
     /// Whether routines of the user take part.
     has_routines: bool,
+    /// What tells a model that is composed in Rust from others.
+    composed: Option<String>,
 }
 
 /// Takes a deck file up to the plan.
@@ -57,8 +64,8 @@ impl Prepared {
     ///
     /// # Errors
     /// Where the machine does not have it.
-    pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), String> {
-        let arch = instructions.arch().ok_or_else(|| format!("this machine does not have {instructions:?}"))?;
+    pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), MissingInstructions> {
+        let arch = instructions.arch().ok_or(MissingInstructions(instructions))?;
         self.state.elements.use_arch(arch);
         Ok(())
     }
@@ -72,7 +79,7 @@ impl Prepared {
         let corners = mesh.elements.iter().flat_map(|e| [e.nodes.len()].into_iter().chain(e.nodes.iter().copied()));
         let corners: Vec<u8> = corners.flat_map(usize::to_le_bytes).collect();
         Identity {
-            deck: hash(files),
+            deck: self.composed.clone().unwrap_or_else(|| hash(files)),
             parameters: parameters.collect::<Vec<_>>().join(", "),
             mesh: hash([&points[..], &corners[..]]),
             user: user.into(),
@@ -95,20 +102,23 @@ pub fn prepare_edited(
     if !diagnostics.has_errors() {
         edit(&mut model);
     }
-    let (plan, state, found) = plan::compile(&deck, &model, routines);
+    planned(deck, &model, diagnostics, routines)
+}
+
+/// Takes a model that is composed in Rust up to the plan.
+pub fn prepare_model(model: &Model, routines: &Routines) -> Prepared {
+    let prepared = planned(Deck::default(), model, Diagnostics::default(), routines);
+    Prepared { composed: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
+}
+
+fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> Prepared {
+    let (plan, state, found) = plan::compile(model, routines);
     // What follows from a fault already told would only hide it.
     if !diagnostics.has_errors() {
         diagnostics.append(found);
     }
-    Prepared {
-        title: model.title.clone(),
-        scene: Scene::of(&model),
-        deck,
-        plan,
-        state,
-        diagnostics,
-        has_routines: routines.any(),
-    }
+    let (title, scene, has_routines) = (model.title.clone(), Scene::of(model), routines.any());
+    Prepared { title, scene, deck, plan, state, diagnostics, has_routines, composed: None }
 }
 
 /// What `<job>.json` holds. The keys are stable.
@@ -194,7 +204,7 @@ pub struct HistoryOnly {
 }
 
 impl Sink for HistoryOnly {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.summary.observe(&self.columns, time, values);
         Ok(())
     }
@@ -219,11 +229,13 @@ pub struct Options<'a> {
 }
 
 /// Why a job does not begin.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub enum Refusal {
     /// Its folder cannot be made, cleared or read.
-    Folder(std::io::Error),
+    #[error(transparent)]
+    Folder(#[from] std::io::Error),
     /// Its checkpoint is not one of this job.
+    #[error(transparent)]
     Checkpoint(Box<Diagnostic>),
 }
 
@@ -273,9 +285,9 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
-    fn write_history(&mut self) -> Result<(), String> {
+    fn write_history(&mut self) -> Result<(), SinkError> {
         self.history_written = Stopwatch::now();
-        write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes()).map_err(|e| e.to_string())
+        Ok(write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes())?)
     }
 }
 
@@ -292,12 +304,12 @@ impl Sink for Files<'_> {
         true
     }
 
-    fn frame(&mut self, frame: &Frame) -> Result<(), String> {
-        self.frames.write(frame).map_err(|e| e.to_string())?;
+    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+        self.frames.write(frame)?;
         if self.history_written.elapsed() < STALE { Ok(()) } else { self.write_history() }
     }
 
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.history.push(time, values);
         self.summary.observe(&self.history.columns, time, values);
         Ok(())
@@ -311,14 +323,14 @@ impl Sink for Files<'_> {
         true
     }
 
-    fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), String> {
+    fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), SinkError> {
         self.write_history()?;
         let mut shown = Vec::new();
         let mut times = self.frames.times().to_vec();
         persist_shown(&mut times, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
-        checkpoint.write(&self.job.path(CHECKPOINT)).map_err(|e| e.to_string())
+        Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
     }
 }
 
@@ -339,11 +351,8 @@ pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
 ///
 /// # Errors
 /// Where the folder cannot be written; a file that cannot be written later halts the run instead.
-pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Progress<'a>) -> std::io::Result<Summary> {
-    run_with(prepared, job, Options::default(), progress).map_err(|refusal| match refusal {
-        Refusal::Folder(e) => e,
-        Refusal::Checkpoint(finding) => std::io::Error::other(finding.message),
-    })
+pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Progress<'a>) -> Result<Summary, Refusal> {
+    run_with(prepared, job, Options::default(), progress)
 }
 
 /// The same with options.
@@ -381,7 +390,7 @@ pub fn run_with<'a>(
     let mut summary = summarise(prepared, outcome, files.summary);
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
-    history_failed.into_iter().for_each(|why| summary.unwritten(why));
+    history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
     finish_files(job, &mut summary);
     Ok(summary)
 }
@@ -405,7 +414,7 @@ impl Summary {
     }
 }
 
-fn unfit(why: String) -> Refusal {
+fn unfit(why: UnfitState) -> Refusal {
     let message = format!("the checkpoint does not fit the deck: {why}");
     Refusal::Checkpoint(Box::new(Diagnostic::error("K006", message).help("run without --resume to start anew")))
 }

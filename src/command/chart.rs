@@ -1,5 +1,6 @@
 //! `revolve chart`.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -33,7 +34,7 @@ pub struct Chart {
 
 impl Chart {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, String> {
+    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let out = self.out.clone().unwrap_or_else(|| self.folder.join("chart.png"));
         let svg = is_svg(&out)?;
         let bytes = match &self.field {

@@ -1,5 +1,6 @@
 //! `revolve check`.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -22,7 +23,7 @@ pub struct Check {
 
 impl Check {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, String> {
+    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let Some(routines) = self.user.routines(false) else { return Ok(ExitCode::from(REFUSED)) };
         let prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, false) {

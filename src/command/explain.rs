@@ -1,5 +1,6 @@
 //! `revolve explain`.
 
+use std::error::Error;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -14,7 +15,7 @@ pub struct Explain {
 
 impl Explain {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, String> {
+    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let word = self.word.join(" ");
         match explain(&word) {
             Some(text) => {
@@ -24,7 +25,8 @@ impl Explain {
             None => Err(format!(
                 "`{word}` is no keyword, no output variable and no diagnostic code; `revolve explain keywords` and `revolve \
                  explain variables` list them"
-            )),
+            )
+            .into()),
         }
     }
 }

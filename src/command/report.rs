@@ -1,5 +1,6 @@
 //! `revolve report`.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -21,7 +22,7 @@ pub struct Report {
 
 impl Report {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, String> {
+    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let page = report::gather(&self.folder)?;
         let html = report::html(&page)?;
         let out = self.out.unwrap_or_else(|| self.folder.join("report.html"));

@@ -1,5 +1,6 @@
 //! `revolve run`.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -8,7 +9,7 @@ use std::time::Duration;
 
 use clap::Args;
 use revolve::deck::{Diagnostic, Diagnostics, Sources};
-use revolve::element::instructions::Instructions;
+use revolve::job::Instructions;
 use revolve::job::{self, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
@@ -83,7 +84,7 @@ fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
 
 impl Run {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, String> {
+    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
             pool.build_global().map_err(|e| format!("cannot start {threads} threads: {e}"))?;
@@ -115,7 +116,7 @@ impl Run {
         let options = Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user };
         let summary = match run(&prepared, &job, options, self.quiet) {
             Ok(summary) => summary,
-            Err(Refusal::Folder(e)) => return Err(e.to_string()),
+            Err(Refusal::Folder(e)) => return Err(e.into()),
             Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
         };
         print_messages(&summary.messages, self.quiet);

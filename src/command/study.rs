@@ -1,11 +1,13 @@
 //! `revolve study`.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant as Stopwatch;
 
 use clap::Args;
 use revolve::deck::expression::Expression;
+use revolve::study::StudyError;
 use revolve::study::bench::Bench;
 use revolve::study::chart::{Chart, Scale};
 use revolve::study::effects::{self, Effects};
@@ -60,7 +62,7 @@ pub struct Study {
 
 impl Study {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, String> {
+    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let measure = Measure::parse(&self.quantity)?;
         let exact = self.exact(&measure)?;
         if self.ablate && measure.compares_fields() {
@@ -69,7 +71,7 @@ impl Study {
         let target = self.target.as_deref().map(Target::parse).transpose()?;
         let overrides = pairs(&self.set)?;
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
-        let routines = Compiled::open_any(compiled.as_ref())?;
+        let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &overrides, &routines);
         if !accepted(&first, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
@@ -111,7 +113,7 @@ impl Study {
     }
 
     /// The exact value; of a norm against an expression it is zero.
-    fn exact(&self, measure: &Measure) -> Result<Option<f64>, String> {
+    fn exact(&self, measure: &Measure) -> Result<Option<f64>, Box<dyn Error>> {
         let Some(text) = &self.exact else {
             return Ok((measure.is_norm() && !measure.compares_fields()).then_some(0.0));
         };
@@ -121,12 +123,12 @@ impl Study {
             );
         }
         let value = Expression::parse(text).and_then(|e| e.evaluate(&|_| None, &|_, _| None));
-        value.map(Some).map_err(|e| format!("--exact `{text}`: {}", e.message))
+        Ok(Some(value.map_err(|e| format!("--exact `{text}`: {}", e.message))?))
     }
 }
 
 /// Whether anything converges, or is compared with what is known.
-fn check_axes(axes: &[Axis], exact: Option<f64>) -> Result<(), String> {
+fn check_axes(axes: &[Axis], exact: Option<f64>) -> Result<(), Box<dyn Error>> {
     if axes.is_empty() {
         return Err("what is to be refined? give --refine NAME=v1,v2,…".into());
     }
@@ -137,7 +139,12 @@ fn check_axes(axes: &[Axis], exact: Option<f64>) -> Result<(), String> {
 }
 
 /// Table and JSON of effects left out.
-fn write_effects(job: &output::Job, measure: &Measure, effects: &Effects, quiet: bool) -> Result<ExitCode, String> {
+fn write_effects(
+    job: &output::Job,
+    measure: &Measure,
+    effects: &Effects,
+    quiet: bool,
+) -> Result<ExitCode, Box<dyn Error>> {
     make_folder(job)?;
     let write =
         |ending: &str, text: &str| output::write_whole(&job.path(ending), text.as_bytes()).map_err(|e| e.to_string());
@@ -166,7 +173,7 @@ fn write(
     results: &Results,
     met: Option<Met>,
     timing: Timing,
-) -> Result<(), String> {
+) -> Result<(), Box<dyn Error>> {
     make_folder(job)?;
     let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
     let (header, rows) = record::sheet(results, true);
@@ -180,7 +187,7 @@ fn write(
 }
 
 /// A chart as SVG and PNG, where there is something to draw.
-fn draw(job: &output::Job, ending: &str, chart: &Chart) -> Result<(), String> {
+fn draw(job: &output::Job, ending: &str, chart: &Chart) -> Result<(), Box<dyn Error>> {
     if chart.series.iter().all(|s| s.points.is_empty()) {
         return Ok(());
     }
@@ -188,7 +195,7 @@ fn draw(job: &output::Job, ending: &str, chart: &Chart) -> Result<(), String> {
         output::write_whole(&job.path(&format!("{ending}.{kind}")), bytes).map_err(|e| e.to_string())
     };
     write("svg", chart.svg_on(Scale::LogLog)?.as_bytes())?;
-    write("png", &chart.png_on(Scale::LogLog)?)
+    Ok(write("png", &chart.png_on(Scale::LogLog)?)?)
 }
 
 fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job) {
@@ -209,7 +216,7 @@ fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job
 }
 
 fn verdict(results: &Results, met: Option<&Met>) -> ExitCode {
-    let failed: Vec<&String> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
+    let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
     if let Some(reason) = failed.first() {
         eprintln!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
         return ExitCode::from(HALTED);

@@ -1,5 +1,6 @@
 //! `revolve sweep`.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -42,12 +43,12 @@ pub struct Sweep {
 
 impl Sweep {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, String> {
+    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let grid = Grid::parse(&self.set)?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let reference = self.compare.as_deref().map(Reference::read).transpose()?;
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
-        let routines = Compiled::open_any(compiled.as_ref())?;
+        let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &grid.combination(0), &routines);
         if !accepted(&first, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
@@ -96,7 +97,7 @@ fn write_sweep(
     results: &sweep::Results,
     reference: Option<&Reference>,
     sheet: &sweep::Sheet,
-) -> Result<(), String> {
+) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&job.folder)
         .map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))?;
     let title = deck.sources.files().first().map_or("sweep", |f| f.name.as_str());
@@ -107,5 +108,5 @@ fn write_sweep(
     }
     let chart = sweep::chart(title, grid, quantities, results, reference);
     write("_sweep.svg", chart.svg()?.as_bytes())?;
-    write("_sweep.png", &chart.png()?)
+    Ok(write("_sweep.png", &chart.png()?)?)
 }

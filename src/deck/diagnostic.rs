@@ -23,8 +23,9 @@ pub struct Label {
     pub text: String,
 }
 
-/// One finding.
-#[derive(Clone, Debug)]
+/// One finding. As an error of Rust it shows code and message; [`Diagnostics::render`] shows all of it.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{code}: {message}")]
 pub struct Diagnostic {
     /// How bad.
     pub severity: Severity,

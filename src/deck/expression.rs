@@ -12,7 +12,8 @@ const DEEPEST: usize = 64;
 const SIGN: u8 = 30;
 
 /// What is wrong with an expression, and where in its text.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
 pub struct ExpressionError {
     /// First byte.
     pub start: usize,

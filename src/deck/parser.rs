@@ -2,6 +2,7 @@
 //! Never here: which cards belong together, what fields mean.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::{self, Keyword, Lookup, Rule, Tier, Usage};
@@ -77,7 +78,7 @@ impl Parser {
         self.bytes += text.len() as u64;
         let name = path.display().to_string();
         let empty = SourceFile { name: name.clone(), path: path.to_owned(), text: String::new(), included_at };
-        let file = self.deck.sources.add(empty);
+        let file = Arc::make_mut(&mut self.deck.sources).add(empty);
         if self.bytes > MOST_BYTES {
             return self.refuse_file(
                 "D006",
@@ -91,7 +92,7 @@ impl Parser {
         self.chain.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
         self.lines(file, &text);
         self.chain.pop();
-        self.deck.sources.fill(file, text);
+        Arc::make_mut(&mut self.deck.sources).fill(file, text);
     }
 
     fn refuse_file(&mut self, code: &'static str, message: String, at: Option<Span>) {

@@ -49,6 +49,9 @@ fn group<'a>(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Group<'a> {
     for window in windows(&diagnostic.labels, sources) {
         group = group.element(snippet(&window, &diagnostic.labels, sources));
     }
+    for label in diagnostic.labels.iter().filter(|l| sources.file(l.span).is_none()) {
+        group = group.element(Level::NOTE.message(format!("{}: {}", sources.describe(label.span), label.text)));
+    }
     for place in trail(diagnostic, sources) {
         group = group.element(Level::NOTE.message(format!("included from {place}")));
     }

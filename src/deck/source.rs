@@ -1,10 +1,12 @@
 //! Source text and spans: every word of a deck can be traced to file, line and column.
 //! Never here: meaning of what the text says.
 
+use std::panic::Location;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A range of bytes of one source file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct Span {
     /// Index of the file in [`Sources`].
     pub file: u32,
@@ -14,7 +16,19 @@ pub struct Span {
     pub end: u32,
 }
 
+/// File of spans that lead to no deck.
+const COMPOSED: u32 = u32::MAX;
+/// Tells pieces apart that one line of Rust makes. It is shown nowhere.
+static PIECES: AtomicU32 = AtomicU32::new(0);
+
 impl Span {
+    /// The place of a piece that is composed in Rust: the line of the caller. Each call gives another span, so that the ledger
+    /// keeps a row for each piece.
+    #[track_caller]
+    pub fn composed() -> Span {
+        Span { file: COMPOSED, start: Location::caller().line(), end: PIECES.fetch_add(1, Ordering::Relaxed) }
+    }
+
     /// The smallest span that covers both; `other` is ignored if it lies in another file.
     #[must_use]
     pub fn to(self, other: Span) -> Span {
@@ -22,6 +36,16 @@ impl Span {
             return self;
         }
         Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// What is composed in Rust looks alike, wherever and however often it is.
+impl std::fmt::Debug for Span {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Span { file: COMPOSED, .. } => f.write_str("composed"),
+            Span { file, start, end } => write!(f, "{file}:{start}..{end}"),
+        }
     }
 }
 
@@ -101,10 +125,13 @@ impl Sources {
         start..end.max(start)
     }
 
-    /// `file:line` of a span, as the ledger shows it.
+    /// `file:line` of a span, as the ledger shows it; of what no deck asked for, that it was composed in Rust.
     pub fn describe(&self, span: Span) -> String {
-        let name = self.file(span).map_or("?", |f| f.name.as_str());
-        format!("{name}:{}", self.line_column(span).0)
+        match self.file(span) {
+            Some(file) => format!("{}:{}", file.name, self.line_column(span).0),
+            None if span.file == COMPOSED => format!("composed in Rust, line {}", span.start),
+            None => "composed in Rust".into(),
+        }
     }
 
     /// The folder that relative file names in this span's file refer to.

@@ -1,6 +1,8 @@
 //! The syntax tree of a deck: cards with parameters and data lines, every word with its span.
 //! Never here: what a name refers to.
 
+use std::sync::Arc;
+
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::{Keyword, Shape};
 use super::number::{NumberError, parse_number};
@@ -11,7 +13,7 @@ use super::source::{Sources, Span};
 #[derive(Clone, Debug, Default)]
 pub struct Deck {
     /// The files it came from.
-    pub sources: Sources,
+    pub sources: Arc<Sources>,
     /// The cards in order.
     pub cards: Vec<Card>,
     /// The `*PARAMETER` values in force, overrides included, in order of definition.

@@ -18,15 +18,20 @@ pub enum Instructions {
     Avx512,
 }
 
-impl FromStr for Instructions {
-    type Err = String;
+/// A word that names no instruction set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("scalar, avx2 and avx512 are known")]
+pub struct UnknownInstructions;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Instructions {
+    type Err = UnknownInstructions;
+
+    fn from_str(text: &str) -> Result<Self, UnknownInstructions> {
         match text {
             "scalar" => Ok(Instructions::Scalar),
             "avx2" => Ok(Instructions::Avx2),
             "avx512" => Ok(Instructions::Avx512),
-            _ => Err("scalar, avx2 and avx512 are known".into()),
+            _ => Err(UnknownInstructions),
         }
     }
 }

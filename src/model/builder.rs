@@ -2,6 +2,7 @@
 //! Never here: what a card means (one file per family of cards).
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
@@ -59,7 +60,11 @@ impl<'a> Builder<'a> {
     pub fn new(deck: &'a Deck) -> Self {
         Builder {
             deck,
-            model: Model::default(),
+            model: Model {
+                sources: Arc::clone(&deck.sources),
+                last_card: deck.cards.last().map(|card| card.span),
+                ..Model::default()
+            },
             diagnostics: Diagnostics::default(),
             nodes: Labels::default(),
             elements: Labels::default(),

@@ -56,7 +56,7 @@ pub(super) struct Procedure {
 }
 
 /// Bulk viscosity where no step gives another (ABAQUS Analysis User's Guide 6.3.3, "Bulk viscosity").
-const BULK_VISCOSITY: [f64; 2] = [0.06, 1.2];
+pub const BULK_VISCOSITY: [f64; 2] = [0.06, 1.2];
 
 impl Builder<'_> {
     pub(super) fn step_card(&mut self, card: &Card) {

@@ -1,15 +1,42 @@
 //! The model: a deck with all names resolved and nothing decided. Validated data, each piece with the span that asked for it.
 //! Never here: arrays for solving, decisions about effects.
 
+use std::sync::Arc;
+
 use indexmap::IndexMap;
 
-use crate::deck::{Span, Word};
+use crate::deck::{Sources, Span, Word};
 use crate::output::asked::Asked;
 use crate::output::variables::Place;
 
-/// Everything a deck describes.
+/// Everything a deck describes, or a scene composed in Rust: what is wrong with one is told when it is planned.
+///
+/// ```
+/// use revolve::job;
+/// use revolve::model::{ElementKind, Load, Model, Side, Sides, Step};
+/// use revolve::user::Routines;
+///
+/// let mut model = Model::default();
+/// let nodes = [model.node(0.0, 0.0), model.node(0.1, 0.0)];
+/// let disc = model.element(ElementKind::Rax2, &nodes);
+/// model.rigid_body("DISC", nodes[0], &[disc]);
+/// model.mass(nodes[0], 2.0);
+/// let top = Sides::new("TOP", &[(disc, Side::Positive)]);
+/// model.steps.push(Step::new("push", 1e-3).with_load(Load::pressure(top.clone(), 1e4)));
+/// let (outcome, _) = job::run_in_memory(&job::prepare_model(&model, &Routines::none()));
+/// assert!(outcome.halt.is_none());
+///
+/// // There is no second amplitude.
+/// model.steps[0].loads.push(Load::pressure(top, 1e4).with_amplitude(1));
+/// let refused = job::prepare_model(&model, &Routines::none()).diagnostics;
+/// assert!(refused.iter().any(|d| d.code == "M112"));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Model {
+    /// Where its spans lead; empty if it is composed in Rust.
+    pub sources: Arc<Sources>,
+    /// The last card of the deck; `None` if it is composed in Rust.
+    pub last_card: Option<Span>,
     /// The `*HEADING` text.
     pub title: String,
     /// Nodes and elements, parts and instances flattened.

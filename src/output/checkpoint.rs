@@ -117,7 +117,7 @@ impl Checkpoint {
         let mut checkpoint = Checkpoint::default();
         let mut archive = Archive::reader(body);
         checkpoint.persist(&mut archive);
-        archive.finish().map_err(|why| damaged(&why))?;
+        archive.finish().map_err(|why| damaged(&why.reason))?;
         if checkpoint.version != env!("CARGO_PKG_VERSION") {
             let versions = format!("version {}, this is {}", checkpoint.version, env!("CARGO_PKG_VERSION"));
             return Err(other_version(path, &versions));

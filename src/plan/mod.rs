@@ -24,13 +24,13 @@ use indexmap::IndexMap;
 use crate::constraint::Constraint;
 use crate::constraint::tie::Tie;
 use crate::constraint::user_motion::UserMotion;
-use crate::deck::{Deck, Diagnostic, Diagnostics, Span};
+use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::element::elements::Elements;
 use crate::element::mass_scaling::Scaling;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
 use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
-use crate::state::dofs::Dofs;
+pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 pub use bodies::Body;
@@ -40,6 +40,7 @@ pub use solid::SolidPlaces;
 
 /// What is to be run: every effect the deck asks for, and nothing else. It never changes: it runs as often as one likes, on
 /// several threads at once, each time from a [`State`].
+#[derive(Default)]
 pub struct Plan {
     /// What exists and why.
     pub ledger: Ledger,
@@ -123,7 +124,6 @@ impl Plan {
 
 /// What compilation carries along.
 struct Compiler<'a> {
-    deck: &'a Deck,
     model: &'a Model,
     routines: &'a Routines,
     diagnostics: Diagnostics,
@@ -146,10 +146,13 @@ struct Compiler<'a> {
 }
 
 /// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
-/// its start, and what was found.
-pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, State, Diagnostics) {
+/// its start, and what was found; the plan may be run only where that holds no error.
+pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics) {
+    let mut diagnostics = model.check();
+    if diagnostics.has_errors() {
+        return (Plan::default(), State::default(), diagnostics);
+    }
     let mut compiler = Compiler {
-        deck,
         model,
         routines,
         places: SolidPlaces::default(),
@@ -177,7 +180,8 @@ pub fn compile(deck: &Deck, model: &Model, routines: &Routines) -> (Plan, State,
     compiler.list_inert();
     compiler.events_row();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
-    let Compiler { ledger, bodies, places, mut diagnostics, amplitudes, told, .. } = compiler;
+    let Compiler { ledger, bodies, places, amplitudes, told, diagnostics: found, .. } = compiler;
+    diagnostics.append(found);
     // Notes on a plan that cannot run would only bury what is wrong with it.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
@@ -202,7 +206,7 @@ impl Compiler<'_> {
         if let Some(&cause) = self.causes.get(&(span, effect)) {
             return cause;
         }
-        let asked_by = self.deck.sources.describe(span);
+        let asked_by = self.model.sources.describe(span);
         let cause = self.ledger.add(effect, count, unit, asked_by, detail);
         self.causes.insert((span, effect), cause);
         cause
@@ -210,7 +214,7 @@ impl Compiler<'_> {
 
     /// Notes a card that brings nothing to life.
     fn unused(&mut self, span: Span, what: impl Into<String>, why: impl Into<String>) {
-        let unused = Unused { what: what.into(), asked_by: self.deck.sources.describe(span), why: why.into() };
+        let unused = Unused { what: what.into(), asked_by: self.model.sources.describe(span), why: why.into() };
         if !self.ledger.unused.contains(&unused) {
             self.ledger.unused.push(unused);
         }
@@ -308,9 +312,10 @@ impl Compiler<'_> {
         }
         if self.model.rigid_bodies.is_empty() && !deforms || self.model.steps.is_empty() {
             let missing = if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "body that moves" };
-            let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the deck has no {missing}"));
-            if let Some(card) = self.deck.cards.last() {
-                finding = finding.at(card.span, "the deck ends after this card");
+            let what = if self.model.last_card.is_some() { "deck" } else { "model" };
+            let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the {what} has no {missing}"));
+            if let Some(card) = self.model.last_card {
+                finding = finding.at(card, "the deck ends after this card");
             }
             self.diagnostics.push(
                 finding.help("a run needs a *RIGID BODY or a *SOLID SECTION, and a *STEP with *DYNAMIC, EXPLICIT"),

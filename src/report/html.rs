@@ -1,6 +1,9 @@
 //! The page around the data: one file that fetches nothing.
 //! Never here: what is shown.
 
+use std::path::Path;
+
+use super::ReportError;
 use super::data::Page;
 use crate::output::vtu::escape;
 
@@ -13,9 +16,10 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 /// The page as HTML.
 ///
 /// # Errors
-/// In words, where the data cannot be written as JSON.
-pub fn html(page: &Page) -> Result<String, String> {
-    let data = serde_json::to_string(page).map_err(|e| e.to_string())?;
+/// Where the data cannot be written as JSON.
+pub fn html(page: &Page) -> Result<String, ReportError> {
+    let wrong = |e: serde_json::Error| ReportError::of(Path::new(&page.folder), e.to_string());
+    let data = serde_json::to_string(page).map_err(wrong)?;
     // Within a script element only `<` could end or change it.
     let data = data.replace('<', "\\u003c");
     let title = escape(&page.title);

@@ -5,25 +5,28 @@
 //! style, script and numbers are in the file, and a content security policy forbids the rest.
 
 pub mod data;
-pub mod find;
-pub mod frames;
-pub mod history;
+mod error;
+mod find;
+mod frames;
+mod history;
 mod html;
 mod mesh;
 pub mod picture;
-pub mod study;
-pub mod sweep;
+mod study;
+mod sweep;
 
 use std::path::Path;
 
+pub use error::ReportError;
+pub use frames::{BYTES, CELLS, FRAMES};
 pub use html::html;
 
 /// Reads what a folder holds.
 ///
 /// # Errors
-/// In words: no such folder, nothing in it that a report knows, or a file that cannot be read.
-pub fn gather(folder: &Path) -> Result<data::Page, String> {
-    find::page(folder)
+/// No such folder, nothing in it that a report knows, or a file that cannot be read.
+pub fn gather(folder: &Path) -> Result<data::Page, ReportError> {
+    find::page(folder).map_err(|reason| ReportError::of(folder, reason))
 }
 
 /// Six significant digits: what a chart can show, in the fewest characters.

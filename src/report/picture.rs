@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::ReportError;
 use super::frames::{self, CELLS, Raw};
 use super::mesh::{bounds, drawn};
 use super::{find, history};
@@ -34,8 +35,12 @@ const VIRIDIS: [[f64; 3]; 9] = [
 /// A chart of history columns of the run in a folder.
 ///
 /// # Errors
-/// In words: no run, no history, or a column that does not exist, with the nearest that does.
-pub fn columns(folder: &Path, wanted: &[String]) -> Result<Chart, String> {
+/// No run, no history, or a column that does not exist, with the nearest that does.
+pub fn columns(folder: &Path, wanted: &[String]) -> Result<Chart, ReportError> {
+    columns_of(folder, wanted).map_err(|reason| ReportError::of(folder, reason))
+}
+
+fn columns_of(folder: &Path, wanted: &[String]) -> Result<Chart, String> {
     let (name, path) = history_file(folder)?;
     let names = history::names(&path)?;
     let find = |wanted: &String| {
@@ -48,8 +53,12 @@ pub fn columns(folder: &Path, wanted: &[String]) -> Result<Chart, String> {
 /// A chart of the energies that are in the history.
 ///
 /// # Errors
-/// In words: no run, no history, or no energies in it.
-pub fn energies(folder: &Path) -> Result<Chart, String> {
+/// No run, no history, or no energies in it.
+pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
+    energies_of(folder).map_err(|reason| ReportError::of(folder, reason))
+}
+
+fn energies_of(folder: &Path) -> Result<Chart, String> {
     let (name, path) = history_file(folder)?;
     let choice = history::choose(&history::names(&path)?, &[]);
     match choice.charts.into_iter().find(|c| c.0 == "Energy") {
@@ -98,8 +107,12 @@ fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> 
 /// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.
 ///
 /// # Errors
-/// In words: no run, no such frame, no such field.
-pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<String, String> {
+/// No run, no such frame, no such field.
+pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<String, ReportError> {
+    meridian_of(folder, number, field).map_err(|reason| ReportError::of(folder, reason))
+}
+
+fn meridian_of(folder: &Path, number: Option<usize>, field: &str) -> Result<String, String> {
     let name = find::only_run(folder)?;
     let series = frames::series(&folder.join(format!("{name}.pvd")))?;
     let number = number.unwrap_or(series.len());

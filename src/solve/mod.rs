@@ -26,17 +26,19 @@ use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Account, Behind, Load, Slot, VelocityUse, View};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepPlan};
+pub use crate::state::Instant;
+pub use crate::state::archive::UnfitState;
 use crate::state::dofs::Dofs;
-use crate::state::halt::Halt;
+pub use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
-use crate::state::{Before, BodyState, Instant, direction};
+use crate::state::{Before, BodyState, direction};
 use crate::user::{Locked, Wish};
 use energy::Balance;
 pub use energy::Energy;
 pub use frames::node_value;
 use increment::{End, Increment, Pace};
 use observe::Observing;
-pub use observe::Sink;
+pub use observe::{Sink, SinkError};
 use restart::{At, Keeping};
 pub use restart::{Control, Every};
 use timing::Timing;
@@ -107,6 +109,29 @@ pub struct Rest {
 }
 
 /// Runs a plan from a state at its start to its end, showing every due instant to `sink`.
+///
+/// ```
+/// use revolve::solve::{self, Sink, SinkError};
+/// use revolve::{deck, model, plan, user::Routines};
+///
+/// /// Prints each row of the history.
+/// struct Print;
+/// impl Sink for Print {
+///     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
+///         println!("{time:e} {values:?}");
+///         Ok(())
+///     }
+/// }
+///
+/// let (deck, found) = deck::read("input/ogive.inp".as_ref(), &[]);
+/// assert!(!found.has_errors());
+/// let (model, _) = model::build(&deck);
+/// let (plan, start, _) = plan::compile(&model, &Routines::none());
+/// let (first, _) = solve::run(&plan, start.clone(), &mut Print);
+/// let (second, end) = solve::run(&plan, start, &mut Print);
+/// assert_eq!(first.digest, second.digest); // A plan runs as often as one likes, to the same bits.
+/// assert_eq!(end.dofs.bodies.len(), 1);
+/// ```
 pub fn run(plan: &Plan, state: State, sink: &mut dyn Sink) -> (Outcome, State) {
     // Without a state to go on from there is none that could be refused.
     run_with(plan, state, sink, Control::default()).unwrap_or_default()
@@ -122,7 +147,7 @@ pub fn run_with(
     state: State,
     sink: &mut dyn Sink,
     control: Control<'_>,
-) -> Result<(Outcome, State), String> {
+) -> Result<(Outcome, State), UnfitState> {
     let begin = Stopwatch::now();
     if plan.steps.is_empty() {
         return Ok((Outcome::default(), state));

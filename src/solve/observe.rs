@@ -3,6 +3,8 @@
 
 use std::time::Instant as Stopwatch;
 
+use thiserror::Error;
+
 use super::Run;
 use super::frames::frame;
 use crate::output::Frame;
@@ -11,6 +13,17 @@ use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::user::Wish;
+
+/// Why a sink cannot keep what it is shown.
+#[derive(Debug, Error)]
+pub enum SinkError {
+    /// A file could not be written.
+    #[error(transparent)]
+    File(#[from] std::io::Error),
+    /// Any other reason.
+    #[error(transparent)]
+    Other(#[from] Box<dyn std::error::Error + Send + Sync>),
+}
 
 /// Takes what a run shows.
 pub trait Sink {
@@ -21,15 +34,15 @@ pub trait Sink {
     /// The scene at an instant.
     ///
     /// # Errors
-    /// In words, if it cannot be kept; the run halts.
-    fn frame(&mut self, _frame: &Frame) -> Result<(), String> {
+    /// If it cannot be kept; the run halts.
+    fn frame(&mut self, _frame: &Frame) -> Result<(), SinkError> {
         Ok(())
     }
     /// A history row at a total time, one value a column.
     ///
     /// # Errors
-    /// In words, if it cannot be kept; the run halts.
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String>;
+    /// If it cannot be kept; the run halts.
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError>;
     /// Fraction of the step done, called now and then.
     fn progress(&mut self, _step: &str, _fraction: f64, _increment: u64) {}
     /// Whether states can be kept.
@@ -39,8 +52,8 @@ pub trait Sink {
     /// Keeps the state of a run, from which another can go on ([`super::Control::state`]).
     ///
     /// # Errors
-    /// In words, if it cannot be kept; the run halts.
-    fn keep(&mut self, _state: &[u8], _now: &Instant) -> Result<(), String> {
+    /// If it cannot be kept; the run halts.
+    fn keep(&mut self, _state: &[u8], _now: &Instant) -> Result<(), SinkError> {
         Ok(())
     }
 }
@@ -187,8 +200,8 @@ impl Observing {
     }
 }
 
-pub(super) fn unwritten(reason: String) -> Halt {
-    Halt { code: "R205", reason }
+pub(super) fn unwritten(why: SinkError) -> Halt {
+    Halt { code: "R205", reason: why.to_string() }
 }
 
 impl Persist for Rhythm {

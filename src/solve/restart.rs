@@ -6,10 +6,10 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use super::increment::Pace;
 use super::observe::{Observing, Rhythm, unwritten};
-use super::{Rest, Run, Sink, StepSummary};
+use super::{Rest, Run, Sink, SinkError, StepSummary};
 use crate::plan::StepPlan;
 use crate::state::Instant;
-use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
+use crate::state::archive::{Archive, Persist, UnfitState, persist_all, persist_fields};
 use crate::state::halt::Halt;
 use crate::user::{Moment, Wish};
 
@@ -199,7 +199,7 @@ impl Sink for Nowhere {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
 }
@@ -324,12 +324,12 @@ impl Run<'_> {
     ///
     /// # Errors
     /// Why it is not one of this plan.
-    pub(super) fn take_up(&mut self, observing: &mut Observing, state: &[u8]) -> Result<(usize, Pace), String> {
+    pub(super) fn take_up(&mut self, observing: &mut Observing, state: &[u8]) -> Result<(usize, Pace), UnfitState> {
         let mut archive = Archive::reader(state);
         let mut index = 0;
         index.persist(&mut archive);
         if index >= self.plan.steps.len() {
-            return Err("it ends too early".into());
+            return Err(UnfitState { reason: "it ends too early".into() });
         }
         let mut pace = self.begin_step(index, observing);
         At { run: self, observing, pace: &mut pace }.visit(&mut archive);

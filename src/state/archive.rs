@@ -4,6 +4,14 @@
 //! A `persist` method takes its type apart without `..`, so that a new field does not compile before it is decided whether
 //! it is state. What follows from the plan alone is not state: reading goes into an object made from the same plan.
 
+/// Bytes that are not a state of the plan they are read for.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct UnfitState {
+    /// Where they part from what the plan has.
+    pub reason: String,
+}
+
 /// Bytes that are being written or read. Numbers are little-endian.
 #[derive(Debug)]
 pub struct Archive<'a> {
@@ -64,13 +72,13 @@ impl<'a> Archive<'a> {
     ///
     /// # Errors
     /// Why the bytes are not what was asked of them.
-    pub fn finish(mut self) -> Result<(), String> {
+    pub fn finish(mut self) -> Result<(), UnfitState> {
         if let Mode::Read(rest) = self.mode
             && !rest.is_empty()
         {
             self.refuse(|| format!("{} bytes are left over", rest.len()));
         }
-        self.fault.map_or(Ok(()), Err)
+        self.fault.map_or(Ok(()), |reason| Err(UnfitState { reason }))
     }
 
     /// Bytes that are left to read; all there can be while writing.
@@ -260,10 +268,10 @@ mod tests {
         }
         let mut archive = Archive::reader(&bytes);
         [0_u64; 2][..].persist(&mut archive);
-        assert_eq!(archive.finish(), Err("a list has 3 entries where the deck has 2".into()));
+        assert_eq!(archive.finish().map_err(|e| e.reason), Err("a list has 3 entries where the deck has 2".into()));
         let mut archive = Archive::reader(&bytes);
         0_u64.persist(&mut archive);
-        assert_eq!(archive.finish(), Err("24 bytes are left over".into()));
+        assert_eq!(archive.finish().map_err(|e| e.reason), Err("24 bytes are left over".into()));
         let huge = u64::MAX.to_le_bytes();
         let mut archive = Archive::reader(&huge);
         Vec::<u8>::new().persist(&mut archive);

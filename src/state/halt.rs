@@ -2,7 +2,8 @@
 //! Never here: when it does.
 
 /// The reason, with a stable code.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{code}: {reason}")]
 pub struct Halt {
     /// Stable code (`R…`).
     pub code: &'static str,

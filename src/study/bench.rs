@@ -5,6 +5,7 @@ use std::time::Instant as Stopwatch;
 
 use serde::Serialize;
 
+use super::StudyError;
 use super::measure::{Found, Measure};
 use super::settings::{Axis, Edit, Knob, edit};
 use crate::deck::{Deck, Diagnostics};
@@ -99,20 +100,20 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// In words: findings of the deck, a knob that turns nothing here, a halt, a quantity that does not exist.
-    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<Edit>) -> Result<Run, String> {
+    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<Edit>) -> Result<Run, StudyError> {
         let mut overrides = self.overrides.clone();
         let mut edits: Vec<Edit> = Vec::new();
         for (axis, value) in axes.iter().zip(values) {
             match &axis.knob {
                 Knob::Parameter(name) => overrides.push((name.clone(), value.clone())),
-                knob => edits.extend(edit(knob, value)?),
+                knob => edits.extend(edit(knob, value).map_err(StudyError::Setting)?),
             }
         }
         edits.extend(change);
         self.edited(&overrides, &edits)
     }
 
-    fn edited(&mut self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, String> {
+    fn edited(&mut self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, StudyError> {
         let (mut whole, mut inside) = (Vec::new(), Vec::new());
         let mut first = None;
         for _ in 0..self.repeat {
@@ -126,23 +127,23 @@ impl<'a> Bench<'a> {
             inside.push(run.loop_seconds.median);
             first.get_or_insert(run);
         }
-        let run = first.ok_or("no run")?;
+        let run = first.ok_or_else(|| StudyError::Comparison("no run".into()))?;
         Ok(Run { seconds: Spread::of(&mut whole), loop_seconds: Spread::of(&mut inside), ..run })
     }
 
-    fn once(&self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, String> {
+    fn once(&self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, StudyError> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
         let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));
         let prepared = job::prepare_edited((self.source)(overrides), &mut change, &routines);
         if prepared.diagnostics.has_errors() {
-            return Err(prepared.diagnostics.render(&prepared.deck.sources));
+            return Err(StudyError::refused(&prepared));
         }
         fault?;
         let mut recorder = self.measure.recorder(&prepared.plan);
         let (outcome, state) = job::run_into(&prepared, &mut recorder);
         if let Some(halt) = outcome.halt {
-            return Err(format!("halted: {}: {}", halt.code, halt.reason));
+            return Err(StudyError::Halted(halt));
         }
         recorder.end(outcome.steps.iter().map(|s| s.time).sum());
         let found = self.measure.evaluate(&recorder, &state)?;

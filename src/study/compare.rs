@@ -3,6 +3,8 @@
 
 use std::path::Path;
 
+use super::StudyError;
+
 /// A reference table: the first column is the swept parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
@@ -17,9 +19,10 @@ impl Reference {
     ///
     /// # Errors
     /// In words, with the line.
-    pub fn read(path: &Path) -> Result<Reference, String> {
-        let text = std::fs::read_to_string(path).map_err(|e| format!("--compare {}: {e}", path.display()))?;
-        Reference::parse(&text).map_err(|e| format!("--compare {}: {e}", path.display()))
+    pub fn read(path: &Path) -> Result<Reference, StudyError> {
+        let wrong = |message: String| StudyError::Reference { path: path.to_owned(), message };
+        let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
+        Reference::parse(&text).map_err(wrong)
     }
 
     fn parse(text: &str) -> Result<Reference, String> {

@@ -8,6 +8,7 @@ use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 use resvg::{tiny_skia, usvg};
 
+use super::StudyError;
 use super::chart::{Chart, Scale};
 
 const SIZE: (u32, u32) = (960, 640);
@@ -28,7 +29,7 @@ impl Chart {
     ///
     /// # Errors
     /// In words, where there is nothing to draw.
-    pub fn svg(&self) -> Result<String, String> {
+    pub fn svg(&self) -> Result<String, StudyError> {
         self.svg_on(Scale::Linear)
     }
 
@@ -36,12 +37,12 @@ impl Chart {
     ///
     /// # Errors
     /// In words, where there is nothing to draw.
-    pub fn svg_on(&self, scale: Scale) -> Result<String, String> {
+    pub fn svg_on(&self, scale: Scale) -> Result<String, StudyError> {
         let mut text = String::new();
         {
             let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            self.draw(&root, scale).map_err(|e| format!("the chart cannot be drawn: {e}"))?;
-            root.present().map_err(|e| format!("the chart cannot be drawn: {e}"))?;
+            self.draw(&root, scale).map_err(|e| undrawn(&*e))?;
+            root.present().map_err(|e| undrawn(&e))?;
         }
         Ok(text)
     }
@@ -50,7 +51,7 @@ impl Chart {
     ///
     /// # Errors
     /// In words, where there is nothing to draw.
-    pub fn png(&self) -> Result<Vec<u8>, String> {
+    pub fn png(&self) -> Result<Vec<u8>, StudyError> {
         self.png_on(Scale::Linear)
     }
 
@@ -58,7 +59,7 @@ impl Chart {
     ///
     /// # Errors
     /// In words, where there is nothing to draw.
-    pub fn png_on(&self, scale: Scale) -> Result<Vec<u8>, String> {
+    pub fn png_on(&self, scale: Scale) -> Result<Vec<u8>, StudyError> {
         png(&self.svg_on(scale)?)
     }
 
@@ -159,14 +160,22 @@ fn logarithmic_label(value: &f64) -> String {
 ///
 /// # Errors
 /// In words, where the text is no picture.
-pub fn png(svg: &str) -> Result<Vec<u8>, String> {
+pub fn png(svg: &str) -> Result<Vec<u8>, StudyError> {
+    drawn(svg).map_err(|e| StudyError::Chart(e.to_string()))
+}
+
+fn undrawn(why: &dyn std::error::Error) -> StudyError {
+    StudyError::Chart(format!("the chart cannot be drawn: {why}"))
+}
+
+fn drawn(svg: &str) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let mut options = usvg::Options { font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);
     fonts.load_font_data(dejavu::sans::regular().to_vec());
     fonts.set_sans_serif_family("DejaVu Sans");
-    let tree = usvg::Tree::from_str(svg, &options).map_err(|e| e.to_string())?;
+    let tree = usvg::Tree::from_str(svg, &options)?;
     let size = tree.size().to_int_size();
     let mut picture = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory for the picture")?;
     resvg::render(&tree, tiny_skia::Transform::identity(), &mut picture.as_mut());
-    picture.encode_png().map_err(|e| e.to_string())
+    Ok(picture.encode_png()?)
 }

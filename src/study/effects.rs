@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use super::StudyError;
 use super::ablation::{self, Ablation};
 use super::bench::{Bench, Run, Spread};
 use super::measure::Found;
@@ -53,7 +54,7 @@ pub struct Effects {
 ///
 /// # Errors
 /// Never in practice: the axis is well formed.
-pub fn default_axes() -> Result<Vec<Axis>, String> {
+pub fn default_axes() -> Result<Vec<Axis>, StudyError> {
     super::settings::axes(&["increment=1,0.5".to_owned()], &[])
 }
 
@@ -62,14 +63,16 @@ pub fn default_axes() -> Result<Vec<Axis>, String> {
 ///
 /// # Errors
 /// In words, where the deck itself gives no value or no error.
-pub fn leave_out(bench: &mut Bench<'_>, axes: &[Axis], model: &Model) -> Result<Effects, String> {
+pub fn leave_out(bench: &mut Bench<'_>, axes: &[Axis], model: &Model) -> Result<Effects, StudyError> {
+    let none = |why: &str| StudyError::Comparison(why.into());
     let study = refinement::grid(bench, axes, None)?;
-    let row = base(&study, axes).ok_or("the study has no row")?;
+    let row = base(&study, axes).ok_or_else(|| none("the study has no row"))?;
     let with = study.rows[row].run.clone()?;
     let Found::Number(value) = with.found else {
-        return Err("effects are left out of a number, not of a field".into());
+        return Err(none("effects are left out of a number, not of a field"));
     };
-    let error = study.rows[row].bound.ok_or("no error can be estimated: two levels or more are needed")?;
+    let error = study.rows[row].bound;
+    let error = error.ok_or_else(|| none("no error can be estimated: two levels or more are needed"))?;
     let values = study.rows[row].values.clone();
     let mut effects = Vec::new();
     for ablation in ablation::all() {
@@ -106,7 +109,7 @@ fn name(ablation: &Ablation, model: &Model, way: usize) -> String {
 fn effect(
     effect: String,
     instead: &'static str,
-    run: Result<Run, String>,
+    run: Result<Run, StudyError>,
     with: &Run,
     [value, error]: [f64; 2],
 ) -> Effect {
@@ -122,7 +125,7 @@ fn effect(
         matters: true,
     };
     match run {
-        Err(reason) => found.failure = Some(reason),
+        Err(reason) => found.failure = Some(reason.to_string()),
         Ok(run) => {
             if let Found::Number(without) = run.found {
                 let change = without - value;

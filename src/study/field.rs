@@ -17,7 +17,7 @@ impl FieldName {
     ///
     /// # Errors
     /// In words, with the names there are.
-    pub fn parse(name: &str) -> Result<FieldName, String> {
+    pub(super) fn parse(name: &str) -> Result<FieldName, String> {
         let wanted = name.trim().to_ascii_uppercase();
         let known = Part::parse(&wanted).filter(|p| has_norm(p.variable)).map(FieldName);
         known.ok_or_else(|| {
@@ -67,7 +67,7 @@ impl Field {
     ///
     /// # Errors
     /// In words, where nothing deforms.
-    pub fn of(state: &State, name: FieldName, time: f64) -> Result<Field, String> {
+    pub(super) fn of(state: &State, name: FieldName, time: f64) -> Result<Field, String> {
         if state.elements.is_empty() {
             return Err("a norm is taken over what deforms, and nothing here does".into());
         }
@@ -86,7 +86,7 @@ impl Field {
     ///
     /// # Errors
     /// From `exact`, and where it is zero everywhere.
-    pub fn relative_norm(&self, mut exact: impl FnMut(&Point) -> Result<f64, String>) -> Result<f64, String> {
+    pub(super) fn relative_norm(&self, mut exact: impl FnMut(&Point) -> Result<f64, String>) -> Result<f64, String> {
         let (mut difference, mut size) = (0.0, 0.0);
         for point in &self.points {
             let expected = exact(point)?;
@@ -105,7 +105,7 @@ impl Field {
     ///
     /// # Errors
     /// In words, where the meshes do not cover each other.
-    pub fn relative_norm_against(&self, fine: &Field) -> Result<f64, String> {
+    pub(super) fn relative_norm_against(&self, fine: &Field) -> Result<f64, String> {
         let buckets = Buckets::new(fine);
         let mut cells = self.cells.iter();
         self.relative_norm(|point| {

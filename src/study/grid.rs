@@ -1,6 +1,8 @@
 //! The values a sweep runs through: lists and ranges per parameter, several make a grid.
 //! Never here: runs.
 
+use super::StudyError;
+
 /// The most combinations of one sweep.
 const MOST: usize = 10_000_000;
 
@@ -15,7 +17,12 @@ impl Grid {
     ///
     /// # Errors
     /// In words, for a form that is none of these or an absurd number of combinations.
-    pub fn parse(settings: &[String]) -> Result<Grid, String> {
+    pub fn parse(settings: &[String]) -> Result<Grid, StudyError> {
+        Grid::read(settings).map_err(StudyError::Setting)
+    }
+
+    /// The same in words, of the option that a sweep has.
+    pub(super) fn read(settings: &[String]) -> Result<Grid, String> {
         let mut grid = Grid::default();
         for setting in settings {
             let (name, values) = axis(setting)?;
@@ -96,7 +103,7 @@ mod tests {
     use super::Grid;
 
     fn values(setting: &str) -> Result<Vec<String>, String> {
-        let grid = Grid::parse(&[setting.to_owned()])?;
+        let grid = Grid::read(&[setting.to_owned()])?;
         Ok((0..grid.count()).map(|i| grid.combination(i)[0].1.clone()).collect())
     }
 

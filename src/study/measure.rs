@@ -1,12 +1,13 @@
 //! The quantity of a study: an expression over histories and over norms of fields at the end of the run.
 //! Never here: the evaluator (`deck::expression`), what repeats runs.
 
+use super::StudyError;
 use super::field::{Field, FieldName};
-use super::quantity::{FUNCTIONS, value};
+use super::quantity::{FUNCTIONS, parse, value};
 use crate::deck::expression::{Argument, Expression};
 use crate::output::HistorySummary;
 use crate::plan::{Plan, State};
-use crate::solve::Sink;
+use crate::solve::{Sink, SinkError};
 
 /// Functions beside those of `--quantity` of a sweep.
 const MORE: [&str; 3] = ["at", "mean", "norm"];
@@ -45,17 +46,16 @@ impl Measure {
     ///
     /// # Errors
     /// In words, with the place in the expression.
-    pub fn parse(text: &str) -> Result<Measure, String> {
+    pub fn parse(text: &str) -> Result<Measure, StudyError> {
         let functions: Vec<&str> = FUNCTIONS.iter().copied().chain(MORE).collect();
-        let expression = Expression::parse_with(text, &functions)
-            .map_err(|e| format!("--quantity `{text}`, character {}: {}", e.start + 1, e.message))?;
+        let expression = parse(text, &functions)?;
         let alone = text.trim().strip_prefix("norm(").and_then(|t| t.strip_suffix(')'));
         if let Some(variable) = alone.filter(|a| !a.contains([',', '('])) {
-            let field = FieldName::parse(variable).map_err(|e| format!("--quantity `{text}`: {e}"))?;
+            let field = FieldName::parse(variable).map_err(|e| StudyError::quantity(text, e))?;
             return Ok(Measure { text: text.to_owned(), kind: Kind::Field(field), rows: false });
         }
         for (function, argument) in expression.raw_arguments() {
-            check(function, argument).map_err(|e| format!("--quantity `{text}`: {e}"))?;
+            check(function, argument).map_err(|e| StudyError::quantity(text, e))?;
         }
         let rows = expression.raw_arguments().any(|(f, _)| f == "at" || f == "mean");
         Ok(Measure { text: text.to_owned(), kind: Kind::Number(expression), rows })
@@ -84,15 +84,15 @@ impl Measure {
     ///
     /// # Errors
     /// In words, with the nearest name that exists.
-    pub fn check(&self, plan: &Plan) -> Result<(), String> {
-        let wrong = |message: String| format!("--quantity `{}`: {message}", self.text);
+    pub fn check(&self, plan: &Plan) -> Result<(), StudyError> {
+        let wrong = |message: String| StudyError::quantity(&self.text, message);
         let nothing = "a norm is taken over what deforms, and nothing here does";
         let Kind::Number(expression) = &self.kind else {
             return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
         };
         let mut recorder = self.recorder(plan);
         let zeros = vec![0.0; recorder.columns.len()];
-        recorder.row(0.0, &zeros).map_err(wrong)?;
+        recorder.keep_row(0.0, &zeros);
         for (function, argument) in expression.raw_arguments() {
             let column = argument.split(',').next().unwrap_or_default().trim();
             match function {
@@ -111,8 +111,8 @@ impl Measure {
     ///
     /// # Errors
     /// In words: what does not exist, with the nearest that does; a value that is not finite.
-    pub fn evaluate(&self, recorder: &Recorder, state: &State) -> Result<Found, String> {
-        let wrong = |message: String| format!("--quantity `{}`: {message}", self.text);
+    pub fn evaluate(&self, recorder: &Recorder, state: &State) -> Result<Found, StudyError> {
+        let wrong = |message: String| StudyError::quantity(&self.text, message);
         let expression = match &self.kind {
             Kind::Field(name) => {
                 return Field::of(state, *name, recorder.time).map(|f| Found::Field(Box::new(f))).map_err(wrong);
@@ -151,6 +151,14 @@ impl Recorder {
     }
 
     /// A column's value at row `i`.
+    fn keep_row(&mut self, time: f64, values: &[f64]) {
+        self.summary.observe(&self.columns, time, values);
+        if self.keeps_rows {
+            self.times.push(time);
+            self.rows.extend_from_slice(values);
+        }
+    }
+
     fn cell(&self, i: usize, column: usize) -> f64 {
         self.rows[i * self.columns.len() + column]
     }
@@ -181,12 +189,8 @@ impl Recorder {
 }
 
 impl Sink for Recorder {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
-        self.summary.observe(&self.columns, time, values);
-        if self.keeps_rows {
-            self.times.push(time);
-            self.rows.extend_from_slice(values);
-        }
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
+        self.keep_row(time, values);
         Ok(())
     }
 }

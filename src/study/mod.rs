@@ -1,13 +1,14 @@
 //! What runs a deck many times: sweeps, refinement and its price, effects left out, comparison with references, charts.
 //! Never here: a solver of its own.
 
-pub mod ablation;
+mod ablation;
 pub mod bench;
 pub mod chart;
 pub mod compare;
 #[cfg(feature = "cli")]
 pub mod draw;
 pub mod effects;
+mod error;
 pub mod field;
 pub mod grid;
 pub mod measure;
@@ -20,3 +21,5 @@ pub mod settings;
 pub mod sweep;
 pub mod table;
 pub mod target;
+
+pub use error::StudyError;

@@ -1,7 +1,8 @@
 //! `--quantity`: an expression over what the history columns came to, such as `-1000*final(U2@REF)`.
 //! Never here: the evaluator (`deck::expression`).
 
-use crate::deck::expression::{Argument, Expression};
+use super::StudyError;
+use crate::deck::expression::{Argument, Expression, ExpressionError};
 use crate::deck::names::nearest;
 use crate::output::HistorySummary;
 
@@ -20,24 +21,30 @@ impl Quantity {
     /// Parses an expression. `final(C)`, `min(C)`, `max(C)`, `time_min(C)` and `time_max(C)` take a column name.
     ///
     /// # Errors
-    /// In words, with the place in the expression.
-    pub fn parse(text: &str) -> Result<Quantity, String> {
-        let expression = Expression::parse_with(text, FUNCTIONS)
-            .map_err(|e| format!("--quantity `{text}`, character {}: {}", e.start + 1, e.message))?;
+    /// [`StudyError::Quantity`], with the place in the expression.
+    pub fn parse(text: &str) -> Result<Quantity, StudyError> {
+        let expression = parse(text, FUNCTIONS)?;
         Ok(Quantity { text: text.to_owned(), expression })
     }
 
     /// The value for a run's histories.
     ///
     /// # Errors
-    /// In words: a column that does not exist, with the nearest that does.
-    pub fn evaluate(&self, history: &HistorySummary) -> Result<f64, String> {
+    /// [`StudyError::Quantity`]: a column that does not exist, with the nearest that does.
+    pub fn evaluate(&self, history: &HistorySummary) -> Result<f64, StudyError> {
         let call = |function: &str, arguments: &[Argument]| {
             let [Argument::Raw(column)] = arguments else { return None };
             Some(value(history, function, column))
         };
-        self.expression.evaluate(&|_| None, &call).map_err(|e| format!("--quantity `{}`: {}", self.text, e.message))
+        self.expression.evaluate(&|_| None, &call).map_err(|e| StudyError::quantity(&self.text, e.message))
     }
+}
+
+/// The expression of a quantity.
+pub(super) fn parse(text: &str, functions: &[&str]) -> Result<Expression, StudyError> {
+    let wrong =
+        |e: ExpressionError| StudyError::Quantity { text: text.to_owned(), at: Some(e.start + 1), message: e.message };
+    Expression::parse_with(text, functions).map_err(wrong)
 }
 
 pub(super) fn value(history: &HistorySummary, function: &str, column: &str) -> Result<f64, String> {
@@ -76,7 +83,7 @@ mod tests {
         let value = |text: &str| Quantity::parse(text).and_then(|q| q.evaluate(&history));
         assert_eq!(value("-1000*final(U2@REF)"), Ok(50.0));
         assert_eq!(value("time_min(u2@ref) + max(U2@REF)"), Ok(1.0));
-        assert!(value("final(U2@RFE)").is_err_and(|e| e.contains("did you mean U2@REF")));
+        assert!(value("final(U2@RFE)").is_err_and(|e| e.to_string().contains("did you mean U2@REF")));
         assert!(value("final(").is_err());
     }
 }

@@ -77,7 +77,7 @@ pub struct RunRecord<'a> {
     pub setting: IndexMap<&'a str, &'a str>,
     /// Why there is no value.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub failure: Option<&'a str>,
+    pub failure: Option<String>,
     /// The quantity.
     pub value: Option<f64>,
     /// Difference from the reference.
@@ -130,7 +130,7 @@ fn run<'a>(study: &'a Study, row: &'a Row) -> RunRecord<'a> {
     let ran = row.run.as_ref().ok();
     RunRecord {
         setting: study.axes.iter().map(String::as_str).zip(row.values.iter().map(String::as_str)).collect(),
-        failure: row.run.as_ref().err().map(String::as_str),
+        failure: row.run.as_ref().err().map(ToString::to_string),
         value: row.value,
         error: row.error,
         bound: row.bound,

@@ -1,6 +1,7 @@
 //! A deck over levels of refinement: what each level gave, what the levels together say of the limit.
 //! Never here: printing, times as money (`price`).
 
+use super::StudyError;
 use super::bench::{Bench, Run};
 use super::measure::Found;
 use super::richardson::{Estimate, Level, estimate, order_of_errors};
@@ -15,7 +16,7 @@ pub struct Row {
     /// One value for each axis.
     pub values: Vec<String>,
     /// What it gave, or why nothing.
-    pub run: Result<Run, String>,
+    pub run: Result<Run, StudyError>,
     /// Settings that differ in levels alone are of one family.
     pub family: usize,
     /// The quantity; for a field the relative norm of its difference from the finest of the family.
@@ -73,7 +74,7 @@ pub struct Study {
 
 impl Row {
     /// A setting that has been tried.
-    pub fn new(values: Vec<String>, run: Result<Run, String>, family: usize) -> Row {
+    pub fn new(values: Vec<String>, run: Result<Run, StudyError>, family: usize) -> Row {
         Row {
             values,
             run,
@@ -109,9 +110,10 @@ pub(super) fn families(axes: &[Axis]) -> Vec<Vec<(usize, String)>> {
 ///
 /// # Errors
 /// In words, for an absurd number of combinations.
-pub fn grid(bench: &mut Bench<'_>, axes: &[Axis], exact: Option<f64>) -> Result<Study, String> {
+pub fn grid(bench: &mut Bench<'_>, axes: &[Axis], exact: Option<f64>) -> Result<Study, StudyError> {
     let count = axes.iter().try_fold(1_usize, |n, a| n.checked_mul(a.values.len())).filter(|n| *n <= MOST);
-    let count = count.ok_or_else(|| format!("the study has more than {MOST} settings; that is taken for a slip"))?;
+    let slip = || StudyError::Setting(format!("the study has more than {MOST} settings; that is taken for a slip"));
+    let count = count.ok_or_else(slip)?;
     let levels = |mut index: usize| {
         let mut of: Vec<usize> =
             axes.iter().rev().map(|a| (index % a.values.len(), index /= a.values.len()).0).collect();
@@ -186,14 +188,16 @@ fn find_values(study: &mut Study) {
 }
 
 /// The value of a row, where fields are compared with the finest row's.
-fn value_against(study: &Study, row: usize, finest: Option<usize>) -> Result<f64, String> {
-    let run = study.rows[row].run.as_ref().map_err(String::clone)?;
+fn value_against(study: &Study, row: usize, finest: Option<usize>) -> Result<f64, StudyError> {
+    let run = study.rows[row].run.as_ref().map_err(StudyError::clone)?;
     let fine = finest.and_then(|f| study.rows[f].run.as_ref().ok()).map(|r| &r.found);
     match (&run.found, fine) {
         (Found::Number(value), _) => Ok(*value),
         (Found::Field(_), _) if finest == Some(row) => Ok(0.0),
-        (Found::Field(field), Some(Found::Field(fine))) => field.relative_norm_against(fine),
-        (Found::Field(_), _) => Err("there is no finest level to compare with".into()),
+        (Found::Field(field), Some(Found::Field(fine))) => {
+            field.relative_norm_against(fine).map_err(StudyError::Comparison)
+        }
+        (Found::Field(_), _) => Err(StudyError::Comparison("there is no finest level to compare with".into())),
     }
 }
 

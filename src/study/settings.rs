@@ -1,6 +1,7 @@
 //! What a study refines: parameters of the deck, and knobs that change the model after it has been read.
 //! Never here: runs.
 
+use super::StudyError;
 use super::grid::Grid;
 use crate::deck::names::nearest;
 use crate::model::{Hourglass, IncrementControl, Load, LoadKind, LoadVelocity, Model, SectionControls, Step};
@@ -67,8 +68,12 @@ impl Axis {
 ///
 /// # Errors
 /// In words: a name that is neither parameter nor knob, values that are none, one level alone, levels out of order.
-pub fn axes(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, String> {
-    let grid = Grid::parse(settings).map_err(|e| e.replace("--set", "--refine").replace("the sweep", "the study"))?;
+pub fn axes(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, StudyError> {
+    read(settings, parameters).map_err(StudyError::Setting)
+}
+
+fn read(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, String> {
+    let grid = Grid::read(settings).map_err(|e| e.replace("--set", "--refine").replace("the sweep", "the study"))?;
     grid.axes().iter().map(|(name, values)| axis(name, values, parameters)).collect()
 }
 
@@ -125,14 +130,18 @@ fn sizes(name: &str, numbers: &[f64], axis: &Axis) -> Result<Vec<f64>, String> {
     Ok(numbers.iter().map(|v| if rising { 1.0 / v } else { *v }).collect())
 }
 
+fn refuse(why: &str) -> Result<(), StudyError> {
+    Err(StudyError::Setting(why.into()))
+}
+
 /// A change of the model, or why it cannot be made.
-pub type Edit = Box<dyn Fn(&mut Model) -> Result<(), String>>;
+pub type Edit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
 
 /// The change of the model that a value of a knob asks for; none for a parameter of the deck.
 ///
 /// # Errors
 /// In words, for a value the knob does not have.
-pub fn edit(knob: &Knob, value: &str) -> Result<Option<Edit>, String> {
+pub(super) fn edit(knob: &Knob, value: &str) -> Result<Option<Edit>, String> {
     match knob {
         Knob::Parameter(_) => Ok(None),
         Knob::Increment => increment(value).map(Some),
@@ -146,10 +155,10 @@ pub fn edit(knob: &Knob, value: &str) -> Result<Option<Edit>, String> {
 ///
 /// # Errors
 /// In words, of the first value that cannot be set.
-pub fn check(axes: &[Axis], model: &Model) -> Result<(), String> {
+pub fn check(axes: &[Axis], model: &Model) -> Result<(), StudyError> {
     for axis in axes {
         for value in &axis.values {
-            if let Some(edit) = edit(&axis.knob, value)? {
+            if let Some(edit) = edit(&axis.knob, value).map_err(StudyError::Setting)? {
                 edit(&mut model.clone())?;
             }
         }
@@ -168,7 +177,7 @@ fn increment(value: &str) -> Result<Edit, String> {
 
 /// A fixed increment and a stable one are multiplied; where an error estimate rules, increments go with the root of the
 /// accuracy aimed at.
-fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), String> {
+fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), StudyError> {
     if let IncrementControl::Automatic { largest, .. } = &mut step.increment {
         *largest *= factor;
     }
@@ -178,10 +187,10 @@ fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), St
         IncrementControl::Automatic { accuracy, .. } => {
             *accuracy *= factor * factor;
             if !(1e-14..=0.1).contains(accuracy) {
-                return Err(format!(
+                return Err(StudyError::Setting(format!(
                     "--refine increment={factor}: increments go with the root of ACCURACY, which would be {accuracy:e}; \
                      it must lie between 1e-14 and 0.1"
-                ));
+                )));
             }
         }
     }
@@ -209,7 +218,7 @@ fn load_velocity(value: &str) -> Result<Edit, String> {
     };
     Ok(Box::new(move |model| {
         if !reads_velocity(model) || !model.rigid_bodies.iter().any(|b| !b.elements.is_empty()) {
-            return Err("--refine load-velocity: no load here reads the velocity of a rigid body".into());
+            return refuse("--refine load-velocity: no load here reads the velocity of a rigid body");
         }
         model.steps.iter_mut().for_each(|s| s.load_velocity = scheme);
         Ok(())
@@ -226,7 +235,7 @@ fn hourglass(value: &str) -> Result<Edit, String> {
     };
     Ok(Box::new(move |model| {
         if !deforms(model) {
-            return Err("--refine hourglass: nothing here deforms".into());
+            return refuse("--refine hourglass: nothing here deforms");
         }
         control_hourglass(model, kind, 1.0);
         Ok(())
@@ -254,10 +263,10 @@ fn stable_estimate(value: &str) -> Result<Edit, String> {
     };
     Ok(Box::new(move |model| {
         if !deforms(model) {
-            return Err("--refine estimate: nothing here deforms".into());
+            return refuse("--refine estimate: nothing here deforms");
         }
         if model.steps.iter().all(|s| matches!(s.increment, IncrementControl::Fixed(_))) {
-            return Err("--refine estimate: DIRECT USER CONTROL fixes the increment".into());
+            return refuse("--refine estimate: DIRECT USER CONTROL fixes the increment");
         }
         for step in &mut model.steps {
             if let IncrementControl::Automatic { element_by_element, .. } = &mut step.increment {
@@ -285,6 +294,6 @@ mod tests {
         {
             assert!(of(wrong).is_err(), "{wrong}");
         }
-        assert!(of("N=1,2").is_err_and(|e| e.contains("did you mean n?")));
+        assert!(of("N=1,2").is_err_and(|e| e.to_string().contains("did you mean n?")));
     }
 }

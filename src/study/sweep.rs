@@ -5,6 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::StudyError;
 use super::chart::{Chart, Series};
 use super::compare::{Reference, rms};
 use super::grid::Grid;
@@ -18,11 +19,22 @@ pub struct Results {
     /// Values of the parameters of each run, as given.
     pub parameters: Vec<Vec<String>>,
     /// Value of each quantity of each run, or why there is none.
-    pub values: Vec<Result<Vec<f64>, String>>,
+    pub values: Vec<Result<Vec<f64>, StudyError>>,
 }
 
 /// Runs every combination. The results do not depend on the number of threads: runs share nothing, and the user's
 /// routines start afresh in each.
+///
+/// ```
+/// use revolve::study::{StudyError, grid::Grid, quantity::Quantity, sweep};
+///
+/// let grid = Grid::parse(&["V=569,781".into()])?;
+/// let depth = Quantity::parse("-1000*final(U2@REF)")?;
+/// let results = sweep::run("input/ogive.inp".as_ref(), &grid, &[depth], None, &|| {});
+/// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
+/// assert!(depths[1][0] > depths[0][0]); // The faster one goes deeper.
+/// # Ok::<(), StudyError>(())
+/// ```
 pub fn run(
     deck: &Path,
     grid: &Grid,
@@ -49,15 +61,15 @@ fn one(
     overrides: &job::Overrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
-) -> Result<Vec<f64>, String> {
+) -> Result<Vec<f64>, StudyError> {
     let routines = Compiled::open_any(user)?;
     let prepared = job::prepare(deck, overrides, &routines);
     if prepared.diagnostics.has_errors() {
-        return Err(prepared.diagnostics.render(&prepared.deck.sources));
+        return Err(StudyError::refused(&prepared));
     }
     let (outcome, history) = job::run_in_memory(&prepared);
     if let Some(halt) = outcome.halt {
-        return Err(format!("halted: {}: {}", halt.code, halt.reason));
+        return Err(StudyError::Halted(halt));
     }
     quantities.iter().map(|q| q.evaluate(&history)).collect()
 }

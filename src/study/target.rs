@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use super::StudyError;
 use super::bench::Bench;
 use super::price;
 use super::refinement::{Row, Series, Study, families, judge};
@@ -30,13 +31,14 @@ impl Target {
     ///
     /// # Errors
     /// In words, for what is no number above zero.
-    pub fn parse(text: &str) -> Result<Target, String> {
+    pub fn parse(text: &str) -> Result<Target, StudyError> {
         let (number, relative) = match text.trim().strip_suffix('%') {
             Some(number) => (number.trim(), true),
             None => (text.trim(), false),
         };
         let value = number.parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
-        let value = value.ok_or_else(|| format!("--target {text}: 0.5% or an error above zero is the form"))?;
+        let wrong = || StudyError::Setting(format!("--target {text}: 0.5% or an error above zero is the form"));
+        let value = value.ok_or_else(wrong)?;
         Ok(Target { value: if relative { value / 100.0 } else { value }, relative })
     }
 
@@ -108,11 +110,17 @@ fn between(axis: &Axis, size: f64) -> String {
 ///
 /// # Errors
 /// In words, where the refinements differ in their number of levels.
-pub fn reach(bench: &mut Bench<'_>, axes: &[Axis], exact: Option<f64>, target: Target) -> Result<(Study, Met), String> {
+pub fn reach(
+    bench: &mut Bench<'_>,
+    axes: &[Axis],
+    exact: Option<f64>,
+    target: Target,
+) -> Result<(Study, Met), StudyError> {
+    let wrong = |why: &str| StudyError::Setting(why.into());
     let mut counts = axes.iter().filter(|a| a.is_refinement()).map(|a| a.sizes.len());
-    let first = counts.next().ok_or("--target needs a --refine with levels")?;
+    let first = counts.next().ok_or_else(|| wrong("--target needs a --refine with levels"))?;
     if counts.any(|c| c != first) {
-        return Err("with --target all --refine go level by level together: give each as many levels".into());
+        return Err(wrong("with --target all --refine go level by level together: give each as many levels"));
     }
     let mut whole = Study { axes: axes.iter().map(|a| a.name.clone()).collect(), ..Study::default() };
     for (index, family) in families(axes).into_iter().enumerate() {

@@ -80,9 +80,9 @@ impl Compiled {
     /// The same where there may be no files: then there are no routines.
     ///
     /// # Errors
-    /// As [`Compiled::open`], in words.
-    pub fn open_any(compiled: Option<&Compiled>) -> Result<Routines, String> {
-        compiled.map_or(Ok(Routines::none()), Compiled::open).map_err(|d| d.message)
+    /// As [`Compiled::open`].
+    pub fn open_any(compiled: Option<&Compiled>) -> Result<Routines, Diagnostic> {
+        compiled.map_or(Ok(Routines::none()), Compiled::open)
     }
 }
 

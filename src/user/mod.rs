@@ -55,7 +55,8 @@ pub struct LoadPoints<'a> {
 }
 
 /// Why a user routine gave up.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{reason}")]
 pub struct LoadFailure {
     /// Index of the point in the block, where one is to blame.
     pub point: Option<usize>,
@@ -81,6 +82,31 @@ impl LoadFailure {
 
 /// A load routine of the user: gives the pressure at each point. May keep state; is called once an increment, surface
 /// and block of at most [`MAX_BLOCK`] points.
+///
+/// ```
+/// use revolve::job;
+/// use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+///
+/// /// A drag that grows with the square of the normal velocity.
+/// struct Drag {
+///     density: f64,
+/// }
+///
+/// impl UserLoad for Drag {
+///     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+///         for (i, p) in pressure.iter_mut().enumerate() {
+///             let v = points.velocity_r[i] * points.normal_r[i] + points.velocity_z[i] * points.normal_z[i];
+///             *p = if v > 0.0 { 0.5 * self.density * v * v } else { 0.0 };
+///         }
+///         Ok(())
+///     }
+/// }
+///
+/// let routines = Routines::none().with_load(Drag { density: 1000.0 });
+/// let prepared = job::prepare("input/ogive_user.inp".as_ref(), &[], &routines);
+/// let (outcome, history) = job::run_in_memory(&prepared);
+/// assert!(outcome.halt.is_none() && history.0["V2@REF"].last < 0.0);
+/// ```
 pub trait UserLoad: Send {
     /// Fills `pressure` (one entry a point, positive pushes against the outward normal; NaN on entry). For a body force
     /// it is the force a volume along r (BRNU) or z (BZNU).
@@ -92,6 +118,16 @@ pub trait UserLoad: Send {
     /// Whether it reads displacements and accelerations; if not, those slabs are not kept up.
     fn reads_motion(&self) -> bool {
         false
+    }
+}
+
+/// A user load by a function of the points and the index of one.
+struct ByPoint<F>(F);
+
+impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        pressure.iter_mut().enumerate().for_each(|(i, p)| *p = (self.0)(points, i));
+        Ok(())
     }
 }
 
@@ -380,6 +416,12 @@ impl Routines {
     pub fn with_load(mut self, routine: impl UserLoad + 'static) -> Self {
         self.load = Some(Shared(Arc::new(Mutex::new(routine))));
         self
+    }
+
+    /// With a load that gives the pressure at one point after the other, by the index of the point.
+    #[must_use]
+    pub fn with_pressure(self, pressure: impl FnMut(&LoadPoints<'_>, usize) -> f64 + Send + 'static) -> Self {
+        self.with_load(ByPoint(pressure))
     }
 
     /// With an amplitude.

@@ -3,14 +3,14 @@
 
 use std::time::Instant as Stopwatch;
 
-use revolve::element::constants::Constants;
-use revolve::element::group::{ElementGroup, Pass, Quads};
-use revolve::kernel::lanes::{Corners, LANES};
-use revolve::material::failure::Intact;
-use revolve::material::plasticity::{Flow, Hardening};
-use revolve::material::volumetric::Linear;
-use revolve::state::Instant;
-use revolve::state::nodes::Node;
+use revolve::internals::constants::Constants;
+use revolve::internals::failure::Intact;
+use revolve::internals::group::{ElementGroup, Pass, Quads};
+use revolve::internals::lanes::{Corners, LANES};
+use revolve::internals::nodes::Node;
+use revolve::internals::plasticity::{Flow, Hardening};
+use revolve::internals::volumetric::Linear;
+use revolve::solve::Instant;
 use revolve::user::Routines;
 
 use crate::common;

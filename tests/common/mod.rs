@@ -9,7 +9,7 @@ use std::process::Command;
 
 use revolve::job::{self, Overrides, Prepared};
 use revolve::output::{Frame, Job};
-use revolve::solve::{self, Outcome, Sink};
+use revolve::solve::{self, Outcome, Sink, SinkError};
 use revolve::user::Routines;
 
 /// Path of a file of the project.
@@ -44,11 +44,11 @@ impl Sink for Memory {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn frame(&mut self, frame: &Frame) -> Result<(), String> {
+    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
         self.frames.push(frame.clone());
         Ok(())
     }
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.rows.push((time, values.to_vec()));
         Ok(())
     }

@@ -307,7 +307,7 @@ fn what_is_inert_is_told() {
         };
         let (deck, _) = deck::read_text("card.inp", &text, &[]);
         let (model, _) = revolve::model::build(&deck);
-        let (plan, ..) = revolve::plan::compile(&deck, &model, &Routines::none());
+        let (plan, ..) = revolve::plan::compile(&model, &Routines::none());
         let told = plan.ledger.unused.iter().find(|u| u.what == format!("*{name}"));
         assert_eq!(told.map(|u| u.why.as_str()), Some(note), "{text}: {:?}", plan.ledger.unused);
     }

@@ -1,7 +1,7 @@
 //! A deck of `input/gauntlet/`, run in memory, and what is read from it.
 
+use revolve::internals::quad;
 use revolve::job::{self, Prepared};
-use revolve::kernel::quad;
 use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
 

@@ -16,7 +16,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRu
 use revolve::job;
 use revolve::output::checkpoint::{Checkpoint, Identity};
 use revolve::output::vtu::VtuWriter;
-use revolve::solve::{self, Control, Every, Sink};
+use revolve::solve::{self, Control, Every, Sink, SinkError};
 use revolve::user::Routines;
 
 use crate::common;
@@ -272,13 +272,13 @@ fn mesh_files() {
 struct First(Vec<u8>);
 
 impl Sink for First {
-    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
     fn keeps(&self) -> bool {
         self.0.is_empty()
     }
-    fn keep(&mut self, state: &[u8], _now: &revolve::state::Instant) -> Result<(), String> {
+    fn keep(&mut self, state: &[u8], _now: &solve::Instant) -> Result<(), SinkError> {
         self.0 = state.to_vec();
         Ok(())
     }
@@ -289,7 +289,7 @@ fn take_up(text: &str, control: Control<'_>) -> (Result<u64, String>, Vec<u8>) {
     let prepared = common::prepared(text, &[], &Routines::none());
     let mut first = First::default();
     let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
-    (outcome.map(|(o, _)| o.increments), first.0)
+    (outcome.map(|(o, _)| o.increments).map_err(|e| e.to_string()), first.0)
 }
 
 /// Bytes changed at random, with a checksum that is right again: the file is refused with a reason, or it is the one that

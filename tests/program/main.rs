@@ -4,6 +4,7 @@
 mod common;
 
 mod command_line;
+mod composed;
 mod faults;
 mod fuzz;
 mod memory;

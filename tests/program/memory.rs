@@ -3,12 +3,12 @@
 //! Goal: nothing is allocated inside an increment; an elastic deck holds no byte for plasticity.
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
-use revolve::element::constants::Constants;
-use revolve::element::group::{ElementGroup, Quads};
+use revolve::internals::constants::Constants;
+use revolve::internals::failure::Intact;
+use revolve::internals::group::{ElementGroup, Quads};
+use revolve::internals::plasticity::{Flow, Hardening};
+use revolve::internals::volumetric::Linear;
 use revolve::job::{self, HistoryOnly};
-use revolve::material::failure::Intact;
-use revolve::material::plasticity::{Flow, Hardening};
-use revolve::material::volumetric::Linear;
 use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;
@@ -99,7 +99,7 @@ fn told_and_held(text: &str, routines: &Routines) -> (usize, usize) {
     let (deck, _) = revolve::deck::read_text("test.inp", text, &[]);
     let (model, _) = revolve::model::build(&deck);
     let mut compiled = None;
-    let compiling = allocation_counter::measure(|| compiled = Some(revolve::plan::compile(&deck, &model, routines)));
+    let compiling = allocation_counter::measure(|| compiled = Some(revolve::plan::compile(&model, routines)));
     let (plan, state, found) = compiled.expect("a plan");
     assert!(!found.has_errors(), "{}", found.render(&deck.sources));
     let told = plan.ledger.effects.iter().flat_map(|row| &row.arrays).map(|array| array.1).sum();
@@ -139,7 +139,7 @@ fn the_rows_share_the_time_of_the_loop() {
         + &material(200e3, 0.3, 7.85e-9, "")
         + "*Step\n*Dynamic, Explicit\n , 2e-5\n*Dsload\n J1, P, 1.\n*End Step\n";
     let prepared = common::prepared(&deck, &[], &Routines::none());
-    let (outcome, _) = revolve::job::run_in_memory(&prepared);
+    let (outcome, _) = job::run_in_memory(&prepared);
     let rows: f64 = outcome.effect_seconds.iter().sum();
     assert!(rows >= 0.95 * outcome.seconds && rows <= outcome.seconds * (1.0 + 1e-12), "{rows} of {}", outcome.seconds);
     let of = |effect: &str| {

@@ -119,17 +119,13 @@ fn a_large_run_stays_within_its_size_and_says_what_was_left_out() {
     let page = report::gather(folder.path()).expect("a page");
     let run = &page.runs[0];
     let meridian = run.meridian.as_ref().expect("frames");
-    assert!(
-        meridian.cells <= report::frames::CELLS && meridian.cells > report::frames::CELLS / 4,
-        "{}",
-        meridian.cells
-    );
-    assert!(meridian.times.len() <= report::frames::FRAMES && meridian.times.len() >= 10, "{}", meridian.times.len());
+    assert!(meridian.cells <= report::CELLS && meridian.cells > report::CELLS / 4, "{}", meridian.cells);
+    assert!(meridian.times.len() <= report::FRAMES && meridian.times.len() >= 10, "{}", meridian.times.len());
     assert_eq!(meridian.times.last(), Some(&1e-6), "the last frame is among them");
     assert!(run.notes.iter().any(|n| n.starts_with("drawn coarser")), "{:?}", run.notes);
     assert!(run.notes.iter().any(|n| n.contains("frames are shown")), "{:?}", run.notes);
     let html = report::html(&page).expect("a page");
-    assert!(html.len() < report::frames::BYTES + 500_000, "{} bytes", html.len());
+    assert!(html.len() < report::BYTES + 500_000, "{} bytes", html.len());
 }
 
 #[test]

@@ -6,8 +6,8 @@
 
 use std::fs;
 
-use revolve::element::instructions::Instructions;
 use revolve::job;
+use revolve::job::Instructions;
 use revolve::user::Routines;
 use revolve::user::compile::compile;
 

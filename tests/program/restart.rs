@@ -9,8 +9,8 @@ use std::sync::atomic::AtomicUsize;
 
 use revolve::job::{self, Options};
 use revolve::output::{Frame, Job};
-use revolve::solve::{self, Control, Every, Outcome, Sink};
-use revolve::state::Instant;
+use revolve::solve::Instant;
+use revolve::solve::{self, Control, Every, Outcome, Sink, SinkError};
 use revolve::user::compile::compile;
 use revolve::user::{
     AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, Moment, MotionCall, Routines, UserAmplitude, UserEvents,
@@ -32,16 +32,16 @@ impl Sink for Keeper {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn frame(&mut self, frame: &Frame) -> Result<(), String> {
+    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
         self.shown.frame(frame)
     }
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), String> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.shown.row(time, values)
     }
     fn keeps(&self) -> bool {
         true
     }
-    fn keep(&mut self, state: &[u8], _now: &Instant) -> Result<(), String> {
+    fn keep(&mut self, state: &[u8], _now: &Instant) -> Result<(), SinkError> {
         self.states.push((state.to_vec(), self.shown.rows.len(), self.shown.frames.len()));
         Ok(())
     }

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use revolve::element::values;
+use revolve::internals::values;
 use revolve::output::variables::Variable;
 use revolve::solve::Outcome;
 
@@ -80,7 +80,7 @@ fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
         let corners = group.corners(e).map(|n| n as usize);
         let before = corners.map(|n| nodes.start[n]);
         let now = corners.map(|n| [0, 1].map(|axis| nodes.start[n][axis] + moved[components * n + axis]));
-        let ratio = revolve::kernel::quad::volume(before) / revolve::kernel::quad::volume(now);
+        let ratio = revolve::internals::quad::volume(before) / revolve::internals::quad::volume(now);
         cells.density.push(density * ratio);
         cells.place.push([0, 1].map(|axis| now.iter().map(|c| c[axis]).sum::<f64>() / 4.0));
         cells.mean.push(stress[4 * e..4 * e + 3].iter().sum::<f64>() / 3.0);

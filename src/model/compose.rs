@@ -1,0 +1,280 @@
+//! Models composed in Rust: constructors of the pieces, and putting them together.
+//! Never here: decks; whether the pieces fit, which `consistency` says.
+
+use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
+use super::types::{
+    Amplitude, AmplitudeDefinition, Boundary, Element, ElementKind, IncrementControl, InitialCondition, InitialKind,
+    Interval, Load, LoadKind, LoadVelocity, Material, Model, Motion, OutputCard, OutputKind, OutputRequest, PointMass,
+    Position, Region, RigidBody, Set, Side, Sides, SolidSection, Step,
+};
+use crate::deck::Span;
+use crate::output::asked::Asked;
+use crate::output::variables::{Part, Variable};
+
+impl Model {
+    /// Adds a node at `[r, z]`, named by its number from 1 on, and returns its index.
+    pub fn node(&mut self, r: f64, z: f64) -> usize {
+        self.mesh.points.push([r, z]);
+        self.mesh.node_names.push(self.mesh.points.len().to_string());
+        self.mesh.points.len() - 1
+    }
+
+    /// Adds an element, named by its number from 1 on, and returns its index. Nodes of solids run counter-clockwise in (r, z).
+    #[track_caller]
+    pub fn element(&mut self, kind: ElementKind, nodes: &[usize]) -> usize {
+        let name = (self.mesh.elements.len() + 1).to_string();
+        self.mesh.elements.push(Element { name, kind, nodes: nodes.to_vec(), span: Span::composed() });
+        self.mesh.elements.len() - 1
+    }
+
+    /// Names some nodes; names are kept in upper case.
+    #[track_caller]
+    pub fn node_set(&mut self, name: &str, members: &[usize]) {
+        self.node_sets.insert(name.to_uppercase(), Set::new(members));
+    }
+
+    /// Names some elements, likewise.
+    #[track_caller]
+    pub fn element_set(&mut self, name: &str, members: &[usize]) {
+        self.element_sets.insert(name.to_uppercase(), Set::new(members));
+    }
+
+    /// Adds a material and returns its index.
+    pub fn material(&mut self, material: Material) -> usize {
+        self.materials.push(material);
+        self.materials.len() - 1
+    }
+
+    /// Lets elements deform that are of a material, given by its index.
+    #[track_caller]
+    pub fn section(&mut self, elements: &[usize], material: usize) {
+        let elements = elements.to_vec();
+        self.sections.push(SolidSection { elements, material, controls: None, span: Span::composed() });
+    }
+
+    /// Makes elements one rigid body with a reference node. Mass comes from [`RigidBody::density`] and thickness, or from
+    /// [`Model::mass`].
+    #[track_caller]
+    pub fn rigid_body(&mut self, name: &str, reference: usize, elements: &[usize]) -> &mut RigidBody {
+        self.rigid_bodies.push(RigidBody {
+            name: name.to_uppercase(),
+            reference,
+            elements: elements.to_vec(),
+            nodes: Vec::new(),
+            thickness: 0.0,
+            density: 0.0,
+            span: Span::composed(),
+        });
+        let last = self.rigid_bodies.len() - 1;
+        &mut self.rigid_bodies[last]
+    }
+
+    /// Puts a mass on a node.
+    #[track_caller]
+    pub fn mass(&mut self, node: usize, mass: f64) {
+        self.point_masses.push(PointMass { node, mass, span: Span::composed() });
+    }
+
+    /// Lets nodes start with a velocity along a degree of freedom (1 = r, 2 = z).
+    #[track_caller]
+    pub fn initial_velocity(&mut self, nodes: &[usize], dof: u8, velocity: f64) {
+        let kind = InitialKind::Velocity(dof, velocity);
+        self.initial_conditions.push(InitialCondition { kind, members: sorted(nodes), span: Span::composed() });
+    }
+
+    /// Adds a piecewise linear function of the time in a step, `[time, value]` with ascending times, and returns its index.
+    #[track_caller]
+    pub fn amplitude(&mut self, name: &str, points: &[[f64; 2]]) -> usize {
+        let definition = AmplitudeDefinition::Curve { points: points.to_vec(), smooth: false, total_time: false };
+        let (name, span) = (name.to_uppercase(), Span::composed());
+        self.amplitudes.push(Amplitude { name, definition, absolute: false, span });
+        self.amplitudes.len() - 1
+    }
+}
+
+/// Ascending and without repetition.
+fn sorted(members: &[usize]) -> Vec<usize> {
+    let mut members = members.to_vec();
+    members.sort_unstable();
+    members.dedup();
+    members
+}
+
+impl Set {
+    /// A set of some members in any order.
+    #[track_caller]
+    pub fn new(members: &[usize]) -> Set {
+        Set { members: sorted(members), span: Span::composed() }
+    }
+}
+
+impl Material {
+    /// A linear elastic material by density, Young's modulus and Poisson's ratio. Other laws go into its fields.
+    #[track_caller]
+    pub fn elastic(name: &str, density: f64, modulus: f64, ratio: f64) -> Material {
+        Material {
+            name: name.to_uppercase(),
+            span: Span::composed(),
+            density: Some(density),
+            elastic: Some([modulus, ratio]),
+            ..Material::default()
+        }
+    }
+}
+
+impl Sides {
+    /// Sides of elements as a surface, `(element, side)`.
+    pub fn new(name: &str, faces: &[(usize, Side)]) -> Sides {
+        Sides { name: name.into(), surface: true, faces: faces.to_vec() }
+    }
+}
+
+impl Step {
+    /// A step of some length in time, with the increment that the mesh calls for and nothing in force.
+    #[track_caller]
+    pub fn new(name: &str, duration: f64) -> Step {
+        Step {
+            name: name.into(),
+            span: Span::composed(),
+            duration,
+            increment: IncrementControl::default(),
+            scale_factor: 1.0,
+            load_velocity: LoadVelocity::Predicted,
+            bulk_viscosity: BULK_VISCOSITY,
+            adiabatic: false,
+            boundaries: Vec::new(),
+            loads: Vec::new(),
+            contacts: Vec::new(),
+            mass_scalings: Vec::new(),
+            energy_limit: None,
+            outputs: Vec::new(),
+            restart: None,
+        }
+    }
+
+    /// With a prescribed motion.
+    #[must_use]
+    pub fn with_boundary(mut self, boundary: Boundary) -> Step {
+        self.boundaries.push(boundary);
+        self
+    }
+
+    /// With a load.
+    #[must_use]
+    pub fn with_load(mut self, load: Load) -> Step {
+        self.loads.push(load);
+        self
+    }
+
+    /// With an output request.
+    #[must_use]
+    pub fn with_output(mut self, request: OutputRequest) -> Step {
+        self.outputs.push(request);
+        self
+    }
+}
+
+impl Default for IncrementControl {
+    fn default() -> Self {
+        let accuracy = DEFAULT_ACCURACY;
+        IncrementControl::Automatic { accuracy, element_by_element: false, largest: f64::INFINITY }
+    }
+}
+
+impl Boundary {
+    /// Holds nodes along a degree of freedom (1 = r, 2 = z).
+    #[track_caller]
+    pub fn held(name: &str, nodes: &[usize], dof: u8) -> Boundary {
+        Boundary::moved(name, nodes, dof, Motion::Displacement, 0.0)
+    }
+
+    /// Moves nodes along a degree of freedom. A displacement needs an [`Boundary::amplitude`]: none jumps.
+    #[track_caller]
+    pub fn moved(name: &str, nodes: &[usize], dof: u8, kind: Motion, value: f64) -> Boundary {
+        let (set, nodes, span) = (name.into(), nodes.to_vec(), Span::composed());
+        Boundary { nodes, set, dof, kind, user: false, value, amplitude: None, span }
+    }
+}
+
+impl Load {
+    /// A load of a kind with a magnitude that stays.
+    #[track_caller]
+    pub fn new(kind: LoadKind, magnitude: f64) -> Load {
+        Load { kind, magnitude, amplitude: None, span: Span::composed() }
+    }
+
+    /// A pressure, positive towards the surface.
+    #[track_caller]
+    pub fn pressure(sides: Sides, magnitude: f64) -> Load {
+        Load::new(LoadKind::Pressure(sides), magnitude)
+    }
+
+    /// The pressure of a user load ([`crate::user::Routines::with_load`]).
+    #[track_caller]
+    pub fn user(sides: Sides) -> Load {
+        Load::new(LoadKind::User { sides, load_type: 0 }, 1.0)
+    }
+
+    /// The same with an amplitude, given by its index.
+    #[must_use]
+    pub fn with_amplitude(mut self, amplitude: usize) -> Load {
+        self.amplitude = Some(amplitude);
+        self
+    }
+}
+
+impl Region {
+    /// The node set of that name.
+    pub fn nodes(name: &str) -> Region {
+        Region::Nodes(name.to_uppercase())
+    }
+
+    /// The element set of that name.
+    pub fn elements(name: &str) -> Region {
+        Region::Elements(name.to_uppercase())
+    }
+}
+
+impl OutputRequest {
+    /// History columns of variables, `<VARIABLE>@<SET>`, at the program's default interval.
+    #[track_caller]
+    pub fn history<A: Into<Asked>>(region: Region, variables: impl IntoIterator<Item = A>) -> OutputRequest {
+        OutputRequest::new(OutputKind::History, region, variables.into_iter().map(Into::into).collect())
+    }
+
+    /// Arrays of frames, at the program's default interval.
+    #[track_caller]
+    pub fn field<A: Into<Asked>>(variables: impl IntoIterator<Item = A>) -> OutputRequest {
+        OutputRequest::new(OutputKind::Field, Region::Whole, variables.into_iter().map(Into::into).collect())
+    }
+
+    #[track_caller]
+    fn new(kind: OutputKind, region: Region, variables: Vec<Asked>) -> OutputRequest {
+        let card = match region {
+            Region::Whole => OutputCard::Output,
+            Region::Nodes(_) => OutputCard::Node,
+            Region::Elements(_) => OutputCard::Element,
+        };
+        let (interval, position, span) = (Interval::Default, Position::Element, Span::composed());
+        OutputRequest { kind, interval, card, variables, position, region, sensor: None, span }
+    }
+
+    /// The same as often as told.
+    #[must_use]
+    pub fn every(mut self, interval: Interval) -> OutputRequest {
+        self.interval = interval;
+        self
+    }
+}
+
+impl From<Variable> for Asked {
+    fn from(variable: Variable) -> Asked {
+        Asked::Whole(variable)
+    }
+}
+
+impl From<Part> for Asked {
+    fn from(part: Part) -> Asked {
+        Asked::One(part)
+    }
+}

@@ -1,0 +1,349 @@
+//! Whether a model holds together: every index leads somewhere, every value is one that its card could have. What decks are
+//! told word by word, models composed in Rust are told here, with the same codes.
+//! Never here: what a card says, decisions about effects.
+
+use super::types::{
+    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
+    Interval, Load, LoadKind, Model, OutputRequest, Region, Side, Step, Target,
+};
+use crate::deck::{Diagnostic, Diagnostics, Span};
+use crate::output::asked::Asked;
+
+impl Model {
+    /// What keeps it from being planned; empty for a model of a deck that was read without errors.
+    pub fn check(&self) -> Diagnostics {
+        let mut check = Check { model: self, found: Diagnostics::default() };
+        check.mesh();
+        // What refers to a broken mesh would only be told as broken, too.
+        if !check.found.has_errors() {
+            check.names();
+            self.materials.iter().for_each(|m| check.material(m));
+            check.bodies();
+            check.amplitudes();
+            self.targets.iter().for_each(|t| check.target(t));
+            self.connectors.iter().for_each(|c| check.connector(c));
+            check.conditions();
+            self.steps.iter().for_each(|s| check.step(s));
+        }
+        check.found
+    }
+}
+
+/// A model and what was found wrong with it.
+pub(super) struct Check<'a> {
+    model: &'a Model,
+    found: Diagnostics,
+}
+
+pub(super) fn above_zero(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
+/// Not below zero.
+pub(super) fn not_below(value: f64) -> bool {
+    value >= 0.0 && value.is_finite()
+}
+
+fn ascend(members: &[usize]) -> bool {
+    members.windows(2).all(|w| w[0] < w[1])
+}
+
+impl Check<'_> {
+    fn error(&mut self, code: &'static str, span: Span, message: impl Into<String>) {
+        self.found.push(Diagnostic::error(code, message).at(span, "here"));
+    }
+
+    /// Says what is wrong with a value unless it is good.
+    pub(super) fn value(&mut self, good: bool, span: Span, message: impl FnOnce() -> String) {
+        if !good {
+            self.error("M103", span, message());
+        }
+    }
+
+    /// Says which index leads nowhere.
+    fn indices(&mut self, code: &'static str, span: Span, what: &str, indices: &[usize], count: usize) {
+        if let Some(stray) = indices.iter().find(|i| **i >= count) {
+            self.error(code, span, format!("there is no {what} with the index {stray}: the model has {count}"));
+        }
+    }
+
+    fn nodes(&mut self, span: Span, indices: &[usize]) {
+        self.indices("M110", span, "node", indices, self.model.mesh.points.len());
+    }
+
+    fn elements(&mut self, span: Span, indices: &[usize]) {
+        self.indices("M110", span, "element", indices, self.model.mesh.elements.len());
+    }
+
+    fn amplitude(&mut self, span: Span, index: Option<usize>) {
+        self.indices("M112", span, "amplitude", index.as_slice(), self.model.amplitudes.len());
+    }
+
+    fn degree(&mut self, span: Span, dof: u8, last: u8) {
+        self.value((1..=last).contains(&dof), span, || format!("degree of freedom {dof}: 1 is r, 2 is z"));
+    }
+
+    fn mesh(&mut self) {
+        let mesh = &self.model.mesh;
+        let (points, names) = (mesh.points.len(), mesh.node_names.len());
+        if points != names {
+            self.found.push(Diagnostic::error("M110", format!("{points} nodes have {names} names")));
+        }
+        let stray = mesh.points.iter().find(|[r, z]| !(not_below(*r) && z.is_finite()));
+        if let Some([r, z]) = stray {
+            let message = format!("a node at r = {r}, z = {z}: r must not be below zero, and both are finite");
+            self.found.push(Diagnostic::error("M126", message));
+        }
+        for element in &mesh.elements {
+            let (need, has) = (element.kind.node_count(), element.nodes.len());
+            if need != has {
+                let message =
+                    format!("element {} of {} has {has} nodes, not {need}", element.name, element.kind.name());
+                self.error("M122", element.span, message);
+            }
+            self.indices("M122", element.span, "node", &element.nodes, points);
+        }
+    }
+
+    fn names(&mut self) {
+        let model = self.model;
+        for (name, set) in model.node_sets.iter().chain(&model.element_sets) {
+            self.value(ascend(&set.members), set.span, || format!("members of the set `{name}` must ascend"));
+        }
+        model.node_sets.values().for_each(|set| self.nodes(set.span, &set.members));
+        model.element_sets.values().for_each(|set| self.elements(set.span, &set.members));
+        model.surfaces.values().for_each(|s| self.faces(s.span, &s.faces));
+        model.node_surfaces.values().for_each(|nodes| self.nodes(Span::default(), nodes));
+    }
+
+    /// Sides of elements: each is one that its element has.
+    fn faces(&mut self, span: Span, faces: &[(usize, Side)]) {
+        let mesh = &self.model.mesh;
+        for &(index, side) in faces {
+            let Some(element) = mesh.elements.get(index) else {
+                self.elements(span, &[index]);
+                return;
+            };
+            let has = match side {
+                Side::Positive | Side::Negative => element.kind == ElementKind::Rax2,
+                Side::Face(n) => element.nodes.len() > 2 && (1..=element.nodes.len()).contains(&usize::from(n)),
+            };
+            if !has {
+                let message = format!("element {} of {} has no side {side:?}", element.name, element.kind.name());
+                self.error("M131", span, message);
+                return;
+            }
+        }
+    }
+
+    fn bodies(&mut self) {
+        let model = self.model;
+        for section in &model.sections {
+            self.elements(section.span, &section.elements);
+            self.indices("M111", section.span, "material", &[section.material], model.materials.len());
+        }
+        for body in &model.rigid_bodies {
+            self.nodes(body.span, &[body.reference]);
+            self.nodes(body.span, &body.nodes);
+            self.elements(body.span, &body.elements);
+            self.value(not_below(body.density) && not_below(body.thickness), body.span, || {
+                "density and thickness of a rigid body must not be below zero".into()
+            });
+        }
+        for point in &model.point_masses {
+            self.nodes(point.span, &[point.node]);
+            self.value(not_below(point.mass), point.span, || {
+                format!("a mass must not be below zero, not {}", point.mass)
+            });
+        }
+        for plane in model.planes.values() {
+            self.nodes(plane.span, plane.reference.as_slice());
+            let finite = [plane.height, plane.from, plane.to].iter().all(|x| x.is_finite());
+            self.value(finite, plane.span, || "a plane needs finite coordinates".into());
+        }
+    }
+
+    fn amplitudes(&mut self) {
+        let model = self.model;
+        for amplitude in &model.amplitudes {
+            let AmplitudeDefinition::Curve { points, .. } = &amplitude.definition else { continue };
+            let finite = points.iter().flatten().all(|x| x.is_finite());
+            let good = finite && !points.is_empty() && points.windows(2).all(|w| w[0][0] < w[1][0]);
+            self.value(good, amplitude.span, || "an amplitude needs times that ascend".into());
+        }
+    }
+
+    fn target(&mut self, target: &Target) {
+        let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
+        self.value(good, target.span, || "a target needs a front, the direction +1 or -1, and layers".into());
+        for layer in &target.layers {
+            self.indices("M111", layer.span, "material", &[layer.material], self.model.materials.len());
+            self.value(layer.thickness > 0.0, layer.span, || {
+                format!("a layer must be thicker than zero, not {}", layer.thickness)
+            });
+            let Some(material) = self.model.materials.get(layer.material) else { continue };
+            if material.cavity.is_none() || material.density.is_none() {
+                let name = &material.name;
+                let message =
+                    format!("material {name} has no resistance: a layer needs *DENSITY and *CAVITY EXPANSION");
+                self.error("M101", layer.span, message);
+            }
+        }
+    }
+
+    fn connector(&mut self, property: &ConnectorProperty) {
+        self.elements(property.span, &property.elements);
+        let elements = property.elements.iter().filter_map(|&e| self.model.mesh.elements.get(e));
+        let kinds: Vec<ElementKind> = elements.map(|e| e.kind).collect();
+        self.value(kinds.iter().all(|k| k.is_connector()), property.span, || {
+            "the property of springs and dashpots is given to other elements".into()
+        });
+        if kinds.iter().any(|k| k.node_count() == 1) {
+            self.degree(property.span, property.dof, 2);
+        }
+        let good = match &property.law {
+            ConnectorLaw::Spring(value) | ConnectorLaw::Dashpot(value) => not_below(*value),
+            ConnectorLaw::Table(rows) | ConnectorLaw::DashpotTable(rows) => {
+                let finite = rows.iter().flatten().all(|x| x.is_finite());
+                finite && !rows.is_empty() && rows.windows(2).all(|w| w[0][0] < w[1][0])
+            }
+        };
+        self.value(good, property.span, || "a spring or dashpot needs a value, or rows that ascend".into());
+    }
+
+    fn conditions(&mut self) {
+        let model = self.model;
+        for equation in &model.equations {
+            let nodes: Vec<usize> = equation.terms.iter().map(|t| t.0).collect();
+            self.nodes(equation.span, &nodes);
+            equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
+            let good = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
+            self.value(good, equation.span, || "an equation needs terms, with coefficients other than zero".into());
+        }
+        for condition in &model.initial_conditions {
+            let finite = match &condition.kind {
+                InitialKind::Stress(values) => values.iter().all(|v| v.is_finite()),
+                InitialKind::Velocity(_, v) | InitialKind::Temperature(v) | InitialKind::Energy(v) => v.is_finite(),
+            };
+            self.value(finite, condition.span, || "an initial condition needs finite values".into());
+            self.value(ascend(&condition.members), condition.span, || "members must ascend".into());
+            match condition.kind {
+                InitialKind::Stress(_) | InitialKind::Energy(_) => self.elements(condition.span, &condition.members),
+                _ => self.nodes(condition.span, &condition.members),
+            }
+            if let InitialKind::Velocity(dof, _) = condition.kind {
+                self.degree(condition.span, dof, 6);
+            }
+        }
+        self.value(model.absolute_zero.is_finite(), Span::default(), || "absolute zero must be finite".into());
+    }
+
+    fn step(&mut self, step: &Step) {
+        self.value(above_zero(step.duration), step.span, || {
+            format!("the length of the step must be above zero, not {}", step.duration)
+        });
+        let increment = match step.increment {
+            IncrementControl::Automatic { accuracy, largest, .. } => (1e-14..=0.1).contains(&accuracy) && largest > 0.0,
+            IncrementControl::Fixed(increment) => increment > 0.0 && increment <= step.duration,
+        };
+        self.value(increment, step.span, || format!("no increment can be chosen by {:?}", step.increment));
+        self.value(step.scale_factor > 0.0, step.span, || "SCALE FACTOR must be above zero".into());
+        self.value(step.bulk_viscosity.iter().all(|b| not_below(*b)), step.span, || {
+            "bulk viscosity must not be below zero".into()
+        });
+        step.boundaries.iter().for_each(|b| self.boundary(b));
+        step.loads.iter().for_each(|l| self.load(l));
+        step.outputs.iter().for_each(|o| self.output(o));
+        if let Some(restart) = step.restart {
+            self.interval(restart.span, restart.interval);
+        }
+        self.contacts_and_masses(step);
+    }
+
+    fn contacts_and_masses(&mut self, step: &Step) {
+        for contact in &step.contacts {
+            self.nodes(contact.span, &contact.nodes);
+            self.value(ascend(&contact.nodes), contact.span, || "nodes in contact must ascend".into());
+            self.value(not_below(contact.friction), contact.span, || "friction must not be below zero".into());
+            if !self.model.planes.contains_key(&contact.plane) {
+                self.error("M114", contact.span, format!("there is no analytical surface `{}`", contact.plane));
+            }
+        }
+        for scaling in &step.mass_scalings {
+            self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
+            let good = above_zero(scaling.factor) && scaling.target.is_none_or(|t| above_zero(t.1));
+            self.value(good, scaling.span, || "FACTOR and DT of mass scaling must be above zero".into());
+        }
+    }
+
+    fn boundary(&mut self, boundary: &Boundary) {
+        self.nodes(boundary.span, &boundary.nodes);
+        self.degree(boundary.span, boundary.dof, 6);
+        self.amplitude(boundary.span, boundary.amplitude);
+        self.value(boundary.value.is_finite(), boundary.span, || "a prescribed motion must be finite".into());
+    }
+
+    fn load(&mut self, load: &Load) {
+        self.amplitude(load.span, load.amplitude);
+        self.value(load.magnitude.is_finite(), load.span, || "the magnitude of a load must be finite".into());
+        match &load.kind {
+            LoadKind::Concentrated { nodes, dof, .. } => {
+                self.nodes(load.span, nodes);
+                self.degree(load.span, *dof, 6);
+            }
+            LoadKind::Gravity { elements, direction } => {
+                self.elements(load.span, elements.as_deref().unwrap_or_default());
+                let length = direction[0].hypot(direction[1]);
+                self.value((length - 1.0).abs() < 1e-9, load.span, || "GRAV needs a unit vector as direction".into());
+            }
+            LoadKind::Pressure(sides) => self.faces(load.span, &sides.faces),
+            LoadKind::User { sides, load_type } => {
+                self.faces(load.span, &sides.faces);
+                self.load_type(load.span, *load_type, matches!(load_type, 0 | 20..=24));
+            }
+            LoadKind::UserBody { elements, load_type, .. } => {
+                self.elements(load.span, elements);
+                self.load_type(load.span, *load_type, matches!(load_type, 1 | 2));
+            }
+            LoadKind::Cavity { sides, target, friction } => {
+                self.faces(load.span, &sides.faces);
+                self.indices("M113", load.span, "target", &[*target], self.model.targets.len());
+                self.value(not_below(*friction), load.span, || {
+                    format!("FRICTION must not be below zero, not {friction}")
+                });
+            }
+        }
+    }
+
+    fn load_type(&mut self, span: Span, load_type: i32, known: bool) {
+        if !known {
+            self.error("M132", span, format!("{load_type} is no load type of VDLOAD for this kind of load"));
+        }
+    }
+
+    fn output(&mut self, request: &OutputRequest) {
+        self.interval(request.span, request.interval);
+        let model = self.model;
+        let missing = match &request.region {
+            Region::Nodes(name) => Some(("node", name)).filter(|_| !model.node_sets.contains_key(name)),
+            Region::Elements(name) => Some(("element", name)).filter(|_| !model.element_sets.contains_key(name)),
+            Region::Whole => None,
+        };
+        if let Some((what, name)) = missing {
+            self.error("M110", request.span, format!("there is no {what} set `{name}`"));
+        }
+        for asked in &request.variables {
+            let Asked::One(part) = asked else { continue };
+            if !part.variable.row().numbered && part.variable.parts().all(|p| p != *part) {
+                let message = format!("{} has no component {}", part.variable.name(), part.component);
+                self.error("M141", request.span, message);
+            }
+        }
+    }
+
+    fn interval(&mut self, span: Span, interval: Interval) {
+        if let Interval::Time(time) = interval {
+            self.value(time > 0.0, span, || format!("an interval must be above zero, not {time}"));
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Whether the values of a material are such as its cards could have.
+//! Never here: which laws can stand beside each other, which the plan says.
+
+use super::consistency::{Check, above_zero, not_below};
+use super::types::{DamageEvolution, EosKind, FailureCriterion, Material, Plastic, RateDependence, StrainAtFailure};
+use crate::kernel::levels::Levels;
+
+/// Whether temperatures ascend in rows; one row needs none.
+fn by_temperature(rows: &[[f64; 3]]) -> bool {
+    !rows.is_empty() && (rows.len() == 1 || rows.windows(2).all(|w| w[0][2] < w[1][2]))
+}
+
+impl Check<'_> {
+    pub(super) fn material(&mut self, material: &Material) {
+        let (name, span) = (&material.name, material.span);
+        let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
+        need(material.density.is_none_or(above_zero), "the density must be above zero");
+        need(
+            material.elastic.is_none_or(|[e, nu]| above_zero(e) && nu > -1.0 && nu < 0.5),
+            "Young's modulus must be above 0, Poisson's ratio between -1 and 0.5",
+        );
+        need(material.shear_modulus.is_none_or(above_zero), "the shear modulus must be above zero");
+        let rubber = material.neo_hooke.is_none_or(|([c10, d1], _)| above_zero(c10) && above_zero(d1));
+        need(rubber, "C10 and D1 must be above zero");
+        let heat = |rows: &Vec<[f64; 2]>| !rows.is_empty() && rows.iter().all(|r| above_zero(r[0]));
+        need(material.specific_heat.as_ref().is_none_or(heat), "the specific heat must be above zero");
+        let fraction = material.inelastic_heat_fraction.is_none_or(f64::is_finite);
+        need(fraction, "the inelastic heat fraction must be finite");
+        need(material.eos.is_none_or(|eos| is_equation(eos.kind)), "constants of the equation of state out of range");
+        need(material.plastic.as_ref().is_none_or(yields), "rows of the yield stress out of range");
+        need(material.rate.as_ref().is_none_or(is_rate), "rows of the rate dependence out of range");
+        need(material.failures.iter().all(fails), "strain at failure or damage out of range");
+        need(material.tensile_failure.is_none_or(|t| above_zero(t.cutoff)), "the cutoff must be above zero (tension)");
+        let resists =
+            material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
+        need(resists, "a resistance needs YIELD above zero and A, B, C not below zero");
+        need(material.user.iter().flatten().all(|c| c.is_finite()), "constants of the user must be finite");
+        let state = material.state;
+        need(state.count <= 10_000 && state.delete.is_none_or(|d| d < state.count), "state variables out of range");
+    }
+}
+
+fn is_equation(kind: EosKind) -> bool {
+    match kind {
+        EosKind::IdealGas([gas_constant, ambient]) => above_zero(gas_constant) && not_below(ambient),
+        EosKind::UsUp([c0, s, gamma0]) => above_zero(c0) && not_below(s) && not_below(gamma0),
+    }
+}
+
+/// The plan says more of tables.
+fn yields(plastic: &Plastic) -> bool {
+    match plastic {
+        Plastic::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
+        Plastic::Tabular(rows) => rows.iter().all(|r| r[0].is_finite() && r[1].is_finite()),
+        Plastic::Kinematic(lines) => by_temperature(lines) && lines.iter().all(|l| above_zero(l[0]) && not_below(l[1])),
+    }
+}
+
+fn is_rate(rate: &RateDependence) -> bool {
+    match rate {
+        RateDependence::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
+        RateDependence::PowerLaw(rows) => {
+            by_temperature(rows) && rows.iter().all(|r| above_zero(r[0]) && above_zero(r[1]))
+        }
+        RateDependence::YieldRatio(rows) => {
+            let follows = |w: &[[f64; 3]]| w[0][1] < w[1][1] || w[0][2] < w[1][2];
+            !rows.is_empty()
+                && rows.windows(2).all(follows)
+                && rows.iter().all(|r| r[0].is_finite() && r[1].is_finite())
+        }
+    }
+}
+
+fn fails(criterion: &FailureCriterion) -> bool {
+    let table = |rows: &Vec<[f64; 4]>| rows.iter().all(|r| r[0] > 0.0) && Levels::new(rows).is_some();
+    let strain = match &criterion.strain {
+        StrainAtFailure::Constant(strain) => *strain > 0.0,
+        StrainAtFailure::JohnsonCook(d, _) => d.iter().all(|v| v.is_finite()),
+        StrainAtFailure::Ductile(rows) | StrainAtFailure::Shear(rows) => table(rows),
+    };
+    strain
+        && match criterion.evolution {
+            DamageEvolution::Sudden | DamageEvolution::Absent => true,
+            DamageEvolution::Displacement(value) | DamageEvolution::Energy(value) => not_below(value),
+        }
+}

@@ -1,0 +1,147 @@
+//! Scenes composed in Rust: they are the scenes of decks, to the bits, and what is wrong with one is refused with the code that
+//! a deck would be given.
+
+use revolve::job::{self, Prepared};
+use revolve::model::{
+    Amplitude, AmplitudeDefinition, Boundary, ElementKind, Interval, Load, LoadKind, Material, Model, OutputRequest,
+    Region, Side, Sides, Step,
+};
+use revolve::output::variables::{Part, Variable};
+use revolve::user::Routines;
+
+use crate::common::{prepared, run};
+
+const DECK: &str = "
+*Node, nset=ALL
+ 1, 0., 0.
+ 2, 0.01, 0.
+ 3, 0.01, 0.01
+ 4, 0., 0.01
+*Element, type=CAX4R, elset=SOLID
+ 1, 1, 2, 3, 4
+*Nset, nset=FOOT
+ 1, 2
+*Nset, nset=TIP
+ 4
+*Surface, name=TOP
+ SOLID, S3
+*Material, name=STEEL
+*Density
+ 7850.,
+*Elastic
+ 210.e9, 0.3
+*Solid Section, elset=SOLID, material=STEEL
+*Step
+*Dynamic, Explicit
+ , 1.e-5
+*Boundary
+ FOOT, 2
+*Dsload
+ TOP, P, 1.e8
+*Output, history
+*Node Output, nset=TIP
+ U2
+*End Step
+";
+
+/// The scene of the deck.
+fn composed() -> Model {
+    let mut model = Model::default();
+    let nodes = [[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]].map(|[r, z]| model.node(r, z));
+    let element = model.element(ElementKind::Cax4r, &nodes);
+    let steel = model.material(Material::elastic("STEEL", 7850.0, 210e9, 0.3));
+    model.section(&[element], steel);
+    model.node_set("TIP", &nodes[3..]);
+    let axial = Part { variable: Variable::Displacement, component: 1 };
+    let step = Step::new("push", 1e-5)
+        .with_boundary(Boundary::held("FOOT", &nodes[..2], 2))
+        .with_load(Load::pressure(Sides::new("TOP", &[(element, Side::Face(3))]), 1e8))
+        .with_output(OutputRequest::history(Region::nodes("TIP"), [axial]));
+    model.steps.push(step);
+    model
+}
+
+fn planned(model: &Model) -> Prepared {
+    job::prepare_model(model, &Routines::none())
+}
+
+#[test]
+fn composed_and_written_are_one_scene() {
+    let scene = planned(&composed());
+    assert!(!scene.diagnostics.has_errors(), "{}", scene.diagnostics.render(&scene.deck.sources));
+    let (outcome, history) = job::run_in_memory(&scene);
+    let (of_deck, memory) = run(DECK, &[], &Routines::none());
+    assert_eq!(outcome.digest, of_deck.digest);
+    assert_eq!(history.0["U2@TIP"].last, memory.rows.last().expect("a row").1[0]);
+    let rows = |p: &Prepared| p.plan.ledger.effects.iter().map(|r| (r.effect.clone(), r.count)).collect::<Vec<_>>();
+    assert_eq!(rows(&scene), rows(&prepared(DECK, &[], &Routines::none())));
+    let asked = |r: &revolve::plan::ledger::Row| r.asked_by.iter().all(|place| place.starts_with("composed in Rust"));
+    assert!(scene.plan.ledger.effects.iter().all(asked), "{}", scene.plan.ledger.render());
+}
+
+/// A scene is told from others by all that it holds, and from itself by nothing.
+#[test]
+fn a_checkpoint_fits_its_own_scene() {
+    let identity = |model: &Model| planned(model).identity("");
+    assert_eq!(identity(&composed()), identity(&composed()));
+    let mut other = composed();
+    other.materials[0].density = Some(7851.0);
+    assert_ne!(identity(&composed()), identity(&other));
+}
+
+#[test]
+fn what_is_wrong_is_refused_and_never_panics() {
+    type Wrong = (&'static str, fn(&mut Model));
+    let cases: &[Wrong] = &[
+        ("M126", |m| m.mesh.points[1][0] = f64::NAN),
+        ("M126", |m| m.mesh.points[1][0] = -1.0),
+        ("M110", |m| drop(m.mesh.node_names.pop())),
+        ("M122", |m| m.mesh.elements[0].nodes[2] = 9),
+        ("M122", |m| m.mesh.elements[0].nodes.truncate(3)),
+        ("P012", |m| m.mesh.elements[0].nodes.reverse()),
+        ("P001", |m| m.sections.clear()),
+        ("M110", |m| m.sections[0].elements.push(7)),
+        ("M111", |m| m.sections[0].material = 3),
+        ("M103", |m| m.materials[0].density = Some(-1.0)),
+        ("P013", |m| m.materials[0].density = None),
+        ("M103", |m| m.materials[0].elastic = Some([210e9, 0.5])),
+        ("M103", |m| m.materials[0].elastic = Some([f64::INFINITY, 0.3])),
+        ("M103", |m| m.steps[0].duration = 0.0),
+        ("M103", |m| m.steps[0].scale_factor = f64::NAN),
+        ("M110", |m| m.steps[0].boundaries[0].nodes.push(99)),
+        ("M103", |m| m.steps[0].boundaries[0].dof = 0),
+        ("M112", |m| m.steps[0].boundaries[0].amplitude = Some(0)),
+        ("M103", |m| m.steps[0].loads[0].magnitude = f64::INFINITY),
+        ("M131", |m| m.steps[0].loads[0].kind = LoadKind::Pressure(Sides::new("TOP", &[(0, Side::Face(5))]))),
+        ("M110", |m| m.steps[0].loads[0].kind = LoadKind::Pressure(Sides::new("TOP", &[(4, Side::Face(1))]))),
+        ("P004", |m| m.steps[0].loads.push(Load::user(Sides::new("TOP", &[(0, Side::Face(3))])))),
+        ("M113", |m| {
+            let sides = Sides::new("TOP", &[(0, Side::Face(3))]);
+            m.steps[0].loads.push(Load::new(LoadKind::Cavity { sides, target: 0, friction: 0.0 }, 1.0));
+        }),
+        ("M103", |m| {
+            let definition = AmplitudeDefinition::Curve { points: Vec::new(), smooth: false, total_time: false };
+            m.amplitudes.push(Amplitude { name: "A".into(), definition, absolute: false, span: Default::default() });
+        }),
+        ("M110", |m| drop(m.node_sets.shift_remove("TIP"))),
+        ("M141", |m| {
+            let part = Part { variable: Variable::Displacement, component: 2 };
+            m.steps[0].outputs.push(OutputRequest::history(Region::nodes("TIP"), [part]));
+        }),
+        ("M103", |m| m.steps[0].outputs[0].interval = Interval::Time(0.0)),
+        ("P006", |m| m.steps.clear()),
+        ("M110", |m| m.mass(17, 1.0)),
+        ("P005", |m| {
+            let node = m.node(0.0, 1.0);
+            m.mass(node, 1.0);
+        }),
+        ("M103", |m| m.initial_velocity(&[0], 2, f64::NAN)),
+    ];
+    for (i, (code, spoil)) in cases.iter().enumerate() {
+        let mut model = composed();
+        spoil(&mut model);
+        let found = planned(&model).diagnostics;
+        let text = found.render(&Default::default());
+        assert!(found.has_errors() && found.iter().any(|d| d.code == *code), "case {i}, {code}: {text}");
+    }
+}
