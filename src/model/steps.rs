@@ -185,11 +185,6 @@ impl Builder<'_> {
         let (span, adiabatic) = (card.span, card.has("ADIABATIC"));
         let procedure = Procedure { span, duration, increment, scale_factor, load_velocity, adiabatic };
         match &mut self.step {
-            Some(StepState { procedure: Some(earlier), .. }) => {
-                let finding = Diagnostic::error("M105", "a step has one *DYNAMIC").at(card.span, "the second");
-                let first = earlier.span;
-                self.diagnostics.push(finding.at(first, "the first"));
-            }
             Some(step) => step.procedure = Some(procedure),
             None => self.outside_step(card),
         }

@@ -386,7 +386,11 @@ fn faulty_contact_is_refused_with_a_reason() {
     for (code, from, to) in [
         ("", "", ""),
         ("P021", " 800, 2, 2", " 800, 1, 1"),
-        ("P021", " START, 0., 0.\n LINE, 100., 0.", " START, 0., 0.5\n LINE, 100., 0.5\n*Surface, name=J0\n EJ1, S3"),
+        (
+            "P021",
+            " START, 0., 0.\n LINE, 100., 0.",
+            " START, 0., 0.5\n LINE, 100., 0.5\n*Surface, name=BOTH\n EJ0, S1\n EJ1, S3\n*Contact Pair\n BOTH, WALL",
+        ),
         ("M104", " LINE, 100., 0.", " LINE, 100., 1."),
         ("M114", " J0, WALL", " NONE, WALL"),
         ("M104", " J0, WALL", " J0, J1"),

@@ -234,11 +234,11 @@ fn absolute_amplitudes_are_magnitudes() {
 fn what_is_not_done_is_refused() {
     for (first, second, code) in [
         ((", nlgeom=NO", ""), ("", ""), "M104"),
-        ((", nlgeom=MAYBE", ""), ("", ""), "M103"),
+        ((", nlgeom=MAYBE", ""), ("", ""), "M104"),
         ((", amplitude=SLOW", ""), ("", ""), "M103"),
         (("", "*Boundary\n REF, 1, 1\n"), ("", "*Boundary, op=NEW\n REF, 1, 1\n*Boundary\n REF, 6, 6\n"), "M103"),
         (("", "*Cload, op=OLD\n REF, 2, 1.\n"), ("", ""), "M103"),
-        (("", "*Dynamic, explicit\n , 1.\n"), ("", ""), "M105"),
+        (("", "*Dynamic, explicit\n , 1.\n"), ("", ""), "M160"),
     ] {
         let text = deck(DISC, [first, second]);
         assert!(codes(&text).contains(&code), "{first:?} {second:?}: {:?}", codes(&text));
