@@ -93,9 +93,10 @@ impl Bar {
         self.kinetic = 0.0;
         for node in &mut self.nodes {
             let acceleration = [node.force[0] / node.mass, if node.held { 0.0 } else { node.force[1] / node.mass }];
-            let whole = [0, 1].map(|i| node.velocity[i] + behind * acceleration[i]);
-            self.kinetic += 0.5 * node.mass * (whole[0] * whole[0] + whole[1] * whole[1]);
-            node.velocity = [0, 1].map(|i| whole[i] + ahead * acceleration[i]);
+            // The energy that central differences keep: velocities half an increment before and after.
+            let energy = |i: usize| node.velocity[i] * (node.velocity[i] + 2.0 * behind * acceleration[i]);
+            self.kinetic += 0.5 * node.mass * (energy(0) + energy(1));
+            node.velocity = [0, 1].map(|i| node.velocity[i] + (behind + ahead) * acceleration[i]);
             node.force = [0.0; 2];
         }
     }
