@@ -44,8 +44,11 @@ impl Compiler<'_> {
             }
             Err(Dependent { equation, follows_from }) => {
                 let message = format!("this equation cannot be kept in step `{}`", step.name);
-                let label =
-                    if follows_from.is_empty() { "all of it is prescribed" } else { "it follows from the others marked" };
+                let label = if follows_from.is_empty() {
+                    "all of it is prescribed"
+                } else {
+                    "it follows from the others marked"
+                };
                 let finding = Diagnostic::error("P018", message).at(spans[equation], label);
                 let finding = follows_from.iter().fold(finding, |f, &i| f.at(spans[i], "from this one"));
                 self.diagnostics.push(finding.help("leave it out, or free one of its degrees of freedom"));
