@@ -78,7 +78,7 @@ pub mod user;
 #[doc(hidden)]
 pub mod internals {
     pub use crate::element::{constants, group, values};
-    pub use crate::kernel::{lanes, quad};
+    pub use crate::kernel::{lanes, quad, rotation};
     pub use crate::material::{failure, plasticity, volumetric};
     pub use crate::state::nodes;
 }

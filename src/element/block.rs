@@ -434,6 +434,19 @@ impl Stage {
         self.weight[lane] > 0.0
     }
 
+    /// Sums of the pass, and what deformed in it.
+    pub(super) fn parts(&self) -> (&Sums, &[Lanes; 2]) {
+        (&self.sums, &self.deformed)
+    }
+
+    /// Begins a pass under a bound of frequencies.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, cap: f64) {
+        self.sums = Sums::default();
+        self.deaths = 0;
+        (self.cap, self.deformed) = (cap, [[0.0; LANES]; 2]);
+    }
+
     /// Lets the record of a block of the task follow an increment.
     #[inline(never)]
     pub(super) fn follow<S, Q, X>(
@@ -451,12 +464,11 @@ impl Stage {
 
     /// Follows the largest strain increment.
     #[inline(always)]
-    fn measure(&mut self) {
+    pub(super) fn measure(&mut self) {
         for l in 0..LANES {
             let [rr, zz, hoop, rz] = column(&self.strain, l);
             let square = self.weight[l] * ((rr * rr + zz * zz) + (hoop * hoop + 2.0 * rz * rz));
             let dilation = self.weight[l] * (rr + zz + hoop);
-            let larger = |a: f64, b: f64| if a > b { a } else { b };
             self.deformed[0][l] = larger(square, self.deformed[0][l]);
             self.deformed[1][l] = larger(dilation * dilation, self.deformed[1][l]);
         }
@@ -474,6 +486,27 @@ impl Stage {
             self.weight[count..].fill(0.0);
         }
     }
+}
+
+impl Sums {
+    /// Adds the sums of blocks that come behind, lane by lane.
+    pub(super) fn add(&mut self, behind: &Sums) {
+        for l in 0..LANES {
+            self.internal[l] += behind.internal[l];
+            self.plastic[l] += behind.plastic[l];
+            self.viscous[l] += behind.viscous[l];
+            self.artificial[l] += behind.artificial[l];
+            if is_larger(behind.rate[l], self.rate[l]) {
+                (self.rate[l], self.limiting[l]) = (behind.rate[l], behind.limiting[l]);
+            }
+        }
+    }
+}
+
+/// The larger of two; the second where one is not a number.
+#[inline(always)]
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Whether a rate takes the place of the largest so far. Not a number counts as the largest, and the first stays: it must

@@ -1,5 +1,7 @@
-//! Numbers that all elements of a group share.
+//! Numbers that all elements of a group share, and what follows from them for one linear element.
 //! Never here: state.
+
+use crate::kernel::quad;
 
 /// Elastic moduli, hourglass control and bulk viscosity of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,4 +16,31 @@ pub struct Constants {
     pub hourglass_viscosity: f64,
     /// Linear and quadratic bulk viscosity.
     pub bulk_viscosity: [f64; 2],
+}
+
+impl Constants {
+    /// One over the stable increment of an element with these corners `[r, z]` and corner masses, by the bound of the inner
+    /// loop with linear bulk viscosity alone.
+    pub(super) fn own_rate(&self, corners: [[f64; 2]; 4], masses: &[f64; 4]) -> f64 {
+        let g = quad::gradient(corners.map(|c| c[0]), corners.map(|c| c[1]));
+        let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
+        let modulus = self.bulk + 4.0 / 3.0 * self.shear;
+        let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+        let xi = self.bulk_viscosity[0];
+        0.5 * (sum / g.volume).sqrt() * (1.0 + xi * (1.0 + 0.5 * xi))
+    }
+
+    /// Elastic stiffness of an element with these corners, `[r, z]` of each in turn; none of a deleted one.
+    pub(super) fn stiffness(&self, corners: [[f64; 2]; 4], deleted: bool) -> [[f64; 8]; 8] {
+        if deleted {
+            return [[0.0; 8]; 8];
+        }
+        quad::stiffness(corners, [self.bulk, self.shear], self.hourglass_stiffness)
+    }
+
+    /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too.
+    pub(super) fn cap(&self, frequency: f64) -> f64 {
+        let xi = self.hourglass_viscosity;
+        frequency * (1.0 + xi * (1.0 + 0.5 * xi))
+    }
 }

@@ -15,6 +15,7 @@ use crate::mesh::gather::Gather;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
+use crate::state::halt::Halt;
 use crate::state::nodes::Nodes;
 use crate::state::{EffectId, Instant};
 use crate::user::UserMaterial;
@@ -89,6 +90,20 @@ impl Elements {
     /// Number of elements.
     pub fn count(&self) -> usize {
         self.groups.iter().map(|g| g.len()).sum()
+    }
+
+    /// The analysis begins: asks what only the user's routine can tell.
+    ///
+    /// # Errors
+    /// Why it could not.
+    pub fn probe(
+        &mut self,
+        nodes: &Nodes,
+        now: &Instant,
+        mut user: Option<&mut (dyn UserMaterial + 'static)>,
+    ) -> Result<(), Halt> {
+        let mut groups = self.groups.iter_mut();
+        groups.try_for_each(|group| group.probe(nodes.as_slice(), now, user.as_deref_mut()))
     }
 
     /// A step begins; `moved_otherwise` says whether constraints move nodes behind the passes over them.

@@ -59,6 +59,19 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn failure(&self) -> Option<Halt> {
         None
     }
+    /// Asks the user's routine what must be known when the analysis begins, before masses are scaled and a highest frequency
+    /// is estimated: the moduli of a user's material.
+    ///
+    /// # Errors
+    /// The routine's, and an answer that is not elastic.
+    fn probe(
+        &mut self,
+        _nodes: &[Node],
+        _now: &Instant,
+        _user: Option<&mut (dyn UserMaterial + 'static)>,
+    ) -> Result<(), Halt> {
+        Ok(())
+    }
     /// Stresses at the end of an increment, and forces on the corners.
     fn update(&mut self, pass: Pass<'_>) -> Totals;
     /// What an element holds of a variable; `None` where it does not have it, or where it follows by a formula.
@@ -315,7 +328,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
         let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
-        totals(&self.tasks, |task| if self.rests[task].asleep { still } else { f64::INFINITY })
+        totals(self.tasks.iter().map(Stage::parts), |task| if self.rests[task].asleep { still } else { f64::INFINITY })
     }
 
     fn sleeps(&self, task: usize) -> bool {
@@ -371,30 +384,19 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             return None;
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
-        let g = quad::gradient(corners.map(|c| c[0]), corners.map(|c| c[1]));
-        let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
-        let modulus = self.constants.bulk + 4.0 / 3.0 * self.constants.shear;
-        let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
-        let xi = self.constants.bulk_viscosity[0];
-        Some(0.5 * (sum / g.volume).sqrt() * (1.0 + xi * (1.0 + 0.5 * xi)))
+        Some(self.constants.own_rate(corners, masses))
     }
 
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
         if V::VARIES || V::TOTAL || AREA {
             return None;
         }
-        if self.is_deleted(element) {
-            return Some([[0.0; 8]; 8]);
-        }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
-        let Constants { bulk, shear, hourglass_stiffness, .. } = self.constants;
-        Some(quad::stiffness(corners, [bulk, shear], hourglass_stiffness))
+        Some(self.constants.stiffness(corners, self.is_deleted(element)))
     }
 
     fn cap(&mut self, frequency: f64) {
-        // The hourglass control damps the highest modes too.
-        let xi = self.constants.hourglass_viscosity;
-        self.cap = frequency * (1.0 + xi * (1.0 + 0.5 * xi));
+        self.cap = self.constants.cap(frequency);
     }
 
     fn corner_masses(&self, element: usize) -> [f64; 4] {
@@ -465,9 +467,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
         let stage = self.stage;
         let pass = self.pass;
         let laws = (&pass.laws.0, &pass.laws.1, &pass.laws.2);
-        stage.sums = Sums::default();
-        stage.deaths = 0;
-        (stage.cap, stage.deformed) = (pass.cap, [[0.0; LANES]; 2]);
+        stage.begin(pass.cap);
         let mut places = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
@@ -491,11 +491,14 @@ pub(super) fn tell_deleted(group: &impl ElementGroup, told: &mut [bool], gone: &
     }
 }
 
-/// Folds the tasks in their order; no rate of a task is larger than `most` says.
-pub(super) fn totals(tasks: &[Stage], most: impl Fn(usize) -> f64) -> Totals {
+/// Folds what tasks came to in their order: their sums and what deformed; no rate of a task is larger than `most` says.
+pub(super) fn totals<'a>(
+    tasks: impl Iterator<Item = (&'a Sums, &'a [Lanes; 2])>,
+    most: impl Fn(usize) -> f64,
+) -> Totals {
     let mut totals = Totals::default();
     let mut largest = 0.0;
-    for (task, Stage { sums, deformed, .. }) in tasks.iter().enumerate() {
+    for (task, (sums, deformed)) in tasks.enumerate() {
         let most = most(task);
         let [strain, dilation] = deformed.map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
         totals.deformed = totals.deformed.max(strain + 0.5 * dilation);

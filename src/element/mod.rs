@@ -19,6 +19,7 @@ pub mod record;
 pub mod rings;
 #[cfg(test)]
 mod same_bits;
+mod user_chunk;
 pub mod user_quads;
 pub mod values;
 pub mod volume_guard;

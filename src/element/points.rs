@@ -286,7 +286,11 @@ impl Points {
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
-        8 * self.count * (3 + 1 + 1 + 4 + 1 + 1 + 2 * (4 + 5 + 4 + self.variables + 2))
+        let Points { coordinates, length, density, strain, spin, temperature, .. } = self;
+        let Points { stretch, gradient, stress, state, internal, inelastic, .. } = self;
+        let single = [coordinates, length, density, strain, spin, temperature];
+        let pairs = [stretch, gradient, stress, state, internal, inelastic];
+        single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity()).sum()
     }
 }
 

@@ -118,12 +118,12 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P022",
         title: "mass scaling that cannot be",
-        text: "Masses are scaled of deformable elements with *ELASTIC. Where pressure follows from density or energy (*EOS), of rubber and of a *USER MATERIAL the mass is part of the state; nodes shared with a rigid body, an *EQUATION and gravity on an element set take masses once and would not follow.",
+        text: "Masses are scaled of deformable elements with *ELASTIC or a *USER MATERIAL. Where pressure follows from density or energy (*EOS) and of rubber the mass is part of the state; nodes shared with a rigid body, an *EQUATION and gravity on an element set take masses once and would not follow.",
     },
     Code {
         code: "P050",
         title: "area weighting that cannot be",
-        text: "WEIGHTING=AREA of *SECTION CONTROLS takes elastic materials that may flow and fail, in all sections of the model, with linear bulk viscosity: without it some modes grow. Rigid bodies that share nodes and mass scaling work on rings and are refused.",
+        text: "WEIGHTING=AREA of *SECTION CONTROLS takes elastic materials that may flow and fail, none of the user, in all sections of the model, with linear bulk viscosity: without it some modes grow. Rigid bodies that share nodes and mass scaling work on rings and are refused.",
     },
     Code {
         code: "P101",

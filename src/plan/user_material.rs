@@ -31,7 +31,9 @@ impl Compiler<'_> {
             return None;
         }
         add_masses(corners, nodes, density, mass);
-        // Fractions of a shear modulus that the routine's first call tells.
+        self.tell_of_heat(material);
+        let enhanced = self.is_enhanced(section);
+        // Fractions of a shear modulus that the routine's first call tells, as it does Poisson's ratio.
         let unit = Moduli { bulk: 1.0, shear: 1.0, ratio: 0.0 };
         let [hourglass_stiffness, hourglass_viscosity] = self.hourglass(section, unit)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
@@ -40,34 +42,43 @@ impl Compiler<'_> {
         let StateVariables { count, delete } = material.state;
         let detail = format!("material {}, by the user, Jaumann rate", material.name);
         self.cause(section.span, "deformable elements", elements.len(), "CAX4R", detail);
-        let detail = format!("vumat: {} constants, {count} state variables", properties.len());
+        let ratio = if enhanced { ", hourglass stiffness times 1 + Poisson's ratio" } else { "" };
+        let detail = format!("vumat: {} constants, {count} state variables{ratio}", properties.len());
         self.cause(section.span, "user material", elements.len(), "points", detail);
         self.control_rows(section, elements.len(), &constants);
-        let description =
-            Description { name: material.name.clone(), properties: properties.to_vec(), variables: count, delete };
+        let (name, properties) = (material.name.clone(), properties.to_vec());
+        let description = Description { name, properties, variables: count, delete, enhanced };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect();
         Some(Box::new(UserQuads::new(description, constants, density, corners, nodes, names)))
     }
 
     /// Density of a user material; `None` if it lacks one or stands beside what it cannot (reported).
     fn user_density(&mut self, section: &SolidSection, material: &Material) -> Option<f64> {
-        let enhanced = section.controls.as_ref().is_some_and(|name| {
-            self.model.controls.iter().any(|c| c.name == *name && c.hourglass == Hourglass::Enhanced)
-        });
-        let heats = self.adiabatic() && material.inelastic_heat_fraction.is_some();
         let (code, message) = if material.density.is_none() {
             ("P013", format!("material `{}` has no *DENSITY", material.name))
         } else if material.elastic.is_some() || material.plastic.is_some() {
             ("P041", format!("material `{}` has *ELASTIC or *PLASTIC beside *USER MATERIAL", material.name))
-        } else if enhanced {
-            ("P015", "HOURGLASS=ENHANCED needs the Poisson's ratio of an *ELASTIC material".into())
-        } else if heats {
-            ("P015", "inelastic energy of a *USER MATERIAL does not heat yet".into())
         } else {
             return material.density;
         };
         self.diagnostics.push(Diagnostic::error(code, message).at(section.span, "these elements deform"));
         None
+    }
+
+    /// A routine stores temperatures and integrates them itself, as state variables (ABAQUS User Subroutines Reference Manual,
+    /// VUMAT, "Overview").
+    fn tell_of_heat(&mut self, material: &Material) {
+        let Some(step) = self.model.steps.first().filter(|s| s.adiabatic) else { return };
+        if material.inelastic_heat_fraction.is_some() {
+            let what = format!("heating of material `{}`", material.name);
+            self.unused(step.span, what, "its routine integrates the temperature itself, as a state variable");
+        }
+    }
+
+    fn is_enhanced(&self, section: &SolidSection) -> bool {
+        let named =
+            |name: &String| self.model.controls.iter().any(|c| c.name == *name && c.hourglass == Hourglass::Enhanced);
+        section.controls.as_ref().is_some_and(named)
     }
 
     /// Materials that elements of the scene have.

@@ -316,6 +316,7 @@ impl<'a> Run<'a> {
             self.advance(pace)?;
         } else {
             self.begin_routines()?;
+            self.begin_nodes()?;
         }
         loop {
             self.evaluate(observing, sink)?;
@@ -380,7 +381,6 @@ impl<'a> Run<'a> {
         };
         self.begin_constraints();
         self.balance.begin(&self.slots, &self.dofs.bodies);
-        self.begin_nodes();
         self.warned = [false; 2];
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
@@ -424,15 +424,21 @@ impl<'a> Run<'a> {
         self.constraints.iter_mut().for_each(|c| c.begin(&mut self.dofs));
     }
 
-    fn begin_nodes(&mut self) {
+    /// What the user's routine tells of its material, and what follows from the moduli: the first estimate of the highest
+    /// frequency.
+    fn begin_nodes(&mut self) -> Result<(), Halt> {
         if self.elements.is_empty() {
-            return;
+            return Ok(());
+        }
+        if self.now.step == 1 {
+            self.elements.probe(&self.dofs.nodes, &self.now, self.user.material.as_deref_mut())?;
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
         let prescribed: Vec<_> = self.constraints.iter().flat_map(|c| c.prescribes()).collect();
         let carried: Vec<_> = self.constraints.iter().flat_map(|c| c.carries().to_vec()).collect();
         let held = crate::element::frequency::Held { prescribed: &prescribed, carried: &carried };
         self.elements.begin_frequency(global, &self.dofs.nodes, &held);
+        Ok(())
     }
 
     fn evaluate_forces(&mut self) -> Result<(), Halt> {

@@ -2,8 +2,8 @@
 //! The arithmetic is that of the solver (CAX4R, von Mises with hardening, stiffness hourglass control, bulk viscosity, all
 //! energies, the stable increment).
 
-use revolve::kernel::quad::{UNIT, corner_masses, gradient};
-use revolve::kernel::rotation::rotated;
+use revolve::internals::quad::{UNIT, corner_masses, gradient};
+use revolve::internals::rotation::rotated;
 
 const DENSITY: f64 = 8930.0;
 const SHEAR: f64 = 117e9 / 2.7;
@@ -140,7 +140,7 @@ impl Element {
         let base = pressure + 2.0 * SHEAR / 3.0 * dilation;
         let s = [0, 1, 2].map(|i| old[i] - base + 2.0 * SHEAR * d[i]);
         let s_rz = old[3] + 2.0 * SHEAR * d[3];
-        let trial = (1.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 3.0 * s_rz * s_rz).sqrt();
+        let trial = (1.5_f64 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 3.0 * s_rz * s_rz).sqrt();
         let mut flow = 0.0_f64;
         for [start, slope] in LINES {
             flow = flow.max((trial - (start + slope * self.strain)) / (3.0 * SHEAR + slope));

@@ -9,7 +9,7 @@ use revolve::internals::group::{ElementGroup, Quads};
 use revolve::internals::plasticity::{Flow, Hardening};
 use revolve::internals::volumetric::Linear;
 use revolve::job::{self, HistoryOnly};
-use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
 use crate::common::solid::{grid, material};
@@ -58,6 +58,41 @@ fn nothing_allocates_inside_an_increment() {
         assert!(long.0 > 5 * short.0 && short.0 > 1000);
         assert_eq!(long.1, short.1, "{name}");
     }
+}
+
+/// Answers with a stress that is always the same.
+struct Still;
+
+impl UserMaterial for Still {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let elastic = call.now.total_time == 0.0;
+        let new = |(old, strain): (&f64, &f64)| old + if elastic { 1e5 * strain } else { 0.0 };
+        answer.stress.iter_mut().zip(call.stress.iter().zip(call.strain).map(new)).for_each(|(s, v)| *s = v);
+        Ok(())
+    }
+}
+
+/// With the global estimate, which is made anew now and then from what is there.
+#[test]
+fn nothing_allocates_inside_an_increment_of_a_user_material() {
+    let deck = |time: &str| {
+        grid(12, 24, false, |i, j| [i as f64, j as f64])
+            + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.,\n*User Material, constants=1\n 1.,\n"
+            + &format!("*Initial Conditions, type=VELOCITY\n I1, 2, 1.\n*Step\n*Dynamic, Explicit\n , {time}\n")
+            + "*Output, history, number interval=1\n*Energy Output\n ALLIE\n*End Step\n"
+    };
+    let count = |time: &str| {
+        let routines = Routines::none().with_material(Still);
+        let mut prepared = job::prepare_text("test.inp", &deck(time), &[], &routines);
+        assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
+        let mut increments = 0;
+        let counted = allocation_counter::measure(|| increments = job::run_in_memory(&mut prepared).0.increments);
+        (increments, counted.count_total)
+    };
+    let (short, long) = (count("0.1"), count("1."));
+    println!("{} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
+    assert!(short.0 > 10 && long.0 > 5 * short.0);
+    assert_eq!(long.1, short.1);
 }
 
 /// A law without anything: what is called here would be noticed.

@@ -343,6 +343,19 @@ fn every_example() {
     }
 }
 
+/// The moduli that the routine told at the beginning are not asked for again; the bound of frequencies goes on.
+#[test]
+fn a_user_material_under_the_global_estimate() {
+    if !common::fortran("restart of a user material under the global estimate") {
+        return;
+    }
+    let text =
+        fs::read_to_string(project("input/taylor_vumat.inp")).expect("a deck").replace(", element by element", "");
+    let compiled = compile(&[project("input/vumat_hardening.f90")], false).expect("a library");
+    let outcome = goes_on("taylor_vumat", &text, || compiled.open().expect("routines"));
+    assert!(outcome.halt.is_none() && outcome.steps[0].global_estimates > Some(1), "{outcome:?}");
+}
+
 /// Where a deformable body fails, the last frame is that of the last complete instant: as a run shows it that writes every
 /// instant. Near the start, and more increments behind it than lie between the states that are held.
 #[test]

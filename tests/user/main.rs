@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod built_in_twin;
 mod deformable;
 mod load;
 mod material;

@@ -99,26 +99,34 @@ fn a_vumat_in_fortran_is_the_built_in_taylor_bar() {
     assert!(state.values.iter().zip(&strain.values).all(|(a, b)| (a - b).abs() < 1e-11));
 }
 
-/// What the deck of the example says in words: the same bar as `taylor_copper.inp`, element by element.
+/// What the deck of the example says in words: the same bar as `taylor_copper.inp`, element by element and with the global
+/// estimate alike.
 #[test]
 fn the_example_deck_is_the_built_in_example() {
     if !fortran() {
         return;
     }
-    let depth = |deck: &str, settings: &[(&str, &str)], routines: &Routines| {
-        // A user's material has no global estimate.
+    let depth = |deck: &str, option: &str, settings: &[(&str, &str)], routines: &Routines| {
         let text = std::fs::read_to_string(common::project(deck)).expect("the deck");
-        let text = text.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, element by element\n");
+        let text = text.replace("Explicit, element by element\n", "Explicit\n");
+        let text = text.replace("*Dynamic, Explicit\n", &format!("*Dynamic, Explicit{option}\n"));
         let prepared = job::prepare_text(deck, &text, &common::pairs(settings), routines);
         assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
         let (outcome, summary) = job::run_in_memory(&prepared);
         assert_eq!(outcome.halt, None);
-        serde_json::to_value(&summary).expect("JSON")["U2@TIP"]["final"].as_f64().expect("a depth")
+        let depth = serde_json::to_value(&summary).expect("JSON")["U2@TIP"]["final"].as_f64().expect("a depth");
+        (outcome.increments, depth)
     };
     let routines = compiled(&hardening()).expect("it compiles");
-    let expected = depth("input/taylor_copper.inp", &[("nr", "5"), ("nz", "25")], &Routines::none());
-    let got = depth("input/taylor_vumat.inp", &[], &routines);
-    assert!(expected < -0.01 && (got / expected - 1.0).abs() < 1e-11, "{got} {expected}");
+    let counts = [", element by element", ""].map(|option| {
+        let coarse = [("nr", "5"), ("nz", "25")];
+        let (count, expected) = depth("input/taylor_copper.inp", option, &coarse, &Routines::none());
+        let (increments, got) = depth("input/taylor_vumat.inp", option, &[], &routines);
+        assert_eq!(increments, count);
+        assert!(expected < -0.01 && (got / expected - 1.0).abs() < 1e-11, "{got} {expected}");
+        count
+    });
+    assert!(counts[1] < counts[0], "{counts:?}");
 }
 
 /// Elastic, from a strain that it keeps as state: right only if its frame turns with the material. Behind the strain it

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use revolve::job;
 use revolve::solve::Outcome;
-use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
+use revolve::user::Routines;
 
 use crate::common::solid::{column, grid, last, material, run};
 
@@ -185,15 +185,6 @@ fn the_energy_balance_holds_while_masses_change() {
     }
 }
 
-/// A user's material that is never asked.
-struct Unused;
-
-impl UserMaterial for Unused {
-    fn stress(&mut self, _call: &MaterialCall<'_>, _answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
-        Err(LoadFailure::new("asked"))
-    }
-}
-
 #[test]
 fn what_cannot_be_scaled_is_refused() {
     let fails = |text: &str, code: &str| {
@@ -225,12 +216,6 @@ fn what_cannot_be_scaled_is_refused() {
     let ideal = body("*Variable Mass Scaling, dt=1., frequency=1\n")
         .replace("*Elastic\n 1e2, 0.3\n", "*Eos, type=IDEAL GAS\n 287., 0.\n*Specific Heat\n 700.,\n");
     fails(&ideal, "P022");
-    let by_user =
-        body("*Fixed Mass Scaling, factor=2.\n").replace("*Elastic\n 1e2, 0.3\n", "*User Material, constants=1\n 1.\n");
-    let routines = Routines::none().with_material(Unused);
-    let prepared = job::prepare_text("test.inp", &by_user, &Vec::new(), &routines);
-    let codes: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
-    assert!(codes.contains(&"P022") && prepared.diagnostics.has_errors(), "{codes:?}");
     let rigid =
         body("*Fixed Mass Scaling, factor=2.\n").replace("*Step\n", "*Rigid Body, ref node=7, pin nset=J1\n*Step\n");
     fails(&rigid, "P022");

@@ -1,0 +1,295 @@
+//! The elements of a user material that one call of its routine shows: what is done with them before the call and behind it.
+//! Chunks know nothing of each other, so that several threads take them; the call between is that of one thread.
+//! Never here: the order of chunks, moduli, output.
+
+use super::group::block;
+use crate::element::block::{Block, Nodes, Stage, Sums, dot, larger};
+use crate::element::constants::Constants;
+use crate::element::points::Points;
+use crate::element::record::spin;
+use crate::element::user_quads::Description;
+use crate::kernel::lanes::{Corners, LANES, Lanes};
+use crate::kernel::quad::{Gradient, gradient};
+use crate::kernel::rotation::rotated;
+use crate::material::plasticity::Elastic;
+use crate::material::volumetric::Linear;
+use crate::state::Instant;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::nodes::Node;
+use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, UserMaterial};
+
+/// Blocks of elements that one call shows, and its elements.
+pub(super) const BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
+pub(super) const ELEMENTS: usize = BLOCKS * LANES;
+
+/// The elements of one call.
+#[derive(Clone)]
+pub(super) struct Chunk {
+    pub blocks: Vec<Block<(), (), ()>>,
+    pub points: Points,
+    /// Masses by density, which no mass scaling changes: the routine's density and energies a mass are those of its material.
+    pub mass: Vec<f64>,
+    /// Geometry at the start.
+    start: Vec<Gradient>,
+    /// Cosine and sine of the angle by which the stress's frame has turned.
+    turn: Vec<[f64; 2]>,
+    pub deleted: Vec<bool>,
+}
+
+/// Scratch memory of a chunk between its phases. Chunks take turns with it.
+#[derive(Clone)]
+pub(super) struct Scratch {
+    /// One for each block.
+    pub stages: Vec<Stage>,
+    nodes: Vec<Nodes>,
+}
+
+impl Scratch {
+    /// For so many chunks one after the other.
+    pub fn new(constants: &Constants, turns: usize) -> Self {
+        Scratch { stages: vec![Stage::new(constants, turns); BLOCKS], nodes: vec![Nodes::default(); BLOCKS] }
+    }
+
+    /// Bytes of it.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self)
+            + size_of_val(&*self.stages)
+            + size_of_val(&*self.nodes)
+            + self.stages.iter().map(Stage::bytes).sum::<usize>()
+    }
+}
+
+/// What all chunks of one pass share.
+pub(super) struct Common<'a> {
+    pub description: &'a Description,
+    pub constants: &'a Constants,
+    /// Elements of the group.
+    pub count: usize,
+    pub nodes: &'a [Node],
+    pub dt: f64,
+    /// Highest frequency that counts.
+    pub cap: f64,
+}
+
+/// Where a chunk stands: in the group, and among those that share its scratch memory.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub chunk: usize,
+    pub turn: usize,
+}
+
+impl Chunk {
+    /// Elements by their corner nodes, at their places now.
+    pub fn new(description: &Description, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        let fresh = |part: &[[u32; 4]]| block(((), (), ()), density, part, nodes);
+        let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
+        Chunk {
+            points: Points::new(elements.len(), description.variables, description.delete),
+            mass: (0..elements.len()).map(|i| blocks[i / LANES].mass[i % LANES]).collect(),
+            start: elements.iter().map(|e| start(*e, nodes)).collect(),
+            turn: vec![[1.0, 0.0]; elements.len()],
+            deleted: vec![false; elements.len()],
+            blocks,
+        }
+    }
+
+    /// Strain increments, in the frame that turns with the material.
+    pub fn strain(&mut self, common: &Common<'_>, place: Place, scratch: &mut Scratch) {
+        let first = place.chunk * BLOCKS;
+        for (s, block) in self.blocks.iter_mut().enumerate() {
+            let (stage, corners) = (&mut scratch.stages[s], &mut scratch.nodes[s]);
+            stage.begin(common.cap);
+            stage.prepare(first + s, place.turn, common.count - (first + s) * LANES);
+            corners.collect(common.nodes, &block.nodes);
+            for l in 0..LANES {
+                if self.deleted.get(s * LANES + l).copied().unwrap_or(true) {
+                    park(corners, l);
+                    stage.park(l);
+                }
+            }
+            block.strain::<Elastic, Linear, false>(common.constants, common.dt, corners, stage);
+            if stage.cap < f64::INFINITY {
+                stage.measure();
+            }
+        }
+        (0..self.deleted.len()).for_each(|i| self.show(i, common.dt, scratch));
+    }
+
+    /// Puts before the routine what a point has gone through.
+    fn show(&mut self, i: usize, dt: f64, scratch: &Scratch) {
+        let (stage, corners, l) = (&scratch.stages[i / LANES], &scratch.nodes[i / LANES], i % LANES);
+        self.turn[i] = turned(self.turn[i], spin(corners, l, dt));
+        let increment = [0, 1, 2, 3].map(|k| stage.strain[k][l]);
+        let [cosine, sine] = self.turn[i];
+        self.points.set_strain(i, components(increment, [cosine, -sine]));
+        if !self.deleted[i] {
+            let (r, z) = (corners.of(l, 0), corners.of(l, 1));
+            self.points.set_place(i, r, z, self.mass[i] / stage.volume[l]);
+            self.points.set_gradient(i, deformation(&self.start[i], r, z));
+        }
+    }
+
+    /// Calls the routine. An increment of no length leaves all as it is.
+    ///
+    /// # Errors
+    /// Those of [`Points::call`].
+    pub fn call(
+        &mut self,
+        description: &Description,
+        routine: &mut dyn UserMaterial,
+        now: &Instant,
+        dt: f64,
+    ) -> Result<(), LoadFailure> {
+        if dt > 0.0 {
+            return self.points.call(description, routine, now, dt);
+        }
+        self.points.keep();
+        Ok(())
+    }
+
+    /// Bulk and shear modulus that the routine's answer to fictitious strains has, the largest of all points.
+    ///
+    /// # Errors
+    /// Those of [`Points::call`] and [`Points::moduli`].
+    pub fn probe(
+        &mut self,
+        description: &Description,
+        routine: &mut dyn UserMaterial,
+        now: &Instant,
+    ) -> Result<[f64; 2], LoadFailure> {
+        self.points.show_fictitious();
+        self.points.call(description, routine, now, 1.0)?;
+        self.points.moduli()
+    }
+
+    /// The routine's stresses, the work done on the way to them, and the corner forces that follow.
+    pub fn respond(&mut self, common: &Common<'_>, place: Place, scratch: &mut Scratch, corners: &mut [Corners]) {
+        (0..self.deleted.len()).for_each(|i| self.take_stress(i, common.description.delete, scratch));
+        self.points.swap();
+        for (s, (block, forces)) in self.blocks.iter_mut().zip(corners).enumerate() {
+            let stage = &mut scratch.stages[s];
+            block.forces::<Linear, false>(common.constants, common.dt, stage, forces);
+            for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {
+                forces.0.iter_mut().for_each(|list| list[l] = 0.0);
+                if let Some(hourglass) = stage.hourglass.get_mut(place.turn) {
+                    hourglass.iter_mut().for_each(|list| list[l] = 0.0);
+                }
+            }
+            if !stage.records.is_empty() {
+                stage.follow(place.turn, block, false, &scratch.nodes[s], common.dt);
+            }
+        }
+    }
+
+    fn take_stress(&mut self, i: usize, delete: Option<usize>, scratch: &mut Scratch) {
+        let (block, stage, l) = (&mut self.blocks[i / LANES], &mut scratch.stages[i / LANES], i % LANES);
+        if delete.is_some_and(|v| self.points.state(i, v) == 0.0) || self.deleted[i] {
+            self.deleted[i] = true;
+            self.points.delete(i, delete);
+        }
+        let stress = components(self.points.stress(i), self.turn[i]);
+        let double = |k: usize| stage.strain[k][l] * (stage.carried[k][l] + stress[k]);
+        let work = 0.5 * stage.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+        if stage.weighs(l) {
+            stage.sums.internal[l] += work;
+            stage.sums.plastic[l] += self.mass[i] * self.points.dissipated(i);
+        }
+        for (list, value) in block.stress.iter_mut().zip(stress) {
+            list[l] = value;
+        }
+    }
+
+    /// Stress and temperature of an element at the start.
+    pub fn set(&mut self, i: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
+        self.points.start(i, stress, temperature);
+        for (list, value) in self.blocks[i / LANES].stress.iter_mut().zip(stress.into_iter().flatten()) {
+            list[i % LANES] = value;
+        }
+    }
+
+    /// Bytes of it.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self)
+            + size_of_val(&*self.blocks)
+            + self.points.bytes()
+            + size_of_val(&*self.mass)
+            + size_of_val(&*self.start)
+            + size_of_val(&*self.turn)
+            + size_of_val(&*self.deleted)
+    }
+}
+
+/// What the chunks of a pass came to, block by block of a chunk: folded in the order of the chunks, whoever took them.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Tally {
+    sums: Sums,
+    deformed: [Lanes; 2],
+}
+
+impl Tally {
+    /// Adds what a block of the next chunk came to.
+    pub fn add(&mut self, stage: &Stage) {
+        let (sums, deformed) = stage.parts();
+        self.sums.add(sums);
+        for (most, list) in self.deformed.iter_mut().zip(deformed) {
+            most.iter_mut().zip(list).for_each(|(most, x)| *most = larger(*x, *most));
+        }
+    }
+
+    /// As [`Stage::parts`].
+    pub fn parts(&self) -> (&Sums, &[Lanes; 2]) {
+        (&self.sums, &self.deformed)
+    }
+}
+
+fn start(element: [u32; 4], nodes: &[Node]) -> Gradient {
+    let corners = element.map(|n| nodes[n as usize].place());
+    gradient(corners.map(|c| c[0]), corners.map(|c| c[1]))
+}
+
+/// Puts an element that is not there where nothing can go wrong: at rest on a unit square. It weighs nothing.
+fn park(nodes: &mut Nodes, lane: usize) {
+    for (corner, [r, z]) in [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]].into_iter().enumerate() {
+        nodes.0[corner][lane] = [r, z, 0.0, 0.0];
+    }
+}
+
+/// The frame turned by a spin increment, as the stress is (Hughes and Winget 1980).
+fn turned([cosine, sine]: [f64; 2], spin: f64) -> [f64; 2] {
+    let quarter = 0.25 * spin * spin;
+    let inverse = 1.0 / (1.0 + quarter);
+    let (c, s) = ((1.0 - quarter) * inverse, spin * inverse);
+    [cosine * c - sine * s, sine * c + cosine * s]
+}
+
+/// Components of a tensor in a frame turned by an angle of this cosine and sine: those of the inner loop's rotation.
+fn components([rr, zz, hoop, rz]: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
+    if sine == 0.0 {
+        return rotated([rr, zz, hoop, rz], 0.0);
+    }
+    let (cosine2, sine2) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
+    let (centre, radius) = (0.5 * (rr + zz), 0.5 * (rr - zz));
+    let along = radius * cosine2 + rz * sine2;
+    [centre + along, centre - along, hoop, rz * cosine2 - radius * sine2]
+}
+
+/// Mean deformation gradient: rr, zz, hoop, rz, zr.
+fn deformation(start: &Gradient, r: [f64; 4], z: [f64; 4]) -> [f64; 5] {
+    let per = 1.0 / start.volume;
+    [dot(start.r, r), dot(start.z, z), dot(start.hoop, r), dot(start.z, r), dot(start.r, z)].map(|x| per * x)
+}
+
+impl Persist for Chunk {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Chunk { blocks, points, mass: _, start: _, turn, deleted } = self;
+        persist_fields!(archive; blocks.as_mut_slice(), points, turn.as_mut_slice(), deleted.as_mut_slice());
+    }
+}
+
+impl Persist for Scratch {
+    /// The rest of it is of one pass.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Scratch { stages, nodes: _ } = self;
+        stages.as_mut_slice().persist(archive);
+    }
+}
