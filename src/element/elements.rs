@@ -158,7 +158,9 @@ impl Elements {
                 seconds[self.ids[i]] += clock.elapsed().as_secs_f64();
             }
         }
-        self.measure_rings(&dofs.nodes);
+        if let Some(rings) = &mut self.rings {
+            rings.measure(&self.groups, &dofs.nodes);
+        }
         self.bound_frequency(&dofs.nodes);
     }
 

@@ -10,7 +10,6 @@
 use nalgebra::SMatrix;
 use sprs::CsMatI;
 
-use super::elements::Elements;
 use super::group::ElementGroup;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -21,7 +20,7 @@ const STEPS: usize = 40;
 /// Increments that an estimate costs, roughly: each step reads the operator once.
 const COST: f64 = 50.0;
 /// Growth of the bound, relative, at which it is dropped.
-const WORN: f64 = 0.1;
+pub(super) const WORN: f64 = 0.1;
 /// Most and least increments between two estimates of which the first did not pay.
 const PAUSE: [u64; 2] = [100, 20_000];
 
@@ -64,12 +63,12 @@ pub(super) struct Standing {
 
 impl HighestFrequency {
     /// For a body; `None` where some of it is not linear elastic for small strains.
-    pub fn new(elements: &Elements, nodes: &Nodes) -> Option<HighestFrequency> {
-        if elements.groups.iter().any(|g| !g.is_empty() && g.stiffness(0, nodes.as_slice()).is_none()) {
+    pub fn new(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<HighestFrequency> {
+        if groups.iter().any(|g| !g.is_empty() && g.stiffness(0, nodes.as_slice()).is_none()) {
             return None;
         }
         let zeros = || vec![[0.0; 2]; nodes.len()];
-        let (operator, roots) = (pattern(elements, nodes.len()), zeros());
+        let (operator, roots) = (pattern(groups, nodes.len()), zeros());
         Some(HighestFrequency {
             id: 0,
             operator,
@@ -86,14 +85,14 @@ impl HighestFrequency {
     }
 
     /// Begins a step: with other motions given the highest frequency is another.
-    fn begin(&mut self, elements: &Elements, nodes: &Nodes, held: &Held<'_>) {
+    pub(super) fn begin(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, held: &Held<'_>) {
         self.standing = Standing { count: self.standing.count, ..Standing::default() };
         for (roots, mass) in self.roots.iter_mut().zip(&nodes.mass) {
             *roots = [1.0 / mass.sqrt(); 2];
         }
         // Nodes that a rigid body moves have no mass of their own here. Together they have at least that of their elements
         // and no more stiffness than each alone.
-        let own = if held.carried.is_empty() { Vec::new() } else { elements.masses_of_elements(nodes.len()) };
+        let own = if held.carried.is_empty() { Vec::new() } else { masses_of_elements(groups, nodes.len()) };
         for &n in held.carried {
             self.roots[n] = [0.0, 1.0 / own[n].sqrt()];
         }
@@ -104,9 +103,9 @@ impl HighestFrequency {
     }
 
     /// Puts the stiffness of all elements into the operator.
-    fn assemble(&mut self, elements: &Elements, nodes: &Nodes) {
+    fn assemble(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes) {
         self.operator.data_mut().fill([0.0; 4]);
-        for group in &elements.groups {
+        for group in groups {
             for e in 0..group.len() {
                 let Some(matrix) = group.stiffness(e, nodes.as_slice()) else { continue };
                 self.add(&group.corners(e), &matrix);
@@ -228,9 +227,9 @@ fn dot(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 }
 
 /// Zeros where two nodes share an element.
-fn pattern(elements: &Elements, count: usize) -> Operator {
+fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> Operator {
     let mut neighbours = vec![Vec::new(); count];
-    for group in &elements.groups {
+    for group in groups {
         for corners in (0..group.len()).map(|e| group.corners(e)) {
             for a in corners {
                 neighbours[a as usize].extend(corners);
@@ -250,14 +249,14 @@ fn pattern(elements: &Elements, count: usize) -> Operator {
 
 impl Standing {
     /// The bound for the pass to come: what has been found, what has deformed since, what the pass may add.
-    fn cap(&mut self, deformed: f64) -> f64 {
+    pub(super) fn cap(&mut self, deformed: f64) -> f64 {
         self.foreseen = 2.0 * deformed;
         if self.found == 0.0 { f64::INFINITY } else { self.found * (1.0 + self.grown + self.foreseen) }
     }
 
     /// Takes in the pass behind, which deformed by so much; whether the estimate is worn out. Returns by how much the
     /// rate of the pass was too small, relative.
-    fn follow(&mut self, deformed: f64) -> f64 {
+    pub(super) fn follow(&mut self, deformed: f64) -> f64 {
         self.age += 1;
         // The square makes it no less than the exponential.
         self.grown += (deformed + deformed * deformed) * (1.0 + self.grown);
@@ -265,7 +264,7 @@ impl Standing {
     }
 
     /// No estimate holds any more; the next one is made when it is likely to pay.
-    fn drop(&mut self) {
+    pub(super) fn drop(&mut self) {
         // The gain shrinks while the bound grows towards that by elements.
         let shrunk = if self.gain > WORN { self.gain - 0.5 * WORN } else { 0.5 * self.gain * self.gain / WORN };
         let paid = self.age as f64 * shrunk > COST;
@@ -273,6 +272,29 @@ impl Standing {
         self.found = 0.0;
         self.age = 0;
     }
+}
+
+fn masses_of_elements(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Vec<f64> {
+    let mut masses = vec![0.0; nodes];
+    for group in groups {
+        for e in 0..group.len() {
+            for (n, mass) in group.corners(e).into_iter().zip(group.corner_masses(e)) {
+                masses[n as usize] += mass;
+            }
+        }
+    }
+    masses
+}
+
+/// One over the increment that single elements allow.
+fn rate_by_elements(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> f64 {
+    let alive = |group: &dyn ElementGroup, e: &usize| !group.is_deleted(*e);
+    let of_group = |group: &dyn ElementGroup| {
+        let elements = (0..group.len()).filter(|e| alive(group, e));
+        let rate = |e| group.own_rate(e, &group.corner_masses(e), nodes.as_slice()).unwrap_or(0.0);
+        elements.map(rate).fold(0.0, f64::max)
+    };
+    groups.iter().map(|group| of_group(&**group)).fold(0.0, f64::max)
 }
 
 /// What constraints hold of the nodes.
@@ -283,87 +305,14 @@ pub struct Held<'a> {
     pub carried: &'a [usize],
 }
 
-impl Elements {
-    /// Begins a step in which the highest frequency of the whole bounds the increment, or not.
-    pub fn begin_frequency(&mut self, asked: bool, nodes: &Nodes, held: &Held<'_>) {
-        self.frequency_asked = asked;
-        let mut cap = f64::INFINITY;
-        if let Some(mut frequency) = self.frequency.take() {
-            frequency.begin(self, nodes, held);
-            if asked {
-                // At once: an increment that jumps would jump the energy of the highest modes.
-                frequency.renew(self, nodes);
-                cap = frequency.standing.cap(0.0);
-            }
-            self.frequency = Some(frequency);
-        }
-        self.groups.iter_mut().for_each(|g| g.cap(cap));
-    }
-
-    /// After a pass over the elements: the bound for the next.
-    pub(super) fn bound_frequency(&mut self, nodes: &Nodes) {
-        if !self.frequency_asked {
-            return;
-        }
-        let Some(mut frequency) = self.frequency.take() else { return };
-        let (deformed, rate) = (self.deformed, self.limit.0.rate);
-        let standing = &mut frequency.standing;
-        if standing.found > 0.0 {
-            self.limit.0.rate *= 1.0 + standing.follow(deformed);
-            if standing.age == 1 {
-                standing.gain = (standing.by_elements / rate - 1.0).max(0.0);
-            }
-            if standing.grown > WORN {
-                standing.drop();
-            }
-        } else {
-            standing.age += 1;
-        }
-        if standing.found == 0.0 && standing.age > standing.pause && rate.is_finite() {
-            frequency.renew(self, nodes);
-        }
-        let cap = frequency.standing.cap(deformed);
-        self.groups.iter_mut().for_each(|g| g.cap(cap));
-        self.frequency = Some(frequency);
-    }
-
-    fn masses_of_elements(&self, nodes: usize) -> Vec<f64> {
-        let mut masses = vec![0.0; nodes];
-        for group in &self.groups {
-            for e in 0..group.len() {
-                for (n, mass) in group.corners(e).into_iter().zip(group.corner_masses(e)) {
-                    masses[n as usize] += mass;
-                }
-            }
-        }
-        masses
-    }
-
-    /// One over the increment that single elements allow.
-    fn rate_by_elements(&self, nodes: &Nodes) -> f64 {
-        let alive = |group: &dyn ElementGroup, e: &usize| !group.is_deleted(*e);
-        let of_group = |group: &dyn ElementGroup| {
-            let elements = (0..group.len()).filter(|e| alive(group, e));
-            let rate = |e| group.own_rate(e, &group.corner_masses(e), nodes.as_slice()).unwrap_or(0.0);
-            elements.map(rate).fold(0.0, f64::max)
-        };
-        self.groups.iter().map(|group| of_group(&**group)).fold(0.0, f64::max)
-    }
-
-    /// Estimates of the highest frequency so far; `None` where none is made.
-    pub fn estimates(&self) -> Option<u64> {
-        self.frequency.as_ref().map(|f| f.standing.count)
-    }
-}
-
 impl HighestFrequency {
     /// A new estimate on the present nodes.
-    fn renew(&mut self, elements: &Elements, nodes: &Nodes) {
-        self.assemble(elements, nodes);
+    pub(super) fn renew(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes) {
+        self.assemble(groups, nodes);
         let found = self.find();
         let standing = &mut self.standing;
         standing.count += 1;
-        (standing.age, standing.grown, standing.by_elements) = (0, 0.0, elements.rate_by_elements(nodes));
+        (standing.age, standing.grown, standing.by_elements) = (0, 0.0, rate_by_elements(groups, nodes));
         standing.found = if found.is_finite() { found } else { 0.0 };
     }
 }
@@ -433,9 +382,9 @@ mod tests {
     }
 
     fn estimate(elements: &Elements, nodes: &Nodes) -> (HighestFrequency, f64) {
-        let mut frequency = HighestFrequency::new(elements, nodes).expect("linear elements");
-        frequency.begin(elements, nodes, &Held { prescribed: &[], carried: &[] });
-        frequency.assemble(elements, nodes);
+        let mut frequency = HighestFrequency::new(&elements.groups, nodes).expect("linear elements");
+        frequency.begin(&elements.groups, nodes, &Held { prescribed: &[], carried: &[] });
+        frequency.assemble(&elements.groups, nodes);
         let found = frequency.find();
         (frequency, found)
     }

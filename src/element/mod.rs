@@ -8,6 +8,7 @@ pub mod constants;
 mod deletion;
 pub mod distortion;
 pub mod elements;
+mod estimate;
 pub mod frequency;
 pub mod group;
 pub mod instructions;
@@ -16,6 +17,7 @@ mod mean_stress;
 pub mod points;
 pub mod quiescent;
 pub mod record;
+mod rescale;
 pub mod rings;
 #[cfg(test)]
 mod same_bits;

@@ -2,7 +2,6 @@
 //! is brought back to rings, so that loads and motions act on a node as everywhere else.
 //! Never here: the forces of elements.
 
-use super::elements::Elements;
 use super::group::ElementGroup;
 use crate::output::variables::Variable;
 use crate::state::archive::{Archive, Persist};
@@ -19,32 +18,29 @@ pub struct Rings {
 
 impl Rings {
     /// For all elements of a body.
-    pub fn new(elements: &Elements, nodes: usize) -> Rings {
+    pub fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Rings {
         let quarter = |mass: f64| 0.25 * mass / (2.0 * std::f64::consts::PI);
         let mass = |g: &dyn ElementGroup, e| g.value(e, Variable::Mass.into()).unwrap_or_default();
         let of_group = |g: &dyn ElementGroup| (0..g.len()).map(|e| quarter(mass(g, e))).collect();
-        Rings { quarters: elements.groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; nodes] }
+        Rings { quarters: groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; nodes] }
     }
 
     /// Bytes of its arrays.
     pub fn bytes(&self) -> usize {
         self.quarters.iter().map(|q| size_of_val(&**q)).sum::<usize>() + size_of_val(&*self.factors)
     }
-}
 
-impl Elements {
     /// Rings of the nodes where they are now: a section has the mass of its element over its length around the axis.
-    pub(super) fn measure_rings(&mut self, nodes: &Nodes) {
-        let Some(rings) = &mut self.rings else { return };
-        rings.factors.fill(0.0);
-        for (group, quarters) in self.groups.iter().zip(&rings.quarters) {
+    pub(super) fn measure(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes) {
+        self.factors.fill(0.0);
+        for (group, quarters) in groups.iter().zip(&self.quarters) {
             for (e, quarter) in quarters.iter().enumerate() {
                 let corners = group.corners(e).map(|n| n as usize);
                 let radius = 0.25 * corners.iter().map(|&n| nodes[n].r).sum::<f64>();
-                corners.iter().for_each(|&n| rings.factors[n] += quarter / radius);
+                corners.iter().for_each(|&n| self.factors[n] += quarter / radius);
             }
         }
-        for (factor, mass) in rings.factors.iter_mut().zip(&nodes.mass) {
+        for (factor, mass) in self.factors.iter_mut().zip(&nodes.mass) {
             *factor = if *factor > 0.0 { mass / *factor } else { 0.0 };
         }
     }

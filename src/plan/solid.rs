@@ -87,7 +87,7 @@ impl Compiler<'_> {
             control.add(group, corners[group].iter().copied(), &nodes, ratio);
         }
         if sections.iter().any(|(s, _)| self.is_by_area(s)) {
-            elements.rings = Some(Box::new(Rings::new(&elements, nodes.len())));
+            elements.rings = Some(Box::new(Rings::new(&elements.groups, nodes.len())));
         }
         let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, constraints: Vec::new() };
         self.start_solid(&mut state);
@@ -127,7 +127,7 @@ impl Compiler<'_> {
             self.unused(step.span, "global estimate of the stable increment", "masses are scaled: element by element");
             return;
         }
-        let Some(mut frequency) = HighestFrequency::new(&state.elements, &state.dofs.nodes) else {
+        let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {
             let why = "a material is not linear elastic for small strains: element by element";
             self.unused(step.span, "global estimate of the stable increment", why);
             return;

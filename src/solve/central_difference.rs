@@ -284,7 +284,7 @@ mod tests {
         }
         let run = |factor: f64| {
             let mut free = mesh.free([0.0, 0.0], false);
-            free.elements.frequency = HighestFrequency::new(&free.elements, &free.dofs.nodes).map(Box::new);
+            free.elements.frequency = HighestFrequency::new(&free.elements.groups, &free.dofs.nodes).map(Box::new);
             free.elements.begin_frequency(true, &free.dofs.nodes, &Held { prescribed: &[], carried: &[] });
             let (mut largest, mut stable): (f64, f64) = (0.0, 0.0);
             for increment in 0..4000 {

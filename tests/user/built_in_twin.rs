@@ -7,7 +7,7 @@
 use std::sync::{Arc, Mutex};
 
 use revolve::job;
-use revolve::state::Instant;
+use revolve::solve::Instant;
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Moment, Routines, UserEvents, UserMaterial, Wish};
 
 use crate::common;
