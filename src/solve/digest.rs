@@ -3,7 +3,7 @@
 
 use hmac_sha256::Hash;
 
-use super::Run;
+use super::run::Run;
 use crate::element::group::ElementGroup;
 use crate::output::variables::{Part, Variable};
 

@@ -3,7 +3,8 @@
 
 use indexmap::IndexMap;
 
-use super::{Energy, Run};
+use super::energy::Energy;
+use super::run::Run;
 use crate::constraint::{Constraint, reaction};
 use crate::element::values;
 use crate::model::Position;

@@ -2,7 +2,7 @@
 //! (`*ENERGY LIMIT`), increments that would never reach the end of the step.
 //! Never here: how energies are booked, how an increment is chosen.
 
-use super::Run;
+use super::run::Run;
 use crate::state::halt::Halt;
 
 /// The smallest stable increment over the length of the step: below it the step would take more than ten thousand million

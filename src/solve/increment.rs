@@ -1,14 +1,14 @@
 //! The length of the next increment, and what it ends in.
 //! Never here: forces, the motion itself.
 
-use super::Run;
-use crate::load::View;
+use crate::constraint::Constraint;
+use crate::element::elements::Elements;
+use crate::load::{Load, View};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
-use crate::state::magnitude::Clock;
 use crate::state::{BodyState, Instant};
 
 /// What an increment ends in.
@@ -76,9 +76,31 @@ const RESOLUTION: f64 = 0.25;
 /// The last increment of a step may be longer by this fraction.
 const SLIVER: f64 = 1e-3;
 
+/// What the length of an increment follows from.
+pub struct Scene<'a> {
+    /// What loads see.
+    pub view: View<'a>,
+    /// Elements.
+    pub elements: &'a Elements,
+    /// Loads of the step.
+    pub loads: &'a [Box<dyn Load>],
+    /// Constraints of the step.
+    pub constraints: &'a [Box<dyn Constraint>],
+    /// Length of the increment behind; 0 where central differences of bodies start afresh.
+    pub behind: f64,
+    /// Time until the end of the step.
+    pub remaining: f64,
+}
+
+impl Scene<'_> {
+    fn bodies(&self) -> &[BodyState] {
+        &self.view.dofs.bodies
+    }
+}
+
 /// Chooses increments over a step.
 #[derive(Debug)]
-pub struct Pace {
+pub struct IncrementController {
     fixed: Option<f64>,
     factor: f64,
     /// The longest increment that the deck allows.
@@ -90,7 +112,7 @@ pub struct Pace {
     speed: Vec<f64>,
 }
 
-impl Pace {
+impl IncrementController {
     /// The pace of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
         let (fixed, accuracy, most) = match step.control {
@@ -98,7 +120,7 @@ impl Pace {
             IncrementControl::Automatic { accuracy, largest, .. } => (None, accuracy, largest),
         };
         let largest = accuracy.sqrt() * step.duration;
-        Pace {
+        IncrementController {
             fixed,
             factor: step.scale_factor,
             most,
@@ -111,33 +133,31 @@ impl Pace {
 
     /// The next increment.
     #[inline]
-    pub fn choose(&mut self, run: &Run<'_>) -> Increment {
+    pub fn choose(&mut self, scene: &Scene<'_>) -> Increment {
         let mut next = Increment { length: f64::INFINITY, end: End::Plain };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
-                if run.dofs.bodies.iter().any(|b| !b.tied) {
-                    next.length = self.automatic(run) * self.factor;
+                if scene.bodies().iter().any(|b| !b.tied) {
+                    next.length = self.automatic(scene) * self.factor;
                 }
-                if !run.elements.is_empty() {
-                    next.length = next.length.min(run.elements.stable_increment() * self.factor);
+                if !scene.elements.is_empty() {
+                    next.length = next.length.min(scene.elements.stable_increment() * self.factor);
                 }
                 next.length = next.length.min(self.most);
-                let clock = Clock { now: run.now, told: &run.told };
-                let view = View { clock, dofs: &run.dofs, reach: run.reach };
-                run.loads.iter().for_each(|load| next.shorten(load.limit(&view)));
-                run.constraints.iter().for_each(|c| next.shorten(c.limit(&clock)));
+                scene.loads.iter().for_each(|load| next.shorten(load.limit(&scene.view)));
+                scene.constraints.iter().for_each(|c| next.shorten(c.limit(&scene.view.clock)));
             }
         }
-        self.fit_step(&mut next, run.step.duration - run.now.step_time);
-        meet_rest(&mut next, &run.dofs.bodies);
+        self.fit_step(&mut next, scene.remaining);
+        meet_rest(&mut next, scene.bodies());
         next
     }
 
     /// From the error estimate: neither velocity nor acceleration may change much over an increment.
-    fn automatic(&mut self, run: &Run<'_>) -> f64 {
+    fn automatic(&mut self, scene: &Scene<'_>) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
-        for (body, speed) in run.dofs.bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
+        for (body, speed) in scene.bodies().iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
             *speed = speed.max(body.velocity.abs());
             let acceleration = body.acceleration.abs();
             let scale = speed.max(acceleration * self.largest);
@@ -145,8 +165,8 @@ impl Pace {
                 self.free = self.resolution * scale / acceleration;
             }
             let change = (body.acceleration - body.before.acceleration).abs();
-            let bound = self.resolution * self.resolution * scale * run.behind;
-            if run.behind > 0.0 && change * self.free * self.free > bound {
+            let bound = self.resolution * self.resolution * scale * scene.behind;
+            if scene.behind > 0.0 && change * self.free * self.free > bound {
                 self.free = (bound / change).sqrt();
             }
         }
@@ -183,9 +203,9 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
     }
 }
 
-impl Persist for Pace {
+impl Persist for IncrementController {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Pace { fixed: _, factor: _, most: _, resolution: _, largest: _, free, speed } = self;
+        let IncrementController { fixed: _, factor: _, most: _, resolution: _, largest: _, free, speed } = self;
         persist_fields!(archive; free, speed.as_mut_slice());
     }
 }

@@ -5,8 +5,8 @@ use std::time::Instant as Stopwatch;
 
 use thiserror::Error;
 
-use super::Run;
 use super::frames::frame;
+use super::run::Run;
 use crate::output::Frame;
 use crate::plan::{Plan, Schedule, StepPlan};
 use crate::state::Instant;

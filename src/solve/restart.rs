@@ -4,7 +4,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
 
-use super::increment::Pace;
+use super::increment::IncrementController;
 use super::observe::{Observing, Rhythm, unwritten};
 use super::{Rest, Run, Sink, SinkError, StepSummary};
 use crate::plan::StepPlan;
@@ -39,7 +39,7 @@ const HELD_EVERY: u64 = 4096;
 const LOOK: Duration = Duration::from_millis(5);
 
 /// Keeps states over a run.
-pub(super) struct Keeping<'a> {
+pub(super) struct Checkpointer<'a> {
     control: Control<'a>,
     /// Of `*RESTART, WRITE`.
     asked: Rhythm,
@@ -62,12 +62,12 @@ pub(super) struct Keeping<'a> {
     has_state: bool,
 }
 
-impl<'a> Keeping<'a> {
+impl<'a> Checkpointer<'a> {
     /// `holds`: whether the way back is open, which needs frames and what deforms, and no routine of the user, which would
     /// be called twice.
     pub(super) fn new(control: Control<'a>, holds: bool) -> Self {
         let now = Stopwatch::now();
-        Keeping {
+        Checkpointer {
             control,
             asked: Rhythm::default(),
             owed: false,
@@ -208,7 +208,7 @@ impl Sink for Nowhere {
 pub(super) struct At<'r, 'p> {
     pub run: &'r mut Run<'p>,
     pub observing: &'r mut Observing,
-    pub pace: &'r mut Pace,
+    pub control: &'r mut IncrementController,
 }
 
 impl At<'_, '_> {
@@ -221,18 +221,19 @@ impl At<'_, '_> {
 
     /// All that moves. What is not visited follows from the plan and the beginning of the step.
     fn visit(&mut self, archive: &mut Archive<'_>) {
-        let At { run, observing, pace } = self;
+        let At { run, observing, control } = self;
         archive.mark("run");
         run.persist(archive);
-        persist_fields!(archive; &mut **observing, &mut **pace);
+        persist_fields!(archive; &mut **observing, &mut **control);
         archive.mark("end");
     }
 
     /// The next increment, which is known to succeed, without showing anything.
     fn repeat(&mut self) -> Result<(), Halt> {
-        let At { run, observing, pace } = self;
-        run.advance(pace)?;
-        run.evaluate(observing, &mut Nowhere)
+        let At { run, observing, control } = self;
+        run.advance(control)?;
+        run.evaluate()?;
+        observing.show(run, &mut Nowhere)
     }
 }
 
@@ -287,7 +288,7 @@ impl Persist for Run<'_> {
         elements.persist(archive);
         archive.mark("outcome");
         // Halts and what is reckoned at the end are not there yet; times are those of this process.
-        let super::Outcome { steps, rests, increments, warnings, .. } = outcome;
+        let super::outcome::Outcome { steps, rests, increments, warnings, .. } = outcome;
         persist_fields!(archive; steps, rests, increments, warnings);
     }
 }
@@ -320,23 +321,6 @@ impl Persist for Rest {
 }
 
 impl Run<'_> {
-    /// Takes up a state that was kept: the index of its step and the pace there.
-    ///
-    /// # Errors
-    /// Why it is not one of this plan.
-    pub(super) fn take_up(&mut self, observing: &mut Observing, state: &[u8]) -> Result<(usize, Pace), UnfitState> {
-        let mut archive = Archive::reader(state);
-        let mut index = 0;
-        index.persist(&mut archive);
-        if index >= self.plan.steps.len() {
-            return Err(UnfitState { reason: "it ends too early".into() });
-        }
-        let mut pace = self.begin_step(index, observing);
-        At { run: self, observing, pace: &mut pace }.visit(&mut archive);
-        archive.finish()?;
-        Ok((index, pace))
-    }
-
     /// Tells the user's routine that the increment is complete and that its state will be kept.
     fn tell_restart(&mut self) -> Result<(), Halt> {
         let due = self.now.step_time > 0.0 && !self.told_complete;
@@ -347,4 +331,33 @@ impl Run<'_> {
         }
         Ok(())
     }
+}
+
+/// Begins a step: what chooses its increments.
+pub(super) fn begin_step(run: &mut Run<'_>, index: usize, observing: &mut Observing) -> IncrementController {
+    run.step = &run.plan.steps[index];
+    run.begin();
+    observing.begin(run.step, run.now.increment == 0, run.now.increment);
+    IncrementController::new(run.step, &run.dofs.bodies)
+}
+
+/// Takes up a state that was kept: the index of its step and the pace there.
+///
+/// # Errors
+/// Why it is not one of this plan.
+pub(super) fn take_up(
+    run: &mut Run<'_>,
+    observing: &mut Observing,
+    state: &[u8],
+) -> Result<(usize, IncrementController), UnfitState> {
+    let mut archive = Archive::reader(state);
+    let mut index = 0;
+    index.persist(&mut archive);
+    if index >= run.plan.steps.len() {
+        return Err(UnfitState { reason: "it ends too early".into() });
+    }
+    let mut control = begin_step(run, index, observing);
+    At { run, observing, control: &mut control }.visit(&mut archive);
+    archive.finish()?;
+    Ok((index, control))
 }

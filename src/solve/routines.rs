@@ -1,8 +1,8 @@
 //! When the user's routines are asked and told: amplitudes and motions once an increment, and the moments of the analysis.
 //! Never here: loads, which are forces like others.
 
-use super::Run;
 use super::increment::Increment;
+use super::run::Run;
 use crate::constraint;
 use crate::state::Instant;
 use crate::state::halt::Halt;

@@ -1,0 +1,72 @@
+//! How a run ended and what it cost.
+//! Never here: what happens in an increment.
+
+use serde::Serialize;
+
+use super::energy::Energy;
+use crate::state::halt::Halt;
+
+/// How a run ended and what it cost.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Outcome {
+    /// Why it stopped early, if it did.
+    #[serde(skip)]
+    pub halt: Option<Halt>,
+    /// Whether a user's routine ended it before its last step was over.
+    pub ended_by_user: bool,
+    /// Steps begun.
+    pub steps: Vec<StepSummary>,
+    /// Energies at the end, and the largest drift of their sum.
+    pub energy: Energy,
+    /// When bodies came to rest.
+    pub rests: Vec<Rest>,
+    /// What the run warns of.
+    pub warnings: Vec<String>,
+    /// Increments over all steps.
+    pub increments: u64,
+    /// Seconds in the time loop.
+    pub seconds: f64,
+    /// Of these, seconds that keeping the state took.
+    pub checkpoint_seconds: f64,
+    /// SHA-256 over the bits of the state at the end, hexadecimal: the same on any machine, number of threads and
+    /// instruction set.
+    pub digest: String,
+    /// Seconds of each effect, by its row of the ledger: they add up to those of the time loop.
+    #[serde(skip)]
+    pub effect_seconds: Vec<f64>,
+}
+
+/// What a step took.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct StepSummary {
+    /// Name.
+    pub name: String,
+    /// Increments.
+    pub increments: u64,
+    /// Time reached in the step.
+    pub time: f64,
+    /// Smallest increment.
+    pub smallest_increment: f64,
+    /// Largest increment.
+    pub largest_increment: f64,
+    /// Element that limited the smallest increment, if one did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limiting_element: Option<String>,
+    /// How often the highest frequency of the whole was estimated; absent where increments go element by element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub global_estimates: Option<u64>,
+    /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub added_mass: Option<f64>,
+}
+
+/// A body came to rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Rest {
+    /// Name of the body.
+    pub body: String,
+    /// Total time.
+    pub time: f64,
+    /// Displacement along z.
+    pub displacement: f64,
+}

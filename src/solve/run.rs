@@ -1,0 +1,517 @@
+//! A run: everything an increment touches, and the increment as a numbered recipe.
+//! Never here: the loop over increments, output, states that are kept.
+
+use super::central_difference;
+use super::energy::Balance;
+use super::increment::{End, Increment, IncrementController, Scene};
+use super::outcome::{Outcome, Rest, StepSummary};
+use super::timing::Timing;
+use crate::constraint::Constraint;
+use crate::constraint::user_motion::UserMotion;
+use crate::element::elements::{Collapsed, Elements};
+use crate::element::mass_scaling::Scaling;
+use crate::element::volume_guard::STARTING;
+use crate::kernel::amplitude::Track;
+use crate::load::user_amplitude::UserAmplitude;
+use crate::load::{Account, Behind, Load, Slot, VelocityUse, View};
+use crate::model::{IncrementControl, LoadVelocity};
+use crate::plan::{Plan, State, StepPlan};
+use crate::state::dofs::Dofs;
+use crate::state::halt::Halt;
+use crate::state::magnitude::Clock;
+use crate::state::{Before, BodyState, Instant, direction};
+use crate::user::{Locked, Wish};
+
+/// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
+#[repr(align(64))]
+pub(super) struct Run<'a> {
+    pub(super) plan: &'a Plan,
+    /// The step.
+    pub(super) step: &'a StepPlan,
+    /// All that moves.
+    pub(super) dofs: Dofs,
+    pub(super) elements: Elements,
+    pub(super) now: Instant,
+    /// Loads of the step; those that resist come last.
+    pub(super) loads: Vec<Box<dyn Load>>,
+    pub(super) constraints: Vec<Box<dyn Constraint>>,
+    pub(super) scaling: Option<Scaling>,
+    /// Functions of time that the user's routines tell, and what asks for them.
+    pub(super) told: Vec<Track>,
+    pub(super) amplitudes: Vec<UserAmplitude>,
+    pub(super) motions: Vec<UserMotion>,
+    /// The user's routines.
+    pub(super) user: Locked<'a>,
+    /// Generalised forces on bodies, one slot after the other: those of constraints, then of loads; and where each load's end.
+    pub(super) forces: Vec<f64>,
+    pub(super) slots: Vec<Slot>,
+    /// Indices of the slots in order of their bodies.
+    pub(super) slots_by_body: Vec<usize>,
+    pub(super) ends: Vec<usize>,
+    /// Index of the first load that resists; such loads come last.
+    pub(super) resistances: usize,
+    /// The first slots are those of tied nodes.
+    pub(super) ties: usize,
+    pub(super) now_before: Instant,
+    /// Part of the increment behind over which loads see the velocity carried on: half of it, or none.
+    pub(super) reach: f64,
+    /// Length of the increment behind; 0 where central differences of bodies start afresh with the half step.
+    pub(super) behind: f64,
+    /// The increment that led here, for the energy balance and for output.
+    pub(super) last_increment: f64,
+    /// Whether the instant is complete: forces, motion and energies belong to it.
+    pub(super) complete: bool,
+    /// What the user's routines want.
+    pub(super) wish: Wish,
+    /// Whether they know already that the increment is complete.
+    pub(super) told_complete: bool,
+    /// Group and element that limited the smallest increment of the step.
+    pub(super) limiting: Option<(usize, usize)>,
+    pub(super) balance: Balance,
+    /// Which limits on energies have been told in this step.
+    pub(super) warned: [bool; 2],
+    /// Whether other threads may take part.
+    pub(super) threads: bool,
+    /// Room for the kinetic energies of chunks of nodes.
+    pub(super) kinetic: Vec<f64>,
+    pub(super) timing: Timing,
+    pub(super) outcome: Outcome,
+}
+
+impl<'a> Run<'a> {
+    pub(super) fn new(plan: &'a Plan, State { dofs, elements, constraints }: State) -> Self {
+        let balance = Balance::start(&dofs.bodies);
+        Run {
+            plan,
+            step: &plan.steps[0],
+            now: Instant::default(),
+            loads: Vec::new(),
+            constraints,
+            scaling: None,
+            told: vec![Track::default(); plan.told],
+            amplitudes: plan.amplitudes.clone(),
+            motions: Vec::new(),
+            user: plan.routines.lock(),
+            forces: Vec::new(),
+            slots: Vec::new(),
+            slots_by_body: Vec::new(),
+            ends: Vec::new(),
+            resistances: 0,
+            ties: 0,
+            now_before: Instant::default(),
+            reach: 0.0,
+            behind: 0.0,
+            last_increment: 0.0,
+            complete: false,
+            wish: Wish::Continue,
+            told_complete: false,
+            limiting: None,
+            warned: [false; 2],
+            threads: rayon::current_num_threads() > 1,
+            kinetic: central_difference::room_for_parts(&dofs.nodes),
+            timing: Timing::new(plan.ledger.effects.len()),
+            balance,
+            outcome: Outcome::default(),
+            dofs,
+            elements,
+        }
+    }
+
+    /// What an instant is made of.
+    ///
+    /// # Errors
+    /// Where a force fails or a number is not finite.
+    #[inline]
+    pub(super) fn evaluate(&mut self) -> Result<(), Halt> {
+        self.timing.resume(self.now.increment);
+        self.evaluate_forces()?; //             1. forces, resistances last
+        self.accelerate()?; //                  2. a = F / m; a resistance holds what is at rest
+        self.correct_velocity(); //             3. velocity at the increment's own time
+        self.book(); //                         4. energy balance
+        self.guard_energy()?;
+        self.timing.pause();
+        Ok(()) //                               5. output that is due: the loop shows it
+    }
+
+    /// From one instant to the next.
+    ///
+    /// # Errors
+    /// Where no increment goes on, or a routine of the user fails.
+    pub(super) fn advance(&mut self, control: &mut IncrementController) -> Result<(), Halt> {
+        self.timing.resume(self.now.increment);
+        self.guard_increment()?;
+        let next = self.choose(control); //     6. length of the next increment
+        next.check(&self.now, self.now.increment)?;
+        self.call_routines(next)?;
+        self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads will see
+        self.record(next.length);
+        self.timing.pause();
+        Ok(())
+    }
+
+    #[inline]
+    fn choose(&self, control: &mut IncrementController) -> Increment {
+        let clock = Clock { now: self.now, told: &self.told };
+        control.choose(&Scene {
+            view: View { clock, dofs: &self.dofs, reach: self.reach },
+            elements: &self.elements,
+            loads: &self.loads,
+            constraints: &self.constraints,
+            behind: self.behind,
+            remaining: self.step.duration - self.now.step_time,
+        })
+    }
+
+    pub(super) fn name_limiting_element(&mut self) {
+        let Some(summary) = self.outcome.steps.last_mut() else { return };
+        summary.global_estimates = self.elements.estimates();
+        if let Some((group, element)) = self.limiting.take() {
+            summary.limiting_element = Some(self.plan.element_name(group, element).to_owned());
+        }
+    }
+
+    /// Whether the step is at its end, or a user's routine wants it to be.
+    pub(super) fn is_over(&self) -> bool {
+        self.now.step_time >= self.step.duration || self.wish != Wish::Continue
+    }
+
+    pub(super) fn begin(&mut self) {
+        let step = self.step;
+        self.loads.clone_from(&step.loads);
+        self.constraints.clone_from(&step.constraints);
+        self.motions.clone_from(&step.user_motions);
+        self.scaling.clone_from(&step.scaling);
+        self.begin_slots();
+        self.reach = match step.load_velocity {
+            LoadVelocity::Predicted => 0.5,
+            LoadVelocity::Lagged => 0.0,
+        };
+        self.begin_constraints();
+        self.balance.begin(&self.slots, &self.dofs.bodies);
+        self.warned = [false; 2];
+        self.now.step_time = 0.0;
+        self.now.lost = 0.0;
+        self.now.step += 1;
+        if self.ties == 0 {
+            self.behind = 0.0;
+            self.show_own_velocity();
+        }
+        let summary = StepSummary { name: step.name.clone(), smallest_increment: f64::INFINITY, ..Default::default() };
+        self.outcome.steps.push(summary);
+    }
+
+    fn begin_slots(&mut self) {
+        self.slots.clear();
+        self.ends.clear();
+        self.slots.extend(self.constraints.iter().flat_map(|c| c.slots()));
+        self.ties = self.slots.len();
+        for load in &self.loads {
+            self.slots.extend(load.slots());
+            self.ends.push(self.slots.len());
+        }
+        self.resistances = self.loads.iter().filter(|l| l.velocity() != VelocityUse::Resists).count();
+        self.forces = vec![0.0; self.slots.len()];
+        self.slots_by_body = (0..self.slots.len()).collect();
+        self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
+        for (b, body) in self.dofs.bodies.iter_mut().enumerate() {
+            (body.reads_velocity, body.prescribed) = (false, false);
+            body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
+            body.slots = self.slots.iter().filter(|s| s.body == b).count();
+        }
+        let reading = self.loads.iter().filter(|l| l.velocity() != VelocityUse::None);
+        for slot in reading.flat_map(|l| l.slots()) {
+            self.dofs.bodies[slot.body].reads_velocity = true;
+        }
+    }
+
+    fn begin_constraints(&mut self) {
+        self.elements.begin(self.constraints.iter().any(|c| c.moves_nodes()));
+        let pushed = self.elements.has_links() || self.loads.iter().any(|l| l.acts_on_nodes());
+        self.dofs.nodes.make_room(pushed);
+        self.constraints.iter_mut().for_each(|c| c.begin(&mut self.dofs));
+    }
+
+    /// What the user's routine tells of its material, and what follows from the moduli: the first estimate of the highest
+    /// frequency.
+    pub(super) fn begin_nodes(&mut self) -> Result<(), Halt> {
+        if self.elements.is_empty() {
+            return Ok(());
+        }
+        if self.now.step == 1 {
+            self.elements.probe(&self.dofs.nodes, &self.now, self.user.material.as_deref_mut())?;
+        }
+        let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
+        let prescribed: Vec<_> = self.constraints.iter().flat_map(|c| c.prescribes()).collect();
+        let carried: Vec<_> = self.constraints.iter().flat_map(|c| c.carries().to_vec()).collect();
+        let held = crate::element::frequency::Held { prescribed: &prescribed, carried: &carried };
+        self.elements.begin_frequency(global, &self.dofs.nodes, &held);
+        Ok(())
+    }
+
+    fn evaluate_forces(&mut self) -> Result<(), Halt> {
+        if !self.elements.is_empty() {
+            self.evaluate_nodes()?;
+        }
+        self.push_bodies(0, self.resistances)?;
+        if self.resistances < self.loads.len() {
+            let applied = self.resistances.checked_sub(1).map_or(self.ties, |last| self.ends[last]);
+            turn_resting_bodies(&mut self.dofs.bodies, &self.slots[..applied], &self.forces);
+            self.push_bodies(self.resistances, self.loads.len())?;
+        }
+        Ok(())
+    }
+
+    /// Forces of some of the loads on bodies.
+    #[inline]
+    fn push_bodies(&mut self, first: usize, end: usize) -> Result<(), Halt> {
+        let clock = Clock { now: self.now, told: &self.told };
+        let view = View { clock, dofs: &self.dofs, reach: self.reach };
+        let mut start = first.checked_sub(1).map_or(self.ties, |before| self.ends[before]);
+        for (load, &end) in self.loads[first..end].iter_mut().zip(&self.ends[first..end]) {
+            let clock = self.timing.start();
+            load.on_bodies(&view, &mut self.user, &mut self.forces[start..end])?;
+            self.timing.stop(clock, load.id());
+            start = end;
+        }
+        Ok(())
+    }
+
+    /// Stresses of elements, forces of loads and links on nodes, and what of them goes to bodies.
+    fn evaluate_nodes(&mut self) -> Result<(), Halt> {
+        self.scale_masses();
+        let user = self.user.material.as_deref_mut();
+        self.elements.update(&mut self.dofs, &self.now, self.threads, user, self.timing.groups());
+        self.dofs.nodes.begin_forces();
+        self.release_faces();
+        self.push_nodes()?;
+        self.elements.link(&mut self.dofs);
+        self.elements.check(&self.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
+        self.pass_on();
+        Ok(())
+    }
+
+    /// What constraints pass on from nodes to bodies.
+    fn pass_on(&mut self) {
+        let (elements, nodes) = (&self.elements, &self.dofs.nodes);
+        let force = |n: usize| {
+            let ([r, z], more) = (elements.nodal_force(n), nodes.forces[0].get(n).copied().unwrap_or_default());
+            [r + more[0], z + more[1]]
+        };
+        let passing = self.constraints.iter().filter(|c| !c.carries().is_empty());
+        for (constraint, out) in passing.zip(&mut self.forces) {
+            constraint.passes_on(&force, std::slice::from_mut(out));
+        }
+    }
+
+    fn scale_masses(&mut self) {
+        let Some(scaling) = &mut self.scaling else { return };
+        let constraints = &mut self.constraints;
+        let changed = &mut |n, gained| constraints.iter_mut().for_each(|c| c.mass_changed(n, gained));
+        if !self.elements.scale_masses(scaling, &self.now, &mut self.dofs, changed) {
+            return;
+        }
+        self.loads.iter_mut().for_each(|load| load.weigh(&self.dofs.nodes.mass));
+        if let Some(summary) = self.outcome.steps.last_mut() {
+            summary.added_mass = self.elements.added_mass(&self.dofs.nodes);
+        }
+    }
+
+    fn release_faces(&mut self) {
+        let gone = self.elements.newly_gone();
+        if !gone.is_empty() {
+            self.loads.iter_mut().for_each(|load| load.release(gone));
+        }
+    }
+
+    fn push_nodes(&mut self) -> Result<(), Halt> {
+        // Out of the way of what loads look at.
+        let mut forces = std::mem::take(&mut self.dofs.nodes.forces[0]);
+        let mut dissipated = [0.0; 2];
+        let view = View { clock: Clock { now: self.now, told: &self.told }, dofs: &self.dofs, reach: self.reach };
+        let behind = Behind::new(&self.dofs);
+        let mut result = Ok(());
+        for load in self.loads.iter_mut().filter(|load| load.acts_on_nodes()) {
+            let clock = self.timing.start();
+            result = load.on_nodes(&view, &mut self.user, &mut forces);
+            if result.is_err() {
+                break;
+            }
+            let [cavity, friction] = load.dissipated(&behind);
+            dissipated = [dissipated[0] + cavity, dissipated[1] + friction];
+            self.timing.stop(clock, load.id());
+        }
+        self.dofs.nodes.forces[0] = forces;
+        let [cavity, friction] = dissipated;
+        self.dofs.energies.cavity += cavity;
+        self.dofs.energies.friction += friction;
+        self.dofs.energies.external += cavity + friction;
+        result
+    }
+
+    #[cold]
+    fn collapsed(&self, Collapsed { group, element, volume }: Collapsed) -> Halt {
+        if let Some(halt) = self.elements.groups[group].failure() {
+            return halt;
+        }
+        let why = if volume > 0.0 { "its state is not finite" } else { "it has turned inside out" };
+        let reason = format!(
+            "element {} failed at increment {}, time {:e}: {why} (volume {volume:e})",
+            self.plan.element_name(group, element),
+            self.now.increment,
+            self.now.total_time
+        );
+        Halt { code: "R206", reason }
+    }
+
+    fn accelerate(&mut self) -> Result<(), Halt> {
+        let mut start = 0;
+        for b in 0..self.dofs.bodies.len() {
+            let body = &mut self.dofs.bodies[b];
+            let own = &self.slots_by_body[start..start + body.slots];
+            start += body.slots;
+            body.force = own.iter().fold(0.0, |sum, &slot| sum + self.forces[slot]);
+            if body.velocity_load == 0.0 && body.direction != 0.0 && body.force * body.direction <= 0.0 {
+                self.hold(b);
+            }
+            central_difference::accelerate_body(&mut self.dofs.bodies[b]);
+        }
+        if !self.elements.is_empty() {
+            let clock = self.timing.start();
+            central_difference::accelerate_nodes(&self.elements, &mut self.dofs, &mut self.kinetic, self.threads);
+            self.timing.stop_gather(clock, self.plan);
+        }
+        let clock = Clock { now: self.now, told: &self.told };
+        for constraint in &mut self.constraints {
+            constraint.accelerations(&mut self.dofs, &clock);
+        }
+        self.dofs.nodes.moved = false;
+        // An increment that the deck fixes follows nothing.
+        let automatic = matches!(self.step.control, IncrementControl::Automatic { .. });
+        if !self.elements.is_empty() && self.now.increment < STARTING && automatic {
+            self.elements.guard_start(&self.dofs.nodes);
+        }
+        if self.dofs.bodies.iter().all(|b| b.acceleration.abs() < f64::INFINITY) {
+            Ok(())
+        } else {
+            Err(self.not_finite())
+        }
+    }
+
+    fn book(&mut self) {
+        self.balance.book(&self.dofs, &self.forces, self.behind == 0.0, !self.elements.is_empty());
+        self.complete = true;
+    }
+
+    /// The resistances on a body at rest give just what the other forces ask of them, and do no work.
+    fn hold(&mut self, body: usize) {
+        self.dofs.bodies[body].force = 0.0;
+        for (slot, force) in self.slots.iter().zip(&mut self.forces) {
+            if slot.body == body && matches!(slot.account, Account::Friction | Account::Cavity) {
+                *force = 0.0;
+            }
+        }
+    }
+
+    fn not_finite(&self) -> Halt {
+        let b = self.dofs.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
+        let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.dofs.bodies[b]);
+        let reason = format!(
+            "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} (force {}, mass {})",
+            body.acceleration, self.now.increment, body.force, body.mass
+        );
+        Halt { code: "R203", reason }
+    }
+
+    fn correct_velocity(&mut self) {
+        if self.behind == 0.0 {
+            return;
+        }
+        central_difference::velocities_from_half(&mut self.dofs.bodies, self.behind);
+        self.prescribe_velocities();
+    }
+
+    #[inline]
+    fn prescribe_velocities(&mut self) {
+        let clock = Clock { now: self.now, told: &self.told };
+        self.constraints.iter_mut().for_each(|c| c.velocities(&mut self.dofs, &clock));
+    }
+
+    fn make_increment(&mut self, next: Increment) {
+        let dt = next.length;
+        central_difference::advance_bodies(&mut self.dofs.bodies, dt);
+        if !self.elements.is_empty() {
+            central_difference::advance_nodes(&self.elements, &mut self.dofs, dt, self.threads);
+            self.elements.moved();
+        }
+        let clock = Clock { now: self.now, told: &self.told };
+        for constraint in &mut self.constraints {
+            constraint.motion(&mut self.dofs, &clock, dt);
+        }
+        for body in &mut self.dofs.bodies {
+            body.show(body.velocity_half + self.reach * dt * body.acceleration);
+        }
+        self.complete = false;
+        self.now_before = self.now;
+        self.now = next.arrival(&self.now, self.step.duration);
+        self.last_increment = dt;
+        self.behind = dt;
+        // Central differences of what is tied go on from step to step, as those of its nodes do.
+        if next.end != End::Plain && !(next.end == End::Step && self.ties > 0) {
+            self.start_afresh(next.end);
+        }
+    }
+
+    /// After an instant of rest or a jump of a force the next increment of bodies starts as the first did, from the velocity
+    /// at its own time.
+    fn start_afresh(&mut self, end: End) {
+        central_difference::velocities_from_half(&mut self.dofs.bodies, self.behind);
+        self.prescribe_velocities();
+        if let End::Rest(b) = end {
+            self.dofs.bodies[b].velocity = 0.0;
+            let (body, displacement) = (self.plan.bodies[b].name.clone(), self.dofs.bodies[b].displacement);
+            self.outcome.rests.push(Rest { body, time: self.now.total_time, displacement });
+        }
+        self.behind = 0.0;
+        self.show_own_velocity();
+    }
+
+    /// Where central differences start, loads see the velocity itself.
+    fn show_own_velocity(&mut self) {
+        for body in &mut self.dofs.bodies {
+            body.show(body.velocity);
+        }
+    }
+
+    /// After a failure: the state of the last instant that was complete.
+    pub(super) fn step_back(&mut self) {
+        if self.now.increment == 0 || self.complete {
+            return;
+        }
+        for body in &mut self.dofs.bodies {
+            let Before { displacement, velocity, acceleration } = body.before;
+            (body.displacement, body.velocity, body.acceleration) = (displacement, velocity, acceleration);
+        }
+        self.now = self.now_before;
+    }
+
+    fn record(&mut self, length: f64) {
+        self.outcome.increments = self.now.increment;
+        if let Some(summary) = self.outcome.steps.last_mut() {
+            summary.increments += 1;
+            summary.time = self.now.step_time;
+            if length < summary.smallest_increment {
+                summary.smallest_increment = length;
+                self.limiting = (!self.elements.is_empty()).then(|| self.elements.limiting());
+            }
+            summary.largest_increment = summary.largest_increment.max(length);
+        }
+    }
+}
+
+/// A body at rest would start the way the other forces push it: that is what a resistance then opposes.
+fn turn_resting_bodies(bodies: &mut [BodyState], applied: &[Slot], forces: &[f64]) {
+    for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {
+        let on = applied.iter().zip(forces).filter(|(s, _)| s.body == b);
+        body.direction = direction(on.map(|(_, f)| f).sum());
+    }
+}
