@@ -20,7 +20,7 @@ pub struct UserMotion {
     /// Amplitude that the routine is told; it applies it itself.
     pub amplitude: Magnitude,
     /// Degrees of freedom.
-    pub asked: Vec<Asked>,
+    pub asked: Vec<UserDof>,
     /// Which of the told functions of time is that of the first.
     pub first: usize,
     /// Length of the increment before.
@@ -29,7 +29,7 @@ pub struct UserMotion {
 
 /// One degree of freedom.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct UserDof {
     /// Which.
     pub dof: Dof,
     /// User's number of the node.
@@ -45,7 +45,7 @@ impl UserMotion {
     ///
     /// # Errors
     /// Where the routine fails or gives no finite value; the run halts.
-    pub fn ask(
+    pub fn call(
         &mut self,
         arrival: &Instant,
         increment: f64,
@@ -96,13 +96,13 @@ impl UserMotion {
 
     /// Bytes of its arrays.
     pub fn bytes(&self) -> usize {
-        size_of::<Asked>() * self.asked.capacity() + self.set.capacity() + self.amplitude.bytes()
+        size_of::<UserDof>() * self.asked.capacity() + self.set.capacity() + self.amplitude.bytes()
     }
 }
 
-impl Persist for Asked {
+impl Persist for UserDof {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Asked { dof: _, number: _, reference: _, offset } = self;
+        let UserDof { dof: _, number: _, reference: _, offset } = self;
         offset.persist(archive);
     }
 }

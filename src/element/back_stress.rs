@@ -2,11 +2,11 @@
 //! Never here: the law by which the yield surface moves.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::Stage;
+use super::block::Workspace;
 use crate::kernel::lanes::LANES;
 use crate::kernel::rotation::rotated;
 
-impl Stage {
+impl Workspace {
     /// Turns the back stress with the material, and reckons the trial stress from it.
     #[inline(always)]
     pub(super) fn shift(&mut self) {
@@ -32,25 +32,25 @@ impl Stage {
 
 #[cfg(test)]
 mod tests {
-    use super::{LANES, Stage};
+    use super::{LANES, Workspace};
 
     /// The tangent of half the angle is half the spin, so a spin of 2 is a quarter turn: rr and zz change places, and the
     /// shear its sign.
     #[test]
     fn the_back_stress_turns_with_the_material() {
-        let mut stage = Stage::default();
-        stage.spin.fill(2.0);
+        let mut scratch = Workspace::default();
+        scratch.spin.fill(2.0);
         for (i, value) in [3.0, -2.0, -1.0, 0.5].into_iter().enumerate() {
-            stage.back[i] = [value; LANES];
+            scratch.back[i] = [value; LANES];
         }
-        stage.shift();
+        scratch.shift();
         let expected = [-2.0, 3.0, -1.0, -0.5];
         for i in 0..4 {
-            assert!((stage.back[i][3] - expected[i]).abs() < 1e-15, "{:?}", stage.back);
-            assert_eq!(stage.deviator[i], stage.back[i].map(|b| -b));
+            assert!((scratch.back[i][3] - expected[i]).abs() < 1e-15, "{:?}", scratch.back);
+            assert_eq!(scratch.deviator[i], scratch.back[i].map(|b| -b));
         }
         // Von Mises stress of (3, -2, -1; 0.5).
         let mises = (0.5f64 * (25.0 + 1.0 + 16.0) + 0.75).sqrt();
-        assert!((stage.trial[0] - mises).abs() < 1e-14);
+        assert!((scratch.trial[0] - mises).abs() < 1e-14);
     }
 }

@@ -83,7 +83,7 @@ impl Nodes {
 /// Scratch memory of one task.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Stage {
+pub struct Workspace {
     /// Coordinates and velocities of the corners.
     r: [Lanes; 4],
     z: [Lanes; 4],
@@ -153,41 +153,41 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         constants: &Constants,
         dt: f64,
         nodes: &mut Nodes,
-        stage: &mut Stage,
+        scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
         if F::FAILS {
-            self.mask_deleted(failure, nodes, stage);
+            self.mask_deleted(failure, nodes, scratch);
         }
-        self.strain::<H, V, AREA>(constants, dt, nodes, stage);
-        if stage.cap < f64::INFINITY {
-            stage.measure();
+        self.strain::<H, V, AREA>(constants, dt, nodes, scratch);
+        if scratch.cap < f64::INFINITY {
+            scratch.measure();
         }
-        if H::SHIFTS {
-            stage.back = hardening.back_stress(&self.state);
-            stage.shift();
+        if H::BACKSTRESS {
+            scratch.back = hardening.back_stress(&self.state);
+            scratch.shift();
         }
-        if H::FLOWS {
-            let (shear3, count) = (3.0 * constants.shear, stage.count);
-            let flow = &mut Flow { trial: &stage.trial, shear3, dt, count, increment: &mut stage.flow };
+        if H::PLASTIC {
+            let (shear3, count) = (3.0 * constants.shear, scratch.count);
+            let flow = &mut Flow { trial: &scratch.trial, shear3, dt, count, increment: &mut scratch.flow };
             hardening.flow(&mut self.state, flow);
         }
-        if H::SHIFTS {
-            hardening.follow(&mut self.state, &stage.back, &stage.deviator, &stage.trial, &stage.flow);
+        if H::BACKSTRESS {
+            hardening.follow(&mut self.state, &scratch.back, &scratch.deviator, &scratch.trial, &scratch.flow);
         }
-        if V::VARIES {
-            self.respond::<H, V, AREA>(volumetric, 3.0 * constants.shear, nodes, stage);
+        if V::EOS {
+            self.respond::<H, V, AREA>(volumetric, 3.0 * constants.shear, nodes, scratch);
         }
-        self.stress::<H>(constants, stage);
+        self.stress::<H>(constants, scratch);
         if F::FAILS {
-            self.fail((hardening, volumetric, failure), constants, dt, stage);
+            self.fail((hardening, volumetric, failure), constants, dt, scratch);
         }
-        self.forces::<V, AREA>(constants, dt, stage, corners);
+        self.forces::<V, AREA>(constants, dt, scratch, corners);
         if F::FAILS {
             self.clear_deleted(failure, corners);
         }
-        if V::VARIES {
-            volumetric.settle(&mut self.volumetric, &stage.heat, &self.mass);
+        if V::EOS {
+            volumetric.settle(&mut self.volumetric, &scratch.heat, &self.mass);
         }
     }
 
@@ -198,17 +198,17 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         constants: &Constants,
         dt: f64,
         nodes: &Nodes,
-        stage: &mut Stage,
+        scratch: &mut Workspace,
     ) {
         let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
         let half = 0.5 * dt;
         for l in 0..LANES {
             let [r, z, v_r, v_z] = [0, 1, 2, 3].map(|component| nodes.of(l, component));
             for i in 0..4 {
-                stage.r[i][l] = r[i];
-                stage.z[i][l] = z[i];
-                stage.v_r[i][l] = v_r[i];
-                stage.v_z[i][l] = v_z[i];
+                scratch.r[i][l] = r[i];
+                scratch.z[i][l] = z[i];
+                scratch.v_r[i][l] = v_r[i];
+                scratch.v_z[i][l] = v_z[i];
             }
             let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
             let g = operators::<AREA>(middle(r, v_r), middle(z, v_z));
@@ -217,8 +217,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
             let d_rz = 0.5 * (rz + zr);
             let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
-            if H::SHIFTS || V::TOTAL {
-                stage.spin[l] = 0.5 * (rz - zr);
+            if H::BACKSTRESS || V::TOTAL {
+                scratch.spin[l] = 0.5 * (rz - zr);
             }
             let dilation = d_rr + d_zz + d_hoop;
             let mean = (carried[0] + carried[1] + carried[2]) * (1.0 / 3.0);
@@ -230,46 +230,47 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 carried[3] + shear2 * d_rz,
             ];
             for (i, d) in [d_rr, d_zz, d_hoop, d_rz].into_iter().enumerate() {
-                stage.strain[i][l] = d;
-                stage.carried[i][l] = carried[i];
-                stage.deviator[i][l] = deviator[i];
+                scratch.strain[i][l] = d;
+                scratch.carried[i][l] = carried[i];
+                scratch.deviator[i][l] = deviator[i];
             }
-            stage.mean[l] = mean + bulk * dilation;
-            stage.volume[l] = UNIT * stage.weight[l] * g.volume;
-            if H::FLOWS {
+            scratch.mean[l] = mean + bulk * dilation;
+            scratch.volume[l] = UNIT * scratch.weight[l] * g.volume;
+            if H::PLASTIC {
                 let [a, b, c, d] = deviator.map(|s| s * s);
-                stage.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+                scratch.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
             }
         }
     }
 
     /// The stress on the yield surface, and the work done on the way.
     #[inline(always)]
-    fn stress<H: Hardening>(&mut self, constants: &Constants, stage: &mut Stage) {
+    fn stress<H: Hardening>(&mut self, constants: &Constants, scratch: &mut Workspace) {
         let shear3 = 3.0 * constants.shear;
         for l in 0..LANES {
             let mut factor = 1.0;
-            if H::FLOWS {
-                let (trial, flow) = (stage.trial[l], stage.flow[l]);
+            if H::PLASTIC {
+                let (trial, flow) = (scratch.trial[l], scratch.flow[l]);
                 let returned = trial - shear3 * flow;
                 factor = if flow > 0.0 { returned / trial } else { 1.0 };
-                stage.sums.plastic[l] += stage.volume[l] * returned * flow;
+                scratch.sums.plastic[l] += scratch.volume[l] * returned * flow;
             }
-            let mean = stage.mean[l];
+            let mean = scratch.mean[l];
             let mut s = [
-                mean + factor * stage.deviator[0][l],
-                mean + factor * stage.deviator[1][l],
-                mean + factor * stage.deviator[2][l],
-                factor * stage.deviator[3][l],
+                mean + factor * scratch.deviator[0][l],
+                mean + factor * scratch.deviator[1][l],
+                mean + factor * scratch.deviator[2][l],
+                factor * scratch.deviator[3][l],
             ];
-            if H::SHIFTS {
-                stage.sums.plastic[l] += stage.work_against_back(l);
+            if H::BACKSTRESS {
+                scratch.sums.plastic[l] += scratch.work_against_back(l);
                 for i in 0..4 {
-                    s[i] += stage.back[i][l];
+                    s[i] += scratch.back[i][l];
                 }
             }
-            let double = |i: usize| stage.strain[i][l] * (stage.carried[i][l] + s[i]);
-            stage.sums.internal[l] += 0.5 * stage.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            let double = |i: usize| scratch.strain[i][l] * (scratch.carried[i][l] + s[i]);
+            scratch.sums.internal[l] +=
+                0.5 * scratch.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             for i in 0..4 {
                 self.stress[i][l] = s[i];
             }
@@ -282,7 +283,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         &mut self,
         constants: &Constants,
         dt: f64,
-        stage: &mut Stage,
+        scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
         let shear43 = 4.0 / 3.0 * constants.shear;
@@ -293,15 +294,15 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let stiffness = dt * UNIT * constants.hourglass_stiffness * constants.shear;
         let viscosity = constants.hourglass_viscosity / 8.0;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let block = stage.block;
-        let mut viscous = stage.viscous.get(stage.at).copied().unwrap_or_default();
-        let mut hourglass = stage.hourglass.get(stage.at).copied().unwrap_or_default();
+        let block = scratch.block;
+        let mut viscous = scratch.viscous.get(scratch.at).copied().unwrap_or_default();
+        let mut hourglass = scratch.hourglass.get(scratch.at).copied().unwrap_or_default();
         // Without an increment behind, the velocities say how fast the volume changes.
-        let starts = V::VARIES && per_dt == 0.0;
+        let starts = V::EOS && per_dt == 0.0;
         for l in 0..LANES {
-            let modulus = if V::VARIES { stage.bulk[l] + shear43 } else { modulus };
-            let (r, z) = (column(&stage.r, l), column(&stage.z, l));
-            let (v_r, v_z) = (column(&stage.v_r, l), column(&stage.v_z, l));
+            let modulus = if V::EOS { scratch.bulk[l] + shear43 } else { modulus };
+            let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
+            let (v_r, v_z) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
             let g = operators::<AREA>(r, z);
             // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
             let corner =
@@ -321,7 +322,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 let (square, mass) = (dot(g.r, g.r) + dot(g.z, g.z), self.inverse_mass[0][l]);
                 period = g.volume / (modulus * UNIT * square * mass * g.volume).sqrt();
             }
-            let dilation = stage.strain[0][l] + stage.strain[1][l] + stage.strain[2][l];
+            let dilation = scratch.strain[0][l] + scratch.strain[1][l] + scratch.strain[2][l];
             let mut dilation_rate = dilation * per_dt;
             if starts {
                 dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
@@ -329,10 +330,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let fraction = linear - quadratic2 * 2.0 * period * compression;
             let damping = 2.0 * modulus * period * dilation_rate * fraction;
-            let work = stage.volume[l] * 0.5 * (viscous[l] + damping) * dilation;
-            stage.sums.viscous[l] += work;
-            if V::VARIES {
-                stage.heat[l] = work - stage.heat[l];
+            let work = scratch.volume[l] * 0.5 * (viscous[l] + damping) * dilation;
+            scratch.sums.viscous[l] += work;
+            if V::EOS {
+                scratch.heat[l] = work - scratch.heat[l];
             }
             viscous[l] = damping;
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
@@ -350,7 +351,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             hourglass[1][l] = new_z;
             let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
             let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
-            stage.sums.artificial[l] += dt * stage.weight[l] * power;
+            scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
             let (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
             let s_rr = UNIT * (self.stress[0][l] + damping);
             let s_zz = UNIT * (self.stress[1][l] + damping);
@@ -369,25 +370,25 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
             // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
-            let share = stage.cap * period;
+            let share = scratch.cap * period;
             let capped = share < 1.0;
             let xi = if capped { fraction * share * pressing } else { fraction };
             // In a cold gas, where xi has no bound, the root itself.
-            let damped = if V::VARIES { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
-            let highest = if capped { stage.cap } else { omega };
+            let damped = if V::EOS { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
+            let highest = if capped { scratch.cap } else { omega };
             // Two over the increment in which the element would lose or gain as much of its volume as it may.
             let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
-            let rate = stage.weight[l] * if changing > stable { changing } else { stable };
+            let rate = scratch.weight[l] * if changing > stable { changing } else { stable };
             // Not a number counts as the largest: it must be found.
-            let best = stage.sums.rate[l];
+            let best = scratch.sums.rate[l];
             let larger = is_larger(rate, best);
-            stage.sums.rate[l] = if larger { rate } else { best };
-            stage.sums.limiting[l] = if larger { block } else { stage.sums.limiting[l] };
+            scratch.sums.rate[l] = if larger { rate } else { best };
+            scratch.sums.limiting[l] = if larger { block } else { scratch.sums.limiting[l] };
         }
-        if let Some(kept) = stage.viscous.get_mut(stage.at) {
+        if let Some(kept) = scratch.viscous.get_mut(scratch.at) {
             *kept = viscous;
         }
-        if let Some(kept) = stage.hourglass.get_mut(stage.at) {
+        if let Some(kept) = scratch.hourglass.get_mut(scratch.at) {
             *kept = hourglass;
         }
     }
@@ -403,17 +404,17 @@ pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
-impl Stage {
+impl Workspace {
     /// Scratch memory of a task of so many blocks whose frequencies are not capped, with room for what its elements keep of
     /// hourglass control and bulk viscosity.
     pub fn new(constants: &Constants, blocks: usize) -> Self {
         let stiff = constants.hourglass_stiffness != 0.0;
         let viscous = constants.bulk_viscosity != [0.0; 2];
-        Stage {
+        Workspace {
             cap: f64::INFINITY,
             hourglass: if stiff { vec![[[0.0; LANES]; 2]; blocks] } else { Vec::new() },
             viscous: if viscous { vec![[0.0; LANES]; blocks] } else { Vec::new() },
-            ..Stage::default()
+            ..Workspace::default()
         }
     }
 
@@ -425,7 +426,7 @@ impl Stage {
     }
 
     /// A lane whose element is not there weighs nothing.
-    pub(super) fn park(&mut self, lane: usize) {
+    pub(super) fn mask(&mut self, lane: usize) {
         self.weight[lane] = 0.0;
     }
 
@@ -543,10 +544,10 @@ impl Persist for Sums {
     }
 }
 
-impl Persist for Stage {
-    /// The rest of it is scratch memory of one pass; the sums hold while a task sleeps.
+impl Persist for Workspace {
+    /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Stage { sums, records, hourglass, viscous, .. } = self;
+        let Workspace { sums, records, hourglass, viscous, .. } = self;
         persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), viscous.as_mut_slice());
     }
 }

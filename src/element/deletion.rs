@@ -2,7 +2,7 @@
 //! Never here: criteria of failure.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
-use super::block::{Block, Nodes, Stage};
+use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -16,11 +16,16 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// Before an increment: the stress of the undamaged material, and in place of a deleted element one of its volume at
     /// rest, whose answers weigh nothing.
     #[inline(always)]
-    pub(super) fn mask_deleted<F: Failure<State = X>>(&mut self, failure: &F, nodes: &mut Nodes, stage: &mut Stage) {
+    pub(super) fn mask_deleted<F: Failure<State = X>>(
+        &mut self,
+        failure: &F,
+        nodes: &mut Nodes,
+        scratch: &mut Workspace,
+    ) {
         for l in 0..LANES {
             let share = failure.share(&self.failure, l);
             // A lane behind the last element repeats one that may be gone.
-            if share > 0.0 && l < stage.count {
+            if share > 0.0 && l < scratch.count {
                 self.stress.iter_mut().for_each(|s| s[l] /= share);
                 continue;
             }
@@ -30,12 +35,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 nodes.0[i][l] = [r, z, 0.0, 0.0];
             }
             self.stress.iter_mut().for_each(|s| s[l] = 0.0);
-            if let Some(hourglass) = stage.hourglass.get_mut(stage.at) {
+            if let Some(hourglass) = scratch.hourglass.get_mut(scratch.at) {
                 hourglass.iter_mut().for_each(|h| h[l] = 0.0);
             }
-            stage.weight[l] = 0.0;
+            scratch.weight[l] = 0.0;
             // Laws are asked for lanes with elements only: what another block left would stay.
-            stage.flow[l] = 0.0;
+            scratch.flow[l] = 0.0;
         }
     }
 
@@ -47,15 +52,15 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
         dt: f64,
-        stage: &mut Stage,
+        scratch: &mut Workspace,
     ) {
-        for l in 0..stage.count {
+        for l in 0..scratch.count {
             let before = failure.share(&self.failure, l);
             if before == 0.0 {
                 self.stress.iter_mut().for_each(|s| s[l] = 0.0);
                 continue;
             }
-            let plastic = if H::FLOWS { stage.flow[l] } else { 0.0 };
+            let plastic = if H::PLASTIC { scratch.flow[l] } else { 0.0 };
             let temperature =
                 volumetric.temperature(&self.volumetric, l).or_else(|| hardening.temperature(&self.state, l));
             let stress = [0, 1, 2, 3].map(|i| self.stress[i][l]);
@@ -63,21 +68,21 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let seen = Seen { plastic, mean, mises, temperature: temperature.unwrap_or(0.0), dt };
             let left = failure.degrade(&mut self.failure, l, &seen);
             let shift = [left.mean - mean, left.mean - mean, left.mean - mean, 0.0];
-            let (mut work, volume) = (0.0, stage.volume[l]);
+            let (mut work, volume) = (0.0, scratch.volume[l]);
             for i in 0..4 {
                 let acts = left.stress * (stress[i] + shift[i]);
-                let booked = stage.carried[i][l] + stress[i];
+                let booked = scratch.carried[i][l] + stress[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
-                work += twice * stage.strain[i][l] * (before * stage.carried[i][l] + acts - booked);
+                work += twice * scratch.strain[i][l] * (before * scratch.carried[i][l] + acts - booked);
                 self.stress[i][l] = acts;
             }
-            stage.sums.internal[l] += 0.5 * volume * work;
-            let bulk = if V::VARIES { stage.bulk[l] } else { constants.bulk };
+            scratch.sums.internal[l] += 0.5 * volume * work;
+            let bulk = if V::EOS { scratch.bulk[l] } else { constants.bulk };
             let distortion = if constants.shear > 0.0 { mises * mises / (6.0 * constants.shear) } else { 0.0 };
             let [had, has] = [(before, mean), (left.stress, left.mean)]
                 .map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
-            stage.sums.plastic[l] += volume * ((had - has) - (1.0 - left.stress) * mises * plastic);
-            stage.deaths += usize::from(left.stress == 0.0);
+            scratch.sums.plastic[l] += volume * ((had - has) - (1.0 - left.stress) * mises * plastic);
+            scratch.deaths += usize::from(left.stress == 0.0);
         }
     }
 

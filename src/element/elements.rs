@@ -7,7 +7,7 @@ use super::distortion::DistortionControl;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
 use super::mass_scaling::Masses;
-use super::quiescent::Awake;
+use super::quiescent::ActiveNodes;
 use super::rings::Rings;
 use crate::kernel::lanes::{Corners, LANES};
 use crate::kernel::quad;
@@ -45,7 +45,7 @@ pub struct Elements {
     pub(super) masses: Option<Box<Masses>>,
     corners: Vec<Corners>,
     gather: Gather,
-    awake: Awake,
+    awake: ActiveNodes,
     /// Whether the strains of the increment behind are still to come.
     pending: bool,
     /// Corner nodes of deleted elements, and how many of them the loads of this step have been told.
@@ -70,7 +70,7 @@ impl Elements {
         // Room for all that may fail: nothing allocates inside an increment.
         let fragile = groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
         Elements {
-            awake: Awake::new(nodes, &groups),
+            awake: ActiveNodes::new(nodes, &groups),
             groups,
             ids,
             // One block more, which stays zero.

@@ -342,7 +342,7 @@ mod tests {
     use crate::element::elements::Elements;
     use crate::element::group::Quads;
     use crate::kernel::quad;
-    use crate::material::failure::Intact;
+    use crate::material::failure::NoDamage;
     use crate::material::plasticity::Elastic;
     use crate::material::volumetric::Linear;
     use crate::mesh::gather::Gather;
@@ -376,7 +376,7 @@ mod tests {
                 mass[*n as usize] += m;
             }
         }
-        let quads = Quads::new((Elastic, Linear, Intact), CONSTANTS, 1.0, &elements, &nodes);
+        let quads = Quads::new((Elastic, Linear, NoDamage), CONSTANTS, 1.0, &elements, &nodes);
         let gather = Gather::new(count, &[&elements]);
         (Elements::new(vec![Box::new(quads)], vec![0], gather, count), Nodes::new(nodes, mass))
     }

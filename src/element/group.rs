@@ -6,9 +6,9 @@ use std::sync::Arc;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::element::block::{Block, Nodes, Stage, Sums, across, is_larger};
+use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
 use crate::element::constants::Constants;
-use crate::element::quiescent::Rest;
+use crate::element::quiescent::Quiescence;
 use crate::element::record::{Followed, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -109,7 +109,7 @@ pub trait ElementGroup: Persist + Send + Sync {
     /// Sets the energy a mass of an element at the start.
     fn set_energy(&mut self, element: usize, energy: f64);
     /// Whether a task of elements is passed over because all of it is at rest and free of stress.
-    fn sleeps(&self, _task: usize) -> bool {
+    fn is_quiescent(&self, _task: usize) -> bool {
         false
     }
     /// Corner nodes of an element.
@@ -153,11 +153,11 @@ pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = fal
     constants: Constants,
     count: usize,
     blocks: Vec<Block<H::State, V::State, F::State>>,
-    tasks: Vec<Stage>,
+    tasks: Vec<Workspace>,
     arch: Arch,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
-    rests: Vec<Rest>,
+    quiescence: Vec<Quiescence>,
     /// Highest frequency that counts.
     cap: f64,
 }
@@ -199,10 +199,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
             laws: Arc::new((hardening, volumetric, failure)),
             constants,
             count: elements.len(),
-            tasks: blocks.chunks(TASK).map(|part| Stage::new(&constants, part.len())).collect(),
+            tasks: blocks.chunks(TASK).map(|part| Workspace::new(&constants, part.len())).collect(),
             blocks,
             arch: Arch::new(),
-            rests: Rest::of_tasks(elements),
+            quiescence: Quiescence::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
             cap: f64::INFINITY,
         }
@@ -219,7 +219,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Clone for Quads<
             tasks: self.tasks.clone(),
             arch: self.arch,
             told: self.told.clone(),
-            rests: self.rests.clone(),
+            quiescence: self.quiescence.clone(),
             cap: self.cap,
         }
     }
@@ -237,7 +237,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
     /// Lets no task become quiescent, by counting a node that never rests.
     pub fn keep_awake(&mut self, node: u32) {
-        self.rests.iter_mut().for_each(|rest| rest.nodes.push(node));
+        self.quiescence.iter_mut().for_each(|resting| resting.nodes.push(node));
     }
 }
 
@@ -296,8 +296,12 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         let Pass { nodes, dt, threads, corners, .. } = pass;
         let pass = Common { laws: &self.laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
         let arch = self.arch;
-        let run = |index, blocks: &mut [Block<_, _, _>], corners: &mut [Corners], stage: &mut _, rest: &mut Rest| {
-            if rest.asleep && rest.is_still(nodes) {
+        let run = |index,
+                   blocks: &mut [Block<_, _, _>],
+                   corners: &mut [Corners],
+                   scratch: &mut _,
+                   resting: &mut Quiescence| {
+            if resting.quiescent && resting.is_still(nodes) {
                 return;
             }
             arch.dispatch(Task::<_, _, _, AREA> {
@@ -305,47 +309,49 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
                 index,
                 blocks: &mut *blocks,
                 corners: &mut *corners,
-                stage,
+                scratch,
             });
-            // Without an increment behind nothing has been added to the sums, so they hold while the task sleeps. The
+            // Without an increment behind nothing has been added to the sums, so they hold while the task is quiescent. The
             // pressure of an equation of state is not in the state looked at here.
             let zero = |list: &[Lanes]| list.as_flattened().iter().all(|x| *x == 0.0);
-            rest.asleep = dt == 0.0
-                && !V::VARIES
+            resting.quiescent = dt == 0.0
+                && !V::EOS
                 && corners.iter().all(|c| zero(&c.0))
                 && blocks.iter().all(|b| zero(&b.stress))
-                && rest.is_still(nodes);
+                && resting.is_still(nodes);
         };
         if !threads || self.count < PARALLEL {
             let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK));
-            let parts = parts.zip(self.tasks.iter_mut().zip(&mut self.rests)).enumerate();
-            parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
+            let parts = parts.zip(self.tasks.iter_mut().zip(&mut self.quiescence)).enumerate();
+            parts.for_each(|(i, ((blocks, corners), (own, resting)))| run(i, blocks, corners, own, resting));
         } else {
             let parts = self.blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK));
-            let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.rests)).enumerate();
-            parts.for_each(|(i, ((blocks, corners), (own, rest)))| run(i, blocks, corners, own, rest));
+            let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.quiescence)).enumerate();
+            parts.for_each(|(i, ((blocks, corners), (own, resting)))| run(i, blocks, corners, own, resting));
         }
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
         let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
-        totals(self.tasks.iter().map(Stage::parts), |task| if self.rests[task].asleep { still } else { f64::INFINITY })
+        totals(self.tasks.iter().map(Workspace::parts), |task| {
+            if self.quiescence[task].quiescent { still } else { f64::INFINITY }
+        })
     }
 
-    fn sleeps(&self, task: usize) -> bool {
-        self.rests[task].asleep
+    fn is_quiescent(&self, task: usize) -> bool {
+        self.quiescence[task].quiescent
     }
 
     fn bytes(&self) -> usize {
-        let kept: usize = self.tasks.iter().map(Stage::bytes).sum();
-        let rests: usize = self.rests.iter().map(Rest::bytes).sum();
-        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + kept + rests + self.told.capacity()
+        let kept: usize = self.tasks.iter().map(Workspace::bytes).sum();
+        let quiescence: usize = self.quiescence.iter().map(Quiescence::bytes).sum();
+        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + kept + quiescence + self.told.capacity()
     }
 
     fn value(&self, element: usize, part: Part) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         match part.variable {
             Variable::Stress => Some(block.stress.get(part.component)?[lane]),
-            Variable::PlasticStrain => H::FLOWS.then(|| self.laws.0.plastic_strain(&block.state, lane)),
+            Variable::PlasticStrain => H::PLASTIC.then(|| self.laws.0.plastic_strain(&block.state, lane)),
             Variable::Temperature => {
                 let by_energy = self.laws.1.temperature(&block.volumetric, lane);
                 by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
@@ -356,7 +362,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
                 let alive = self.laws.2.alive(&block.failure, lane);
                 Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
             }
-            Variable::PlasticComponents if !H::FLOWS => None,
+            Variable::PlasticComponents if !H::PLASTIC => None,
             _ => self.followed(element)?.value(part),
         }
     }
@@ -373,14 +379,14 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn follow(&mut self) {
-        for (stage, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            stage.records = vec![Record::default(); blocks.len()];
+        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            scratch.records = vec![Record::default(); blocks.len()];
         }
     }
 
     fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
         // Where the pressure follows from density or energy a mass, the mass is part of the state.
-        if V::VARIES || AREA {
+        if V::EOS || AREA {
             return None;
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -388,7 +394,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
-        if V::VARIES || V::TOTAL || AREA {
+        if V::EOS || V::TOTAL || AREA {
             return None;
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -404,13 +410,13 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
-        // The increment that a sleeping task allows is no longer what it was.
-        self.rests[element / (TASK * LANES)].asleep = false;
+        // The increment that a quiescent task allows is no longer what it was.
+        self.quiescence[element / (TASK * LANES)].quiescent = false;
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
     }
 
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
-        if !F::FAILS || self.tasks.iter().all(|stage| stage.deaths == 0) {
+        if !F::FAILS || self.tasks.iter().all(|scratch| scratch.deaths == 0) {
             return;
         }
         let mut told = std::mem::take(&mut self.told);
@@ -427,7 +433,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn holds_state(&self) -> bool {
-        V::VARIES
+        V::EOS
     }
 
     fn set_energy(&mut self, element: usize, energy: f64) {
@@ -455,7 +461,7 @@ struct Task<'a, H: Hardening, V: Volumetric, F: Failure, const AREA: bool> {
     index: usize,
     blocks: &'a mut [Block<H::State, V::State, F::State>],
     corners: &'a mut [Corners],
-    stage: &'a mut Stage,
+    scratch: &'a mut Workspace,
 }
 
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce for Task<'_, H, V, F, AREA> {
@@ -464,18 +470,18 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
     /// Inlined into a function of the machine's instruction set.
     #[inline(always)]
     fn call(self) {
-        let stage = self.stage;
+        let scratch = self.scratch;
         let pass = self.pass;
         let laws = (&pass.laws.0, &pass.laws.1, &pass.laws.2);
-        stage.begin(pass.cap);
+        scratch.begin(pass.cap);
         let mut places = Nodes::default();
         for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
             let index = self.index * TASK + i;
-            stage.prepare(index, i, pass.count - index * LANES);
+            scratch.prepare(index, i, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
-            block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, stage, corners);
-            if !stage.records.is_empty() {
-                stage.follow(i, block, H::FLOWS, &places, pass.dt);
+            block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, scratch, corners);
+            if !scratch.records.is_empty() {
+                scratch.follow(i, block, H::PLASTIC, &places, pass.dt);
             }
         }
     }
@@ -520,8 +526,8 @@ pub(super) fn totals<'a>(
 
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Quads { laws: _, constants: _, count: _, blocks, tasks, arch: _, told, rests, cap } = self;
-        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), rests.as_mut_slice());
+        let Quads { laws: _, constants: _, count: _, blocks, tasks, arch: _, told, quiescence, cap } = self;
+        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), quiescence.as_mut_slice());
     }
 }
 
@@ -540,7 +546,7 @@ mod tests {
     use crate::element::constants::Constants;
     use crate::kernel::lanes::Corners;
     use crate::kernel::lanes::LANES;
-    use crate::material::failure::Intact;
+    use crate::material::failure::NoDamage;
     use crate::material::plasticity::Lines;
     use crate::material::volumetric::Linear;
     use crate::state::Instant;
@@ -570,7 +576,7 @@ mod tests {
         };
         let run = |arch: Arch| {
             let lines = Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
-            let mut quads = Quads::new((lines, Linear, Intact), constants, 2.0, &elements, &nodes).on(arch);
+            let mut quads = Quads::new((lines, Linear, NoDamage), constants, 2.0, &elements, &nodes).on(arch);
             let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| {
                 let now = &Instant::default();

@@ -10,29 +10,29 @@ use crate::state::nodes::Node;
 /// Nodes that are passed over together.
 pub const FEW: usize = 32;
 
-/// Whether a task of elements sleeps, and its nodes.
+/// Whether a task of elements is quiescent, and its nodes.
 #[derive(Clone, Debug)]
-pub(super) struct Rest {
+pub(super) struct Quiescence {
     pub nodes: Vec<u32>,
     /// Since the start of the analysis nothing has reached the task.
-    pub asleep: bool,
+    pub quiescent: bool,
 }
 
-impl Rest {
+impl Quiescence {
     /// The tasks of a group, all awake.
-    pub fn of_tasks(elements: &[[u32; 4]]) -> Vec<Rest> {
+    pub fn of_tasks(elements: &[[u32; 4]]) -> Vec<Quiescence> {
         let task = |part: &[[u32; 4]]| {
             let mut nodes: Vec<u32> = part.as_flattened().to_vec();
             nodes.sort_unstable();
             nodes.dedup();
-            Rest { nodes, asleep: false }
+            Quiescence { nodes, quiescent: false }
         };
         elements.chunks(TASK * LANES).map(task).collect()
     }
 
     /// Bytes of it.
     pub fn bytes(&self) -> usize {
-        size_of::<Rest>() + size_of::<u32>() * self.nodes.capacity()
+        size_of::<Quiescence>() + size_of::<u32>() * self.nodes.capacity()
     }
 
     /// Whether no node of the task moves.
@@ -43,14 +43,14 @@ impl Rest {
 
 /// Which nodes have work, a few at a time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Awake {
+pub(super) struct ActiveNodes {
     /// Groups and tasks that touch each few nodes; empty once all are awake for good.
     touching: Vec<Vec<(u32, u32)>>,
     /// Whether they have work in this increment; empty if all have.
     awake: Vec<bool>,
 }
 
-impl Awake {
+impl ActiveNodes {
     /// From the corner nodes of each group's elements.
     pub fn new(count: usize, groups: &[Box<dyn ElementGroup>]) -> Self {
         let mut touching = vec![Vec::new(); count.div_ceil(FEW)];
@@ -65,7 +65,7 @@ impl Awake {
                 }
             }
         }
-        Awake { touching, awake: Vec::new() }
+        ActiveNodes { touching, awake: Vec::new() }
     }
 
     /// Bytes of the lists.
@@ -77,17 +77,17 @@ impl Awake {
 
     /// Wakes all nodes for good.
     pub fn wake(&mut self) {
-        *self = Awake::default();
+        *self = ActiveNodes::default();
     }
 
-    /// After the elements: nodes of tasks that sleep have no work, unless a force acts on them.
+    /// After the elements: nodes of quiescent tasks have no work, unless a force acts on them.
     pub fn update(&mut self, groups: &[Box<dyn ElementGroup>], external: &[[f64; 2]]) {
         if self.touching.is_empty() {
             return;
         }
-        let asleep = |(group, task): &(u32, u32)| groups[*group as usize].sleeps(*task as usize);
+        let quiescent = |(group, task): &(u32, u32)| groups[*group as usize].is_quiescent(*task as usize);
         self.awake.clear();
-        self.awake.extend(self.touching.iter().map(|list| !list.iter().all(asleep)));
+        self.awake.extend(self.touching.iter().map(|list| !list.iter().all(quiescent)));
         if self.awake.iter().all(|awake| *awake) {
             self.wake();
             return;
@@ -104,16 +104,16 @@ impl Awake {
     }
 }
 
-impl Persist for Rest {
+impl Persist for Quiescence {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Rest { nodes: _, asleep } = self;
-        asleep.persist(archive);
+        let Quiescence { nodes: _, quiescent } = self;
+        quiescent.persist(archive);
     }
 }
 
-impl Persist for Awake {
+impl Persist for ActiveNodes {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Awake { touching, awake } = self;
+        let ActiveNodes { touching, awake } = self;
         let mut for_good = touching.is_empty();
         for_good.persist(archive);
         if for_good {

@@ -2,7 +2,7 @@
 //! Never here: anything that stresses or forces need.
 #![allow(clippy::needless_range_loop)] // Loops over lanes, as in the inner loop.
 
-use crate::element::block::{Block, Nodes, Stage, dot};
+use crate::element::block::{Block, Nodes, Workspace, dot};
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::{Gradient, gradient};
@@ -78,22 +78,22 @@ impl Record {
         flows: bool,
         nodes: &Nodes,
         dt: f64,
-        stage: &Stage,
+        scratch: &Workspace,
     ) {
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         for l in 0..LANES {
             let spin = spin(nodes, l, dt);
             let turn = |x: &[Lanes; 4]| rotated([0, 1, 2, 3].map(|i| x[i][l]), spin);
             let (strain, mut plastic) = (turn(&self.strain), turn(&self.plastic));
-            let increment = [0, 1, 2, 3].map(|i| stage.strain[i][l]);
-            let doubled = [0, 1, 2, 3].map(|i| increment[i] * (stage.carried[i][l] + block.stress[i][l]));
-            self.work[0][l] += 0.5 * stage.volume[l] * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
-            if flows && stage.flow[l] > 0.0 {
+            let increment = [0, 1, 2, 3].map(|i| scratch.strain[i][l]);
+            let doubled = [0, 1, 2, 3].map(|i| increment[i] * (scratch.carried[i][l] + block.stress[i][l]));
+            self.work[0][l] += 0.5 * scratch.volume[l] * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
+            if flows && scratch.flow[l] > 0.0 {
                 // Associated flow: 3/2 dp s/q, the direction of the trial.
-                let per = 1.5 * stage.flow[l] / stage.trial[l];
-                plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * stage.deviator[i][l]);
+                let per = 1.5 * scratch.flow[l] / scratch.trial[l];
+                plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * scratch.deviator[i][l]);
                 let mises = mises([0, 1, 2, 3].map(|i| block.stress[i][l]));
-                self.work[1][l] += stage.volume[l] * mises * stage.flow[l];
+                self.work[1][l] += scratch.volume[l] * mises * scratch.flow[l];
             }
             for i in 0..4 {
                 self.strain[i][l] = strain[i] + increment[i];

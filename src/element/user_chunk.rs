@@ -3,7 +3,7 @@
 //! Never here: the order of chunks, moduli, output.
 
 use super::group::block;
-use crate::element::block::{Block, Nodes, Stage, Sums, dot, larger};
+use crate::element::block::{Block, Nodes, Sums, Workspace, dot, larger};
 use crate::element::constants::Constants;
 use crate::element::points::Points;
 use crate::element::record::spin;
@@ -40,22 +40,22 @@ pub(super) struct Chunk {
 #[derive(Clone)]
 pub(super) struct Scratch {
     /// One for each block.
-    pub stages: Vec<Stage>,
+    pub workspaces: Vec<Workspace>,
     nodes: Vec<Nodes>,
 }
 
 impl Scratch {
     /// For so many chunks one after the other.
     pub fn new(constants: &Constants, turns: usize) -> Self {
-        Scratch { stages: vec![Stage::new(constants, turns); BLOCKS], nodes: vec![Nodes::default(); BLOCKS] }
+        Scratch { workspaces: vec![Workspace::new(constants, turns); BLOCKS], nodes: vec![Nodes::default(); BLOCKS] }
     }
 
     /// Bytes of it.
     pub fn bytes(&self) -> usize {
         size_of_val(self)
-            + size_of_val(&*self.stages)
+            + size_of_val(&*self.workspaces)
             + size_of_val(&*self.nodes)
-            + self.stages.iter().map(Stage::bytes).sum::<usize>()
+            + self.workspaces.iter().map(Workspace::bytes).sum::<usize>()
     }
 }
 
@@ -97,19 +97,19 @@ impl Chunk {
     pub fn strain(&mut self, common: &Common<'_>, place: Place, scratch: &mut Scratch) {
         let first = place.chunk * BLOCKS;
         for (s, block) in self.blocks.iter_mut().enumerate() {
-            let (stage, corners) = (&mut scratch.stages[s], &mut scratch.nodes[s]);
-            stage.begin(common.cap);
-            stage.prepare(first + s, place.turn, common.count - (first + s) * LANES);
+            let (workspace, corners) = (&mut scratch.workspaces[s], &mut scratch.nodes[s]);
+            workspace.begin(common.cap);
+            workspace.prepare(first + s, place.turn, common.count - (first + s) * LANES);
             corners.collect(common.nodes, &block.nodes);
             for l in 0..LANES {
                 if self.deleted.get(s * LANES + l).copied().unwrap_or(true) {
-                    park(corners, l);
-                    stage.park(l);
+                    mask(corners, l);
+                    workspace.mask(l);
                 }
             }
-            block.strain::<Elastic, Linear, false>(common.constants, common.dt, corners, stage);
-            if stage.cap < f64::INFINITY {
-                stage.measure();
+            block.strain::<Elastic, Linear, false>(common.constants, common.dt, corners, workspace);
+            if workspace.cap < f64::INFINITY {
+                workspace.measure();
             }
         }
         (0..self.deleted.len()).for_each(|i| self.show(i, common.dt, scratch));
@@ -117,14 +117,14 @@ impl Chunk {
 
     /// Puts before the routine what a point has gone through.
     fn show(&mut self, i: usize, dt: f64, scratch: &Scratch) {
-        let (stage, corners, l) = (&scratch.stages[i / LANES], &scratch.nodes[i / LANES], i % LANES);
+        let (workspace, corners, l) = (&scratch.workspaces[i / LANES], &scratch.nodes[i / LANES], i % LANES);
         self.turn[i] = turned(self.turn[i], spin(corners, l, dt));
-        let increment = [0, 1, 2, 3].map(|k| stage.strain[k][l]);
+        let increment = [0, 1, 2, 3].map(|k| workspace.strain[k][l]);
         let [cosine, sine] = self.turn[i];
         self.points.set_strain(i, components(increment, [cosine, -sine]));
         if !self.deleted[i] {
             let (r, z) = (corners.of(l, 0), corners.of(l, 1));
-            self.points.set_place(i, r, z, self.mass[i] / stage.volume[l]);
+            self.points.set_place(i, r, z, self.mass[i] / workspace.volume[l]);
             self.points.set_gradient(i, deformation(&self.start[i], r, z));
         }
     }
@@ -167,32 +167,32 @@ impl Chunk {
         (0..self.deleted.len()).for_each(|i| self.take_stress(i, common.description.delete, scratch));
         self.points.swap();
         for (s, (block, forces)) in self.blocks.iter_mut().zip(corners).enumerate() {
-            let stage = &mut scratch.stages[s];
-            block.forces::<Linear, false>(common.constants, common.dt, stage, forces);
+            let workspace = &mut scratch.workspaces[s];
+            block.forces::<Linear, false>(common.constants, common.dt, workspace, forces);
             for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {
                 forces.0.iter_mut().for_each(|list| list[l] = 0.0);
-                if let Some(hourglass) = stage.hourglass.get_mut(place.turn) {
+                if let Some(hourglass) = workspace.hourglass.get_mut(place.turn) {
                     hourglass.iter_mut().for_each(|list| list[l] = 0.0);
                 }
             }
-            if !stage.records.is_empty() {
-                stage.follow(place.turn, block, false, &scratch.nodes[s], common.dt);
+            if !workspace.records.is_empty() {
+                workspace.follow(place.turn, block, false, &scratch.nodes[s], common.dt);
             }
         }
     }
 
     fn take_stress(&mut self, i: usize, delete: Option<usize>, scratch: &mut Scratch) {
-        let (block, stage, l) = (&mut self.blocks[i / LANES], &mut scratch.stages[i / LANES], i % LANES);
+        let (block, workspace, l) = (&mut self.blocks[i / LANES], &mut scratch.workspaces[i / LANES], i % LANES);
         if delete.is_some_and(|v| self.points.state(i, v) == 0.0) || self.deleted[i] {
             self.deleted[i] = true;
             self.points.delete(i, delete);
         }
         let stress = components(self.points.stress(i), self.turn[i]);
-        let double = |k: usize| stage.strain[k][l] * (stage.carried[k][l] + stress[k]);
-        let work = 0.5 * stage.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
-        if stage.weighs(l) {
-            stage.sums.internal[l] += work;
-            stage.sums.plastic[l] += self.mass[i] * self.points.dissipated(i);
+        let double = |k: usize| workspace.strain[k][l] * (workspace.carried[k][l] + stress[k]);
+        let work = 0.5 * workspace.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+        if workspace.weighs(l) {
+            workspace.sums.internal[l] += work;
+            workspace.sums.plastic[l] += self.mass[i] * self.points.dissipated(i);
         }
         for (list, value) in block.stress.iter_mut().zip(stress) {
             list[l] = value;
@@ -228,15 +228,15 @@ pub(super) struct Tally {
 
 impl Tally {
     /// Adds what a block of the next chunk came to.
-    pub fn add(&mut self, stage: &Stage) {
-        let (sums, deformed) = stage.parts();
+    pub fn add(&mut self, work: &Workspace) {
+        let (sums, deformed) = work.parts();
         self.sums.add(sums);
         for (most, list) in self.deformed.iter_mut().zip(deformed) {
             most.iter_mut().zip(list).for_each(|(most, x)| *most = larger(*x, *most));
         }
     }
 
-    /// As [`Stage::parts`].
+    /// As [`Workspace::parts`].
     pub fn parts(&self) -> (&Sums, &[Lanes; 2]) {
         (&self.sums, &self.deformed)
     }
@@ -248,7 +248,7 @@ fn start(element: [u32; 4], nodes: &[Node]) -> Gradient {
 }
 
 /// Puts an element that is not there where nothing can go wrong: at rest on a unit square. It weighs nothing.
-fn park(nodes: &mut Nodes, lane: usize) {
+fn mask(nodes: &mut Nodes, lane: usize) {
     for (corner, [r, z]) in [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]].into_iter().enumerate() {
         nodes.0[corner][lane] = [r, z, 0.0, 0.0];
     }
@@ -289,7 +289,7 @@ impl Persist for Chunk {
 impl Persist for Scratch {
     /// The rest of it is of one pass.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Scratch { stages, nodes: _ } = self;
-        stages.as_mut_slice().persist(archive);
+        let Scratch { workspaces, nodes: _ } = self;
+        workspaces.as_mut_slice().persist(archive);
     }
 }

@@ -123,7 +123,7 @@ impl UserQuads {
                 chunk.respond(common, place(slot), scratch, corners);
             });
             for (chunk, scratch) in chunks.iter().zip(&*scratch) {
-                tallies.iter_mut().zip(&scratch.stages).take(chunk.blocks.len()).for_each(|(t, s)| t.add(s));
+                tallies.iter_mut().zip(&scratch.workspaces).take(chunk.blocks.len()).for_each(|(t, s)| t.add(s));
             }
         }
         Ok(())
@@ -141,7 +141,7 @@ impl UserQuads {
     fn followed(&self, element: usize) -> Option<Followed> {
         let (index, i) = (element / ELEMENTS, element % ELEMENTS);
         let (slot, turn) = (index % self.scratch.len(), index / self.scratch.len());
-        let followed = self.scratch[slot].stages[i / LANES].records.get(turn)?.of(i % LANES);
+        let followed = self.scratch[slot].workspaces[i / LANES].records.get(turn)?.of(i % LANES);
         let chunk = &self.chunks[index];
         let dissipated = chunk.mass[i] * chunk.points.inelastic(i);
         Some(Followed { energy: [followed.energy[0] - dissipated, dissipated], ..followed })
@@ -227,7 +227,7 @@ impl ElementGroup for UserQuads {
         let (chunks, batch) = (self.chunks.len(), self.scratch.len());
         for (slot, scratch) in self.scratch.iter_mut().enumerate() {
             let turns = (chunks - slot).div_ceil(batch);
-            scratch.stages.iter_mut().for_each(|s| s.records = vec![Record::default(); turns]);
+            scratch.workspaces.iter_mut().for_each(|s| s.records = vec![Record::default(); turns]);
         }
     }
 

@@ -104,7 +104,7 @@ pub trait Load: Persist + Send + Sync {
 
     /// Of the work that its forces on nodes did over the increment behind what is dissipated: by opening a cavity and by
     /// friction. Called behind [`Load::on_nodes`].
-    fn dissipated(&self, _behind: &Behind<'_>) -> [f64; 2] {
+    fn dissipated(&self, _behind: &LastIncrement<'_>) -> [f64; 2] {
         [0.0; 2]
     }
 
@@ -134,7 +134,7 @@ impl Clone for Box<dyn Load> {
 
 /// The increment behind, for the work of forces on nodes.
 #[derive(Clone, Copy)]
-pub struct Behind<'a> {
+pub struct LastIncrement<'a> {
     /// Half its length; 0 where there is none.
     half: f64,
     /// An eighth of its square, where central differences started with it; else 0.
@@ -142,7 +142,7 @@ pub struct Behind<'a> {
     dofs: &'a Dofs,
 }
 
-impl<'a> Behind<'a> {
+impl<'a> LastIncrement<'a> {
     /// The increment behind nodes that have moved, with accelerations as they were at its start.
     ///
     /// Where central differences start, forces act for half an increment alone and bring velocities from v to v + dt/2 a.
@@ -151,7 +151,7 @@ impl<'a> Behind<'a> {
     pub fn new(dofs: &'a Dofs) -> Self {
         let dt = dofs.nodes.unbooked();
         let start = if dofs.nodes.half == 0.5 * dt { 0.125 * dt * dt } else { 0.0 };
-        Behind { half: 0.5 * dt, start, dofs }
+        LastIncrement { half: 0.5 * dt, start, dofs }
     }
 
     /// Work on a node of a force now and at the start of the increment, by the trapezoid.

@@ -45,7 +45,7 @@ impl UserAmplitude {
     ///
     /// # Errors
     /// Where the routine fails or gives no finite value; the run halts.
-    pub fn ask(
+    pub fn call(
         &mut self,
         arrival: &Instant,
         increment: f64,

@@ -124,7 +124,7 @@ pub struct Heat {
 
 impl<P: Pressure> Volumetric for Eos<P> {
     type State = Heat;
-    const VARIES: bool = true;
+    const EOS: bool = true;
 
     fn fresh(&self) -> Heat {
         Heat { energy: [0.0; LANES] }

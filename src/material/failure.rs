@@ -58,9 +58,9 @@ pub struct Shares {
 
 /// Nothing fails.
 #[derive(Clone, Copy, Debug)]
-pub struct Intact;
+pub struct NoDamage;
 
-impl Failure for Intact {
+impl Failure for NoDamage {
     type State = ();
     const FAILS: bool = false;
 

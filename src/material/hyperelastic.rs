@@ -26,7 +26,7 @@ pub struct Deformed {
 
 impl Volumetric for NeoHooke {
     type State = Deformed;
-    const VARIES: bool = true;
+    const EOS: bool = true;
     const TOTAL: bool = true;
 
     fn fresh(&self) -> Deformed {

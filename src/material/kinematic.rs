@@ -27,8 +27,8 @@ pub struct Shifted {
 
 impl Hardening for Kinematic {
     type State = Shifted;
-    const FLOWS: bool = true;
-    const SHIFTS: bool = true;
+    const PLASTIC: bool = true;
+    const BACKSTRESS: bool = true;
 
     fn fresh(&self) -> Shifted {
         Shifted { strain: [0.0; LANES], back: [[0.0; LANES]; 4] }

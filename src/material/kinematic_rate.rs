@@ -33,8 +33,8 @@ pub struct Moved {
 
 impl Hardening for Moving {
     type State = Moved;
-    const FLOWS: bool = true;
-    const SHIFTS: bool = true;
+    const PLASTIC: bool = true;
+    const BACKSTRESS: bool = true;
 
     fn fresh(&self) -> Moved {
         let zero = [0.0; LANES];

@@ -13,10 +13,10 @@ pub trait Hardening: Send + Sync + 'static {
     type State: Clone + Send + Sync + Persist;
 
     /// Whether anything flows at all.
-    const FLOWS: bool;
+    const PLASTIC: bool;
 
     /// Whether the yield surface moves.
-    const SHIFTS: bool = false;
+    const BACKSTRESS: bool = false;
 
     /// State of a block that has never yielded.
     fn fresh(&self) -> Self::State;
@@ -73,7 +73,7 @@ pub struct Elastic;
 
 impl Hardening for Elastic {
     type State = ();
-    const FLOWS: bool = false;
+    const PLASTIC: bool = false;
 
     fn fresh(&self) {}
 
@@ -121,7 +121,7 @@ impl Lines {
 
 impl Hardening for Lines {
     type State = Lanes;
-    const FLOWS: bool = true;
+    const PLASTIC: bool = true;
 
     fn fresh(&self) -> Lanes {
         [0.0; LANES]
@@ -159,20 +159,20 @@ pub struct General {
 
 /// What a block keeps under a general law.
 #[derive(Clone, Debug)]
-pub struct History {
+pub struct PlasticState {
     strain: Lanes,
     temperature: Lanes,
 }
 
 impl Hardening for General {
-    type State = History;
-    const FLOWS: bool = true;
+    type State = PlasticState;
+    const PLASTIC: bool = true;
 
-    fn fresh(&self) -> History {
-        History { strain: [0.0; LANES], temperature: [0.0; LANES] }
+    fn fresh(&self) -> PlasticState {
+        PlasticState { strain: [0.0; LANES], temperature: [0.0; LANES] }
     }
 
-    fn flow(&self, state: &mut History, flow: &mut Flow<'_>) {
+    fn flow(&self, state: &mut PlasticState, flow: &mut Flow<'_>) {
         for l in 0..flow.count {
             let (strain, temperature) = (state.strain[l], state.temperature[l]);
             let dp = plastic_increment(&*self.law, flow.trial[l], strain, temperature, flow.shear3, flow.dt);
@@ -182,22 +182,22 @@ impl Hardening for General {
         }
     }
 
-    fn plastic_strain(&self, state: &History, lane: usize) -> f64 {
+    fn plastic_strain(&self, state: &PlasticState, lane: usize) -> f64 {
         state.strain[lane]
     }
 
-    fn temperature(&self, state: &History, lane: usize) -> Option<f64> {
+    fn temperature(&self, state: &PlasticState, lane: usize) -> Option<f64> {
         Some(state.temperature[lane])
     }
 
-    fn heat(&self, state: &mut History, lane: usize, temperature: f64) {
+    fn heat(&self, state: &mut PlasticState, lane: usize, temperature: f64) {
         state.temperature[lane] = temperature;
     }
 }
 
-impl Persist for History {
+impl Persist for PlasticState {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let History { strain, temperature } = self;
+        let PlasticState { strain, temperature } = self;
         persist_fields!(archive; strain, temperature);
     }
 }

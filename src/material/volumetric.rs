@@ -10,7 +10,7 @@ pub trait Volumetric: Send + Sync + 'static {
     type State: Clone + Send + Sync + Persist;
 
     /// Whether the pressure is other than a constant bulk modulus times the dilation.
-    const VARIES: bool;
+    const EOS: bool;
 
     /// Whether the deviator, too, follows from the whole deformation: [`Volumetric::stretch`] takes the place of
     /// [`Volumetric::squeeze`].
@@ -89,7 +89,7 @@ pub struct Linear;
 
 impl Volumetric for Linear {
     type State = ();
-    const VARIES: bool = false;
+    const EOS: bool = false;
 
     fn fresh(&self) {}
 

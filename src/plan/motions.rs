@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use super::Compiler;
 use crate::constraint::Constraint;
 use crate::constraint::motion::{Prescribed, PrescribedMotion};
-use crate::constraint::user_motion::{Asked, UserMotion};
+use crate::constraint::user_motion::{UserDof, UserMotion};
 use crate::deck::Diagnostic;
 use crate::model::{self, Boundary, Step};
 use crate::state::dofs::Dof;
@@ -97,7 +97,7 @@ impl Compiler<'_> {
         let detail = format!("{}: {kind:?} along {} by the user", boundary.set, along(boundary)).to_lowercase();
         let id = self.cause(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
         let mesh = &self.model.mesh;
-        let asked = |&(dof, node): &(Dof, usize)| Asked {
+        let asked = |&(dof, node): &(Dof, usize)| UserDof {
             dof,
             number: mesh.node_names[node].parse().unwrap_or(node as i32 + 1),
             reference: mesh.points[node],

@@ -10,7 +10,7 @@ use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, Ta
 use crate::kernel::heating::Heating;
 use crate::kernel::levels::Levels;
 use crate::material::eos::{Eos, IdealGas, UsUp};
-use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, Intact};
+use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, NoDamage};
 use crate::material::hyperelastic::NeoHooke;
 use crate::material::kinematic::Kinematic;
 use crate::material::kinematic_rate::Moving;
@@ -53,7 +53,7 @@ struct Make<'a, const AREA: bool> {
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
     fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
-        self.failing(hardening, volumetric, Intact)
+        self.failing(hardening, volumetric, NoDamage)
     }
 
     fn failing<H: Hardening, V: Volumetric, F: Failure>(

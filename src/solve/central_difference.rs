@@ -167,7 +167,7 @@ mod tests {
     use crate::element::frequency::{Held, HighestFrequency};
     use crate::element::group::Quads;
     use crate::kernel::quad;
-    use crate::material::failure::Intact;
+    use crate::material::failure::NoDamage;
     use crate::material::plasticity::Elastic;
     use crate::material::volumetric::Linear;
     use crate::mesh::gather::Gather;
@@ -209,7 +209,7 @@ mod tests {
                     mass[*n as usize] += m;
                 }
             }
-            let mut quads = Quads::new((Elastic, Linear, Intact), constants, 1.0, &self.elements, &self.nodes);
+            let mut quads = Quads::new((Elastic, Linear, NoDamage), constants, 1.0, &self.elements, &self.nodes);
             if awake {
                 quads.keep_awake(count as u32 - 1);
             }
@@ -255,7 +255,7 @@ mod tests {
             let mut quiescent = Vec::new();
             for _ in 0..600 {
                 free.evaluate();
-                quiescent.push((0..6).filter(|t| free.elements.groups[0].sleeps(*t)).count());
+                quiescent.push((0..6).filter(|t| free.elements.groups[0].is_quiescent(*t)).count());
                 let dt = 0.9 * free.elements.stable_increment();
                 free.advance(dt);
             }

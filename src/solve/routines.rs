@@ -52,12 +52,12 @@ impl Run<'_> {
     /// What the routines tell of amplitudes and motions at `arrival`, an increment away.
     fn call(&mut self, arrival: &Instant, increment: f64) -> Result<(), Halt> {
         for amplitude in &mut self.amplitudes {
-            let wish = amplitude.ask(arrival, increment, &self.dofs, &mut self.told, &mut self.user)?;
+            let wish = amplitude.call(arrival, increment, &self.dofs, &mut self.told, &mut self.user)?;
             self.wish = self.wish.max(wish);
         }
         let reaction = |dof| constraint::reaction(&self.constraints, &self.dofs, dof);
         for motion in &mut self.motions {
-            motion.ask(arrival, increment, &self.dofs, &reaction, &mut self.told, &mut self.user)?;
+            motion.call(arrival, increment, &self.dofs, &reaction, &mut self.told, &mut self.user)?;
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use crate::element::mass_scaling::Scaling;
 use crate::element::volume_guard::STARTING;
 use crate::kernel::amplitude::Track;
 use crate::load::user_amplitude::UserAmplitude;
-use crate::load::{Account, Behind, Load, Slot, VelocityUse, View};
+use crate::load::{Account, LastIncrement, Load, Slot, VelocityUse, View};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepPlan};
 use crate::state::dofs::Dofs;
@@ -328,7 +328,7 @@ impl<'a> Run<'a> {
         let mut forces = std::mem::take(&mut self.dofs.nodes.forces[0]);
         let mut dissipated = [0.0; 2];
         let view = View { clock: Clock { now: self.now, told: &self.told }, dofs: &self.dofs, reach: self.reach };
-        let behind = Behind::new(&self.dofs);
+        let behind = LastIncrement::new(&self.dofs);
         let mut result = Ok(());
         for load in self.loads.iter_mut().filter(|load| load.acts_on_nodes()) {
             let clock = self.timing.start();

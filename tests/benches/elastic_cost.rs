@@ -4,7 +4,7 @@
 use std::time::Instant as Stopwatch;
 
 use revolve::internals::constants::Constants;
-use revolve::internals::failure::Intact;
+use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Pass, Quads};
 use revolve::internals::lanes::{Corners, LANES};
 use revolve::internals::nodes::Node;
@@ -21,7 +21,7 @@ struct Bare;
 
 impl Hardening for Bare {
     type State = ();
-    const FLOWS: bool = false;
+    const PLASTIC: bool = false;
 
     fn fresh(&self) {}
 
@@ -62,7 +62,7 @@ pub fn run() {
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
     let constants =
         Constants { bulk, shear, hourglass_stiffness: 0.005, hourglass_viscosity: 0.0, bulk_viscosity: [0.06, 1.2] };
-    let mut bare = Quads::new((Bare, Linear, Intact), constants, 7.85e-9, &elements, nodes);
+    let mut bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, nodes);
     let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
     for _ in 0..150 {

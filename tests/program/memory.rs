@@ -4,7 +4,7 @@
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
 use revolve::internals::constants::Constants;
-use revolve::internals::failure::Intact;
+use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Quads};
 use revolve::internals::plasticity::{Flow, Hardening};
 use revolve::internals::volumetric::Linear;
@@ -100,7 +100,7 @@ struct Bare;
 
 impl Hardening for Bare {
     type State = ();
-    const FLOWS: bool = false;
+    const PLASTIC: bool = false;
 
     fn fresh(&self) {}
 
@@ -125,7 +125,7 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
     let constants =
         Constants { bulk, shear, hourglass_stiffness: 0.005, hourglass_viscosity: 0.0, bulk_viscosity: [0.06, 1.2] };
-    let bare = Quads::new((Bare, Linear, Intact), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());
+    let bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());
     assert_eq!(elastic.groups[0].bytes(), bare.bytes());
 }
 

@@ -6,7 +6,7 @@ mod nose;
 mod skin;
 mod stack;
 
-use super::{Account, Behind, Load, Slot, VelocityUse, View};
+use super::{Account, LastIncrement, Load, Slot, VelocityUse, View};
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::Surface;
 use crate::state::EffectId;
@@ -90,7 +90,7 @@ impl Load for CavityExpansion {
         noses.fold(self.skin.limit(&self.stack, &view.dofs.nodes), Limit::nearer)
     }
 
-    fn dissipated(&self, behind: &Behind<'_>) -> [f64; 2] {
+    fn dissipated(&self, behind: &LastIncrement<'_>) -> [f64; 2] {
         self.skin.dissipated(behind)
     }
 

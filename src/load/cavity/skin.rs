@@ -4,7 +4,7 @@
 use super::stack::Stack;
 use crate::kernel::facet::{Facet, ring_pressure};
 use crate::load::fields::FacetFields;
-use crate::load::{Behind, View};
+use crate::load::{LastIncrement, View};
 use crate::mesh::surface::{Face, Skin};
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::limit::Limit;
@@ -52,7 +52,7 @@ impl Resisted {
     }
 
     /// Work over the increment behind against pressure and friction.
-    pub(super) fn dissipated(&self, behind: &Behind<'_>) -> [f64; 2] {
+    pub(super) fn dissipated(&self, behind: &LastIncrement<'_>) -> [f64; 2] {
         let mut against = [0.0; 2];
         for (nodes, [now, before]) in self.skin.faces.iter().zip(&self.forces) {
             for (sum, (now, before)) in against.iter_mut().zip(now.iter().zip(before)) {
