@@ -89,9 +89,10 @@ impl Check<'_> {
         if points != names {
             self.found.push(Diagnostic::error("M110", format!("{points} nodes have {names} names")));
         }
-        let stray = mesh.points.iter().find(|[r, z]| !(not_below(*r) && z.is_finite()));
+        // A node of no element may lie anywhere, as the centre of an arc does.
+        let stray = mesh.points.iter().find(|[r, z]| !(r.is_finite() && z.is_finite()));
         if let Some([r, z]) = stray {
-            let message = format!("a node at r = {r}, z = {z}: r must not be below zero, and both are finite");
+            let message = format!("a node at r = {r}, z = {z}: both must be finite");
             self.found.push(Diagnostic::error("M126", message));
         }
         for element in &mesh.elements {

@@ -29,6 +29,10 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
         add(ledger, amplitude.id, "routine", COPIES * amplitude.bytes());
     }
     elements(ledger, state, plan.rows.gather);
+    let pushed = state.elements.has_links() || plan.steps.iter().flat_map(|s| &s.loads).any(|l| l.acts_on_nodes());
+    if let Some(row) = plan.rows.gather.filter(|_| pushed) {
+        add(ledger, row, "forces", state.dofs.nodes.bytes_of_forces());
+    }
     let places = plan.places.bytes();
     if let Some(row) = plan.rows.integration {
         add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());

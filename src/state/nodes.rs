@@ -140,15 +140,18 @@ impl Nodes {
         [0.5 * added * n.v_r * n.v_r, 0.5 * added * n.v_z * n.v_z]
     }
 
-    /// Names and bytes of the arrays.
+    /// Bytes of forces, where there are any.
+    pub fn bytes_of_forces(&self) -> usize {
+        self.forces.len() * size_of::<[f64; 2]>() * self.list.len()
+    }
+
+    /// Names and bytes of the arrays, but for forces.
     pub fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let forces = self.forces.iter().map(|f| size_of::<[f64; 2]>() * f.capacity()).sum();
         vec![
             ("motion", size_of::<Node>() * self.list.capacity()),
             ("start", size_of::<[f64; 2]>() * self.start.capacity()),
             ("mass", size_of::<f64>() * (self.mass.capacity() + self.inverse_mass.capacity())),
             ("acceleration", size_of::<[f64; 2]>() * self.acceleration.capacity()),
-            ("forces", forces),
         ]
     }
 }
