@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 use revolve::job;
 use revolve::model::{Boundary, ElementKind, Load, Material, Model, OutputRequest, Region, Side, Sides, Step};
-use revolve::output::variables::{Part, Variable};
 use revolve::user::Routines;
+use revolve::variables::{Part, Variable};
 
 const DENSITY: f64 = 7850.0;
 const MODULUS: f64 = 210e9;

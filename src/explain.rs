@@ -9,13 +9,13 @@ use crate::{model, output, plan, user};
 pub fn explain(word: &str) -> Option<String> {
     match word.trim().to_ascii_lowercase().as_str() {
         "keywords" => return Some(manual::keyword_manual()),
-        "variables" => return Some(output::manual::variable_manual()),
+        "variables" => return Some(crate::variables::manual::variable_manual()),
         _ => {}
     }
     if let Some(code) = codes().find(|c| c.code.eq_ignore_ascii_case(word.trim())) {
         return Some(format!("{}: {}\n\n{}\n", code.code, code.title, code.text));
     }
-    let variable = output::manual::explain_variable(word);
+    let variable = crate::variables::manual::explain_variable(word);
     let keyword = manual::explain_keyword(word).filter(|_| variable.is_none() || manual::is_keyword(word));
     let texts: Vec<String> = keyword.into_iter().chain(variable).collect();
     (!texts.is_empty()).then(|| texts.join("\n"))

@@ -73,6 +73,7 @@ pub mod solve;
 mod state;
 pub mod study;
 pub mod user;
+pub mod variables;
 
 /// What the project's own tests and benches look into; no part of the library.
 #[doc(hidden)]

@@ -3,9 +3,8 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::constants::Constants;
+use super::constants::{CHANGE, Constants};
 use crate::element::record::Record;
-use crate::element::volume_guard::CHANGE;
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;

@@ -3,6 +3,10 @@
 
 use crate::kernel::quad;
 
+/// The largest fraction of its volume by which an element may change over one increment at the rate at which it does: the
+/// increment adapts before an element turns inside out, and the work of what expands at once is followed.
+pub const CHANGE: f64 = 0.2;
+
 /// Elastic moduli, hourglass control and bulk viscosity of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants {

@@ -17,12 +17,12 @@ use crate::kernel::quad;
 use crate::material::failure::Failure;
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
-use crate::output::variables::{Part, Variable};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
 use crate::user::UserMaterial;
+use crate::variables::{Part, Variable};
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
 pub(super) const TASK: usize = 64;

@@ -8,8 +8,8 @@ use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress::mises;
-use crate::output::variables::{Part, Variable};
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::variables::{Part, Variable};
 
 /// Output variables of the eight elements of a block.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,9 +3,9 @@
 //! Never here: the forces of elements.
 
 use super::group::ElementGroup;
-use crate::output::variables::Variable;
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Nodes;
+use crate::variables::Variable;
 
 /// Nodes of elements that are weighted by area.
 #[derive(Clone, Debug)]

@@ -16,9 +16,9 @@ use crate::material::kinematic::Kinematic;
 use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::volumetric::{Linear, Volumetric};
-use crate::output::variables::Variable;
 use crate::state::Instant;
 use crate::state::nodes::Node;
+use crate::variables::Variable;
 
 const COLUMNS: usize = 5;
 const ROWS: usize = 4;

@@ -10,12 +10,12 @@ use crate::element::constants::Constants;
 use crate::element::record::{Followed, Record};
 use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch, Tally};
 use crate::kernel::lanes::{Corners, LANES};
-use crate::output::variables::{Part, Variable};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
 use crate::user::{LoadFailure, UserMaterial};
+use crate::variables::{Part, Variable};
 
 /// Chunks between whose phases the routine is called for all of them, where threads share them.
 const BATCH: usize = 16;

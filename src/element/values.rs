@@ -2,8 +2,8 @@
 //! Never here: which variables there are.
 
 use crate::element::group::ElementGroup;
-use crate::output::variables::{ElementValues, Part, Variable};
 use crate::state::nodes::Node;
+use crate::variables::{ElementValues, Part, Variable};
 
 /// An element of a group on the present nodes.
 struct Seen<'a> {

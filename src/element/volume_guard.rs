@@ -1,13 +1,10 @@
 //! How much of its volume an element may lose or gain in one increment.
 //! Never here: what is stable.
 
+use super::constants::CHANGE;
 use super::elements::Elements;
 use crate::kernel::quad;
 use crate::state::nodes::Nodes;
-
-/// The largest fraction of its volume by which an element may change over one increment at the rate at which it does: the
-/// increment adapts before an element turns inside out, and the work of what expands at once is followed.
-pub const CHANGE: f64 = 0.2;
 
 /// Increments at the start of an analysis over which accelerations are looked at as well: before them no rate is known, and
 /// what is let go all at once changes it most.

@@ -2,8 +2,8 @@
 //! Never here: files.
 
 use crate::mesh::surface::{Face, Surface};
-use crate::output::variables::Variable;
 use crate::state::dofs::Dofs;
+use crate::variables::Variable;
 
 /// What a load shows of a surface in a frame, one entry a facet or face.
 #[derive(Clone, Debug, Default)]

@@ -8,8 +8,8 @@ use super::types::{
     Position, Region, RigidBody, Set, Side, Sides, SolidSection, Step,
 };
 use crate::deck::Span;
-use crate::output::asked::Asked;
-use crate::output::variables::{Part, Variable};
+use crate::variables::asked::Asked;
+use crate::variables::{Part, Variable};
 
 impl Model {
     /// Adds a node at `[r, z]`, named by its number from 1 on, and returns its index.

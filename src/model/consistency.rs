@@ -7,7 +7,7 @@ use super::types::{
     Interval, Load, LoadKind, Model, OutputRequest, Region, Side, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
-use crate::output::asked::Asked;
+use crate::variables::asked::Asked;
 
 impl Model {
     /// What keeps it from being planned; empty for a model of a deck that was read without errors.

@@ -6,7 +6,7 @@ use super::names::{qualified, upper};
 use super::types::{Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart};
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
-use crate::output::asked::{self, Asked};
+use crate::variables::asked::{self, Asked};
 
 impl Builder<'_> {
     pub(super) fn output_card(&mut self, card: &Card) {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 
 use crate::deck::{Sources, Span, Word};
-use crate::output::asked::Asked;
-use crate::output::variables::Place;
+use crate::variables::Place;
+use crate::variables::asked::Asked;
 
 /// Everything a deck describes, or a scene composed in Rust: what is wrong with one is told when it is planned.
 ///

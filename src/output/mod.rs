@@ -1,14 +1,11 @@
 //! Files: VTU frames in a PVD series, history CSV, summary JSON. One file per format; each appears whole or not at all.
 //! Never here: decisions about physics.
 
-pub mod asked;
 pub mod checkpoint;
 pub mod codes;
 pub mod columns;
 pub mod history;
-pub mod manual;
 pub mod pvd;
-pub mod variables;
 pub mod vtu;
 pub mod whole;
 

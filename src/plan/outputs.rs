@@ -5,8 +5,8 @@ use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::element::values;
 use crate::model::{Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Step};
-use crate::output::asked::Asked;
-use crate::output::variables::{Part, Place, Preselected, Variable};
+use crate::variables::asked::Asked;
+use crate::variables::{Part, Place, Preselected, Variable};
 
 /// Where a history column is taken from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

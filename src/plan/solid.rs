@@ -13,9 +13,9 @@ use crate::element::rings::Rings;
 use crate::kernel::quad::{self, corner_masses};
 use crate::mesh::gather::Gather;
 use crate::model::{IncrementControl, InitialKind, SolidSection, Step};
-use crate::output::variables::Variable;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
+use crate::variables::Variable;
 
 /// Where deformable nodes and elements of the mesh went.
 #[derive(Clone, Debug, Default)]

@@ -5,9 +5,9 @@ use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::load::user_amplitude::{Sensed, UserAmplitude};
 use crate::model::{AmplitudeDefinition, OutputRequest, Region};
-use crate::output::asked::Asked;
-use crate::output::variables::{Part, Variable};
 use crate::state::dofs::Dof;
+use crate::variables::asked::Asked;
+use crate::variables::{Part, Variable};
 
 impl Compiler<'_> {
     pub(super) fn no_routine(&mut self, span: Span, label: &str, asks: &str, name: &str) {

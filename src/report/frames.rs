@@ -12,7 +12,7 @@ use super::mesh::{Drawn, bounds, drawn};
 use crate::kernel::stress::mises;
 use crate::model::mesh_file::MeshFile;
 use crate::model::vtk_file;
-use crate::output::variables::Variable;
+use crate::variables::Variable;
 
 /// The most frames of a page.
 pub const FRAMES: usize = 60;

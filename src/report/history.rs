@@ -7,7 +7,7 @@ use std::path::Path;
 
 use indexmap::IndexMap;
 
-use crate::output::variables::{Part, Place};
+use crate::variables::{Part, Place};
 
 use super::data::{Chart, Column, Series};
 use super::shorten;

@@ -5,7 +5,7 @@ use hmac_sha256::Hash;
 
 use super::run::Run;
 use crate::element::group::ElementGroup;
-use crate::output::variables::{Part, Variable};
+use crate::variables::{Part, Variable};
 
 /// Takes numbers in by their bits.
 struct Bits(Hash);

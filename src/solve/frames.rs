@@ -8,10 +8,10 @@ use super::run::Run;
 use crate::constraint::{Constraint, reaction};
 use crate::element::values;
 use crate::model::Position;
-use crate::output::variables::{Part, Place, Variable};
 use crate::output::{Field, Frame};
 use crate::plan::{Column, FrameField, Source};
 use crate::state::dofs::{Dof, Dofs};
+use crate::variables::{Part, Place, Variable};
 
 /// A number of a node of what deforms; not a number where nodes do not have it.
 pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize, part: Part) -> f64 {

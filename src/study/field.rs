@@ -4,9 +4,9 @@
 
 use crate::element::values;
 use crate::kernel::quad;
-use crate::output::variables::{Part, Place, Variable};
 use crate::plan::State;
 use crate::solve::node_value;
+use crate::variables::{Part, Place, Variable};
 
 /// A variable that has a norm: one of nodes or of elements. What elements follow only if an output asks has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

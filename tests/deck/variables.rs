@@ -10,11 +10,11 @@ use crate::common::solid::{grid, material};
 use crate::common::{Memory, ogive, prepared};
 use revolve::explain::explain;
 use revolve::job;
-use revolve::output::asked::NOT_SIMULATED;
-use revolve::output::manual::variable_manual;
-use revolve::output::variables::{Part, Place, Variable};
 use revolve::output::{Field, Frame};
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
+use revolve::variables::asked::NOT_SIMULATED;
+use revolve::variables::manual::variable_manual;
+use revolve::variables::{Part, Place, Variable};
 
 /// A block of 2 by 2 elements that flies against its held foot, with sets ONE (an element) and TIP (a node).
 fn block(material: &str, requests: &str) -> String {

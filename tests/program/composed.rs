@@ -6,8 +6,8 @@ use revolve::model::{
     Amplitude, AmplitudeDefinition, Boundary, ElementKind, Interval, Load, LoadKind, Material, Model, OutputRequest,
     Region, Side, Sides, Step,
 };
-use revolve::output::variables::{Part, Variable};
 use revolve::user::Routines;
+use revolve::variables::{Part, Variable};
 
 use crate::common::{prepared, run};
 

@@ -18,16 +18,18 @@ const FLOORS: &[&[&str]] = &[
     &["plan"],
     &["constraint", "load", "element", "material"],
     &["user", "mesh"],
-    &["model"],
-    &["output"],
-    &["state", "deck"],
+    &["model", "output"],
+    &["variables", "state"],
+    &["deck"],
     &["kernel"],
 ];
 
-/// Below `plan` numbers and words know nothing of each other, but for arithmetic that both may use
+/// Below `plan` numbers and words know nothing of each other,
 const WORDS: &[&str] = &["model", "deck"];
-/// and for how faults are told.
-const TELLING: &[&str] = &["Code", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span"];
+/// but for what both may use: arithmetic, the table of output variables,
+const SHARED: &[&str] = &["kernel", "variables"];
+/// and how faults are told.
+const TELLING: &[&str] = &["Code", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest"];
 
 /// Files that may use each other in a circle.
 const CIRCLE: usize = 3;
@@ -207,7 +209,7 @@ fn place(room: &str) -> (usize, usize) {
 /// Whether an arrow from room to room is as drawn.
 fn allowed(from: &str, to: &str, name: Option<&str>) -> bool {
     let below_plan = place(from) > place("plan");
-    let crosses = WORDS.contains(&from) != WORDS.contains(&to) && to != "kernel";
+    let crosses = WORDS.contains(&from) != WORDS.contains(&to) && !SHARED.contains(&to);
     let telling = to == "deck" && name.is_some_and(|n| TELLING.contains(&n));
     place(from) < place(to) && (!below_plan || !crosses || telling)
 }

@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use revolve::internals::values;
-use revolve::output::variables::Variable;
 use revolve::solve::Outcome;
+use revolve::variables::Variable;
 
 use crate::common;
 use crate::common::Memory;

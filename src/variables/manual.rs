@@ -2,7 +2,7 @@
 //! Never here: anything the table does not say.
 
 use super::asked::{Asked, FAMILIES, Family, Known, NOT_SIMULATED};
-use super::variables::{Place, Preselected, Variable};
+use super::{Place, Preselected, Variable};
 
 const HEAD: &str = "# Output variables\n\nWritten from the table of variables; do not edit by hand \
 (`REVOLVE_BLESS=1 cargo test --test deck` writes it anew). What a scene does not have is left out of its files and \

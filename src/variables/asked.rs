@@ -2,7 +2,7 @@
 //! and not simulated.
 //! Never here: the table of what is simulated (`variables.rs`), decks.
 
-use super::variables::{Part, Place, Variable};
+use super::{Part, Place, Variable};
 use crate::deck::names::nearest;
 
 /// The meaning of a word.

@@ -5,6 +5,9 @@
 //!
 //! Source of names and meanings: Abaqus Analysis User's Guide, "Abaqus/Explicit output variable identifiers".
 
+pub mod asked;
+pub mod manual;
+
 use crate::kernel::{quad, stress};
 
 /// Where a variable lives.
