@@ -236,6 +236,17 @@ impl Tally {
         }
     }
 
+    /// Brings what deformed most in any block to the first: strain and dilation of a whole group bound a frequency together, as
+    /// those of a task of other groups do.
+    pub fn share_deformation(tallies: &mut [Tally]) {
+        let [first, others @ ..] = tallies else { return };
+        for other in others {
+            for (most, list) in first.deformed.iter_mut().zip(&other.deformed) {
+                most.iter_mut().zip(list).for_each(|(most, x)| *most = larger(*x, *most));
+            }
+        }
+    }
+
     /// As [`Workspace::parts`].
     pub fn parts(&self) -> (&Sums, &[Lanes; 2]) {
         (&self.sums, &self.deformed)

@@ -126,6 +126,7 @@ impl UserQuads {
                 tallies.iter_mut().zip(&scratch.workspaces).take(chunk.blocks.len()).for_each(|(t, s)| t.add(s));
             }
         }
+        Tally::share_deformation(tallies);
         Ok(())
     }
 

@@ -103,6 +103,16 @@ impl Check<'_> {
                 self.error("M122", element.span, message);
             }
             self.indices("M122", element.span, "node", &element.nodes, points);
+            // Rounding of what has been turned or generated does not count.
+            let largest = element
+                .nodes
+                .iter()
+                .filter_map(|&n| mesh.points.get(n))
+                .fold(0.0_f64, |m, p| m.max(p[0].abs()).max(p[1].abs()));
+            if element.nodes.iter().filter_map(|&n| mesh.points.get(n)).any(|p| p[0] < -1e-9 * largest) {
+                let message = format!("element {} has a node at an r below zero", element.name);
+                self.error("M126", element.span, message);
+            }
         }
     }
 

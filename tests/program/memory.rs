@@ -83,10 +83,10 @@ fn nothing_allocates_inside_an_increment_of_a_user_material() {
     };
     let count = |time: &str| {
         let routines = Routines::none().with_material(Still);
-        let mut prepared = job::prepare_text("test.inp", &deck(time), &[], &routines);
+        let prepared = job::prepare_text("test.inp", &deck(time), &[], &routines);
         assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
         let mut increments = 0;
-        let counted = allocation_counter::measure(|| increments = job::run_in_memory(&mut prepared).0.increments);
+        let counted = allocation_counter::measure(|| increments = job::run_in_memory(&prepared).0.increments);
         (increments, counted.count_total)
     };
     let (short, long) = (count("0.1"), count("1."));

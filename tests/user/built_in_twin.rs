@@ -40,8 +40,8 @@ fn radial_return(call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>, i: us
     let excess = mises - (yields + slope * call.state[i]);
     let flow = if call.now.total_time > 0.0 && excess > 0.0 { excess / (1.5 * shear2 + slope) } else { 0.0 };
     let factor = if flow > 0.0 { 1.0 - 1.5 * shear2 * flow / mises } else { 1.0 };
-    for k in 0..4 {
-        answer.stress[k * call.count + i] = factor * trial[k] + volumetric(k, mean);
+    for (k, trial) in trial.into_iter().enumerate() {
+        answer.stress[k * call.count + i] = factor * trial + volumetric(k, mean);
     }
     answer.state[i] = call.state[i] + flow;
     answer.inelastic[i] = call.inelastic[i] + factor * mises * flow / call.density[i];

@@ -102,7 +102,8 @@ fn every_load_acts_on_what_is_rigid_and_on_what_deforms() {
             };
             let (a, b) = (of(&rigid, 0), of(&soft, 1));
             println!("{name}, {column}: rigid {a:.6e}, deformable {b:.6e}");
-            assert!((a - b).abs() <= 2e-3 * a.abs(), "{name}, {column}: {a} against {b}");
+            // What is zero is so to rounding: of energies of 1e5.
+            assert!((a - b).abs() <= 2e-3 * a.abs() + 1e-9, "{name}, {column}: {a} against {b}");
         }
         let fields = |run: usize| {
             let frame = runs[run].1.frames.last().expect("a frame");
