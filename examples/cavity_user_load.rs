@@ -31,11 +31,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let own = text.replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU");
     let routine = Routines::none().with_load(Cavity { yield_stress: 276e6, density: 2710.0, a: 5.0394, c: 0.9830 });
     for (name, deck, routine) in [("built-in CAVITY", text, &Routines::none()), ("user load", own, &routine)] {
-        let mut prepared = job::prepare_text("ogive.inp", &deck, &[], routine);
+        let prepared = job::prepare_text("ogive.inp", &deck, &[], routine);
         if prepared.diagnostics.has_errors() {
             return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
         }
-        let (outcome, history) = job::run_in_memory(&mut prepared);
+        let (outcome, history) = job::run_in_memory(&prepared);
         println!("{name}: depth {:.9} mm, {} increments", -1e3 * history.0["U2@REF"].last, outcome.increments);
     }
     Ok(())

@@ -87,11 +87,11 @@ fn closed_form(velocity: f64) -> f64 {
 fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -> Result<f64, String> {
     let mut overrides: Vec<(String, String)> = vec![("V".into(), velocity.to_string())];
     overrides.extend(settings.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())));
-    let mut prepared = job::prepare(Path::new(deck), &overrides, &Routines::none());
+    let prepared = job::prepare(Path::new(deck), &overrides, &Routines::none());
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources));
     }
-    let (outcome, history) = job::run_in_memory(&mut prepared);
+    let (outcome, history) = job::run_in_memory(&prepared);
     match outcome.halt {
         Some(halt) => Err(format!("{deck} at {velocity}: {}: {}", halt.code, halt.reason)),
         None => Quantity::parse(quantity)?.evaluate(&history),

@@ -36,11 +36,11 @@ impl UserLoad for Blast {
 /// Final displacement and velocity of the disc.
 pub fn fly(routines: &Routines) -> Result<[f64; 2], Box<dyn Error>> {
     let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("input/blast_disk.inp");
-    let mut prepared = job::prepare(&deck, &[], routines);
+    let prepared = job::prepare(&deck, &[], routines);
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
     }
-    let (outcome, history) = job::run_in_memory(&mut prepared);
+    let (outcome, history) = job::run_in_memory(&prepared);
     match outcome.halt {
         Some(halt) => Err(halt.reason.into()),
         None => Ok(["U2@REF", "V2@REF"].map(|name| history.0[name].last)),

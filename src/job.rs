@@ -34,6 +34,8 @@ pub struct Prepared {
     pub state: State,
     /// Findings of all rooms.
     pub diagnostics: Diagnostics,
+    /// The `*HEADING`.
+    pub title: String,
     /// What no mesh shows.
     scene: Scene,
     /// Whether routines of the user take part.
@@ -98,12 +100,23 @@ pub fn prepare_edited(
     if !diagnostics.has_errors() {
         diagnostics.append(found);
     }
-    Prepared { scene: Scene::of(&model), deck, plan, state, diagnostics, has_routines: routines.any() }
+    Prepared {
+        title: model.title.clone(),
+        scene: Scene::of(&model),
+        deck,
+        plan,
+        state,
+        diagnostics,
+        has_routines: routines.any(),
+    }
 }
 
 /// What `<job>.json` holds. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
+    /// The `*HEADING`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub title: String,
     /// `completed` or `halted`.
     pub status: &'static str,
     /// Why it halted.
@@ -420,6 +433,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
     let mut ledger = prepared.plan.ledger.clone();
     ledger.share(&outcome.effect_seconds, outcome.seconds);
     Summary {
+        title: prepared.title.clone(),
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
         reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),

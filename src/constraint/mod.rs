@@ -25,7 +25,7 @@ pub trait Constraint: Persist + Send + Sync {
     /// The step begins.
     fn begin(&mut self, _dofs: &mut Dofs) {}
 
-    /// Generalised forces that it passes on from nodes to rigid bodies.
+    /// Generalised forces that it passes on from nodes to rigid bodies: one where it carries nodes, else none.
     fn slots(&self) -> Vec<Slot> {
         Vec::new()
     }

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::{Diagnostic, Diagnostics};
-use super::keywords::{self, Keyword, Lookup, ParameterRule, Tier};
+use super::keywords::{self, Keyword, Lookup, Rule, Tier, Usage};
 use super::lexer::{self, Fields, Line, LineKind, Lines};
 use super::parameters::Parameters;
 use super::source::{self, SourceFile, Span};
@@ -185,12 +185,7 @@ impl Parser {
             "INCLUDE" => self.include_card(&card),
             "PARAMETER" => {
                 self.block = Block::Parameters;
-                for parameter in &card.parameters {
-                    let what = Diagnostic::error("D405", format!("*PARAMETER, {} is not supported", parameter.name));
-                    self.diagnostics.push(
-                        what.at(parameter.span, "not supported").help("define parameters as `name = expression`"),
-                    );
-                }
+                self.refuse_parameters(&card, "D405");
             }
             name => {
                 self.block = Block::Card;
@@ -258,8 +253,8 @@ impl Parser {
         Some(Parameter { name: rule.name, span, value })
     }
 
-    fn rule(&mut self, keyword: &'static Keyword, text: &str, span: Span) -> Option<&'static ParameterRule> {
-        let strict = matches!(keyword.tier, Tier::Used | Tier::Parsed);
+    fn rule(&mut self, keyword: &'static Keyword, text: &str, span: Span) -> Option<&'static Rule> {
+        let strict = keyword.tier == Tier::Used;
         let finding = match keywords::find_parameter(keyword, text) {
             Lookup::Found(rule) => return Some(rule),
             Lookup::Ambiguous(all) if strict => {
@@ -276,15 +271,22 @@ impl Parser {
     }
 
     fn include_card(&mut self, card: &Card) {
-        if let Some(password) = card.parameter("PASSWORD") {
-            let what = Diagnostic::error("D002", "encrypted input cannot be read");
-            self.diagnostics.push(what.at(password.span, "not supported"));
-        }
+        self.refuse_parameters(card, "D002");
         match card.value("INPUT") {
             Some(file) => self.include(file),
             None => {
                 let what = Diagnostic::error("D007", "*INCLUDE does not say which file");
                 self.diagnostics.push(what.at(card.span, "no INPUT here").help("write *INCLUDE, INPUT=file"));
+            }
+        }
+    }
+
+    /// Says of a card that the model never sees what its row of the table refuses.
+    fn refuse_parameters(&mut self, card: &Card, code: &'static str) {
+        for parameter in &card.parameters {
+            if let Some(Usage::Refused(why)) = card.keyword.rule(parameter.name).map(|r| r.usage) {
+                let message = format!("{} on *{} is not supported", parameter.name, card.keyword.name);
+                self.diagnostics.push(Diagnostic::error(code, message).at(parameter.span, "not supported").help(why));
             }
         }
     }
@@ -348,13 +350,9 @@ fn given_twice(keyword: &Keyword, second: &Parameter, first: &Parameter) -> Diag
     what.at(second.span, "again here").at(first.span, "first here")
 }
 
-fn unknown_parameter(keyword: &Keyword, text: &str, span: Span, nearest: Option<&ParameterRule>) -> Diagnostic {
+fn unknown_parameter(keyword: &Keyword, text: &str, span: Span, nearest: Option<&Rule>) -> Diagnostic {
     let message = format!("*{} has no parameter {text}", keyword.name);
-    let what = if keyword.tier == Tier::Used {
-        Diagnostic::error("D103", message)
-    } else {
-        Diagnostic::warning("D103", message)
-    };
+    let what = Diagnostic::error("D103", message);
     let known: Vec<&str> = keyword.parameters.iter().map(|r| r.name).take(12).collect();
     what.at(span, "unknown parameter").help(match nearest {
         Some(rule) => format!("did you mean {}?", rule.name),

@@ -2,7 +2,7 @@
 //! Never here: what a name refers to.
 
 use super::diagnostic::{Diagnostic, Diagnostics};
-use super::keywords::Keyword;
+use super::keywords::{Keyword, Shape};
 use super::number::{NumberError, parse_number};
 use super::parameters::is_unresolved;
 use super::source::{Sources, Span};
@@ -71,6 +71,11 @@ impl Card {
     /// The value of a parameter, if it is there and has one.
     pub fn value(&self, name: &str) -> Option<&Word> {
         self.parameter(name).and_then(|p| p.value.as_ref())
+    }
+
+    /// What its data lines hold, by its row of the table and its parameters.
+    pub fn shape(&self) -> &'static Shape {
+        self.keyword.shape(|name| self.parameter(name).map(|p| p.value.as_ref().map(|w| w.text.as_str())))
     }
 
     /// Whether a parameter is there, with or without value.

@@ -9,7 +9,6 @@ use crate::deck::{Card, Word};
 impl Builder<'_> {
     pub(super) fn amplitude(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        self.refuse(card, &["SMOOTH"]);
         let definition = card.value("DEFINITION").map_or("TABULAR".into(), |w| upper(&w.text).replace(' ', ""));
         let mut values = Vec::new();
         for word in card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty()) {

@@ -8,13 +8,6 @@ use crate::deck::{Card, Diagnostic};
 
 impl Builder<'_> {
     pub(super) fn rigid_body(&mut self, card: &Card) {
-        if let Some(position) = card.value("POSITION").filter(|w| !w.is("INPUT")) {
-            self.unsupported(
-                position.span,
-                format!("POSITION={} is not supported", position.text),
-                "a body of revolution moves along z only, so the place of its reference node does not matter",
-            );
-        }
         let Some(reference) = self.required(card, "REF NODE") else { return };
         let Some(nodes) = self.node_members(reference) else { return };
         let [reference] = nodes[..] else {
@@ -48,7 +41,6 @@ impl Builder<'_> {
 
     /// The mass is kept with its set and given to nodes at the end: MASS elements may follow.
     pub(super) fn mass(&mut self, card: &Card) {
-        self.refuse(card, &["ALPHA"]);
         let Some(set) = self.required(card, "ELSET") else { return };
         let Some(line) = self.first_line(card) else { return };
         let Some(mass) = self.number(line, 0, "the mass") else { return };
@@ -56,7 +48,9 @@ impl Builder<'_> {
             self.out_of_range(line.span, format!("a mass must not be below zero, not {mass}"));
             return;
         }
-        for element in self.element_members(set).unwrap_or_default() {
+        let elements = self.element_members(set).unwrap_or_default();
+        self.claim("mass", &elements, card.span);
+        for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
             self.model.point_masses.push(PointMass { node, mass, span: card.span });
         }

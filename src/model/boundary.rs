@@ -28,6 +28,10 @@ impl Builder<'_> {
             let Some(nodes) = self.node_members(set) else { continue };
             let Some(([first, last], value)) = self.boundary_dofs(line) else { continue };
             let value = self.scaled(value, amplitude);
+            if self.step.is_none() && (value != 0.0 || user) {
+                self.before_steps(line);
+                continue;
+            }
             if kind == Motion::Displacement && value != 0.0 && amplitude.is_none() && !user && !ramp {
                 let message = format!(
                     "the displacement {value} has no AMPLITUDE and would be a jump: it is ignored, the motion is held"
@@ -53,6 +57,14 @@ impl Builder<'_> {
                 self.state().boundaries.push(boundary);
             }
         }
+    }
+
+    /// Before the first step boundaries hold, and move nothing (ABAQUS Analysis User's Guide 34.3.1, "Prescribing boundary
+    /// conditions as model data").
+    fn before_steps(&mut self, line: &DataLine) {
+        let message = "a boundary before the first step holds degrees of freedom: it cannot move them";
+        let finding = Diagnostic::error("M105", message).at(line.span, "a value that is not zero");
+        self.diagnostics.push(finding.help("give it inside a *STEP"));
     }
 
     /// With OP=NEW the boundaries of earlier steps end. OP must be the same on all `*BOUNDARY` cards of a step (ABAQUS

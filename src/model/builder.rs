@@ -1,10 +1,10 @@
 //! The builder that walks over the cards: which block it is in, and helpers every card uses.
 //! Never here: what a card means (one file per family of cards).
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Parameter, Span, Word};
-use crate::deck::{keywords::Tier, names::nearest};
+use crate::deck::names::nearest;
+use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
 use super::completion::Rotational;
 use super::names::{Labels, qualified, upper};
@@ -41,6 +41,14 @@ pub(super) struct Builder<'a> {
     pub output: Option<super::types::OutputRequest>,
     /// Whether elements were refused for their type: what then misses them has been explained already.
     pub elements_refused: bool,
+    /// Nodes given a place more than once: their elements are looked at again at the end.
+    pub moved: HashSet<usize>,
+    /// Members of UNSORTED node sets in the order given, by the name of the set.
+    pub unsorted: HashMap<String, Vec<usize>>,
+    /// Where elements were given a section, a mass, a spring or a dashpot.
+    pub property_of: HashMap<(&'static str, usize), Span>,
+    /// Section controls that sections name.
+    pub controls_used: Vec<Word>,
     /// Surface interactions that contact pairs name.
     pub interactions_used: Vec<Word>,
     /// Boundaries on degrees of freedom above 2 alone.
@@ -64,6 +72,10 @@ impl<'a> Builder<'a> {
             carried: StepState::default(),
             output: None,
             elements_refused: false,
+            moved: HashSet::new(),
+            unsorted: HashMap::new(),
+            property_of: HashMap::new(),
+            controls_used: Vec::new(),
             interactions_used: Vec::new(),
             rotational: Vec::new(),
         }
@@ -77,7 +89,6 @@ impl<'a> Builder<'a> {
         if !card.keyword.name.ends_with(" OUTPUT") {
             self.output = None;
         }
-        self.refuse_unsupported(card);
         match card.keyword.name {
             "HEADING" => self.heading(card),
             "NODE" => self.node(card),
@@ -138,7 +149,8 @@ impl<'a> Builder<'a> {
             | "INCREMENTATION OUTPUT"
             | "CONTACT OUTPUT" => self.output_card(card),
             "RESTART" => self.restart_card(card),
-            _ => self.parsed_card(card),
+            "EXPANSION" => self.expansion(card),
+            _ => {}
         }
     }
 
@@ -150,36 +162,18 @@ impl<'a> Builder<'a> {
         }
         self.close_step();
         self.apply_masses();
+        self.check_moved_nodes();
+        self.check_controls();
         self.apply_interactions();
         self.complete();
         (self.model, self.diagnostics)
     }
 
     fn heading(&mut self, card: &Card) {
-        let words = card.lines.iter().filter_map(|l| l.fields.first()).map(|w| w.text.as_str());
-        self.model.title = words.collect::<Vec<_>>().join("\n");
-    }
-
-    /// Cards that are read although nothing uses them yet.
-    fn parsed_card(&mut self, card: &Card) {
-        let inert = |why: &str| Some(why.to_owned());
-        let why = match card.keyword.name {
-            "CONDUCTIVITY" => inert("no step here conducts heat"),
-            "EXPANSION" => inert("no step here computes thermal strain: temperature changes by adiabatic heating only"),
-            "ORIENTATION" => inert("nothing here is anisotropic"),
-            _ => None,
-        };
-        match why {
-            Some(why) => self.inert(card, why),
-            None if card.keyword.tier == Tier::Parsed => self.not_yet(card),
-            None => {}
+        for word in card.lines.iter().filter_map(|l| l.fields.first()) {
+            let gap = if self.model.title.is_empty() { "" } else { "\n" };
+            self.model.title += &format!("{gap}{}", word.text);
         }
-    }
-
-    pub fn not_yet(&mut self, card: &Card) {
-        let message =
-            format!("*{} is read, but not simulated yet; without it the physics would change", card.keyword.name);
-        self.diagnostics.push(Diagnostic::error("M106", message).at(card.span, "not simulated yet"));
     }
 
     pub fn inert(&mut self, card: &Card, why: String) {
@@ -234,27 +228,20 @@ impl<'a> Builder<'a> {
         self.diagnostics.push(if help.is_empty() { finding } else { finding.help(help) });
     }
 
-    /// Parameters that the keyword table marks as not supported are errors: none is read and ignored.
-    fn refuse_unsupported(&mut self, card: &Card) {
-        if card.keyword.tier != Tier::Used {
-            return;
-        }
-        for parameter in &card.parameters {
-            let rule = card.keyword.parameters.iter().find(|r| r.name == parameter.name);
-            if let Some(rule) = rule.filter(|r| r.help.starts_with("Not supported")) {
-                let message = format!("{} on *{} is not supported", parameter.name, card.keyword.name);
-                let why = rule.help.trim_start_matches("Not supported").trim_start_matches(": ");
-                self.unsupported(parameter.span, message, why);
+    /// An element has one property of a kind: what gives it a second one is an error.
+    pub fn claim(&mut self, kind: &'static str, elements: &[usize], span: Span) {
+        let mut twice: Vec<(usize, Span)> = Vec::new();
+        for &element in elements {
+            let first = *self.property_of.entry((kind, element)).or_insert(span);
+            if first != span {
+                twice.push((element, first));
             }
         }
-    }
-
-    /// A parameter whose presence or value is not supported is an error, so that nothing is parsed and ignored.
-    pub fn refuse(&mut self, card: &Card, names: &[&str]) {
-        for parameter in card.parameters.iter().filter(|p: &&Parameter| names.contains(&p.name)) {
-            let message = format!("{} on *{} is not supported", parameter.name, card.keyword.name);
-            self.unsupported(parameter.span, message, "");
-        }
+        let Some(&(element, first)) = twice.first() else { return };
+        let name = &self.model.mesh.elements[element].name;
+        let more = if twice.len() > 1 { format!(" and {} more have", twice.len() - 1) } else { " has".into() };
+        let finding = Diagnostic::error("M165", format!("element {name}{more} a {kind} already"));
+        self.diagnostics.push(finding.at(span, "a second one").at(first, "the first").help("an element has one"));
     }
 
     /// Says that a name refers to nothing, with the nearest that exists.

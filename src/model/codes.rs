@@ -18,11 +18,6 @@ pub const CODES: &[Code] = &[
         "card out of place",
         "Blocks open and close: *PART … *END PART, *STEP … *END STEP. The card stands outside the block it belongs to.",
     ),
-    code(
-        "M106",
-        "read, not simulated yet",
-        "The card is read and checked, but what it asks for is not simulated yet; leaving it out would change the physics.",
-    ),
     code("M107", "card without data", "The card needs at least one data line."),
     code(
         "M110",
@@ -34,6 +29,7 @@ pub const CODES: &[Code] = &[
     code("M113", "unknown target", "No *TARGET has this name."),
     code("M114", "unknown surface", "No *SURFACE has this name."),
     code("M115", "unknown part", "No *PART has this name."),
+    code("M116", "unknown section controls", "No *SECTION CONTROLS has this name."),
     code("M120", "unknown element type", "No element type of ABAQUS has this name."),
     code(
         "M121",
@@ -48,9 +44,9 @@ pub const CODES: &[Code] = &[
     code(
         "M123",
         "degenerate element",
-        "Its nodes coincide, it has no area, it runs clockwise, or it reaches across the axis.",
+        "Its nodes coincide, it has no area, it runs clockwise, it is concave, or it reaches across the axis.",
     ),
-    code("M124", "label used twice", "Two elements have the same label; for nodes the later definition counts."),
+    code("M124", "label used twice", "Two elements have the same label."),
     code("M125", "too many", "The card would generate more than 20 million items; that is taken for a slip."),
     code("M126", "node off the plane or beyond the axis", "An axisymmetric model lies in the r-z plane with r >= 0."),
     code("M130", "side of a surface is missing", "A RAX2 element has two sides: write SPOS or SNEG."),
@@ -112,6 +108,34 @@ pub const CODES: &[Code] = &[
         "Elements have one integration point, in their middle. With POSITION=NODES or AVERAGED AT NODES frames show variables of integration points on nodes, as the mean over the elements around that are not deleted; variables of whole elements (STATUS, EVOL) and histories stay with elements.",
     ),
     code("M152", "gravity along r", "A body of revolution has no weight along r; only the part of GRAV along z acts."),
+    code(
+        "M160",
+        "given twice",
+        "A card that may be given once in its place (in a material, in a step, in the deck), or once for each name, is given again. Which of the two is meant cannot be known.",
+    ),
+    code(
+        "M161",
+        "too many values on a data line",
+        "The line holds more values than the card reads. A comma in place of a decimal point makes two values of one; tables take one row a line.",
+    ),
+    code("M162", "too many data lines", "The card takes fewer data lines than stand below it."),
+    code(
+        "M163",
+        "decimal comma suspected",
+        "A value that changes nothing stands close behind a comma after a whole number, as the decimals of a number would.",
+    ),
+    code("M164", "node defined again", "A node is given more than once; as in ABAQUS the last place counts."),
+    code("M165", "two properties on an element", "An element has one section, one mass, one spring or dashpot."),
+    code(
+        "M166",
+        "set that is not whole",
+        "Some of the labels that GENERATE counts are not defined, or the last one is not reached in the increments given; the set holds those that are there.",
+    ),
+    code(
+        "M167",
+        "thermal strain left out",
+        "Plastic work heats the material in an adiabatic step; its *EXPANSION is read, and its strain is not computed.",
+    ),
     code(
         "M150",
         "mesh file cannot be read",

@@ -11,7 +11,7 @@ use crate::kernel::hardening::Table;
 pub(super) struct Rotational {
     /// Its line.
     pub span: Span,
-    /// What the deck called the nodes.
+    /// What the deck called the nodes; empty where it is not kept.
     pub set: String,
     /// First and last degree of freedom.
     pub dofs: [u8; 2],
@@ -38,14 +38,7 @@ impl Builder<'_> {
         let velocities = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
             InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 => {
                 let nodes = c.members.clone();
-                Some(Rotational {
-                    span: c.span,
-                    set: "initial velocity".into(),
-                    dofs: [dof; 2],
-                    nodes,
-                    lost: "moves",
-                    value,
-                })
+                Some(Rotational { span: c.span, set: String::new(), dofs: [dof; 2], nodes, lost: "moves", value })
             }
             _ => None,
         });
@@ -128,8 +121,8 @@ impl Builder<'_> {
 fn missing(condition: &Rotational) -> Diagnostic {
     let [first, last] = condition.dofs;
     let dofs = if first == last { format!("{first}") } else { format!("{first} to {last}") };
-    let message =
-        format!("no node of `{}` has degree of freedom {dofs}: nothing {} by this line", condition.set, condition.lost);
+    let nodes = if condition.set.is_empty() { "here".into() } else { format!("of `{}`", condition.set) };
+    let message = format!("no node {nodes} has degree of freedom {dofs}: nothing {} by this line", condition.lost);
     let help = "1 is r, 2 is z; symmetry about a plane z = constant is YSYMM";
     let severity = if condition.value == 0.0 { Diagnostic::warning } else { Diagnostic::error };
     severity("M149", message).at(condition.span, "here").help(help)

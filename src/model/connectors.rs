@@ -37,6 +37,7 @@ impl Builder<'_> {
             lines = &lines[1..];
         }
         let Some(law) = self.connector_law(card, lines, is_spring) else { return };
+        self.claim(if is_spring { "spring" } else { "dashpot" }, &elements, card.span);
         let property = ConnectorProperty { elements, dof, law, span: card.span };
         self.model.connectors.push(property);
     }
@@ -63,10 +64,6 @@ impl Builder<'_> {
                 return None;
             }
         };
-        if line.field(1).or(line.field(2)).is_some() {
-            self.unsupported(line.span, "dependence on frequency or temperature is not supported", "");
-            return None;
-        }
         let value = self.number(line, 0, if is_spring { "the stiffness" } else { "the coefficient" })?;
         if value < 0.0 || !value.is_finite() {
             self.out_of_range(line.span, format!("it must not be {value}"));

@@ -45,20 +45,17 @@ impl Builder<'_> {
     }
 
     pub(super) fn surface_interaction(&mut self, card: &Card) {
-        self.refuse(card, &["PAD THICKNESS"]);
         let Some(name) = self.required(card, "NAME") else { return };
         self.model.interactions.push(Interaction { name: upper(&name.text), friction: 0.0 });
         self.contact_note(card);
     }
 
     pub(super) fn friction(&mut self, card: &Card) {
-        let others: Vec<&'static str> = card.parameters.iter().map(|p| p.name).collect();
-        self.refuse(card, &others);
         self.contact_note(card);
         let Some(line) = self.first_line(card) else { return };
         let Some(friction) = self.number_or(line, 0, 0.0) else { return };
-        if friction < 0.0 || !friction.is_finite() || line.field(1).is_some() || card.lines.len() > 1 {
-            self.out_of_range(line.span, "friction is one coefficient, not below zero");
+        if friction < 0.0 || !friction.is_finite() {
+            self.out_of_range(line.span, format!("the coefficient of friction must not be below zero, not {friction}"));
             return;
         }
         if let Some(interaction) = self.model.interactions.last_mut() {
@@ -67,10 +64,6 @@ impl Builder<'_> {
     }
 
     pub(super) fn surface_behavior(&mut self, card: &Card) {
-        if let Some(law) = card.value("PRESSURE-OVERCLOSURE").filter(|w| !w.is("HARD")) {
-            self.unsupported(law.span, format!("{} pressure-overclosure is not supported", law.text), "HARD is");
-        }
-        self.refuse(card, &["NO SEPARATION", "PENALTY", "AUGMENTED LAGRANGE", "FACTOR"]);
         self.contact_note(card);
     }
 
@@ -81,11 +74,6 @@ impl Builder<'_> {
     }
 
     pub(super) fn contact_pair(&mut self, card: &Card) {
-        self.refuse(card, &["TIED", "ADJUST", "SMALL SLIDING", "GEOMETRIC CORRECTION"]);
-        if let Some(word) = card.value("MECHANICAL CONSTRAINT").filter(|w| !w.is("KINEMATIC")) {
-            let message = format!("MECHANICAL CONSTRAINT={} is not supported", word.text);
-            self.unsupported(word.span, message, "KINEMATIC");
-        }
         let Some(adds) = self.pair_operation(card) else { return };
         if let Some(word) = card.value("INTERACTION") {
             self.interactions_used.push(word.clone());
@@ -106,7 +94,7 @@ impl Builder<'_> {
                 (None, Some(plane)) => (plane, first),
                 _ => {
                     let message = "one surface of a pair must be an analytical plane, the other must deform";
-                    self.unsupported(line.span, message, "contact of deformable surfaces is not simulated yet");
+                    self.unsupported(line.span, message, "contact of deformable surfaces is not simulated");
                     continue;
                 }
             };

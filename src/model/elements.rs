@@ -209,7 +209,27 @@ impl Builder<'_> {
                 Some("runs clockwise: number its nodes the other way")
             }
             ElementKind::Cax3 | ElementKind::Cax4r if area == 0.0 => Some("has no area"),
+            ElementKind::Cax4r if has_inward_corner(&points, area) => {
+                Some("is concave: one of its corners points inward")
+            }
             _ => None,
+        }
+    }
+
+    /// Elements whose nodes were given another place after them: their shape is another.
+    pub(super) fn check_moved_nodes(&mut self) {
+        if self.moved.is_empty() {
+            return;
+        }
+        for element in 0..self.model.mesh.elements.len() {
+            let Element { name, kind, nodes, span } = &self.model.mesh.elements[element];
+            if !nodes.iter().any(|n| self.moved.contains(n)) {
+                continue;
+            }
+            if let Some(fault) = self.shape_fault(*kind, nodes) {
+                let message = format!("element {name} ({}) {fault}, for a node of it is defined again", kind.name());
+                self.diagnostics.push(Diagnostic::error("M123", message).at(*span, "this element"));
+            }
         }
     }
 
@@ -234,14 +254,15 @@ impl Builder<'_> {
                 *value = word.integer(&mut self.diagnostics)?;
             }
         }
-        let [count, node_step, element_step, rows, row_node_step, row_element_step, layers, ..] = given;
+        let [count, node_step, element_step, rows, row_node_step, row_element_step, layers, layer_node, layer_element] =
+            given;
         let Some(model) = self.elements.find(&self.scope, master) else {
             let message = format!("the master element {master} is not defined");
             self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "no such element"));
             return None;
         };
-        let total = i128::from(count) * i128::from(rows);
-        if count < 1 || rows < 1 || layers != 1 || total > MOST as i128 {
+        let total = i128::from(count) * i128::from(rows).saturating_mul(i128::from(layers));
+        if count < 1 || rows < 1 || layers < 1 || total > MOST as i128 {
             let message = format!("cannot generate {count} x {rows} x {layers} elements");
             self.diagnostics.push(Diagnostic::error("M125", message).at(line.span, "check the counts"));
             return None;
@@ -253,13 +274,16 @@ impl Builder<'_> {
             .filter_map(|&n| self.model.mesh.node_names[n].rsplit('.').next()?.parse().ok())
             .collect();
         let mut made = vec![model];
-        for row in 0..rows {
-            for column in (0..count).filter(|c| row > 0 || *c > 0) {
-                let shift = column * node_step + row * row_node_step;
-                let label = master + column * element_step + row * row_element_step;
-                let nodes = self.shifted(&labels, shift, label, line.span)?;
-                made.extend(self.add_element(label, kind, nodes, line.span));
-            }
+        for at in 1..count * rows * layers {
+            let (column, row, layer) = (at % count, at / count % rows, at / count / rows);
+            let sum = |steps: [i64; 3]| {
+                let parts = [(column, steps[0]), (row, steps[1]), (layer, steps[2])];
+                parts.into_iter().fold(0_i64, |sum, (n, step)| sum.saturating_add(n.saturating_mul(step)))
+            };
+            let shift = sum([node_step, row_node_step, layer_node]);
+            let label = master.saturating_add(sum([element_step, row_element_step, layer_element]));
+            let nodes = self.shifted(&labels, shift, label, line.span)?;
+            made.extend(self.add_element(label, kind, nodes, line.span));
         }
         Some(made)
     }
@@ -267,11 +291,11 @@ impl Builder<'_> {
     fn shifted(&mut self, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
         let mut nodes = Vec::with_capacity(labels.len());
         for label in labels {
-            match self.nodes.find(&self.scope, label + shift) {
+            let label = label.saturating_add(shift);
+            match self.nodes.find(&self.scope, label) {
                 Some(node) => nodes.push(node),
                 None => {
-                    let message =
-                        format!("generated element {element} needs node {}, which is not defined", label + shift);
+                    let message = format!("generated element {element} needs node {label}, which is not defined");
                     self.diagnostics.push(Diagnostic::error("M122", message).at(span, "generated here"));
                     return None;
                 }
@@ -279,6 +303,16 @@ impl Builder<'_> {
         }
         Some(nodes)
     }
+}
+
+/// Whether a corner of a quadrilateral points inward: it would turn inside out at once. Corners on the line between their
+/// neighbours pass.
+fn has_inward_corner(points: &[[f64; 2]], area: f64) -> bool {
+    let turn = |i: usize| {
+        let [a, b, c] = [points[i], points[(i + 1) % 4], points[(i + 2) % 4]];
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+    };
+    (0..4).any(|i| turn(i) < -1e-9 * area)
 }
 
 /// The fields of as many lines as a card needs, and the index of the line after them.

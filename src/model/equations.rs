@@ -2,11 +2,10 @@
 //! Never here: how they are kept.
 
 use super::builder::{Builder, MOST};
-use super::names::upper;
 use super::types::Equation;
 use crate::deck::{Card, Diagnostic, Span, Word};
 
-/// A term as read: nodes in the order of their labels, degree of freedom, coefficient.
+/// A term as read: nodes in the order of their labels, of an UNSORTED set in its own, degree of freedom, coefficient.
 type Term = (Vec<usize>, u8, f64);
 
 impl Builder<'_> {
@@ -40,10 +39,7 @@ impl Builder<'_> {
     }
 
     fn equation_term(&mut self, words: &[&Word]) -> Option<Term> {
-        let mut nodes = self.node_members(words[0])?;
-        self.refuse_unsorted(words[0]);
-        let label = |n: usize| self.model.mesh.node_names[n].rsplit('.').next().and_then(|l| l.parse::<i64>().ok());
-        nodes.sort_by_key(|&n| (label(n), n));
+        let nodes = self.nodes_in_order(words[0])?;
         let dof = words[1].integer(&mut self.diagnostics)?;
         let coefficient = words[2].number(&mut self.diagnostics)?;
         if !(1..=2).contains(&dof) {
@@ -55,16 +51,6 @@ impl Builder<'_> {
             return None;
         }
         Some((nodes, dof as u8, coefficient))
-    }
-
-    /// Members of sets are paired in the order of their labels; a set that keeps another order would pair otherwise.
-    fn refuse_unsorted(&mut self, word: &Word) {
-        let deck = self.deck;
-        let named = |c: &&Card| c.keyword.name == "NSET" && c.has("UNSORTED");
-        let mut cards = deck.cards.iter().filter(named);
-        if cards.any(|c| c.value("NSET").is_some_and(|w| upper(&w.text) == upper(&word.text))) {
-            self.unsupported(word.span, "a set of UNSORTED order in *EQUATION is not supported", "name single nodes");
-        }
     }
 
     /// A set stands for as many equations as it has nodes; single nodes take part in all of them.

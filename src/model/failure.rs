@@ -14,12 +14,6 @@ impl Builder<'_> {
     }
 
     pub(super) fn shear_failure(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
-        if self.word(card, "ELEMENT DELETION", "YES") != "YES" {
-            let help = "elements that fail are deleted";
-            self.unsupported(card.span, "ELEMENT DELETION=NO on *SHEAR FAILURE is not supported", help);
-            return;
-        }
         let strain = match self.word(card, "TYPE", "TABULAR").as_str() {
             "JOHNSONCOOK" => self.johnson_cook(card, false),
             "TABULAR" => self.shear_strain(card),
@@ -55,10 +49,6 @@ impl Builder<'_> {
     /// Rows of a strain and three variables, the first of which varies fastest.
     fn strains(&mut self, card: &Card) -> Option<Vec<[f64; 4]>> {
         let line = self.first_line(card)?;
-        if let Some(word) = card.lines.iter().find_map(|l| l.field(4)) {
-            self.unsupported(word.span, "a failure strain over field variables is not supported", "");
-            return None;
-        }
         let rows: Vec<[f64; 4]> = card.lines.iter().map(|l| self.numbers::<4>(l, &[0.0; 4])).collect::<Option<_>>()?;
         if rows.iter().any(|r| r[0] <= 0.0 || r[0].is_nan()) || Levels::new(&rows).is_none() {
             let message =
@@ -86,10 +76,6 @@ impl Builder<'_> {
     }
 
     pub(super) fn damage_initiation(&mut self, card: &Card) {
-        if let Some(other) = card.parameters.iter().find(|p| p.name != "CRITERION") {
-            self.unsupported(other.span, format!("{} on *DAMAGE INITIATION is not supported", other.name), "");
-            return;
-        }
         let strain = match self.word(card, "CRITERION", "").as_str() {
             "JOHNSONCOOK" => self.johnson_cook(card, true),
             "DUCTILE" => self.strains(card).map(StrainAtFailure::Ductile),
@@ -103,16 +89,6 @@ impl Builder<'_> {
     }
 
     pub(super) fn damage_evolution(&mut self, card: &Card) {
-        if let Some(other) = card.parameters.iter().find(|p| !matches!(p.name, "TYPE" | "SOFTENING" | "DEGRADATION")) {
-            self.unsupported(other.span, format!("{} on *DAMAGE EVOLUTION is not supported", other.name), "");
-            return;
-        }
-        if self.word(card, "SOFTENING", "LINEAR") != "LINEAR" || self.word(card, "DEGRADATION", "MAXIMUM") != "MAXIMUM"
-        {
-            let help = "SOFTENING=LINEAR and DEGRADATION=MAXIMUM are";
-            self.unsupported(card.span, "this form of *DAMAGE EVOLUTION is not supported", help);
-            return;
-        }
         let kind = self.word(card, "TYPE", "");
         let Some(line) = self.first_line(card) else { return };
         let Some(value) = self.number(line, 0, "the displacement or energy at failure") else { return };
@@ -141,20 +117,16 @@ impl Builder<'_> {
     }
 
     pub(super) fn tensile_failure(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
-        let deletes = self.word(card, "ELEMENT DELETION", "YES") == "YES";
-        let modes = [self.word(card, "PRESSURE", "DUCTILE"), self.word(card, "SHEAR", "DUCTILE")];
-        if !deletes && modes.iter().any(|mode| mode != "DUCTILE") {
-            let help = "PRESSURE=DUCTILE with SHEAR=DUCTILE is, or ELEMENT DELETION=YES";
-            self.unsupported(card.span, "brittle tensile failure without deletion is not supported", help);
-            return;
-        }
+        let deletes = match self.word(card, "ELEMENT DELETION", "YES").as_str() {
+            "YES" => true,
+            "NO" => false,
+            other => {
+                self.out_of_range(card.span, format!("ELEMENT DELETION is YES or NO, not {other}"));
+                return;
+            }
+        };
         let Some(line) = self.first_line(card) else { return };
         let Some(cutoff) = self.number(line, 0, "the cutoff stress") else { return };
-        if card.lines.len() > 1 || line.field(1).is_some() {
-            self.unsupported(card.span, "a cutoff over temperature is not supported", "give one stress");
-            return;
-        }
         if cutoff <= 0.0 {
             self.out_of_range(line.span, format!("the cutoff must be above zero (tension), not {cutoff}"));
             return;

@@ -1,13 +1,12 @@
-//! What the conditions of several steps come to: which boundary holds a node, which load acts at a place, how large they are
-//! and what goes on into the next step (ABAQUS Analysis User's Guide 34.1.2, "Continuation of an amplitude reference in
-//! subsequent steps", 34.3.1 and 34.4.1). Never here: cards.
+//! What the boundaries of several steps come to: which one holds a node, how large it is, and what goes on into the next step
+//! (ABAQUS Analysis User's Guide 34.1.2, "Continuation of an amplitude reference in subsequent steps", and 34.3.1).
+//! Never here: cards, loads.
 
 use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::names::upper;
-use super::types::{Amplitude, AmplitudeDefinition, Boundary, Load, LoadKind, Model, Motion, Side, Sides};
+use super::types::{Amplitude, AmplitudeDefinition, Boundary, Load, Model, Motion};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::amplitude::Curve;
 
@@ -56,13 +55,14 @@ impl History {
         let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, words);
         self.boundaries = merged.iter().map(|b| self.settled_boundary(b, step, model)).collect();
         let places = self.places_after(&merged, step, model);
-        let from_place = |b: Boundary| {
+        let begun = |b: Boundary| {
+            words.extend(self.unknown_start(&b, model));
             if spans.contains(&b.span) {
                 words.extend(self.jump(&b, model));
             }
-            self.from_place(b, model)
+            self.since_start(b, model)
         };
-        let in_force = merged.into_iter().map(from_place).collect();
+        let in_force = merged.into_iter().map(begun).collect();
         self.places = places;
         in_force
     }
@@ -72,27 +72,6 @@ impl History {
         self.boundaries = merge_boundaries(Vec::new(), given, words);
     }
 
-    /// Loads in force in a step that gives these; what follows from them is remembered for the next.
-    pub fn loads(
-        &mut self,
-        given: Vec<Load>,
-        step: &StepTime,
-        model: &mut Model,
-        words: &mut Vec<Diagnostic>,
-    ) -> Vec<Load> {
-        let mut inherited = std::mem::take(&mut self.loads);
-        let before = if step.ramp { self.magnitudes(&inherited, model) } else { HashMap::new() };
-        replace_loads(&mut inherited, &given);
-        words.extend(added_loads(&given));
-        let given: Vec<Load> = match step.ramp {
-            true => given.into_iter().flat_map(|l| ramped_load(l, &before, step, model)).collect(),
-            false => given,
-        };
-        inherited.extend(given);
-        self.loads = inherited.iter().map(|l| self.settled_load(l, step, model)).collect();
-        inherited
-    }
-
     /// The step is over.
     pub fn end(&mut self, step: &StepTime) {
         self.time += step.duration;
@@ -100,7 +79,7 @@ impl History {
     }
 
     /// Value of an amplitude at a time of the step; `None` for one that a routine gives.
-    fn amplitude(&self, index: Option<usize>, step_time: f64, model: &Model) -> Option<f64> {
+    pub(super) fn amplitude(&self, index: Option<usize>, step_time: f64, model: &Model) -> Option<f64> {
         let Some(index) = index else { return Some(1.0) };
         let curve = curve(&model.amplitudes[index])?;
         Some(curve.value(if curve.total_time { self.time + step_time } else { step_time }))
@@ -108,7 +87,7 @@ impl History {
 
     /// What stays of an amplitude after its step: one in total time goes on, and so does a routine, which knows the step. One
     /// in step time is constant from then on.
-    fn stays(&self, index: Option<usize>, step: &StepTime, model: &Model) -> Option<f64> {
+    pub(super) fn stays(&self, index: Option<usize>, step: &StepTime, model: &Model) -> Option<f64> {
         let in_total_time = |a: &Amplitude| matches!(a.definition, AmplitudeDefinition::Curve { total_time: true, .. });
         let index = index.filter(|&i| !in_total_time(&model.amplitudes[i]))?;
         self.amplitude(Some(index), step.duration, model)
@@ -121,19 +100,6 @@ impl History {
                 settled.amplitude = Some(constant(factor, boundary.amplitude, model));
             } else {
                 (settled.value, settled.amplitude) = (boundary.value * factor, None);
-            }
-        }
-        settled
-    }
-
-    fn settled_load(&self, load: &Load, step: &StepTime, model: &mut Model) -> Load {
-        let mut settled = load.clone();
-        if let Some(factor) = self.stays(load.amplitude, step, model) {
-            // The user's routine is told the amplitude, and applies it itself.
-            if matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. }) {
-                settled.amplitude = Some(constant(factor, load.amplitude, model));
-            } else {
-                (settled.magnitude, settled.amplitude) = (load.magnitude * factor, None);
             }
         }
         settled
@@ -163,6 +129,17 @@ impl History {
         if self.begun { self.places.get(&dof).copied() } else { Some(0.0) }
     }
 
+    /// A displacement that a routine gives by its amplitude begins a later step with a value that nothing knows beforehand.
+    fn unknown_start(&self, b: &Boundary, model: &Model) -> Option<Diagnostic> {
+        let routine = self.amplitude(b.amplitude, 0.0, model).is_none();
+        if !(self.begun && routine && b.kind == Motion::Displacement && !b.user) {
+            return None;
+        }
+        let message = "a displacement that follows a user amplitude beyond the first step is not supported";
+        let finding = Diagnostic::error("M104", message).at(b.span, "in force in a later step");
+        Some(finding.help("prescribe a velocity, or give *BOUNDARY, USER"))
+    }
+
     /// What to say of a displacement that does not begin where its nodes are.
     fn jump(&self, b: &Boundary, model: &Model) -> Option<Diagnostic> {
         let first = self.amplitude(b.amplitude, 0.0, model)? * b.value;
@@ -189,7 +166,7 @@ impl History {
     }
 
     /// A displacement counts from where its nodes are: what its amplitude begins with is taken off.
-    fn from_place(&self, mut b: Boundary, model: &mut Model) -> Boundary {
+    fn since_start(&self, mut b: Boundary, model: &mut Model) -> Boundary {
         if b.kind != Motion::Displacement || b.user {
             return b;
         }
@@ -232,18 +209,6 @@ impl History {
         }
         ramped
     }
-
-    /// Magnitudes of loads as the step begins, by place.
-    fn magnitudes(&self, loads: &[Load], model: &Model) -> HashMap<Place, f64> {
-        let mut before = HashMap::new();
-        for load in loads {
-            let value = self.amplitude(load.amplitude, 0.0, model).unwrap_or(0.0) * load.magnitude;
-            for place in places(&load.kind) {
-                *before.entry(place).or_default() += value;
-            }
-        }
-        before
-    }
 }
 
 fn curve(amplitude: &Amplitude) -> Option<Curve> {
@@ -261,7 +226,7 @@ fn push(amplitude: Amplitude, model: &mut Model) -> usize {
 }
 
 /// An amplitude that stays at what another came to.
-fn constant(factor: f64, other: Option<usize>, model: &mut Model) -> usize {
+pub(super) fn constant(factor: f64, other: Option<usize>, model: &mut Model) -> usize {
     let (name, span) = other.map_or_else(Default::default, |i| {
         let other = &model.amplitudes[i];
         (other.name.clone(), other.span)
@@ -271,7 +236,7 @@ fn constant(factor: f64, other: Option<usize>, model: &mut Model) -> usize {
 }
 
 /// Value and amplitude of what grows linearly over a step from one value to another.
-fn ramp(from: f64, to: f64, span: Span, step: &StepTime, model: &mut Model) -> (f64, Option<usize>) {
+pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTime, model: &mut Model) -> (f64, Option<usize>) {
     if from == to {
         return (to, None);
     }
@@ -326,108 +291,4 @@ fn given_twice(earlier: &Boundary, later: &Boundary) -> Diagnostic {
         earlier.set, later.set, later.dof
     );
     Diagnostic::warning("M145", message).at(later.span, "the later").at(earlier.span, "the earlier")
-}
-
-/// Where a load acts, and of which kind it is: what a later step replaces.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-enum Place {
-    Node(usize, u8),
-    /// A side of an element (`*DLOAD`) under a kind of load.
-    Face(usize, Side, Kind),
-    /// A surface (`*DSLOAD`), upper case, under a kind of load.
-    Surface(String, Kind),
-    Body(usize, i32),
-    Gravity(Option<Vec<usize>>),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Kind {
-    Pressure,
-    User(i32),
-    Cavity(usize),
-}
-
-fn places(kind: &LoadKind) -> Vec<Place> {
-    let on = |sides: &Sides, kind: Kind| match sides.surface {
-        true => vec![Place::Surface(upper(&sides.name), kind)],
-        false => sides.faces.iter().map(|&(e, side)| Place::Face(e, side, kind)).collect(),
-    };
-    match kind {
-        LoadKind::Concentrated { nodes, dof, .. } => nodes.iter().map(|&n| Place::Node(n, *dof)).collect(),
-        LoadKind::Gravity { elements, .. } => vec![Place::Gravity(elements.clone())],
-        LoadKind::Pressure(sides) => on(sides, Kind::Pressure),
-        LoadKind::User { sides, load_type } => on(sides, Kind::User(*load_type)),
-        LoadKind::Cavity { sides, target, .. } => on(sides, Kind::Cavity(*target)),
-        LoadKind::UserBody { elements, load_type, .. } => {
-            elements.iter().map(|&e| Place::Body(e, *load_type)).collect()
-        }
-    }
-}
-
-/// Takes loads of earlier steps from the places where a step gives others of their kind.
-fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
-    let taken: HashSet<Place> = given.iter().flat_map(|l| places(&l.kind)).collect();
-    let kept = |load: &mut Load| {
-        let mut keep =
-            places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
-        let mut next = || keep.next().unwrap_or(true);
-        match &mut load.kind {
-            LoadKind::Concentrated { nodes: list, .. } | LoadKind::UserBody { elements: list, .. } => {
-                list.retain(|_| next());
-                !list.is_empty()
-            }
-            LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. }
-                if !s.surface =>
-            {
-                s.faces.retain(|_| next());
-                !s.faces.is_empty()
-            }
-            _ => next(),
-        }
-    };
-    inherited.retain_mut(kept);
-}
-
-/// What to say of loads of one kind at one place in one step: they add.
-fn added_loads(given: &[Load]) -> Vec<Diagnostic> {
-    let mut first: HashMap<Place, Span> = HashMap::new();
-    let mut words = Vec::new();
-    for load in given {
-        let mut told = false;
-        for place in places(&load.kind) {
-            let earlier = *first.entry(place).or_insert(load.span);
-            if earlier != load.span && !told {
-                let message = "a load of this kind is given at the same place by another line of this step: they add";
-                let finding = Diagnostic::warning("M144", message).at(load.span, "the later");
-                words.push(finding.at(earlier, "the earlier"));
-                told = true;
-            }
-        }
-    }
-    words
-}
-
-/// A load without amplitude that grows linearly over the step from what it was at its beginning; in parts, where that differs.
-fn ramped_load(load: Load, before: &HashMap<Place, f64>, step: &StepTime, model: &mut Model) -> Vec<Load> {
-    let scaled = matches!(load.kind, LoadKind::Concentrated { .. } | LoadKind::Gravity { .. } | LoadKind::Pressure(_));
-    if load.amplitude.is_some() || !scaled {
-        return vec![load];
-    }
-    let from: Vec<u64> = places(&load.kind).iter().map(|p| before.get(p).copied().unwrap_or(0.0).to_bits()).collect();
-    let mut values = from.clone();
-    values.sort_unstable();
-    values.dedup();
-    let part = |&bits: &u64| {
-        let mut part = load.clone();
-        let mut own = from.iter().map(|&b| b == bits);
-        let mut next = || own.next().unwrap_or(true);
-        match &mut part.kind {
-            LoadKind::Concentrated { nodes, .. } => nodes.retain(|_| next()),
-            LoadKind::Pressure(sides) if !sides.surface => sides.faces.retain(|_| next()),
-            _ => {}
-        }
-        (part.magnitude, part.amplitude) = ramp(f64::from_bits(bits), load.magnitude, load.span, step, model);
-        part
-    };
-    values.iter().map(part).collect()
 }

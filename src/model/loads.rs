@@ -21,6 +21,7 @@ impl Builder<'_> {
         if self.operation(card, family) {
             self.state().history.loads.retain(|l| load_family(&l.kind) != family);
         }
+        self.refuse_without_cavity(card);
         for line in &card.lines {
             let parsed = match family {
                 "CLOAD" => self.concentrated(line),
@@ -30,6 +31,23 @@ impl Builder<'_> {
             if let Some((kind, magnitude)) = parsed {
                 let magnitude = self.scaled(magnitude, amplitude);
                 self.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
+            }
+        }
+    }
+
+    /// `TARGET` and `FRICTION` are of CAVITY loads; a direction is of GRAV.
+    fn refuse_without_cavity(&mut self, card: &Card) {
+        let is = |line: &DataLine, label: &str| line.field(1).is_some_and(|w| w.is(label));
+        if !card.lines.iter().any(|line| is(line, "CAVITY")) {
+            for parameter in card.parameters.iter().filter(|p| matches!(p.name, "TARGET" | "FRICTION")) {
+                let message = format!("{} is of CAVITY loads, and this card has none", parameter.name);
+                self.unsupported(parameter.span, message, "remove it, or name the load CAVITY");
+            }
+        }
+        for line in card.lines.iter().filter(|l| card.keyword.name == "DLOAD" && !is(l, "GRAV")) {
+            if let Some(word) = line.field(3).or(line.field(4)) {
+                let finding = Diagnostic::error("M161", format!("`{}` is one value too many", word.text));
+                self.diagnostics.push(finding.at(word.span, "only GRAV has a direction"));
             }
         }
     }

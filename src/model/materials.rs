@@ -3,8 +3,8 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{CavityExpansion, Hourglass, Material, Plastic, RateDependence, SectionControls, SolidSection};
-use crate::deck::{Card, DataLine, Diagnostic, Span};
+use super::types::{CavityExpansion, Material, Plastic, RateDependence, SolidSection};
+use crate::deck::{Card, DataLine, Diagnostic};
 
 impl Builder<'_> {
     pub(super) fn material_card(&mut self, card: &Card) {
@@ -20,7 +20,6 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no material above"));
             return;
         }
-        self.refuse(card, &["RATE", "SCALESTRESS"]);
         match card.keyword.name {
             "DENSITY" => {
                 let rows = self.over_temperature(card, "the density").unwrap_or_default();
@@ -77,7 +76,6 @@ impl Builder<'_> {
 
     /// Rows of a value above zero and its temperature (NaN where the only row has none), ascending.
     fn over_temperature(&mut self, card: &Card, what: &str) -> Option<Vec<[f64; 2]>> {
-        self.refuse(card, &["DEPENDENCIES"]);
         self.first_line(card)?;
         let mut rows = Vec::with_capacity(card.lines.len());
         for line in &card.lines {
@@ -101,14 +99,6 @@ impl Builder<'_> {
             self.unsupported(card.span, format!("TYPE={kind} is not supported"), "ISOTROPIC and SHEAR are");
             return;
         }
-        if card.has("DEPENDENCIES") || card.lines.len() > 1 {
-            self.unsupported(
-                card.span,
-                "elasticity that depends on fields or temperature is not supported",
-                "give one line",
-            );
-            return;
-        }
         if kind == "SHEAR" {
             let shear = self.positive(card, "the shear modulus");
             self.last_material().shear_modulus = shear;
@@ -130,8 +120,8 @@ impl Builder<'_> {
 
     /// `*HYPERELASTIC, NEO HOOKE`: C10 and D1, both above zero: what does not give way in volume has no stable increment.
     fn hyperelastic(&mut self, card: &Card) {
-        if !card.has("NEO HOOKE") || card.lines.len() > 1 {
-            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE with one line is");
+        if !card.has("NEO HOOKE") {
+            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE is");
             return;
         }
         let Some(line) = self.first_line(card) else { return };
@@ -144,13 +134,12 @@ impl Builder<'_> {
     }
 
     fn plastic(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
         let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
         let Some(extrapolates) = self.extrapolation(card, &hardening) else { return };
         self.last_material().extrapolates = extrapolates;
         match hardening.as_str() {
             "JOHNSONCOOK" => {
-                let Some(line) = self.only_line(card) else { return };
+                let Some(line) = self.first_line(card) else { return };
                 if let Some(values) = self.numbers::<6>(line, &[0.0; 6]) {
                     self.last_material().plastic = Some(Plastic::JohnsonCook(values));
                 }
@@ -193,15 +182,6 @@ impl Builder<'_> {
         }
     }
 
-    /// The data line of a card that has one and no more.
-    fn only_line<'c>(&mut self, card: &'c Card) -> Option<&'c DataLine> {
-        if let Some(line) = card.lines.get(1) {
-            self.out_of_range(line.span, format!("this *{} has one data line", card.keyword.name));
-            return None;
-        }
-        self.first_line(card)
-    }
-
     /// Linear kinematic hardening: two rows give its line, at each temperature where there are some.
     fn kinematic(&mut self, card: &Card) {
         let rows: Vec<[f64; 3]> =
@@ -242,7 +222,6 @@ impl Builder<'_> {
     }
 
     fn rate_dependent(&mut self, card: &Card) {
-        self.refuse(card, &["DEPENDENCIES"]);
         let kind = card.value("TYPE").map_or("POWERLAW".into(), |w| upper(&w.text).replace(' ', ""));
         if self.first_line(card).is_none() {
             return;
@@ -251,7 +230,7 @@ impl Builder<'_> {
         let rows: Vec<[f64; 3]> = card.lines.iter().filter_map(|l| self.numbers::<3>(l, &defaults)).collect();
         let rate = match kind.as_str() {
             "JOHNSONCOOK" => {
-                self.only_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]]))
+                self.first_line(card).zip(rows.first()).map(|(_, r)| RateDependence::JohnsonCook([r[0], r[1]]))
             }
             "POWERLAW" => self.power_law(card, rows),
             "YIELDRATIO" => self.yield_ratios(card, rows),
@@ -321,102 +300,33 @@ impl Builder<'_> {
             self.unknown("M111", "material", material, &names);
             return;
         }
+        self.claim("section", &elements, card.span);
         let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
         let controls = card.value("CONTROLS").map(|w| upper(&w.text));
+        self.controls_used.extend(card.value("CONTROLS").cloned());
         self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
     }
 
-    /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
-    pub(super) fn section_controls(&mut self, card: &Card) {
-        let Some(name) = self.required(card, "NAME") else { return };
-        let refused = ["MAX DEGRADATION", "VISCOSITY", "KINEMATIC SPLIT"];
-        self.refuse(card, &refused);
-        // The second and third factor are of shells.
-        for word in card.lines.first().into_iter().flat_map(|l| [l.field(3), l.field(4)]).flatten() {
-            if word.number(&mut self.diagnostics).is_some_and(|factor| factor != 1.0) {
-                let help = "give *BULK VISCOSITY in the step";
-                self.unsupported(word.span, "a factor on bulk viscosity by section is not supported", help);
-            }
+    /// `*EXPANSION`: where temperatures change, its strains are missing.
+    pub(super) fn expansion(&mut self, card: &Card) {
+        if self.deck.cards.iter().any(|c| c.keyword.name == "DYNAMIC" && c.has("ADIABATIC")) {
+            let message = "temperatures change, and the thermal strain of *EXPANSION is left out";
+            let finding = Diagnostic::warning("M167", message).at(card.span, "thermal strain is not simulated");
+            self.diagnostics.push(finding);
         }
-        let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
-        let Ok(distortion) = self.distortion_control(card) else { return };
-        let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
-        let factor = card.lines.first().map_or(Some(1.0), |l| self.number_or(l, 0, 1.0)).unwrap_or(1.0);
-        let hourglass = match kind.as_str() {
-            "STIFFNESS" | "RELAXSTIFFNESS" => Hourglass::Stiffness,
-            "VISCOUS" => Hourglass::Viscous,
-            "COMBINED" => Hourglass::Combined(weight),
-            "ENHANCED" => Hourglass::Enhanced,
-            other => {
-                let help = "STIFFNESS, VISCOUS, COMBINED and ENHANCED are";
-                self.unsupported(card.span, format!("HOURGLASS={other} is not supported"), help);
-                return;
-            }
-        };
-        if !(0.0..=1.0).contains(&weight) || factor.is_nan() || factor < 0.0 {
-            self.out_of_range(card.span, "WEIGHT FACTOR must lie between 0 and 1, the hourglass factor not below 0");
-            return;
-        }
-        let by_area = match card.value("WEIGHTING") {
-            None => false,
-            Some(word) if word.is("VOLUME") => false,
-            Some(word) if word.is("AREA") => true,
-            Some(word) => {
-                self.out_of_range(word.span, format!("WEIGHTING is VOLUME or AREA, not {}", word.text));
-                return;
-            }
-        };
-        let Ok(keeps_failed) = self.other_controls(card) else { return };
-        let name = upper(&name.text);
-        self.model.controls.push(SectionControls { name, hourglass, factor, by_area, distortion, keeps_failed });
     }
 
-    /// Controls that are YES or NO: where ELEMENT DELETION is NO, and what of the others means nothing here.
-    fn other_controls(&mut self, card: &Card) -> Result<Option<Span>, ()> {
-        let mut said = |name: &str| -> Result<Option<bool>, ()> {
-            match card.value(name) {
-                None => Ok(None),
-                Some(word) if word.is("YES") => Ok(Some(true)),
-                Some(word) if word.is("NO") => Ok(Some(false)),
-                Some(word) => {
-                    self.out_of_range(word.span, format!("{name} is YES or NO, not {}", word.text));
-                    Err(())
-                }
+    /// Sections may name controls that come later; at the end all must be there.
+    pub(super) fn check_controls(&mut self) {
+        let names: Vec<String> = self.model.controls.iter().map(|c| c.name.clone()).collect();
+        let refused = |c: &&Card| c.keyword.name == "SECTION CONTROLS" && c.has("NAME");
+        let given: Vec<String> =
+            self.deck.cards.iter().filter(refused).filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
+        for word in std::mem::take(&mut self.controls_used) {
+            if !given.contains(&upper(&word.text)) {
+                self.unknown("M116", "section controls", &word, &names);
             }
-        };
-        let (deletion, accurate) = (said("ELEMENT DELETION")?, said("SECOND ORDER ACCURACY")?);
-        if accurate == Some(true) {
-            let help = "elements follow large rotations of an increment to first order";
-            self.unsupported(card.span, "SECOND ORDER ACCURACY=YES is not supported", help);
-            return Err(());
         }
-        if card.has("RAMP INITIAL STRESS") {
-            self.inert(card, "RAMP INITIAL STRESS is of membranes".into());
-        }
-        Ok((deletion == Some(false)).then_some(card.span))
-    }
-
-    /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.
-    fn distortion_control(&mut self, card: &Card) -> Result<Option<f64>, ()> {
-        let wanted = match card.value("DISTORTION CONTROL").map(|w| upper(&w.text)).as_deref() {
-            None if card.has("DISTORTION CONTROL") => true,
-            Some("YES") => true,
-            None | Some("NO") => false,
-            Some(other) => {
-                self.out_of_range(card.span, format!("DISTORTION CONTROL is YES or NO, not {other}"));
-                return Err(());
-            }
-        };
-        let ratio = card.value("LENGTH RATIO").map_or(Some(0.1), |w| w.number(&mut self.diagnostics)).ok_or(())?;
-        if !(ratio > 0.0 && ratio < 1.0) {
-            self.out_of_range(card.span, format!("LENGTH RATIO must lie between 0 and 1, not {ratio}"));
-            return Err(());
-        }
-        if card.has("LENGTH RATIO") && !wanted {
-            self.out_of_range(card.span, "LENGTH RATIO is of DISTORTION CONTROL=YES");
-            return Err(());
-        }
-        Ok(wanted.then_some(ratio))
     }
 
     /// Names of all materials of the deck, in order, whether read yet or not.

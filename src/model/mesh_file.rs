@@ -52,7 +52,8 @@ impl Builder<'_> {
             self.diagnostics.push(finding.help("x of the file is r, y is z of the axisymmetric model"));
             return;
         }
-        let nodes: Vec<usize> = mesh.points.iter().zip(&node_labels).map(|(p, &l)| self.add_node(l, *p)).collect();
+        let nodes: Vec<usize> =
+            mesh.points.iter().zip(&node_labels).map(|(p, &l)| self.add_node(l, [p[0], p[1]])).collect();
         let mut elements = Vec::with_capacity(mesh.cells.len());
         for (cell, &label) in mesh.cells.iter().zip(&element_labels) {
             elements.push(self.mesh_cell(cell, label, kind, &nodes, span));

@@ -5,16 +5,19 @@ mod amplitudes;
 mod bodies;
 mod boundary;
 mod builder;
+mod check;
 pub mod codes;
 mod completion;
 mod connectors;
 mod contact;
+mod controls;
 mod elements;
 mod energy_limit;
 mod eos;
 mod equations;
 mod failure;
 mod history;
+mod load_history;
 mod loads;
 mod mass_scaling;
 mod materials;
@@ -42,6 +45,7 @@ use crate::deck::{Deck, Diagnostics};
 /// Resolves a deck. Always returns a model; it may be run only where the diagnostics hold no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::Builder::new(deck);
+    builder.model.inert = check::check(deck, &mut builder.diagnostics);
     for card in &deck.cards {
         builder.card(card);
     }

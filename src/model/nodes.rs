@@ -2,34 +2,34 @@
 //! Never here: elements.
 
 use super::builder::{Builder, MOST};
-use super::names::qualified;
-use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+use super::names::{qualified, upper};
+use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
 impl Builder<'_> {
     pub(super) fn node(&mut self, card: &Card) {
-        if card.value("SYSTEM").is_some_and(|w| !w.is("R")) {
-            self.unsupported(card.span, "only SYSTEM=R is supported", "give r and z");
-        }
         let mut made = Vec::with_capacity(card.lines.len());
+        let mut again = Again::default();
         for line in &card.lines {
             let Some(label) = self.integer(line, 0, "the node label") else { continue };
             let (Some(r), Some(z)) = (self.number_or(line, 1, 0.0), self.number_or(line, 2, 0.0)) else { continue };
-            let Some(third) = self.number_or(line, 3, 0.0) else { continue };
-            made.push(self.add_node(label, [r, z, third]));
+            if self.nodes.find(&self.scope, label).is_some() {
+                again.note(label, line.span);
+            }
+            made.push(self.add_node(label, [r, z]));
         }
+        again.tell(&mut self.diagnostics);
         self.collect_nodes(card, made);
     }
 
     /// Adds a node of the present scope, or moves it if the label is there already (the last definition counts).
-    pub(super) fn add_node(&mut self, label: i64, point: [f64; 3]) -> usize {
-        let point = match &self.instance {
-            Some(placement) => placement.apply(point),
-            None => point,
+    pub(super) fn add_node(&mut self, label: i64, [r, z]: [f64; 2]) -> usize {
+        let place = match &self.instance {
+            Some(placement) => placement.apply([r, z]),
+            None => [r, z],
         };
-        // Three-dimensional decks are refused by their elements; a lone node off the plane says nothing yet.
-        let place = [point[0], point[1]];
         if let Some(known) = self.nodes.find(&self.scope, label) {
             self.model.mesh.points[known] = place;
+            self.moved.insert(known);
             return known;
         }
         let index = self.model.mesh.points.len();
@@ -82,6 +82,7 @@ impl Builder<'_> {
     }
 
     fn ngen_line(&mut self, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
+        let normal = self.number_or(line, 9, 0.0)?;
         let (first, from) = self.label_of(line.field(0), line, "the first node")?;
         let (last, to) = self.label_of(line.field(1), line, "the last node")?;
         let step = line.field(2).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
@@ -98,7 +99,7 @@ impl Builder<'_> {
         for i in 1..count {
             let s = i as f64 / count as f64;
             let [r, z] = match centre {
-                Some(c) => on_arc(a, b, c, s),
+                Some(c) => on_arc(a, b, c, normal, s),
                 None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
             };
             made.push(self.place_generated(first + sign * step * i as i64, [r, z]));
@@ -114,7 +115,7 @@ impl Builder<'_> {
     /// Generated nodes are already placed: their ends were.
     fn place_generated(&mut self, label: i64, [r, z]: [f64; 2]) -> usize {
         let placement = self.instance.take();
-        let index = self.add_node(label, [r, z, 0.0]);
+        let index = self.add_node(label, [r, z]);
         self.instance = placement;
         index
     }
@@ -146,25 +147,39 @@ impl Builder<'_> {
             self.out_of_range(card.span, "BIAS must be positive");
             return;
         }
+        let Some(spacing) = self.spacing(card, bias) else { return };
         let mut made = Vec::new();
         for line in &card.lines {
-            if let Some(nodes) = self.nfill_line(line, bias) {
+            if let Some(nodes) = self.nfill_line(line, &spacing) {
                 made.extend(nodes);
             }
         }
         self.collect_nodes(card, made);
     }
 
-    fn nfill_line(&mut self, line: &DataLine, bias: f64) -> Option<Vec<usize>> {
+    /// How the nodes of `*NFILL` lie: `BIAS`, `TWO STEP`, `SINGULAR`.
+    fn spacing(&mut self, card: &Card, bias: f64) -> Option<Spacing> {
+        let singular = match card.value("SINGULAR") {
+            None if card.has("SINGULAR") => None,
+            None => Some(0),
+            Some(word) => word.integer(&mut self.diagnostics),
+        };
+        let two_step = card.has("TWO STEP");
+        match singular {
+            Some(singular @ 0..=2) => Some(Spacing { bias, two_step, singular }),
+            _ => {
+                self.out_of_range(card.span, "SINGULAR is 1, for the first set, or 2, for the second");
+                None
+            }
+        }
+    }
+
+    fn nfill_line(&mut self, line: &DataLine, spacing: &Spacing) -> Option<Vec<usize>> {
         let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
             self.diagnostics.push(Diagnostic::error("M102", "two node sets are needed").at(line.span, "here"));
             return None;
         };
-        // By their numbers, in whatever order the deck made them.
-        let mut from = self.node_members(first)?;
-        let mut to = self.node_members(second)?;
-        from.sort_by_key(|&n| self.label_of_index(n));
-        to.sort_by_key(|&n| self.label_of_index(n));
+        let (from, to) = (self.nodes_in_order(first)?, self.nodes_in_order(second)?);
         let intervals = self.integer(line, 2, "the number of intervals")?;
         let step = line.field(3).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
         if from.len() != to.len() || intervals < 1 || step < 1 {
@@ -173,7 +188,11 @@ impl Builder<'_> {
             return None;
         }
         self.count(i128::from(intervals) * from.len() as i128, line.span)?;
-        let shares = shares(intervals as usize, bias);
+        if (spacing.two_step || spacing.singular > 0) && intervals % 2 != 0 {
+            self.out_of_range(line.span, "TWO STEP and SINGULAR need an even number of intervals");
+            return None;
+        }
+        let shares = shares(intervals as usize, spacing);
         let mut made = Vec::new();
         for (a, b) in from.iter().zip(&to) {
             let (start, end) = (self.model.mesh.points[*a], self.model.mesh.points[*b]);
@@ -187,23 +206,76 @@ impl Builder<'_> {
         Some(made)
     }
 
+    /// The nodes of a word: of an UNSORTED set in the order given, of any other by their numbers.
+    pub(super) fn nodes_in_order(&mut self, word: &Word) -> Option<Vec<usize>> {
+        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
+            if let Some(nodes) = self.unsorted.get(&name) {
+                return Some(nodes.clone());
+            }
+        }
+        let mut nodes = self.node_members(word)?;
+        nodes.sort_by_key(|&n| (self.label_of_index(n), n));
+        Some(nodes)
+    }
+
     fn label_of_index(&self, index: usize) -> Option<i64> {
         self.model.mesh.node_names[index].rsplit('.').next()?.parse().ok()
     }
 }
 
-/// Where the inner nodes lie, 0 to 1: each interval is `bias` times as long as the one after it.
-fn shares(intervals: usize, bias: f64) -> Vec<f64> {
-    let lengths: Vec<f64> = (0..intervals).map(|i| bias.powi(-(i as i32))).collect();
+/// Spacing of the nodes that `*NFILL` makes.
+struct Spacing {
+    bias: f64,
+    two_step: bool,
+    /// 1 or 2: quarter-point spacing at the first or second line; 0 without.
+    singular: i64,
+}
+
+/// Where the inner nodes lie, 0 to 1: each interval is `bias` times as long as the one after it, with `TWO STEP` each
+/// pair of equal intervals; with `SINGULAR` the node next to that line lies at a quarter of its pair
+/// (ABAQUS Keywords Guide, *NFILL).
+fn shares(intervals: usize, spacing: &Spacing) -> Vec<f64> {
+    let power = |i: usize| if spacing.two_step { i / 2 } else { i };
+    let lengths: Vec<f64> = (0..intervals).map(|i| spacing.bias.powi(-(power(i) as i32))).collect();
     let total: f64 = lengths.iter().sum();
     let mut sum = 0.0;
-    lengths[..intervals - 1]
+    let mut shares: Vec<f64> = lengths[..intervals - 1]
         .iter()
         .map(|l| {
             sum += l / total;
             sum
         })
-        .collect()
+        .collect();
+    match spacing.singular {
+        1 => shares[0] = 0.25 * shares.get(1).copied().unwrap_or(1.0),
+        2 => {
+            let last = intervals - 2;
+            shares[last] = 1.0 - 0.25 * (1.0 - if last > 0 { shares[last - 1] } else { 0.0 });
+        }
+        _ => {}
+    }
+    shares
+}
+
+/// Nodes that a card defines although they are there already.
+#[derive(Default)]
+struct Again {
+    first: Option<(i64, Span)>,
+    count: usize,
+}
+
+impl Again {
+    fn note(&mut self, label: i64, span: Span) {
+        self.first.get_or_insert((label, span));
+        self.count += 1;
+    }
+
+    fn tell(self, diagnostics: &mut Diagnostics) {
+        let Some((label, span)) = self.first else { return };
+        let more = if self.count > 1 { format!(", and {} more nodes are", self.count - 1) } else { " is".into() };
+        let finding = Diagnostic::warning("M164", format!("node {label}{more} defined again"));
+        diagnostics.push(finding.at(span, "the last place counts").help("give each node once"));
+    }
 }
 
 fn same_radius(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
@@ -211,10 +283,12 @@ fn same_radius(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
     (radius(a) - radius(b)).abs() <= 1e-6 * radius(a).max(radius(b))
 }
 
-/// The point at fraction `s` of the shorter arc from `a` to `b` around `c`.
-fn on_arc(a: [f64; 2], b: [f64; 2], c: [f64; 2], s: f64) -> [f64; 2] {
+/// The point at fraction `s` of the arc from `a` to `b` around `c`: counter-clockwise where `normal` is above zero,
+/// clockwise below, the shorter way at zero.
+fn on_arc(a: [f64; 2], b: [f64; 2], c: [f64; 2], normal: f64, s: f64) -> [f64; 2] {
     let (u, v) = ([a[0] - c[0], a[1] - c[1]], [b[0] - c[0], b[1] - c[1]]);
-    let whole = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
+    let short = (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]);
+    let whole = if short * normal < 0.0 { short + normal.signum() * std::f64::consts::TAU } else { short };
     let (sine, cosine) = (s * whole).sin_cos();
     [c[0] + u[0] * cosine - u[1] * sine, c[1] + u[0] * sine + u[1] * cosine]
 }

@@ -140,7 +140,7 @@ impl Builder<'_> {
 
     fn sub_request(&mut self, card: &Card) {
         if card.keyword.name == "CONTACT OUTPUT" {
-            self.inert(card, "no contact is simulated".into());
+            self.inert(card, "contact variables are not written".into());
             return;
         }
         let Some(request) = self.output.clone() else {
@@ -155,6 +155,9 @@ impl Builder<'_> {
             "ENERGY OUTPUT" => OutputCard::Energy,
             _ => OutputCard::Incrementation,
         };
+        if request.kind == OutputKind::Field && region != Region::Whole {
+            self.inert(card, "the set of a field request: frames show the whole model".into());
+        }
         let position = self.position(card, request.kind);
         let mut variables = self.default_variables(card);
         for word in card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty()) {

@@ -16,13 +16,13 @@ pub struct Placement {
 
 impl Placement {
     /// A point of the part in the assembly.
-    pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
-        let moved = Point3::from(point) + self.translation;
+    pub fn apply(&self, [r, z]: [f64; 2]) -> [f64; 2] {
+        let moved = Point3::new(r, z, 0.0) + self.translation;
         let placed = match &self.rotation {
             Some((centre, rotation)) => centre + rotation * (moved - centre),
             None => moved,
         };
-        [placed.x, placed.y, placed.z]
+        [placed.x, placed.y]
     }
 }
 
@@ -100,9 +100,9 @@ impl<'a> Builder<'a> {
                     *value = self.number(line, i, "a point of the axis or the angle")?;
                 }
                 let axis = Unit::try_new(Vector3::new(n[3] - n[0], n[4] - n[1], n[5] - n[2]), 0.0);
-                let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || (n[6] % 180.0).abs() < 1e-9) else {
-                    let message =
-                        "an instance may turn about an axis normal to the r-z plane, or be flipped by 180 degrees";
+                let lies = n[2] == 0.0 && n[5] == 0.0 && (n[6] % 180.0).abs() < 1e-9;
+                let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || lies) else {
+                    let message = "an instance may turn about an axis normal to the r-z plane, or by 180 degrees about one that lies in it";
                     self.diagnostics.push(Diagnostic::error("M126", message).at(line.span, "leaves the r-z plane"));
                     return None;
                 };

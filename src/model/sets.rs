@@ -17,6 +17,9 @@ impl Builder<'_> {
             }
         }
         self.scope = outer;
+        if card.has("UNSORTED") || self.unsorted.contains_key(&qualified(&self.scope, &name.text)) {
+            self.unsorted.entry(qualified(&self.scope, &name.text)).or_default().extend(&members);
+        }
         self.add_node_set(&name.text, members, card.span);
     }
 
@@ -69,9 +72,23 @@ impl Builder<'_> {
         let labels = if nodes { &self.nodes } else { &self.elements };
         let before = members.len();
         members.extend((0..count.max(0)).filter_map(|i| labels.find(&self.scope, first + step * i as i64)));
-        if members.len() == before && (nodes || !self.elements_refused) {
+        if !nodes && self.elements_refused {
+            return;
+        }
+        let missing = count.max(0) - (members.len() - before) as i128;
+        if members.len() == before {
             let message = format!("no label from {first} to {last} in steps of {step} is defined");
             self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "nothing there"));
+        } else if missing > 0 || (last - first) % step != 0 {
+            let what = if nodes { "nodes" } else { "elements" };
+            let message = match missing {
+                0 => format!("{last} is not reached from {first} in steps of {step}"),
+                _ => {
+                    format!("{missing} of the {count} {what} from {first} to {last} in steps of {step} are not defined")
+                }
+            };
+            let finding = Diagnostic::warning("M166", message).at(line.span, "the set holds the others");
+            self.diagnostics.push(finding.help("give the first and last label that are there"));
         }
     }
 

@@ -70,7 +70,7 @@ impl Builder<'_> {
             "BULK VISCOSITY" => self.bulk_viscosity(card),
             "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
             "ENERGY LIMIT" => self.energy_limit(card),
-            _ => self.not_yet(card),
+            _ => {}
         }
     }
 
@@ -80,7 +80,6 @@ impl Builder<'_> {
         let number = self.model.steps.len() + 1;
         let name = card.value("NAME").map_or_else(|| format!("Step-{number}"), |w| w.text.clone());
         let ramp = self.step_amplitude(card);
-        self.large_displacements(card);
         let mut carried = self.carried.clone();
         carried.earlier_outputs = std::mem::take(&mut carried.outputs);
         if !carried.boundaries.is_empty() {
@@ -102,19 +101,6 @@ impl Builder<'_> {
                 self.out_of_range(word.span, format!("AMPLITUDE is STEP or RAMP, not {}", word.text));
                 false
             }
-        }
-    }
-
-    fn large_displacements(&mut self, card: &Card) {
-        match card.value("NLGEOM") {
-            Some(word) if word.is("NO") => {
-                let help = "leave NLGEOM out: elements are followed where they move";
-                self.unsupported(word.span, "small displacements (NLGEOM=NO) are not supported", help);
-            }
-            Some(word) if !word.is("YES") => {
-                self.out_of_range(word.span, format!("NLGEOM is YES or NO, not {}", word.text));
-            }
-            _ => {}
         }
     }
 
@@ -182,18 +168,8 @@ impl Builder<'_> {
             self.unsupported(card.span, "implicit dynamics is not supported", "write *DYNAMIC, EXPLICIT");
             return;
         }
-        self.refuse(card, &["FIXED TIME INCREMENTATION"]);
         let Some(line) = self.first_line(card) else { return };
         let Some(duration) = self.number(line, 1, "the length of the step") else { return };
-        for index in [0, 2].into_iter().filter(|i| *i == 2 || !card.has("DIRECT USER CONTROL")) {
-            // Fields that ABAQUS/Explicit wants empty.
-            let Some(value) = self.number_or(line, index, 0.0) else { return };
-            if value != 0.0 {
-                let message = format!("field {} of *DYNAMIC, EXPLICIT is empty, and not {value}", index + 1);
-                self.out_of_range(line.span, message);
-                return;
-            }
-        }
         if duration <= 0.0 {
             self.out_of_range(line.span, format!("the length of the step must be above zero, not {duration}"));
             return;
@@ -209,6 +185,11 @@ impl Builder<'_> {
         let (span, adiabatic) = (card.span, card.has("ADIABATIC"));
         let procedure = Procedure { span, duration, increment, scale_factor, load_velocity, adiabatic };
         match &mut self.step {
+            Some(StepState { procedure: Some(earlier), .. }) => {
+                let finding = Diagnostic::error("M105", "a step has one *DYNAMIC").at(card.span, "the second");
+                let first = earlier.span;
+                self.diagnostics.push(finding.at(first, "the first"));
+            }
             Some(step) => step.procedure = Some(procedure),
             None => self.outside_step(card),
         }
@@ -243,6 +224,10 @@ impl Builder<'_> {
             return None;
         }
         let element_by_element = card.has("ELEMENT BY ELEMENT");
+        if element_by_element && card.has("GLOBAL") {
+            self.out_of_range(card.span, "GLOBAL and ELEMENT BY ELEMENT exclude each other");
+            return None;
+        }
         let largest = self.largest_increment(line, duration)?;
         Some(IncrementControl::Automatic { accuracy, element_by_element, largest })
     }

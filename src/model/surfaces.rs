@@ -11,7 +11,6 @@ use crate::deck::{Card, Diagnostic, Span, Word};
 impl Builder<'_> {
     pub(super) fn surface(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        self.refuse(card, &["COMBINE"]);
         if card.value("TYPE").is_some_and(|w| w.is("NODE")) {
             self.node_surface(card, name);
             return;

@@ -2,17 +2,12 @@
 //! Never here: the routine.
 
 use super::builder::Builder;
-use super::names::upper;
 use super::types::StateVariables;
 use crate::deck::Card;
 
 impl Builder<'_> {
     /// `*USER MATERIAL, CONSTANTS=n`: eight constants a line; an empty field is zero.
     pub(super) fn user_material(&mut self, card: &Card) {
-        if let Some(kind) = card.value("TYPE").filter(|w| upper(&w.text) != "MECHANICAL") {
-            self.unsupported(kind.span, format!("TYPE={} is not supported", kind.text), "MECHANICAL is");
-            return;
-        }
         let Some(word) = self.required(card, "CONSTANTS") else { return };
         let Some(wanted) = word.integer(&mut self.diagnostics) else { return };
         let mut constants = Vec::new();

@@ -1,4 +1,5 @@
-//! The bytes of the ledger: what plan and state have allocated, each under the effect that it serves.
+//! The bytes of the ledger: what plan, state and run have allocated, each under the effect that it serves. Loads and constraints
+//! stand in the plan as at the beginning of their step, and in the run as they are.
 //! Never here: how much of what is needed.
 
 use super::ledger::Ledger;
@@ -6,29 +7,32 @@ use super::{Plan, State};
 use crate::state::BodyState;
 use crate::state::EffectId;
 
+/// One in the plan, one in the run.
+const COPIES: usize = 2;
+
 /// Puts bytes beside the effects.
 pub(super) fn book(plan: &mut Plan, state: &State) {
     let ledger = &mut plan.ledger;
     for step in &plan.steps {
         for load in &step.loads {
-            load.arrays().into_iter().for_each(|(name, bytes)| add(ledger, load.id(), name, bytes));
+            load.arrays().into_iter().for_each(|(name, bytes)| add(ledger, load.id(), name, COPIES * bytes));
         }
         for constraint in &step.constraints {
-            add(ledger, constraint.id(), "constraint", constraint.bytes());
+            add(ledger, constraint.id(), "constraint", COPIES * constraint.bytes());
         }
         if let Some(scaling) = &step.scaling {
             let row = ledger.effects.iter().position(|row| row.effect == "mass scaling");
-            row.into_iter().for_each(|row| add(ledger, row, "requests", scaling.bytes()));
+            row.into_iter().for_each(|row| add(ledger, row, "requests", COPIES * scaling.bytes()));
         }
     }
     for amplitude in &plan.amplitudes {
-        add(ledger, amplitude.id, "routine", amplitude.bytes());
+        add(ledger, amplitude.id, "routine", COPIES * amplitude.bytes());
     }
     elements(ledger, state, plan.rows.gather);
     let places = plan.places.bytes();
     if let Some(row) = plan.rows.integration {
         add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
-        add(ledger, row, "steps", plan.steps.iter().map(|s| size_of_val(s)).sum());
+        add(ledger, row, "steps", plan.steps.iter().map(size_of_val).sum());
     }
     if let Some(row) = plan.rows.output {
         let bodies = plan.bodies.iter().map(super::Body::bytes).sum();

@@ -278,7 +278,7 @@ impl Compiler<'_> {
     }
 
     fn increment_rows(&mut self, step: &crate::model::Step, loads: &[Box<dyn Load>]) {
-        let detail = match step.increment {
+        let mut detail = match step.increment {
             IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
                 format!("stable increment times {}", step.scale_factor)
             }
@@ -287,6 +287,11 @@ impl Compiler<'_> {
                 format!("nothing limits the increment: error estimate, accuracy {accuracy:e}")
             }
         };
+        if let IncrementControl::Automatic { largest, .. } = step.increment
+            && largest.is_finite()
+        {
+            detail += &format!(", at most {largest:e}");
+        }
         self.cause(step.span, "central difference", 1, "step", detail);
         if loads.iter().any(|l| l.velocity() != VelocityUse::None) {
             let scheme = match step.load_velocity {

@@ -386,8 +386,8 @@ impl<'a> Run<'a> {
             body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
             body.slots = self.slots.iter().filter(|s| s.body == b).count();
         }
-        let reads = |l: &&Box<dyn Load>| l.velocity() != VelocityUse::None;
-        for slot in self.loads.iter().filter(reads).flat_map(|l| l.slots()) {
+        let reading = self.loads.iter().filter(|l| l.velocity() != VelocityUse::None);
+        for slot in reading.flat_map(|l| l.slots()) {
             self.dofs.bodies[slot.body].reads_velocity = true;
         }
     }
@@ -454,15 +454,21 @@ impl<'a> Run<'a> {
         self.push_nodes()?;
         self.elements.link(&mut self.dofs);
         self.elements.check(&self.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
-        let (elements, nodes) = (&self.elements, &self.dofs.nodes);
-        let force =
-            |n: usize| [0, 1].map(|k| elements.nodal_force(n)[k] + nodes.forces[0].get(n).map_or(0.0, |f| f[k]));
-        let mut start = 0;
-        for constraint in self.constraints.iter().filter(|c| !c.carries().is_empty()) {
-            constraint.passes_on(&force, &mut self.forces[start..=start]);
-            start += 1;
-        }
+        self.pass_on();
         Ok(())
+    }
+
+    /// What constraints pass on from nodes to bodies.
+    fn pass_on(&mut self) {
+        let (elements, nodes) = (&self.elements, &self.dofs.nodes);
+        let force = |n: usize| {
+            let ([r, z], more) = (elements.nodal_force(n), nodes.forces[0].get(n).copied().unwrap_or_default());
+            [r + more[0], z + more[1]]
+        };
+        let passing = self.constraints.iter().filter(|c| !c.carries().is_empty());
+        for (constraint, out) in passing.zip(&mut self.forces) {
+            constraint.passes_on(&force, std::slice::from_mut(out));
+        }
     }
 
     fn scale_masses(&mut self) {

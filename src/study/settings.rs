@@ -169,6 +169,9 @@ fn increment(value: &str) -> Result<Edit, String> {
 /// A fixed increment and a stable one are multiplied; where an error estimate rules, increments go with the root of the
 /// accuracy aimed at.
 fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), String> {
+    if let IncrementControl::Automatic { largest, .. } = &mut step.increment {
+        *largest *= factor;
+    }
     match &mut step.increment {
         IncrementControl::Fixed(length) => *length *= factor,
         IncrementControl::Automatic { .. } if deforms => step.scale_factor *= factor,

@@ -97,10 +97,10 @@ impl UserLoad for Cavity {
 
 /// Nanoseconds an increment of the solver, and where the body got to.
 fn solver(deck: &str, routines: &Routines) -> (f64, f64) {
-    let mut prepared = job::prepare_text("ogive.inp", deck, &[], routines);
+    let prepared = job::prepare_text("ogive.inp", deck, &[], routines);
     let text = prepared.diagnostics.render(&prepared.deck.sources);
     assert!(!prepared.diagnostics.has_errors(), "{text}");
-    let (outcome, _) = job::run_in_memory(&mut prepared);
+    let (outcome, _) = job::run_in_memory(&prepared);
     assert_eq!((outcome.halt, outcome.increments), (None, INCREMENTS as u64));
     (outcome.seconds * 1e9 / INCREMENTS as f64, outcome.energy.kinetic)
 }

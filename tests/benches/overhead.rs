@@ -34,8 +34,8 @@ fn process() -> [f64; 2] {
         .status();
     let whole = begin.elapsed().as_secs_f64();
     assert!(status.expect("the program runs").success());
-    let mut prepared = job::prepare(DECK.as_ref(), &[], &Routines::none());
-    [1e3 * whole, 1e3 * job::run_in_memory(&mut prepared).0.seconds]
+    let prepared = job::prepare(DECK.as_ref(), &[], &Routines::none());
+    [1e3 * whole, 1e3 * job::run_in_memory(&prepared).0.seconds]
 }
 
 pub fn run() {

@@ -26,9 +26,9 @@ fn cost(nr: usize, nz: usize, increments: usize, threads: usize) -> f64 {
     pool.install(|| {
         let mut best = f64::INFINITY;
         for _ in 0..3 {
-            let mut prepared = job::prepare_text("taylor.inp", &text, &settings, &Routines::none());
+            let prepared = job::prepare_text("taylor.inp", &text, &settings, &Routines::none());
             assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-            let (outcome, _) = job::run_in_memory(&mut prepared);
+            let (outcome, _) = job::run_in_memory(&prepared);
             assert_eq!((outcome.halt, outcome.increments), (None, increments as u64));
             best = best.min(outcome.seconds * 1e9 / (increments * nr * nz) as f64);
         }

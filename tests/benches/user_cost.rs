@@ -27,18 +27,18 @@ impl UserLoad for Cavity {
 /// Milliseconds of a job that writes its files.
 fn whole_job(deck: &str, settings: &[(&str, &str)], routines: &Routines) -> f64 {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut prepared = job::prepare(&common::project(deck), &common::pairs(settings), routines);
+    let prepared = job::prepare(&common::project(deck), &common::pairs(settings), routines);
     let job = Job { folder: folder.path().to_path_buf(), name: "job".into() };
-    let summary = job::run_to_files(&mut prepared, &job, &mut |_, _, _| {}).expect("files");
+    let summary = job::run_to_files(&prepared, &job, &mut |_, _, _| {}).expect("files");
     assert!(!summary.rests.is_empty(), "{deck}");
     summary.timing.seconds * 1e3
 }
 
 /// Nanoseconds an increment, and the bits of the kinetic energy.
 fn increments(deck: &str, routines: &Routines) -> (f64, u64) {
-    let mut prepared = job::prepare_text("user.inp", deck, &[], routines);
+    let prepared = job::prepare_text("user.inp", deck, &[], routines);
     assert!(!prepared.diagnostics.has_errors());
-    let (outcome, _) = job::run_in_memory(&mut prepared);
+    let (outcome, _) = job::run_in_memory(&prepared);
     assert_eq!(outcome.increments, u64::from(INCREMENTS));
     (outcome.seconds * 1e9 / f64::from(INCREMENTS), outcome.energy.kinetic.to_bits())
 }

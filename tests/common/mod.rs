@@ -77,9 +77,9 @@ pub fn ogive() -> String {
 
 /// Runs the seed deck into files.
 pub fn run_ogive(folder: &Path, settings: &[(&str, &str)]) {
-    let mut prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), &Routines::none());
+    let prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
     let job = Job { folder: folder.to_path_buf(), name: "ogive".into() };
-    let summary = job::run_to_files(&mut prepared, &job, &mut |_, _, _| {}).expect("files");
+    let summary = job::run_to_files(&prepared, &job, &mut |_, _, _| {}).expect("files");
     assert_eq!(summary.status, "completed");
 }

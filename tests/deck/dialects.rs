@@ -26,7 +26,7 @@ const UNSUPPORTED: &[(&str, &str, &[&str])] = &[
          *Element, type=C3D8R\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*End Part\n*Assembly, name=Assembly\n\
          *Instance, name=Brick-1, part=Brick\n*End Instance\n*Instance, name=Brick-2, part=Brick\n 2., 0., 0.\n*End Instance\n\
          *End Assembly\n",
-        &["M121"],
+        &["M104", "M121"],
     ),
     (
         "element types that are unknown, and in plane stress",

@@ -7,3 +7,4 @@ mod dialects;
 mod language;
 mod mesh_files;
 mod variables;
+mod words;

@@ -31,7 +31,7 @@ fn digest(
         let mut prepared = job::prepare_text("test.inp", text, &pairs(settings), &routines);
         assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
         prepared.use_instructions(instructions).ok()?;
-        let (outcome, _) = job::run_in_memory(&mut prepared);
+        let (outcome, _) = job::run_in_memory(&prepared);
         assert_eq!(outcome.halt, None);
         Some(outcome.digest)
     })

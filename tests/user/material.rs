@@ -110,9 +110,9 @@ fn the_example_deck_is_the_built_in_example() {
         let text = std::fs::read_to_string(common::project(deck)).expect("the deck");
         let text = text.replace("Explicit, element by element\n", "Explicit\n");
         let text = text.replace("*Dynamic, Explicit\n", &format!("*Dynamic, Explicit{option}\n"));
-        let mut prepared = job::prepare_text(deck, &text, &common::pairs(settings), routines);
+        let prepared = job::prepare_text(deck, &text, &common::pairs(settings), routines);
         assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-        let (outcome, summary) = job::run_in_memory(&mut prepared);
+        let (outcome, summary) = job::run_in_memory(&prepared);
         assert_eq!(outcome.halt, None);
         let depth = serde_json::to_value(&summary).expect("JSON")["U2@TIP"]["final"].as_f64().expect("a depth");
         (outcome.increments, depth)

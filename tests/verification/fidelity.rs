@@ -7,9 +7,9 @@ use revolve::user::Routines;
 use crate::common;
 
 fn shoot(deck: &str, settings: &[(&str, &str)]) -> HistorySummary {
-    let mut prepared = job::prepare(&common::project(deck), &common::pairs(settings), &Routines::none());
+    let prepared = job::prepare(&common::project(deck), &common::pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-    let (outcome, history) = job::run_in_memory(&mut prepared);
+    let (outcome, history) = job::run_in_memory(&prepared);
     assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
     assert!(outcome.energy.drift < 1e-4, "{:?}", outcome.energy);
     history

@@ -118,8 +118,8 @@ fn extrapolation_of_the_yield_stress() {
 fn nothing_is_read_and_ignored() {
     let jc = "*Plastic, hardening=JOHNSON COOK\n 5.e8, 1.e8, 0.2, 1., 1500., 300.\n";
     for (cards, code) in [
-        (format!("{STEEL}{jc} 5.e8, 1.e8, 0.2, 1., 1500., 300.\n"), "M103"),
-        (format!("{STEEL}{jc}*Rate dependent, type=JOHNSON COOK\n 0.01, 1.\n 0.02, 1.\n"), "M103"),
+        (format!("{STEEL}{jc} 5.e8, 1.e8, 0.2, 1., 1500., 300.\n"), "M162"),
+        (format!("{STEEL}{jc}*Rate dependent, type=JOHNSON COOK\n 0.01, 1.\n 0.02, 1.\n"), "M162"),
         (format!("{STEEL}*Plastic, hardening=KINEMATIC, extrapolation=LINEAR\n 5.e8, 0.\n 6.e8, 0.1\n"), "M104"),
         (format!("{STEEL}*Plastic, extrapolation=CUBIC\n 5.e8, 0.\n"), "M103"),
         (format!("{STEEL}*Plastic\n 5.e8, 0.\n*Rate dependent\n 40., 5., 100.\n 40., 5., 0.\n"), "M103"),

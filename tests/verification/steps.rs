@@ -238,6 +238,7 @@ fn what_is_not_done_is_refused() {
         ((", amplitude=SLOW", ""), ("", ""), "M103"),
         (("", "*Boundary\n REF, 1, 1\n"), ("", "*Boundary, op=NEW\n REF, 1, 1\n*Boundary\n REF, 6, 6\n"), "M103"),
         (("", "*Cload, op=OLD\n REF, 2, 1.\n"), ("", ""), "M103"),
+        (("", "*Dynamic, explicit\n , 1.\n"), ("", ""), "M105"),
     ] {
         let text = deck(DISC, [first, second]);
         assert!(codes(&text).contains(&code), "{first:?} {second:?}: {:?}", codes(&text));
@@ -334,8 +335,39 @@ fn the_largest_increment_is_kept() {
     assert!(free > 2e-4, "{free}");
     assert!((run(", 0.1, , 1.e-4") - 1e-4).abs() < 1e-6, "the last may be longer by a thousandth");
     assert_eq!(run(", 0.1, , 1.").to_bits(), free.to_bits());
-    for fields in ["1.e-5, 0.1", ", 0.1, 2.", ", 0.1, , -1."] {
+    for (fields, code) in [("1.e-5, 0.1", "M104"), (", 0.1, 2.", "M104"), (", 0.1, , -1.", "M103")] {
         let text = format!("{model}*Step\n*Dynamic, explicit\n {fields}\n*End step\n");
-        assert!(codes(&text).contains(&"M103"), "{fields}");
+        assert!(codes(&text).contains(&code), "{fields}");
     }
+}
+
+/// *FIXED MASS SCALING (Analysis User's Guide 11.6.1): stays in steps that do not scale, and is replaced where one does.
+#[test]
+fn mass_scaling_over_steps() {
+    let model = block();
+    let push = "*Cload\n ALL, 2, 1.\n";
+    let mean = |second: &str| {
+        let text = deck(&model, [("", &format!("{push}*Fixed mass scaling, factor=2.\n")), ("", second)]);
+        let v = ["V2@1", "V2@2", "V2@3", "V2@4"].map(|name| last(&text, name));
+        (v[0] + v[2] + 2.0 * (v[1] + v[3])) / 6.0
+    };
+    // Four forces of 1 on a cylinder of mass pi times the factor.
+    let speed = |factor: f64| 4.0 * T / (PI * factor);
+    close("stays", mean(""), 2.0 * speed(2.0));
+    let found = mean("*Fixed mass scaling, factor=4.\n");
+    let late = (speed(2.0) - speed(4.0)) / T * 0.5e-4;
+    assert!((found - speed(2.0) - speed(4.0)).abs() <= late + 1e-6, "replaced: {found}");
+}
+
+/// Only what holds can be said before the first step (Analysis User's Guide 34.3.1, "as model data").
+#[test]
+fn boundaries_before_the_first_step_hold() {
+    let refused = DISC.to_owned() + "*Boundary, type=VELOCITY\n REF, 2, 2, 1.\n";
+    assert!(codes(&deck(&refused, [("", ""), ("", "")])).contains(&"M105"));
+    let held = DISC.to_owned() + "*Boundary\n REF, 2, 2\n";
+    let push = "*Cload\n REF, 2, 4.\n";
+    close("held", 1.0 + last(&deck(&held, [("", push), ("", "")]), "U2@REF"), 1.0);
+    close("released", last(&deck(&held, [("", push), ("", "*Boundary, op=NEW\n")]), "V2@REF"), 4.0 * T / M);
+    let moved = deck(&held, [("", ""), ("", "*Boundary, type=VELOCITY\n REF, 2, 2, 1.\n")]);
+    close("moved later", last(&moved, "U2@REF"), T);
 }

@@ -11,10 +11,10 @@ use crate::common;
 use crate::common::solid::{grid, last, material, run};
 
 fn taylor(settings: &[(&str, &str)]) -> (Outcome, revolve::output::HistorySummary) {
-    let mut prepared =
+    let prepared =
         job::prepare(&common::project("input/taylor_copper.inp"), &common::pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
-    job::run_in_memory(&mut prepared)
+    job::run_in_memory(&prepared)
 }
 
 /// Other codes: length 21.26 to 21.51 mm, foot radius 6.80 to 7.24 mm; OpenRadioss on 20x100: 21.428 and 7.169 mm.

@@ -1,0 +1,144 @@
+//! Cards of the mesh: nodes, elements, sets, surfaces, parts and instances, and those of the text itself.
+//! Never here: what the mesh is made of.
+
+use super::row;
+use crate::deck::keywords::Keyword;
+
+/// The rows.
+pub const CARDS: &[Keyword] = &[
+    row!("HEADING", "Title of the analysis", (), {}, [(text "title" read "Any number of lines")]),
+    row!("INCLUDE", "Reads another file in place of this line", (), {
+        "INPUT" read "File, relative to the file that includes it",
+        "PASSWORD" refused "encrypted input cannot be read",
+    }, []),
+    row!("PARAMETER", "Defines parameters for use as <name>", (), {
+        "INDEPENDENT" refused "parameter studies are made with `revolve sweep`",
+        "DEPENDENT" refused "define parameters as `name = expression`",
+        "TABLE" refused "define parameters as `name = expression`",
+    }, [(text "name = expression" read "Names are case-sensitive; + - * / // % **, functions, text in quotes, # comments; / is true division")]),
+    row!("NODE", "Defines nodes; of a node given more than once the last place counts, with a warning", (), {
+        "NSET" read "Node set to put them in",
+        "INPUT" read "File with the data lines",
+        "SYSTEM" only ["R"] "give r and z: C and S are not axisymmetric",
+        "INTERNAL" inert "written by CAE; no meaning",
+        "UNSORTED" refused "give *NSET, UNSORTED",
+    }, [(rows [
+        "node number", "r", "z",
+        "third coordinate" only ["0"] "an axisymmetric model lies in the r-z plane",
+        "first cosine" refused "normals serve shells and beams",
+        "second cosine" refused "normals serve shells and beams",
+        "third cosine" refused "normals serve shells and beams",
+    ])]),
+    row!("NGEN", "Generates nodes between two nodes", (), {
+        "NSET" read "Node set to put them in",
+        "LINE" read "C for a circular arc; absent for a straight line",
+        "SYSTEM" only ["RC"] "the centre is given as r and z",
+    }, [
+        (when "LINE" = "C" rows [
+            "first node", "last node", "increment", "centre node", "r of the centre", "z of the centre",
+            "third coordinate of the centre" only ["0"] "an axisymmetric model lies in the r-z plane",
+            "r of the normal" only ["0"] "the arc lies in the r-z plane",
+            "z of the normal" only ["0"] "the arc lies in the r-z plane",
+            "normal" read "Above zero the arc runs counter-clockwise from the first node, below zero clockwise; the shorter way without it",
+        ]),
+        (rows ["first node", "last node", "increment"]),
+    ]),
+    row!("NFILL", "Fills the space between two lines of nodes with nodes", (), {
+        "NSET" read "Node set to put them in",
+        "BIAS" read "Length of each interval over that of the next",
+        "SINGULAR" read "1 or 2: the node next to the first or second line stands at a quarter of its two intervals",
+        "TWO STEP" read "BIAS holds between pairs of intervals; the two of a pair are equally long",
+    }, [(rows ["first set", "second set", "number of intervals", "increment"])]),
+    row!("ELEMENT", "Defines elements", (), {
+        "TYPE" read "RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
+        "ELSET" read "Element set to put them in",
+        "INPUT" read "File with the data lines",
+        "OFFSET" refused "it numbers the further nodes of CAXA and SAXA elements",
+        "FILE" refused "files of another job are not read",
+        "INTERNAL" inert "written by CAE; no meaning",
+        "SOLID ELEMENT NUMBERING" refused "it is of gasket elements",
+    }, [
+        (when "TYPE" = "CAX4R" wrapped 5 ["element number", "node"]),
+        (when "TYPE" = "CAX3" wrapped 4 ["element number", "node"]),
+        (when "TYPE" = "RAX2" wrapped 3 ["element number", "node"]),
+        (when "TYPE" = "SPRINGA" wrapped 3 ["element number", "node"]),
+        (when "TYPE" = "DASHPOTA" wrapped 3 ["element number", "node"]),
+        (when "TYPE" = "MASS" wrapped 2 ["element number", "node"]),
+        (when "TYPE" = "SPRING1" wrapped 2 ["element number", "node"]),
+        (when "TYPE" = "DASHPOT1" wrapped 2 ["element number", "node"]),
+        (stream ["element number"]),
+    ]),
+    row!("ELGEN", "Generates elements from a master element", (), {
+        "ELSET" read "Element set to put them in",
+        "ALL NODES" inert "the numbers of all nodes are incremented anyway: the elements here have none that is left out",
+    }, [(rows [
+        "master element", "elements in a row", "node increment", "element increment",
+        "rows", "node increment of rows", "element increment of rows",
+        "layers", "node increment of layers", "element increment of layers",
+    ])]),
+    row!("NSET", "Defines or extends a node set", (), {
+        "NSET" read "Name of the set",
+        "GENERATE" read "Data lines give first, last and increment",
+        "INSTANCE" read "Instance whose nodes are meant",
+        "ELSET" read "All nodes of these elements",
+        "INTERNAL" inert "written by CAE; no meaning",
+        "UNSORTED" read "*NFILL and *EQUATION take the nodes in the order given",
+    }, [
+        (when "GENERATE" = "" rows ["first node", "last node", "increment"]),
+        (list "node or set"),
+    ]),
+    row!("ELSET", "Defines or extends an element set", (), {
+        "ELSET" read "Name of the set",
+        "GENERATE" read "Data lines give first, last and increment",
+        "INSTANCE" read "Instance whose elements are meant",
+        "INTERNAL" inert "written by CAE; no meaning",
+        "UNSORTED" inert "no card here takes elements in the order of a set",
+    }, [
+        (when "GENERATE" = "" rows ["first element", "last element", "increment"]),
+        (list "element or set"),
+    ]),
+    row!("SURFACE", "Defines a surface", (unique "NAME"), {
+        "NAME" read "Name of the surface",
+        "TYPE" read "ELEMENT (default), NODE, or SEGMENTS for a plane z = const",
+        "INTERNAL" inert "written by CAE; no meaning",
+        "COMBINE" refused "give the faces of the surface",
+        "CROP" refused "give the faces of the surface",
+        "DEFINITION" refused "coordinates on analytical surfaces are r and z",
+        "FILLET RADIUS" refused "analytical surfaces are planes z = const",
+        "MAX RATIO" refused "shells are not simulated",
+        "NO OFFSET" inert "of shells",
+        "NO THICK" inert "of shells",
+        "PROPERTY" refused "shells are not simulated",
+        "REGION TYPE" refused "meshes are not adaptive",
+        "TRIM" refused "surfaces are not trimmed: give their faces",
+        "SCALE THICK" refused "shells are not simulated",
+        "DISCRETIZATION" inert "written by some preprocessors; no meaning",
+    }, [
+        (when "TYPE" = "NODE" rows ["node or set", "area" inert "areas serve contact stresses, which nothing here computes"]),
+        (when "TYPE" = "SEGMENTS" rows ["segment", "r", "z", "r of the centre" refused "analytical surfaces are planes z = const",
+            "z of the centre" refused "analytical surfaces are planes z = const"]),
+        (rows ["element or set", "face" read "S1 ... S4, SPOS, SNEG; the free faces of solids without it"]),
+    ]),
+    row!("PART", "Begins a part", (unique "NAME"), {
+        "NAME" read "Name of the part",
+        "INTERNAL" inert "written by CAE; no meaning",
+    }, []),
+    row!("END PART", "Ends a part", (), {}, []),
+    row!("ASSEMBLY", "Begins the assembly", (once), { "NAME" inert "nothing refers to it" }, []),
+    row!("END ASSEMBLY", "Ends the assembly", (), {}, []),
+    row!("INSTANCE", "Places a part in the assembly", (unique "NAME"), {
+        "NAME" read "Name of the instance",
+        "PART" read "Part to place",
+        "LIBRARY" refused "states of another job are not imported",
+        "INSTANCE" refused "states of another job are not imported",
+        "INTERNAL" inert "written by CAE; no meaning",
+    }, [(lines
+        ["translation along r", "translation along z", "third translation" only ["0"] "an axisymmetric model lies in the r-z plane"]
+        ["r of the first point", "z of the first point", "third coordinate of the first point",
+         "r of the second point", "z of the second point", "third coordinate of the second point", "angle in degrees"])]),
+    row!("END INSTANCE", "Ends an instance", (), {}, []),
+    row!(extension "MESH", "Reads nodes and elements from a mesh file", (), {
+        "INPUT" read "File, relative to the deck",
+        "TYPE" read "Element type to make of its cells",
+    }, []),
+];

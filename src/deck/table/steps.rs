@@ -1,0 +1,106 @@
+//! Cards of steps: procedure, increments, mass scaling, and amplitudes.
+//! Never here: loads and prescribed motions.
+
+use super::row;
+use crate::deck::keywords::Keyword;
+
+/// The rows.
+pub const CARDS: &[Keyword] = &[
+    row!("AMPLITUDE", "A function of time", (unique "NAME"), {
+        "NAME" read "Name of the amplitude",
+        "DEFINITION" read "TABULAR (default), SMOOTH STEP, EQUALLY SPACED or USER",
+        "TIME" read "STEP TIME (default) or TOTAL TIME",
+        "VALUE" read "RELATIVE (default), factors on magnitudes; or ABSOLUTE, magnitudes themselves",
+        "SMOOTH" refused "tables have kinks; give SMOOTH STEP",
+        "INPUT" read "File with the data lines",
+        "FIXED INTERVAL" read "Interval of EQUALLY SPACED",
+        "BEGIN" read "Start time of EQUALLY SPACED",
+        "SCALEX" read "Factor on time",
+        "SCALEY" read "Factor on value",
+        "SHIFTX" read "Added to time",
+        "SHIFTY" read "Added to value",
+        "VARIABLES" read "Number of variables that a user amplitude keeps",
+        "PROPERTIES" read "Number of constants of a user amplitude, on the data lines",
+        "INTERNAL" inert "written by CAE; no meaning",
+    }, [
+        (when "DEFINITION" = "EQUALLY SPACED" list "value of EQUALLY SPACED"),
+        (when "DEFINITION" = "USER" list "constant of a user amplitude"),
+        (stream ["time", "value"]),
+    ]),
+    row!("STEP", "Begins a step", (), {
+        "NAME" read "Name of the step",
+        "NLGEOM" only ["YES"] "displacements may be large",
+        "INC" inert "of implicit analyses",
+        "PERTURBATION" refused "of linear analyses",
+        "AMPLITUDE" read "STEP (default): conditions without amplitude act at once; RAMP: they grow over the step",
+        "EXTRAPOLATION" inert "of implicit analyses",
+        "UNSYMM" inert "of implicit analyses",
+        "CONVERT SDI" inert "of implicit analyses",
+        "SOLVER" inert "of implicit analyses",
+        "FULL NEWTON" inert "of implicit analyses",
+        "MIXED" inert "of implicit analyses",
+    }, [(text "subtitle" inert "for people")]),
+    row!("END STEP", "Ends a step", (), {}, []),
+    row!("DYNAMIC", "Explicit dynamics", (once step), {
+        "EXPLICIT" read "Must be there",
+        "ADIABATIC" read "Heat stays where plastic work makes it",
+        "ELEMENT BY ELEMENT" read "Stable increment element by element",
+        "GLOBAL" read "Stable increment from the highest frequency (default)",
+        "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
+        "DIRECT USER CONTROL" read "The increment is given on the data line",
+        "SCALE FACTOR" read "Factor on the stable increment",
+        "IMPROVED DT METHOD" inert "of three-dimensional elements",
+        "ACCURACY" extension "Relative error of the motion aimed at where nothing else limits the increment (1e-4)",
+        "LOAD VELOCITY" extension "PREDICTED (default) or LAGGED: which velocity loads are given",
+        "ALPHA" refused "of implicit dynamics",
+        "APPLICATION" refused "of implicit dynamics",
+        "BETA" refused "of implicit dynamics",
+        "DIRECT" refused "of implicit dynamics",
+        "GAMMA" refused "of implicit dynamics",
+        "HAFTOL" refused "of implicit dynamics",
+        "HALFINC SCALE FACTOR" refused "of implicit dynamics",
+        "IMPACT" refused "of implicit dynamics",
+        "INCREMENTATION" refused "of implicit dynamics",
+        "INITIAL" refused "of implicit dynamics",
+        "NOHAF" refused "of implicit dynamics",
+        "SINGULAR MASS" refused "of implicit dynamics",
+        "SUBSPACE" refused "of implicit dynamics",
+        "TIME INTEGRATOR" refused "of implicit dynamics",
+    }, [
+        (when "DIRECT USER CONTROL" = "" lines [
+            "increment", "length of the step",
+            "third field" only ["0"] "the manual leaves it empty",
+            "largest of given increments" only ["0"] "the increment is given",
+        ]),
+        (lines [
+            "first field" only ["0"] "the increment is automatic: leave it empty, or give DIRECT USER CONTROL",
+            "length of the step",
+            "third field" only ["0"] "the manual leaves it empty",
+            "largest increment",
+        ]),
+    ]),
+    row!("BULK VISCOSITY", "Linear and quadratic bulk viscosity", (once step), {}, [
+        (lines ["linear factor" read "0.06 without it", "quadratic factor" read "1.2 without it"]),
+    ]),
+    row!(extension "ENERGY LIMIT", "Warns or halts where the energy balance or hourglass control goes wrong", (once step), {
+        "ERROR" read "Largest drift of ETOTAL over the largest energy met",
+        "ARTIFICIAL" read "Largest ALLAE over ALLIE, from the time that ALLIE is 1 % of the largest energy",
+        "ACTION" read "WARN (default) once a step, or HALT",
+    }, []),
+    row!("FIXED MASS SCALING", "Scales masses at the start of the step", (step), {
+        "ELSET" read "Elements; all if absent",
+        "FACTOR" read "Factor on the mass",
+        "DT" read "Stable increment aimed at",
+        "TYPE" read "BELOW MIN (default), UNIFORM or SET EQUAL DT",
+    }, []),
+    row!("VARIABLE MASS SCALING", "Scales masses during the step", (step), {
+        "ELSET" read "Elements; all if absent",
+        "DT" read "Stable increment aimed at",
+        "TYPE" read "BELOW MIN (default), UNIFORM or SET EQUAL DT",
+        "FREQUENCY" read "Every so many increments",
+        "NUMBER INTERVAL" read "So many times in the step, instead of FREQUENCY",
+        "CROSS SECTION NODES" refused "of rolling",
+        "EXTRUDED LENGTH" refused "of rolling",
+        "FEED RATE" refused "of rolling",
+    }, []),
+];

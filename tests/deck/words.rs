@@ -1,0 +1,354 @@
+//! The keyword table against what is done: each parameter and each field that is read changes something, each that is
+//! refused is refused with its reason, each that is inert is told in the ledger.
+//!
+//! Goal: nothing is parsed and ignored. Source: the table itself; `words/pairs.txt` holds a pair of decks for each entry
+//! that is read, alike but for that entry.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::common::{self, Memory};
+use revolve::deck::keywords::{Keyword, Rule, Shape, Tier, Usage, keywords};
+use revolve::deck::{self, Card, Deck};
+use revolve::job;
+use revolve::solve;
+use revolve::user::{
+    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, Routines,
+    UserAmplitude, UserLoad, UserMaterial, UserMotion,
+};
+
+/// Every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
+fn entries() -> Vec<(String, &'static Keyword, &'static Rule)> {
+    let mut all = Vec::new();
+    for keyword in keywords().filter(|k| k.tier == Tier::Used) {
+        let fields = keyword.data.iter().flat_map(|d| d.shape.rules());
+        for rule in keyword.parameters.iter().chain(fields) {
+            all.push((format!("{}, {}", keyword.name, rule.name), keyword, rule));
+        }
+    }
+    all
+}
+
+/// One line of the table of pairs.
+struct Pair {
+    name: String,
+    texts: [String; 2],
+}
+
+/// Applies changes: `from => to`, or `@mark lines`.
+fn changed(text: &str, changes: &str, definitions: &HashMap<&str, &str>) -> String {
+    let mut text = text.to_owned();
+    for change in changes.split(";;").map(str::trim).filter(|c| !c.is_empty()) {
+        if let Some(name) = change.strip_prefix('$') {
+            text = changed(&text, definitions[name.trim()], definitions);
+            continue;
+        }
+        let plain = |s: &str| s.replace("\\n", "\n");
+        let (from, to) = match change.strip_prefix('@') {
+            Some(rest) => {
+                let (mark, lines) = rest.split_once(' ').expect("a mark and lines");
+                (format!("**{mark}\n"), format!("**{mark}\n{}\n", plain(lines)))
+            }
+            None => {
+                let (from, to) = change.split_once("=>").unwrap_or_else(|| panic!("no change: {change}"));
+                (plain(from.strip_suffix(' ').unwrap_or(from)), plain(to.strip_prefix(' ').unwrap_or(to)))
+            }
+        };
+        assert!(text.contains(&from), "`{change}` finds nothing in\n{text}");
+        text = text.replacen(&from, &to, 1);
+    }
+    text
+}
+
+fn pairs() -> Vec<Pair> {
+    let base = |name: &str| {
+        std::fs::read_to_string(common::project(&format!("tests/deck/words/{name}.inp"))).expect("a deck of the pairs")
+    };
+    let bases: HashMap<&str, String> = ["solid", "rigid", "parts"].map(|name| (name, base(name))).into();
+    let table = std::fs::read_to_string(common::project("tests/deck/words/pairs.txt")).expect("the table of pairs");
+    let lines = table.lines().filter(|l| !l.is_empty() && !l.starts_with('#'));
+    let (definitions, lines): (Vec<&str>, Vec<&str>) = lines.partition(|l| l.starts_with("def "));
+    let definitions: HashMap<&str, &str> =
+        definitions.iter().map(|l| l[4..].split_once('|').expect("a definition")).map(|(n, t)| (n.trim(), t)).collect();
+    let pair = |line: &&str| {
+        let columns: Vec<&str> = line.split(" | ").collect();
+        let [name, deck, last] = columns[..] else { panic!("three columns: {line}") };
+        let mut parts = deck.split(" + ");
+        let mut text = bases[parts.next().expect("a deck").trim()].clone();
+        for part in parts {
+            let part = part.trim();
+            text = changed(&text, definitions.get(part).copied().unwrap_or(part), &definitions);
+        }
+        let other = changed(&text, last, &definitions);
+        Pair { name: name.trim().into(), texts: [text, other] }
+    };
+    lines.iter().map(pair).collect()
+}
+
+/// What the routines of the user answer: numbers that show what they are told.
+struct Asked;
+
+impl UserLoad for Asked {
+    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+        pressure.fill(2.0 * points.amplitude);
+        Ok(())
+    }
+}
+
+impl UserMotion for Asked {
+    fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
+        Ok(0.3 * call.now.total_time)
+    }
+}
+
+impl UserAmplitude for Asked {
+    fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure> {
+        let value = call.properties[0] * call.variables.len() as f64;
+        Ok(AmplitudeAnswer { value, ..AmplitudeAnswer::default() })
+    }
+}
+
+/// Stress by one modulus; the first state variable is set, the second falls to zero.
+impl UserMaterial for Asked {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        for (i, stress) in answer.stress.iter_mut().enumerate() {
+            *stress = call.stress[i] + call.properties[0] * (1.0 + call.properties[1]) * call.strain[i];
+        }
+        answer.state.fill(call.variables as f64);
+        if call.now.total_time > 0.2 && call.variables > 1 {
+            answer.state[call.count..2 * call.count].fill(0.0);
+        }
+        Ok(())
+    }
+}
+
+/// All that a deck comes to, without the places that findings and rows name.
+fn results(folder: &Path, text: &str) -> String {
+    let routines = Routines::none().with_load(Asked).with_motion(Asked).with_amplitude(Asked).with_material(Asked);
+    let name = folder.join("pair.inp");
+    let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
+    let mut told = String::new();
+    for finding in prepared.diagnostics.iter() {
+        writeln!(told, "{} {} {:?}", finding.code, finding.message, finding.help).expect("text");
+    }
+    if prepared.diagnostics.has_errors() {
+        return told;
+    }
+    writeln!(told, "{:?}", prepared.title).expect("text");
+    for row in &prepared.plan.ledger.effects {
+        writeln!(told, "{} {} {} {}", row.effect, row.count, row.unit, row.detail).expect("text");
+    }
+    for step in &prepared.plan.steps {
+        writeln!(told, "{:?}", step.outputs.restart).expect("text");
+    }
+    writeln!(told, "{:?}", prepared.plan.columns).expect("text");
+    let mut memory = Memory::default();
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+    writeln!(told, "{} {:?} {:?} {:?}", outcome.digest, outcome.halt, outcome.steps, outcome.warnings).expect("text");
+    writeln!(told, "{:?} {:?}", memory.rows, memory.frames).expect("text");
+    told
+}
+
+/// Files that pairs name.
+fn files(folder: &Path) {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
+    for (name, value) in [("a", "1."), ("b", "1.5")] {
+        write(&format!("{name}.inc"), &format!("*Initial Conditions, type=VELOCITY\n MID, 2, {value}\n"));
+        write(&format!("{name}.node"), &format!(" 9, 2., {value}\n"));
+        write(&format!("{name}.start"), &format!(" TOP, 2, {value}\n"));
+        write(&format!("{name}.equation"), &format!(" 2\n 7, 2, {value}, 8, 2, -1.\n"));
+        write(&format!("{name}.amplitude"), &format!(" 0., 0., 1., {value}\n"));
+    }
+    write("a.element", " 4, 5, 6, 9, 8\n");
+    write("b.element", " 4, 5, 6, 9, 7\n");
+    let array = |name: &str, kind: &str, parts: &str, values: &str| {
+        format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{parts}\" format=\"ascii\">{values}</DataArray>"
+        )
+    };
+    let mesh = |width: &str| {
+        format!(
+            "<?xml version=\"1.0\"?><VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"><UnstructuredGrid>\
+         <Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData/><CellData>{}</CellData><Points>{}</Points><Cells>{}{}{}</Cells></Piece>\
+         </UnstructuredGrid></VTKFile>",
+            array("ELSET_M", "Int64", "1", "1"),
+            array("Points", "Float64", "3", &format!("5 0 0 {width} 0 0 {width} 1 0 5 1 0")),
+            array("connectivity", "Int64", "1", "0 1 2 3"),
+            array("offsets", "Int64", "1", "4"),
+            array("types", "UInt8", "1", "9"),
+        )
+    };
+    write("a.vtu", &mesh("6"));
+    write("b.vtu", &mesh("7"));
+}
+
+/// The entries in which two decks differ.
+fn differences(a: &Deck, b: &Deck) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let cards = |deck: &Deck| deck.cards.iter().map(|c| c.keyword.name).collect::<Vec<_>>();
+    assert_eq!(cards(a), cards(b), "the decks have the same cards");
+    for (a, b) in a.cards.iter().zip(&b.cards) {
+        let values = |card: &Card| -> BTreeMap<&str, Option<String>> {
+            card.parameters.iter().map(|p| (p.name, p.value.as_ref().map(|w| w.text.clone()))).collect()
+        };
+        let (of_a, of_b) = (values(a), values(b));
+        let names = of_a.keys().chain(of_b.keys()).filter(|name| of_a.get(*name) != of_b.get(*name));
+        found.extend(names.map(|name| format!("{}, {name}", a.keyword.name)));
+        let mut before = 0;
+        for i in 0..a.lines.len().max(b.lines.len()) {
+            let field = |card: &Card, k: usize| {
+                card.lines.get(i).and_then(|l| l.field(k)).map_or(String::new(), |w| w.text.clone())
+            };
+            let count = [a, b].iter().filter_map(|c| c.lines.get(i)).map(|l| l.fields.len()).max().unwrap_or(0);
+            for k in (0..count).filter(|&k| field(a, k) != field(b, k)) {
+                let rule = a.shape().field(i, k, before).or(b.shape().field(i, k, before)).map_or("?", |r| r.name);
+                found.insert(format!("{}, {rule}", a.keyword.name));
+            }
+            if matches!(a.shape(), Shape::Stream(_)) {
+                before += count;
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn what_is_read_changes_something() {
+    let folder = tempfile::tempdir().expect("a folder");
+    files(folder.path());
+    let mut tried = BTreeSet::new();
+    let mut faults = Vec::new();
+    for pair in pairs() {
+        let [a, b] = pair.texts.each_ref().map(|text| results(folder.path(), text));
+        if a == b {
+            faults.push(format!(
+                "{}: nothing changes:\n{}",
+                pair.name,
+                a.lines().take(3).collect::<Vec<_>>().join("\n")
+            ));
+        }
+        let [deck_a, deck_b] = pair
+            .texts
+            .each_ref()
+            .map(|t| deck::read_text(&folder.path().join("pair.inp").display().to_string(), t, &[]).0);
+        // What *INCLUDE and *PARAMETER say, and what a file of INPUT= holds, is in the cards behind them.
+        let elsewhere =
+            pair.name.starts_with("INCLUDE") || pair.name.starts_with("PARAMETER") || pair.name.ends_with(", INPUT");
+        let differ = differences(&deck_a, &deck_b);
+        if !elsewhere && differ != BTreeSet::from([pair.name.clone()]) {
+            faults.push(format!("{}: the pair differs in {differ:?}", pair.name));
+        }
+        tried.insert(pair.name);
+    }
+    let read: BTreeSet<String> =
+        entries().into_iter().filter(|(.., rule)| rule.usage == Usage::Read).map(|(name, ..)| name).collect();
+    faults.extend(read.difference(&tried).map(|name| format!("{name}: is read, and no pair shows it")));
+    faults.extend(tried.difference(&read).map(|name| format!("{name}: a pair of what is not read")));
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+/// A value that a parameter or field does not take.
+const STRANGE: &str = "77";
+
+/// What is said of one card alone, as codes with their help.
+fn said(text: &str) -> Vec<(String, String)> {
+    let (deck, mut diagnostics) = deck::read_text("card.inp", text, &[]);
+    let (_, found) = revolve::model::build(&deck);
+    diagnostics.append(found);
+    diagnostics.iter().map(|d| (d.code.to_owned(), d.help.clone().unwrap_or_default())).collect()
+}
+
+/// The card with a value in a field and in no other, `None` where the rule is that of a parameter.
+fn with_field(keyword: &Keyword, rule: &Rule, value: &str) -> Option<String> {
+    for data in keyword.data {
+        let Shape::Lines(lines, _) = &data.shape else { continue };
+        for (i, line) in lines.iter().enumerate() {
+            let Some(k) = line.iter().position(|r| std::ptr::eq(r, rule)) else { continue };
+            let when = data.when.map_or(String::new(), |(name, value)| match value {
+                "" => format!(", {name}"),
+                value => format!(", {name}={value}"),
+            });
+            let above = "1,\n".repeat(i);
+            return Some(format!("*{}{when}\n{above}{}{value}\n", keyword.name, ",".repeat(k)));
+        }
+    }
+    None
+}
+
+#[test]
+fn what_is_refused_says_why() {
+    for (name, keyword, rule) in entries() {
+        let (accepted, why) = match rule.usage {
+            Usage::Refused(why) => (&[][..], why),
+            Usage::Only(values, why) => (values, why),
+            _ => continue,
+        };
+        let of_text = keyword.parameters.iter().any(|r| std::ptr::eq(r, rule));
+        let card = |value: &str| match of_text {
+            true => format!("*{}, {}={value}\n", keyword.name, rule.name),
+            false => with_field(keyword, rule, value).expect("a field"),
+        };
+        let refused = |text: &str| said(text).iter().any(|(_, help)| help == why);
+        assert!(refused(&card(STRANGE)), "{name}: {:?}", said(&card(STRANGE)));
+        for value in accepted {
+            assert!(!refused(&card(value)), "{name}={value}: {:?}", said(&card(value)));
+        }
+    }
+}
+
+#[test]
+fn what_is_inert_is_told() {
+    for (name, keyword, rule) in entries() {
+        let Usage::Inert(note) = rule.usage else { continue };
+        let text = match keyword.parameters.iter().any(|r| std::ptr::eq(r, rule)) {
+            true => format!("*{}, {}=1\n", keyword.name, rule.name),
+            false => with_field(keyword, rule, "1").unwrap_or_else(|| format!("*{}\nwords\n", keyword.name)),
+        };
+        let (deck, _) = deck::read_text("card.inp", &text, &[]);
+        let (model, _) = revolve::model::build(&deck);
+        let (plan, ..) = revolve::plan::compile(&deck, &model, &Routines::none());
+        let told = plan.ledger.unused.iter().find(|u| u.what == format!("*{name}"));
+        assert_eq!(told.map(|u| u.why.as_str()), Some(note), "{text}: {:?}", plan.ledger.unused);
+    }
+    for keyword in keywords() {
+        let Tier::Inert(why) = keyword.tier else { continue };
+        let (deck, _) = deck::read_text("card.inp", &format!("*{}\n", keyword.name), &[]);
+        let (model, _) = revolve::model::build(&deck);
+        assert!(model.inert.iter().any(|i| i.keyword == keyword.name && i.why == why), "{}", keyword.name);
+    }
+}
+
+/// A card on a deck: surplus values, surplus lines, a second card, a decimal comma, sets that end short.
+#[test]
+fn what_is_said_too_often_is_told() {
+    let solid = std::fs::read_to_string(common::project("tests/deck/words/solid.inp")).expect("a deck");
+    for (from, to, code) in [
+        ("100., 0.3", "100., 0.3, 20., 7.", "M161"),
+        ("0.5, 0.\n 2., 1.", "0.5, 0., 2., 1.", "M161"),
+        (" 4, 5, 6, 9, 8", " 4, 5, 6, 9, 8, 7", "M161"),
+        ("TOP, 2, -1.", "TOP, 2, -1., 3.", "M161"),
+        ("FACE, P, 1.", "FACE, P, 1., 5", "M161"),
+        ("100., 0.3", "100., 0.3\n 90., 0.3", "M162"),
+        ("*Density\n 1.,", "*Density\n 1,5", "M163"),
+        (", 0.5\n", ", 0.5\n , 0.6\n", "M162"),
+        ("**model", "**model\n*Node\n 9, 2., 2.", "M164"),
+        ("**model", "**model\n*Node\n 9, 1.2, 1.2", "M123"),
+        ("**material", "*Density\n 1.,", "M160"),
+        ("**model", "**model\n*Material, name=metal", "M160"),
+        ("**step", "*Dynamic, Explicit\n , 0.5", "M160"),
+        ("**model", "**model\n*Surface, name=FACE\n LOWER, S3", "M160"),
+        ("**model", "**model\n*Friction\n 0.1", "M105"),
+        ("**material", "*Solid Section, elset=UPPER, material=METAL", "M165"),
+        ("**model", "**model\n*Nset, nset=LONG, generate\n 7, 12, 1", "M166"),
+        ("material=METAL", "material=METAL, controls=NONE", "M116"),
+        ("*Dsload", "*Dsload, friction=0.1", "M104"),
+        ("*Dsload\n FACE, P, 1.", "*Dload\n UPPER, P3, 1., 2.", "M161"),
+        (" 9, 2., 2.", " 9, 2., 2., 1.", "M104"),
+    ] {
+        assert!(solid.contains(from), "{from}");
+        let codes: Vec<String> = said(&solid.replacen(from, to, 1)).into_iter().map(|c| c.0).collect();
+        assert!(codes.iter().any(|c| c == code), "{to}: {codes:?}, not {code}");
+    }
+    assert!(said(&solid).is_empty(), "{:?}", said(&solid));
+}
