@@ -72,12 +72,15 @@ impl UserMaterial for Still {
     }
 }
 
+const OF_THE_USER: &str =
+    "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.,\n*User Material, constants=1\n 1.,\n";
+
 /// With the global estimate, which is made anew now and then from what is there.
 #[test]
 fn nothing_allocates_inside_an_increment_of_a_user_material() {
     let deck = |time: &str| {
         grid(12, 24, false, |i, j| [i as f64, j as f64])
-            + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.,\n*User Material, constants=1\n 1.,\n"
+            + OF_THE_USER
             + &format!("*Initial Conditions, type=VELOCITY\n I1, 2, 1.\n*Step\n*Dynamic, Explicit\n , {time}\n")
             + "*Output, history, number interval=1\n*Energy Output\n ALLIE\n*End Step\n"
     };
@@ -157,10 +160,12 @@ fn the_ledger_names_the_bytes_that_are_allocated() {
         ("elastic", mesh(60) + &material(200e3, 0.3, 7.85e-9, "") + end),
         ("failing", mesh(60) + &material(200e3, 0.3, 7.85e-9, tough) + end),
         ("gas", mesh(60) + gas + &end.replace("J1, P, 1.", "J1, P, 1e-9")),
+        ("of the user", mesh(60) + OF_THE_USER + end),
         ("rigid", common::ogive().replace("n    = 20", "n    = 4000")),
     ];
+    let routines = Routines::none().with_material(Still);
     for (name, text) in scenes {
-        let (told, held) = told_and_held(&text, &Routines::none());
+        let (told, held) = told_and_held(&text, &routines);
         println!("{name}: the ledger names {told} bytes, {held} are held ({:.3})", told as f64 / held as f64);
         assert!((told as f64 / held as f64 - 1.0).abs() < 0.05, "{name}: {told} of {held}");
     }
