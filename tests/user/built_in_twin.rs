@@ -92,7 +92,7 @@ fn agree(deck: impl Fn(&str) -> String, tolerance: f64) -> [revolve::solve::Outc
     [expected, got]
 }
 
-/// Rounding of other sums, carried on over a few hundred increments: 1e-9, of which 1e-12 is seen.
+/// Rounding of other sums, carried on over a few hundred increments: 1e-9.
 #[test]
 fn the_global_estimate_is_that_of_the_built_in_law() {
     let [expected, got] = agree(|material| bar([5, 20], "", material, 8e-6, ""), 1e-9);
