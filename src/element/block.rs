@@ -106,6 +106,9 @@ pub struct Workspace {
     /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
     pub(super) bulk: Lanes,
     pub(super) heat: Lanes,
+    /// Of the block at hand, what the lists below keep.
+    hourglass_stress: [Lanes; 2],
+    viscous_stress: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
@@ -294,8 +297,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let viscosity = constants.hourglass_viscosity / 8.0;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let block = scratch.block;
-        let mut viscous = scratch.viscous.get(scratch.at).copied().unwrap_or_default();
-        let mut hourglass = scratch.hourglass.get(scratch.at).copied().unwrap_or_default();
+        scratch.fetch();
+        // Values of their own: a number of the scratch memory read in the loop could be one that the loop writes, and would keep
+        // it from becoming one of vectors.
+        let cap = scratch.cap;
         // Without an increment behind, the velocities say how fast the volume changes.
         let starts = V::EOS && per_dt == 0.0;
         for l in 0..LANES {
@@ -329,12 +334,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let fraction = linear - quadratic2 * 2.0 * period * compression;
             let damping = 2.0 * modulus * period * dilation_rate * fraction;
-            let work = scratch.volume[l] * 0.5 * (viscous[l] + damping) * dilation;
+            let work = scratch.volume[l] * 0.5 * (scratch.viscous_stress[l] + damping) * dilation;
             scratch.sums.viscous[l] += work;
             if V::EOS {
                 scratch.heat[l] = work - scratch.heat[l];
             }
-            viscous[l] = damping;
+            scratch.viscous_stress[l] = damping;
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
             let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
@@ -344,10 +349,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let spring = stiffness * square * per;
             // The pattern moves a sixteenth of the mass: a fraction of what is critical at the highest frequency.
             let dashpot = viscosity * self.mass[l] * omega;
-            let (old_r, old_z) = (hourglass[0][l], hourglass[1][l]);
+            let (old_r, old_z) = (scratch.hourglass_stress[0][l], scratch.hourglass_stress[1][l]);
             let (new_r, new_z) = (old_r + spring * q_r, old_z + spring * q_z);
-            hourglass[0][l] = new_r;
-            hourglass[1][l] = new_z;
+            scratch.hourglass_stress[0][l] = new_r;
+            scratch.hourglass_stress[1][l] = new_z;
             let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
             let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
             scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
@@ -369,12 +374,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
             // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
-            let share = scratch.cap * period;
+            let share = cap * period;
             let capped = share < 1.0;
             let xi = if capped { fraction * share * pressing } else { fraction };
             // In a cold gas, where xi has no bound, the root itself.
             let damped = if V::EOS { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
-            let highest = if capped { scratch.cap } else { omega };
+            let highest = if capped { cap } else { omega };
             // Two over the increment in which the element would lose or gain as much of its volume as it may.
             let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
             let rate = scratch.weight[l] * if changing > stable { changing } else { stable };
@@ -384,12 +389,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             scratch.sums.rate[l] = if larger { rate } else { best };
             scratch.sums.limiting[l] = if larger { block } else { scratch.sums.limiting[l] };
         }
-        if let Some(kept) = scratch.viscous.get_mut(scratch.at) {
-            *kept = viscous;
-        }
-        if let Some(kept) = scratch.hourglass.get_mut(scratch.at) {
-            *kept = hourglass;
-        }
+        scratch.keep();
     }
 }
 
@@ -432,6 +432,24 @@ impl Workspace {
     /// Whether a lane counts.
     pub(super) fn weighs(&self, lane: usize) -> bool {
         self.weight[lane] > 0.0
+    }
+
+    /// Takes out what the block at hand keeps; zero where nothing is kept.
+    #[inline(always)]
+    fn fetch(&mut self) {
+        self.hourglass_stress = self.hourglass.get(self.at).copied().unwrap_or_default();
+        self.viscous_stress = self.viscous.get(self.at).copied().unwrap_or_default();
+    }
+
+    /// Puts back what the block at hand keeps.
+    #[inline(always)]
+    fn keep(&mut self) {
+        if let Some(kept) = self.hourglass.get_mut(self.at) {
+            *kept = self.hourglass_stress;
+        }
+        if let Some(kept) = self.viscous.get_mut(self.at) {
+            *kept = self.viscous_stress;
+        }
     }
 
     /// Sums of the pass, and what deformed in it.
