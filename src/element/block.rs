@@ -79,6 +79,15 @@ impl Nodes {
     }
 }
 
+/// What a block keeps from one increment to the next besides its stress, as it is while the block is at hand.
+#[repr(C, align(64))]
+pub(super) struct Kept {
+    /// Generalised hourglass stresses along r and z.
+    hourglass: [Lanes; 2],
+    /// Stress of the bulk viscosity.
+    viscous: Lanes,
+}
+
 /// Scratch memory of one task.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
@@ -106,9 +115,6 @@ pub struct Workspace {
     /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
     pub(super) bulk: Lanes,
     pub(super) heat: Lanes,
-    /// Of the block at hand, what the lists below keep.
-    hourglass_stress: [Lanes; 2],
-    viscous_stress: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
@@ -161,6 +167,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.mask_deleted(failure, nodes, scratch);
         }
+        let mut kept = scratch.kept();
         self.strain::<H, V, AREA>(constants, dt, nodes, scratch);
         if scratch.cap < f64::INFINITY {
             scratch.measure();
@@ -184,7 +191,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, scratch);
         }
-        self.forces::<V, AREA>(constants, dt, scratch, corners);
+        self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
+        scratch.keep(kept);
         if F::FAILS {
             self.clear_deleted(failure, corners);
         }
@@ -285,6 +293,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         &mut self,
         constants: &Constants,
         dt: f64,
+        kept: &mut Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
@@ -297,7 +306,6 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let viscosity = constants.hourglass_viscosity / 8.0;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let block = scratch.block;
-        scratch.fetch();
         // Values of their own: a number of the scratch memory read in the loop could be one that the loop writes, and would keep
         // it from becoming one of vectors.
         let cap = scratch.cap;
@@ -334,12 +342,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let fraction = linear - quadratic2 * 2.0 * period * compression;
             let damping = 2.0 * modulus * period * dilation_rate * fraction;
-            let work = scratch.volume[l] * 0.5 * (scratch.viscous_stress[l] + damping) * dilation;
+            let work = scratch.volume[l] * 0.5 * (kept.viscous[l] + damping) * dilation;
             scratch.sums.viscous[l] += work;
             if V::EOS {
                 scratch.heat[l] = work - scratch.heat[l];
             }
-            scratch.viscous_stress[l] = damping;
+            kept.viscous[l] = damping;
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields.
             let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
@@ -349,10 +357,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let spring = stiffness * square * per;
             // The pattern moves a sixteenth of the mass: a fraction of what is critical at the highest frequency.
             let dashpot = viscosity * self.mass[l] * omega;
-            let (old_r, old_z) = (scratch.hourglass_stress[0][l], scratch.hourglass_stress[1][l]);
+            let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
             let (new_r, new_z) = (old_r + spring * q_r, old_z + spring * q_z);
-            scratch.hourglass_stress[0][l] = new_r;
-            scratch.hourglass_stress[1][l] = new_z;
+            kept.hourglass[0][l] = new_r;
+            kept.hourglass[1][l] = new_z;
             let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
             let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
             scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
@@ -384,12 +392,11 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
             let rate = scratch.weight[l] * if changing > stable { changing } else { stable };
             // Not a number counts as the largest: it must be found.
-            let best = scratch.sums.rate[l];
+            let (best, limiting) = (scratch.sums.rate[l], scratch.sums.limiting[l]);
             let larger = is_larger(rate, best);
             scratch.sums.rate[l] = if larger { rate } else { best };
-            scratch.sums.limiting[l] = if larger { block } else { scratch.sums.limiting[l] };
+            scratch.sums.limiting[l] = if larger { block } else { limiting };
         }
-        scratch.keep();
     }
 }
 
@@ -434,21 +441,23 @@ impl Workspace {
         self.weight[lane] > 0.0
     }
 
-    /// Takes out what the block at hand keeps; zero where nothing is kept.
+    /// What the block at hand keeps; zero where nothing is kept.
     #[inline(always)]
-    fn fetch(&mut self) {
-        self.hourglass_stress = self.hourglass.get(self.at).copied().unwrap_or_default();
-        self.viscous_stress = self.viscous.get(self.at).copied().unwrap_or_default();
+    pub(super) fn kept(&self) -> Kept {
+        Kept {
+            hourglass: self.hourglass.get(self.at).copied().unwrap_or_default(),
+            viscous: self.viscous.get(self.at).copied().unwrap_or_default(),
+        }
     }
 
-    /// Puts back what the block at hand keeps.
+    /// Keeps it until the next increment.
     #[inline(always)]
-    fn keep(&mut self) {
-        if let Some(kept) = self.hourglass.get_mut(self.at) {
-            *kept = self.hourglass_stress;
+    pub(super) fn keep(&mut self, kept: Kept) {
+        if let Some(place) = self.hourglass.get_mut(self.at) {
+            *place = kept.hourglass;
         }
-        if let Some(kept) = self.viscous.get_mut(self.at) {
-            *kept = self.viscous_stress;
+        if let Some(place) = self.viscous.get_mut(self.at) {
+            *place = kept.viscous;
         }
     }
 

@@ -168,7 +168,9 @@ impl Chunk {
         self.points.swap();
         for (s, (block, forces)) in self.blocks.iter_mut().zip(corners).enumerate() {
             let workspace = &mut scratch.workspaces[s];
-            block.forces::<Linear, false>(common.constants, common.dt, workspace, forces);
+            let mut kept = workspace.kept();
+            block.forces::<Linear, false>(common.constants, common.dt, &mut kept, workspace, forces);
+            workspace.keep(kept);
             for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {
                 forces.0.iter_mut().for_each(|list| list[l] = 0.0);
                 if let Some(hourglass) = workspace.hourglass.get_mut(place.turn) {
