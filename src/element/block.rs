@@ -71,6 +71,13 @@ impl Nodes {
         }
     }
 
+    /// Puts an element that is not there where nothing can go wrong: at rest as a ring from r = 1 to 2 of this height.
+    pub(super) fn mask(&mut self, l: usize, height: f64) {
+        for (corner, [r, z]) in self.0.iter_mut().zip([[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]]) {
+            corner[l] = [r, z, 0.0, 0.0];
+        }
+    }
+
     /// One component of the four corners of a lane.
     #[inline(always)]
     pub(super) fn of(&self, l: usize, component: usize) -> [f64; 4] {

@@ -31,9 +31,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             }
             // A ring from 1 to 2 has the volume 3 pi a height.
             let height = failure.volume(&self.failure, l) / (9.0 * UNIT);
-            for (i, (r, z)) in [(1.0, 0.0), (2.0, 0.0), (2.0, height), (1.0, height)].into_iter().enumerate() {
-                nodes.0[i][l] = [r, z, 0.0, 0.0];
-            }
+            nodes.mask(l, height);
             self.stress.iter_mut().for_each(|s| s[l] = 0.0);
             if let Some(hourglass) = scratch.hourglass.get_mut(scratch.at) {
                 hourglass.iter_mut().for_each(|h| h[l] = 0.0);

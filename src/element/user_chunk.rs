@@ -10,7 +10,7 @@ use crate::element::record::spin;
 use crate::element::user_quads::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes};
 use crate::kernel::quad::{Gradient, gradient};
-use crate::kernel::rotation::rotated;
+use crate::kernel::rotation::{of_spin, turned};
 use crate::material::plasticity::Elastic;
 use crate::material::volumetric::Linear;
 use crate::state::Instant;
@@ -103,7 +103,7 @@ impl Chunk {
             corners.collect(common.nodes, &block.nodes);
             for l in 0..LANES {
                 if self.deleted.get(s * LANES + l).copied().unwrap_or(true) {
-                    mask(corners, l);
+                    corners.mask(l, 1.0);
                     workspace.mask(l);
                 }
             }
@@ -118,7 +118,7 @@ impl Chunk {
     /// Puts before the routine what a point has gone through.
     fn show(&mut self, i: usize, dt: f64, scratch: &Scratch) {
         let (workspace, corners, l) = (&scratch.workspaces[i / LANES], &scratch.nodes[i / LANES], i % LANES);
-        self.turn[i] = turned(self.turn[i], spin(corners, l, dt));
+        self.turn[i] = spun(self.turn[i], spin(corners, l, dt));
         let increment = [0, 1, 2, 3].map(|k| workspace.strain[k][l]);
         let [cosine, sine] = self.turn[i];
         self.points.set_strain(i, components(increment, [cosine, -sine]));
@@ -260,30 +260,16 @@ fn start(element: [u32; 4], nodes: &[Node]) -> Gradient {
     gradient(corners.map(|c| c[0]), corners.map(|c| c[1]))
 }
 
-/// Puts an element that is not there where nothing can go wrong: at rest on a unit square. It weighs nothing.
-fn mask(nodes: &mut Nodes, lane: usize) {
-    for (corner, [r, z]) in [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]].into_iter().enumerate() {
-        nodes.0[corner][lane] = [r, z, 0.0, 0.0];
-    }
-}
-
-/// The frame turned by a spin increment, as the stress is (Hughes and Winget 1980).
-fn turned([cosine, sine]: [f64; 2], spin: f64) -> [f64; 2] {
-    let quarter = 0.25 * spin * spin;
-    let inverse = 1.0 / (1.0 + quarter);
-    let (c, s) = ((1.0 - quarter) * inverse, spin * inverse);
+/// The frame turned by a spin increment, as the stress is.
+fn spun([cosine, sine]: [f64; 2], spin: f64) -> [f64; 2] {
+    let [c, s] = of_spin(spin);
     [cosine * c - sine * s, sine * c + cosine * s]
 }
 
-/// Components of a tensor in a frame turned by an angle of this cosine and sine: those of the inner loop's rotation.
-fn components([rr, zz, hoop, rz]: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
-    if sine == 0.0 {
-        return rotated([rr, zz, hoop, rz], 0.0);
-    }
-    let (cosine2, sine2) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
-    let (centre, radius) = (0.5 * (rr + zz), 0.5 * (rr - zz));
-    let along = radius * cosine2 + rz * sine2;
-    [centre + along, centre - along, hoop, rz * cosine2 - radius * sine2]
+/// Components of a tensor in a frame turned by an angle of this cosine and sine. Without a sine nothing turns, whatever sign its
+/// zero has: zeros among the components keep theirs.
+fn components(tensor: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
+    turned(tensor, if sine == 0.0 { [1.0, 0.0] } else { [cosine, sine] })
 }
 
 /// Mean deformation gradient: rr, zz, hoop, rz, zr.

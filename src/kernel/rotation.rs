@@ -1,13 +1,24 @@
 //! The rotation of a tensor with the material.
 //! Never here: spins.
 
-/// The stress turned with the material: Hughes and Winget 1980 (Int. J. Numer. Meth. Eng. 15, 1862), a rotation of which the
-/// tangent of half the angle is half the spin increment; orthogonal for any increment.
+/// The stress turned with the material by a spin increment.
 #[inline(always)]
-pub fn rotated([rr, zz, hoop, rz]: [f64; 4], spin: f64) -> [f64; 4] {
+pub fn rotated(tensor: [f64; 4], spin: f64) -> [f64; 4] {
+    turned(tensor, of_spin(spin))
+}
+
+/// Cosine and sine of the angle by which a spin increment turns: Hughes and Winget 1980 (Int. J. Numer. Meth. Eng. 15, 1862), a
+/// rotation of which the tangent of half the angle is half the spin increment; orthogonal for any increment.
+#[inline(always)]
+pub fn of_spin(spin: f64) -> [f64; 2] {
     let quarter = 0.25 * spin * spin;
     let inverse = 1.0 / (1.0 + quarter);
-    let (cosine, sine) = ((1.0 - quarter) * inverse, spin * inverse);
+    [(1.0 - quarter) * inverse, spin * inverse]
+}
+
+/// A tensor rr, zz, hoop, rz turned by an angle of this cosine and sine.
+#[inline(always)]
+pub fn turned([rr, zz, hoop, rz]: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
     // Components turn by twice the angle.
     let (cosine2, sine2) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
     let (centre, radius) = (0.5 * (rr + zz), 0.5 * (rr - zz));

@@ -33,7 +33,6 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
     if let Some(row) = plan.rows.gather.filter(|_| pushed) {
         add(ledger, row, "forces", state.dofs.nodes.bytes_of_forces());
     }
-    let places = plan.places.bytes();
     if let Some(row) = plan.rows.integration {
         add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
         add(ledger, row, "steps", plan.steps.iter().map(size_of_val).sum());
@@ -44,7 +43,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
         let fields = plan.fields.iter().map(|f| size_of_val(f) + f.bytes()).sum();
         for (name, bytes) in [
             ("mesh", plan.mesh.bytes()),
-            ("places", places),
+            ("places", plan.places.bytes()),
             ("bodies", bodies),
             ("columns", columns),
             ("fields", fields),
@@ -62,18 +61,18 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
     if let Some(frequency) = &elements.frequency {
         frequency.arrays().into_iter().for_each(|(name, bytes)| add(ledger, frequency.id, name, bytes));
     }
+    // One array of both.
+    let springs = ledger.effects.iter().any(|row| row.effect == "springs");
+    let connectors = if springs { "springs" } else { "dashpots" };
     let named = [
         ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
-        ("springs", "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
+        (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),
         ("mass scaling", "masses", elements.bytes_of_masses()),
     ];
     for (effect, name, bytes) in named {
-        let dashpots = || ledger.effects.iter().position(|row| row.effect == "dashpots");
-        let row = ledger.effects.iter().position(|row| row.effect == effect).or_else(dashpots);
-        if let Some(row) = row.filter(|_| bytes > 0) {
-            add(ledger, row, name, bytes);
-        }
+        let row = ledger.effects.iter().position(|row| row.effect == effect);
+        row.into_iter().for_each(|row| add(ledger, row, name, bytes));
     }
     if let Some(row) = gather {
         state.dofs.nodes.arrays().into_iter().for_each(|(name, bytes)| add(ledger, row, name, bytes));

@@ -121,9 +121,8 @@ impl NodePass<'_> {
     }
 }
 
-/// Where central differences start, forces act for half an increment alone and bring velocities from v to v + dt/2 a.
-/// What they give in that half is their impulse times the mean of both, v + dt/4 a, while the trapezoid over the whole
-/// increment reckons with the velocity at its end: too much by f a dt^2/8.
+/// Where central differences start, the trapezoid gives the work of forces too much by f a dt^2/8
+/// ([`LastIncrement::new`](crate::load::LastIncrement::new) has the reason).
 fn book_start(dofs: &mut Dofs, dt: f64) {
     let forces = dofs.nodes.forces[0].iter().zip(&dofs.nodes.acceleration);
     let power: f64 = forces.map(|(f, a)| f[0] * a[0] + f[1] * a[1]).sum();

@@ -2,7 +2,7 @@
 //! the forces are closed sums wherever one layer holds all loaded facets.
 //! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
 
-use super::stack::Stack;
+use super::stack::{Stack, is_level};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
 use crate::load::fields::FacetFields;
@@ -67,7 +67,7 @@ impl Front {
         let facets: Vec<Facet> = chosen.iter().map(|c| c.1).collect();
         let low = facets.iter().map(|f| f.low[1]).fold(f64::INFINITY, f64::min);
         let high = facets.iter().map(|f| f.high[1]).fold(f64::NEG_INFINITY, f64::max);
-        let mut levels: Vec<f64> = facets.iter().filter(|f| is_level(f)).map(|f| f.low[1]).collect();
+        let mut levels: Vec<f64> = facets.iter().filter(|f| is_level(f.normal)).map(|f| f.low[1]).collect();
         levels.sort_by(f64::total_cmp);
         levels.dedup();
         Front {
@@ -78,11 +78,6 @@ impl Front {
             levels,
         }
     }
-}
-
-/// Level up to rounding: such a facet enters a layer as a whole.
-fn is_level(facet: &Facet) -> bool {
-    facet.normal[0].abs() < 1e-9
 }
 
 /// The facets of one body under the resistance of a stack.
@@ -182,7 +177,7 @@ impl Nose {
         let planes = &stack.planes;
         for (index, facet) in front.facets.iter().enumerate() {
             let (low, high) = (facet.low[1] + shift, facet.high[1] + shift);
-            if is_level(facet) {
+            if is_level(facet.normal) {
                 let ahead = low + direction * self.rounding;
                 if let Some(layer) = stack.layer_around(ahead, ahead) {
                     each(index, layer, facet.area);

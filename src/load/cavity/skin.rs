@@ -1,7 +1,7 @@
 //! The resistance on faces of what deforms, each with its own velocity.
 //! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
 
-use super::stack::Stack;
+use super::stack::{Stack, is_level};
 use crate::kernel::facet::{Facet, ring_pressure};
 use crate::load::fields::FacetFields;
 use crate::load::{LastIncrement, View};
@@ -131,7 +131,7 @@ fn face_limit(stack: &Stack, face: &Face, nodes: &Nodes) -> Limit {
     let leading = sign * a.max(b);
     let rounding = 1e-12 * leading.abs().max((face.ends[1][0] - face.ends[0][0]).abs());
     let ahead = stack.distance_ahead(leading, sign, rounding);
-    let jump = face.normal[0].abs() < 1e-9;
+    let jump = is_level(face.normal);
     let distance = if jump { ahead } else { ahead + (a - b).abs() };
     Limit { time: distance / velocity.abs(), jump }
 }

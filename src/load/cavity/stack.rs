@@ -75,3 +75,8 @@ impl Stack {
             + size_of::<usize>() * self.numbers.capacity()
     }
 }
+
+/// Whether a face of this unit normal is level up to rounding: such a one enters a layer as a whole.
+pub(super) fn is_level(normal: [f64; 2]) -> bool {
+    normal[0].abs() < 1e-9
+}

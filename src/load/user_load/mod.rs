@@ -60,7 +60,7 @@ impl UserLoad {
         let skin = &surface.skin;
         let parts = skin.faces.chunks(MAX_BLOCK).zip(skin.elements.chunks(MAX_BLOCK));
         let mut blocks: Vec<Block> =
-            parts.map(|(faces, elements)| Block::of_faces(&load, faces, elements, nodes)).collect();
+            parts.map(|(faces, elements)| Block::of_faces(faces, elements, nodes)).collect();
         let on_nodes = blocks.len();
         for (slot, patch) in surface.patches.iter().enumerate() {
             blocks.extend(patch.facets.chunks(MAX_BLOCK).map(|part| Block::of_facets(&load, slot, patch.body, part)));

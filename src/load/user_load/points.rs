@@ -91,7 +91,7 @@ impl Block {
     }
 
     /// Faces of deformable elements.
-    pub(super) fn of_faces(_: &Description, faces: &[[usize; 2]], elements: &[usize], nodes: &Nodes) -> Block {
+    pub(super) fn of_faces(faces: &[[usize; 2]], elements: &[usize], nodes: &Nodes) -> Block {
         let start = faces.iter().map(|&f| Face::new(f, nodes).middle()).collect();
         let skin = Skin::new(faces.to_vec(), elements.to_vec());
         Block { carrier: Carrier::Faces { skin, start }, shown: Shown::new(faces.len()), pressure_before: Vec::new() }
