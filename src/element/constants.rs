@@ -14,12 +14,21 @@ pub struct Constants {
     pub bulk: f64,
     /// Shear modulus.
     pub shear: f64,
-    /// Hourglass stiffness over the shear modulus.
-    pub hourglass_stiffness: f64,
-    /// Hourglass viscosity, a fraction of the critical.
-    pub hourglass_viscosity: f64,
+    /// Hourglass control.
+    pub hourglass: HourglassControl,
     /// Linear and quadratic bulk viscosity.
     pub bulk_viscosity: [f64; 2],
+}
+
+/// What keeps elements with one integration point from deforming in the pattern that it does not see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HourglassControl {
+    /// Stiffness over the shear modulus.
+    pub stiffness: f64,
+    /// Viscosity, a fraction of the critical.
+    pub viscosity: f64,
+    /// Whether the spring's force returns with the stress where the material flows.
+    pub relaxes: bool,
 }
 
 impl Constants {
@@ -39,12 +48,12 @@ impl Constants {
         if deleted {
             return [[0.0; 8]; 8];
         }
-        quad::stiffness(corners, [self.bulk, self.shear], self.hourglass_stiffness)
+        quad::stiffness(corners, [self.bulk, self.shear], self.hourglass.stiffness)
     }
 
     /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too.
     pub(super) fn cap(&self, frequency: f64) -> f64 {
-        let xi = self.hourglass_viscosity;
+        let xi = self.hourglass.viscosity;
         frequency * (1.0 + xi * (1.0 + 0.5 * xi))
     }
 }

@@ -338,7 +338,7 @@ mod tests {
 
     use super::Held;
     use super::HighestFrequency;
-    use crate::element::constants::Constants;
+    use crate::element::constants::{Constants, HourglassControl};
     use crate::element::elements::Elements;
     use crate::element::group::Quads;
     use crate::kernel::quad;
@@ -352,8 +352,7 @@ mod tests {
     const CONSTANTS: Constants = Constants {
         bulk: 3.0,
         shear: 1.0,
-        hourglass_stiffness: 0.005,
-        hourglass_viscosity: 0.0,
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
         bulk_viscosity: [0.0, 0.0],
     };
 

@@ -543,7 +543,7 @@ mod tests {
     use pulp::Arch;
 
     use super::{ElementGroup, Pass, Quads};
-    use crate::element::constants::Constants;
+    use crate::element::constants::{Constants, HourglassControl};
     use crate::kernel::lanes::Corners;
     use crate::kernel::lanes::LANES;
     use crate::material::failure::NoDamage;
@@ -570,8 +570,7 @@ mod tests {
         let constants = Constants {
             bulk: 3.0,
             shear: 1.0,
-            hourglass_stiffness: 0.005,
-            hourglass_viscosity: 0.01,
+            hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true },
             bulk_viscosity: [0.06, 1.2],
         };
         let run = |arch: Arch| {

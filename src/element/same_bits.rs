@@ -3,7 +3,7 @@
 
 use pulp::Arch;
 
-use crate::element::constants::Constants;
+use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
 use crate::kernel::heating::Heating;
@@ -53,8 +53,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     let constants = Constants {
         bulk: 3.0,
         shear: 1.0,
-        hourglass_stiffness: 0.005,
-        hourglass_viscosity: 0.01,
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true },
         bulk_viscosity: [0.06, 1.2],
     };
     let (mut nodes, elements) = (nodes(), elements());

@@ -3,7 +3,7 @@
 //! Never here: the order of chunks, moduli, output.
 
 use super::group::block;
-use crate::element::block::{Block, Nodes, Sums, Workspace, dot, larger};
+use crate::element::block::{Block, Nodes, Sums, Workspace, column, dot, larger};
 use crate::element::constants::Constants;
 use crate::element::points::Points;
 use crate::element::record::spin;
@@ -169,6 +169,9 @@ impl Chunk {
         for (s, (block, forces)) in self.blocks.iter_mut().zip(corners).enumerate() {
             let workspace = &mut scratch.workspaces[s];
             let mut kept = workspace.kept();
+            if common.constants.hourglass.relaxes {
+                kept.returned = std::array::from_fn(|l| workspace.returned(column(&block.stress, l), l));
+            }
             block.forces::<Linear, false>(common.constants, common.dt, &mut kept, workspace, forces);
             workspace.keep(kept);
             for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {

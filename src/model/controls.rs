@@ -7,7 +7,7 @@ use super::types::{Hourglass, SectionControls};
 use crate::deck::{Card, Span};
 
 impl Builder<'_> {
-    /// `*SECTION CONTROLS`: hourglass control; the default, RELAX STIFFNESS in ABAQUS, is a spring here.
+    /// `*SECTION CONTROLS`: hourglass control and what else a section can ask of its elements.
     pub(super) fn section_controls(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
         // The second and third factor are of shells.
@@ -17,17 +17,18 @@ impl Builder<'_> {
                 self.unsupported(word.span, "a factor on bulk viscosity by section is not supported", help);
             }
         }
-        let kind = card.value("HOURGLASS").map_or("STIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
+        let kind = card.value("HOURGLASS").map_or("RELAXSTIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
         let Ok(distortion) = self.distortion_control(card) else { return };
         let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
         let factor = card.lines.first().map_or(Some(1.0), |l| self.number_or(l, 0, 1.0)).unwrap_or(1.0);
         let hourglass = match kind.as_str() {
-            "STIFFNESS" | "RELAXSTIFFNESS" => Hourglass::Stiffness,
+            "RELAXSTIFFNESS" => Hourglass::RelaxStiffness,
+            "STIFFNESS" => Hourglass::Stiffness,
             "VISCOUS" => Hourglass::Viscous,
             "COMBINED" => Hourglass::Combined(weight),
             "ENHANCED" => Hourglass::Enhanced,
             other => {
-                let help = "STIFFNESS, VISCOUS, COMBINED and ENHANCED are";
+                let help = "RELAX STIFFNESS, STIFFNESS, VISCOUS, COMBINED and ENHANCED are";
                 self.unsupported(card.span, format!("HOURGLASS={other} is not supported"), help);
                 return;
             }

@@ -375,6 +375,8 @@ pub struct SectionControls {
 /// What resists hourglassing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hourglass {
+    /// A spring whose force relaxes as the material flows: what elements have without a word.
+    RelaxStiffness,
     /// A spring.
     Stiffness,
     /// A dashpot.

@@ -4,7 +4,7 @@
 use super::Compiler;
 use super::solid::add_masses;
 use crate::deck::{Diagnostic, Span};
-use crate::element::constants::Constants;
+use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
 use crate::kernel::heating::Heating;
@@ -94,15 +94,9 @@ impl Compiler<'_> {
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
         add_masses(corners, nodes, density, mass);
-        let [stiffness, viscosity] = self.hourglass(section, moduli)?;
+        let hourglass = self.hourglass(section, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
-        let constants = Constants {
-            bulk: moduli.bulk,
-            shear: moduli.shear,
-            hourglass_stiffness: stiffness,
-            hourglass_viscosity: viscosity,
-            bulk_viscosity,
-        };
+        let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         self.solid_rows(section, elements.len(), &constants, material);
         let make = Make::<false> { constants, density, corners, nodes };
         if self.is_by_area(section) {
@@ -260,12 +254,13 @@ impl Compiler<'_> {
         self.with_volumetric(material, section.span, Linear, make)
     }
 
-    /// Hourglass stiffness and viscosity of a section. What has no shear modulus is controlled by viscosity.
-    pub(super) fn hourglass(&mut self, section: &SolidSection, moduli: Moduli) -> Option<[f64; 2]> {
+    /// Hourglass control of a section. What has no shear modulus is controlled by viscosity.
+    pub(super) fn hourglass(&mut self, section: &SolidSection, moduli: Moduli) -> Option<HourglassControl> {
         let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
         let fluid = moduli.shear == 0.0;
         let Some(controls) = controls else {
-            return Some(if fluid { [0.0, HOURGLASS_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] });
+            let [stiffness, viscosity] = if fluid { [0.0, HOURGLASS_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] };
+            return Some(HourglassControl { stiffness, viscosity, relaxes: !fluid });
         };
         let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, HOURGLASS_VISCOSITY * controls.factor);
         if fluid && controls.hourglass != Hourglass::Viscous {
@@ -274,14 +269,15 @@ impl Compiler<'_> {
             self.diagnostics.push(finding.help("give HOURGLASS=VISCOUS, or no controls"));
             return None;
         }
-        Some(match controls.hourglass {
-            Hourglass::Stiffness => [stiffness, 0.0],
+        let [stiffness, viscosity] = match controls.hourglass {
+            Hourglass::RelaxStiffness | Hourglass::Stiffness => [stiffness, 0.0],
             Hourglass::Viscous => [0.0, viscosity],
             Hourglass::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity],
             // Bending stiffness of an assumed strain field that does not lock (Belytschko and Bindeman 1991, Comput. Meth.
             // Appl. Mech. Eng. 88, 311): E/12 on a square element.
             Hourglass::Enhanced => [(1.0 + moduli.ratio) / 12.0 * controls.factor, 0.0],
-        })
+        };
+        Some(HourglassControl { stiffness, viscosity, relaxes: controls.hourglass == Hourglass::RelaxStiffness })
     }
 
     fn solid_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants, material: &Material) {
@@ -309,8 +305,9 @@ impl Compiler<'_> {
 
     /// The rows of hourglass control and bulk viscosity.
     pub(super) fn control_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants) {
-        let [stiffness, viscosity] = [constants.hourglass_stiffness, constants.hourglass_viscosity];
-        let detail = format!("stiffness {stiffness} G, viscosity {viscosity}");
+        let HourglassControl { stiffness, viscosity, relaxes } = constants.hourglass;
+        let kind = if relaxes { "relax stiffness" } else { "stiffness" };
+        let detail = format!("{kind} {stiffness} G, viscosity {viscosity}");
         self.cause(section.span, "hourglass control", count, "elements", detail);
         let [linear, quadratic] = constants.bulk_viscosity;
         if linear != 0.0 || quadratic != 0.0 {

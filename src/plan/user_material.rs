@@ -35,10 +35,10 @@ impl Compiler<'_> {
         let enhanced = self.is_enhanced(section);
         // Fractions of a shear modulus that the routine's first call tells, as it does Poisson's ratio.
         let unit = Moduli { bulk: 1.0, shear: 1.0, ratio: 0.0 };
-        let [hourglass_stiffness, hourglass_viscosity] = self.hourglass(section, unit)?;
+        let hourglass = self.hourglass(section, unit)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         // The moduli come from the routine.
-        let constants = Constants { bulk: 0.0, shear: 0.0, hourglass_stiffness, hourglass_viscosity, bulk_viscosity };
+        let constants = Constants { bulk: 0.0, shear: 0.0, hourglass, bulk_viscosity };
         let StateVariables { count, delete } = material.state;
         let detail = format!("material {}, by the user, Jaumann rate", material.name);
         self.cause(section.span, "deformable elements", elements.len(), "CAX4R", detail);

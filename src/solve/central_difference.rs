@@ -161,7 +161,7 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threa
 #[cfg(test)]
 mod tests {
     use super::{accelerate_nodes, advance_nodes, room_for_parts};
-    use crate::element::constants::Constants;
+    use crate::element::constants::{Constants, HourglassControl};
     use crate::element::elements::Elements;
     use crate::element::frequency::{Held, HighestFrequency};
     use crate::element::group::Quads;
@@ -196,8 +196,7 @@ mod tests {
             let constants = Constants {
                 bulk: 3.0,
                 shear: 1.0,
-                hourglass_stiffness: 0.005,
-                hourglass_viscosity: 0.0,
+                hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
                 bulk_viscosity,
             };
             let count = self.nodes.len();

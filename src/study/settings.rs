@@ -227,11 +227,16 @@ fn load_velocity(value: &str) -> Result<Edit, String> {
 
 fn hourglass(value: &str) -> Result<Edit, String> {
     let kind = match value {
+        "relax-stiffness" => Hourglass::RelaxStiffness,
         "stiffness" => Hourglass::Stiffness,
         "viscous" => Hourglass::Viscous,
         "combined" => Hourglass::Combined(0.5),
         "enhanced" => Hourglass::Enhanced,
-        _ => return Err(format!("--refine hourglass={value}: stiffness, viscous, combined and enhanced there are")),
+        _ => {
+            return Err(format!(
+                "--refine hourglass={value}: relax-stiffness, stiffness, viscous, combined and enhanced there are"
+            ));
+        }
     };
     Ok(Box::new(move |model| {
         if !deforms(model) {

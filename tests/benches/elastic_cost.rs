@@ -3,7 +3,7 @@
 
 use std::time::Instant as Stopwatch;
 
-use revolve::internals::constants::Constants;
+use revolve::internals::constants::{Constants, HourglassControl};
 use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Pass, Quads};
 use revolve::internals::lanes::{Corners, LANES};
@@ -60,8 +60,12 @@ pub fn run() {
     let nodes = &nodes[..];
     let elements: Vec<[u32; 4]> = (0..n * n).map(|e| elastic.elements.groups[0].corners(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
-    let constants =
-        Constants { bulk, shear, hourglass_stiffness: 0.005, hourglass_viscosity: 0.0, bulk_viscosity: [0.06, 1.2] };
+    let constants = Constants {
+        bulk,
+        shear,
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
+        bulk_viscosity: [0.06, 1.2],
+    };
     let mut bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, nodes);
     let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];

@@ -3,7 +3,7 @@
 //! Goal: nothing is allocated inside an increment; an elastic deck holds no byte for plasticity.
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
-use revolve::internals::constants::Constants;
+use revolve::internals::constants::{Constants, HourglassControl};
 use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Quads};
 use revolve::internals::plasticity::{Flow, Hardening};
@@ -126,8 +126,12 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
     let elastic = &state.elements;
     let elements: Vec<[u32; 4]> = (0..64).map(|e| elastic.groups[0].corners(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
-    let constants =
-        Constants { bulk, shear, hourglass_stiffness: 0.005, hourglass_viscosity: 0.0, bulk_viscosity: [0.06, 1.2] };
+    let constants = Constants {
+        bulk,
+        shear,
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
+        bulk_viscosity: [0.06, 1.2],
+    };
     let bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());
     assert_eq!(elastic.groups[0].bytes(), bare.bytes());
 }

@@ -100,17 +100,17 @@ fn a_displacement_counts_from_the_start_of_its_step() {
     assert!(energy.drift < 2e-2, "drift {:e}", energy.drift);
 }
 
-/// With a fixed increment it turns inside out; an automatic one adapts until nothing is left of the element.
+/// With a fixed increment it turns inside out; an automatic one adapts until nothing is left of the element, if that comes first.
 #[test]
 fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
-    for (card, code) in [("\n , 1.", "R209"), (", direct user control\n 1.e-3, 1.", "R206")] {
+    for (card, codes) in [("\n , 1.", &["R209", "R206"][..]), (", direct user control\n 1.e-3, 1.", &["R206"])] {
         let deck = grid(3, 3, false, |i, j| [1.0 + i as f64, j as f64])
             + &material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n")
             + &format!("*Initial Conditions, type=VELOCITY\n 6, 1, 4000.\n*Step\n*Dynamic, Explicit{card}\n")
             + "*Output, field, number interval=100\n*Node Output\n U\n*End Step\n";
         let (outcome, memory) = run(&deck);
         let halt = outcome.halt.expect("a halt");
-        assert_eq!(halt.code, code);
+        assert!(codes.contains(&halt.code), "{}", halt.code);
         for part in ["element ", "increment", "time"] {
             assert!(halt.reason.contains(part), "{}", halt.reason);
         }

@@ -182,7 +182,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines ["attribute" inert "axisymmetric solids have no thickness"])]),
     row!("SECTION CONTROLS", "Hourglass, distortion and viscosity controls of elements", (unique "NAME"), {
         "NAME" read "Name of the controls",
-        "HOURGLASS" read "ENHANCED, RELAX STIFFNESS, STIFFNESS, VISCOUS or COMBINED",
+        "HOURGLASS" read "RELAX STIFFNESS (default: a spring whose force returns with the stress where the material flows), STIFFNESS, VISCOUS, COMBINED or ENHANCED",
         "DISTORTION CONTROL" read "YES or NO",
         "LENGTH RATIO" read "Of distortion control (0.1): distance from the line between its neighbours, over that at the start, below which a corner is pushed",
         "ELEMENT DELETION" read "YES; NO is refused where a material fails, for what fails is deleted",

@@ -253,6 +253,7 @@ fn show_body(shown: &mut Shown, z_start: &[f64], body: &BodyState, all: bool) {
 
 /// Sum of products in eight interleaved partial sums: the same bits on every instruction set, and no chain of additions.
 #[allow(clippy::needless_range_loop)] // Indices that are known keep the sums in registers.
+#[inline]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (a_tiles, a_rest) = a.as_chunks::<8>();
