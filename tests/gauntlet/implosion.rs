@@ -140,7 +140,7 @@ fn a_corner_thrown_through_its_element() -> Verdict {
                *Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n"
     };
     let bare = text(&deck("hourglass=STIFFNESS"), &Routines::none());
-    let kept = text(&deck("distortion control=YES"), &Routines::none());
+    let kept = text(&deck("hourglass=STIFFNESS, distortion control=YES"), &Routines::none());
     // The least of all corners' areas over the squares' own.
     let least = |scene: &Scene| {
         let group = &scene.prepared.state.elements.groups[0];
