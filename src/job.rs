@@ -113,10 +113,13 @@ pub fn prepare_model(model: &Model, routines: &Routines) -> Prepared {
 
 fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> Prepared {
     let (plan, state, found) = plan::compile(model, routines);
-    // What follows from a fault already told would only hide it.
-    if !diagnostics.has_errors() {
-        diagnostics.append(found);
+    // What follows from a fault already told would only hide it; what bodies are made of does not, where all of it was read.
+    match diagnostics.has_errors() {
+        false => diagnostics.append(found),
+        true if model.bodies_read => diagnostics.append(found.of_bodies()),
+        true => {}
     }
+    diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.title.clone(), Scene::of(model), routines.any());
     Prepared { title, scene, deck, plan, state, diagnostics, has_routines, composed: None }
 }
