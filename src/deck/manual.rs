@@ -160,13 +160,15 @@ fn abaqus_row(keyword: &Keyword) -> [String; 3] {
 /// Parameters and fields that a keyword has in an explicit analysis of solids and that are refused here. What belongs to other
 /// analyses, as its reason says (`of implicit analyses`), is not missed.
 fn refusals(keyword: &Keyword) -> Vec<String> {
+    let is_missed = |why: &str| !why.starts_with("of ") && !why.contains("axisymmetric");
+    let parameters = keyword
+        .parameters
+        .iter()
+        .filter(|rule| matches!(rule.usage, Usage::Refused(why) | Usage::Only(_, why) if is_missed(why)));
+    // A field that takes one value only is empty in other analyses as well.
     let fields = keyword.data.iter().flat_map(|d| d.shape.rules());
-    let missed = |rule: &&Rule| match rule.usage {
-        Usage::Refused(why) => !why.starts_with("of ") && !why.contains("axisymmetric"),
-        Usage::Only(_, why) => !why.starts_with("of ") && !why.contains("axisymmetric"),
-        Usage::Read | Usage::Inert(_) => false,
-    };
-    let mut names: Vec<String> = keyword.parameters.iter().chain(fields).filter(missed).map(worded).collect();
+    let fields = fields.filter(|rule| matches!(rule.usage, Usage::Refused(why) if is_missed(why)));
+    let mut names: Vec<String> = parameters.chain(fields).map(worded).collect();
     names.dedup();
     names
 }

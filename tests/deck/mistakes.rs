@@ -161,7 +161,7 @@ const TRIFLES: &[(&str, &str)] = &[
     ("DIAGNOSTICS", "*Output, field => *Diagnostics, cutback=YES\\n*Output, field"),
     ("FILTER", "*Solid => *Filter, name=F, type=BUTTERWORTH\\n 100.\\n*Solid"),
     ("OUTPUT, FILTER", "*Output, history => *Output, history, filter=F"),
-    ("", "*Boundary => *Boundary, op=NEW\\n LATER, 1, 1\\n*Nset, nset=LATER\\n 11,\\n*Boundary"),
+    ("", "*Boundary => *Boundary\\n LATER, 1, 1\\n*Nset, nset=LATER\\n 11,\\n*Boundary"),
     (
         "",
         "*Solid Section, elset=BAR, material=METAL\\n => ;; *Heading => *Solid Section, elset=BAR, material=METAL\\n*Heading",
