@@ -117,13 +117,6 @@ impl Diagnostics {
         self.list.retain(keep);
     }
 
-    /// Errors on what bodies are made of: elements, sections, materials.
-    pub fn of_bodies(mut self) -> Diagnostics {
-        const CODES: &[&str] = &["P001", "P012", "P013", "P014", "P016", "P017", "P019", "P041"];
-        self.list.retain(|d| d.severity == Severity::Error && CODES.contains(&d.code));
-        self
-    }
-
     /// Makes one finding of those that say the same of several places.
     pub fn merge_repeats(&mut self) {
         let mut first: HashMap<(&'static str, String, Option<String>), usize> = HashMap::new();

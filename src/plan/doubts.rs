@@ -2,6 +2,8 @@
 //! acts on. Warnings; the run does what the deck says.
 //! Never here: what cannot be simulated.
 
+use std::collections::HashSet;
+
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::model::{Element, ElementKind, IncrementControl, InitialCondition, InitialKind, SolidSection};
@@ -167,8 +169,11 @@ impl Compiler<'_> {
             && model.mesh.elements.iter().all(|e| matches!(e.kind, ElementKind::Cax3 | ElementKind::Cax4r))
             && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && s.contacts.is_empty());
         let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
-        let everywhere = |c: &InitialCondition| self.places.nodes.keys().all(|n| c.members.contains(n));
-        if !free || !model.initial_conditions.iter().all(plain) || self.places.nodes.len() > MOST {
+        let everywhere = |c: &InitialCondition| {
+            let members: HashSet<usize> = c.members.iter().copied().collect();
+            self.places.nodes.keys().all(|n| members.contains(n))
+        };
+        if !free || !model.initial_conditions.iter().all(plain) {
             return;
         }
         let (mut moving, mut whole) = (None, true);
