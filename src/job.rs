@@ -9,7 +9,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding};
+use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
@@ -20,6 +20,9 @@ use crate::plan::{self, Plan, State};
 use crate::solve::{self, Control, Energy, Every, Instant, Outcome, Rest, Sink, SinkError, StepSummary, UnfitState};
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
+
+/// Errors of the plan on what bodies are made of: elements, sections, materials.
+const OF_BODIES: &[&str] = &["P001", "P012", "P013", "P014", "P016", "P017", "P019", "P041"];
 
 /// `--set NAME=VALUE` pairs.
 pub type Overrides = [(String, String)];
@@ -112,11 +115,13 @@ pub fn prepare_model(model: &Model, routines: &Routines) -> Prepared {
 }
 
 fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> Prepared {
-    let (plan, state, found) = plan::compile(model, routines);
-    // What follows from a fault already told would only hide it.
-    if !diagnostics.has_errors() {
-        diagnostics.append(found);
+    let (plan, state, mut found) = plan::compile(model, routines);
+    // What follows from a fault already told would only hide it; what bodies are made of does not, where all of it was read.
+    if diagnostics.has_errors() {
+        found.retain(|d| model.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
+    diagnostics.append(found);
+    diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.title.clone(), Scene::of(model), routines.any());
     Prepared { title, scene, deck, plan, state, diagnostics, has_routines, composed: None }
 }

@@ -1,7 +1,12 @@
 //! Diagnostics: what is wrong, where, why, and what would be right.
 //! Never here: the checks that find them.
 
+use std::collections::HashMap;
+
 use super::source::{Sources, Span};
+
+/// Places that one finding shows at most.
+const MOST_PLACES: usize = 4;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -100,6 +105,44 @@ impl Diagnostics {
     /// Whether nothing was found.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
+    }
+
+    /// How many findings there are.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Drops findings that follow from others.
+    pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
+        self.list.retain(keep);
+    }
+
+    /// Makes one finding of those that say the same of several places.
+    pub fn merge_repeats(&mut self) {
+        let mut first: HashMap<(&'static str, String, Option<String>), usize> = HashMap::new();
+        let mut counts: Vec<usize> = Vec::new();
+        let mut merged: Vec<Diagnostic> = Vec::new();
+        for finding in self.list.drain(..) {
+            let key = (finding.code, finding.message.clone(), finding.help.clone());
+            match first.get(&key) {
+                Some(&at) => {
+                    counts[at] += 1;
+                    if counts[at] <= MOST_PLACES {
+                        let label = finding.labels.into_iter().next();
+                        merged[at].labels.extend(label.map(|l| Label { text: "also here".into(), ..l }));
+                    }
+                }
+                None => {
+                    first.insert(key, merged.len());
+                    merged.push(finding);
+                    counts.push(1);
+                }
+            }
+        }
+        for (finding, count) in merged.iter_mut().zip(counts).filter(|(_, count)| *count > MOST_PLACES) {
+            finding.message += &format!(" (in {count} places)");
+        }
+        self.list = merged;
     }
 
     /// Drops everything but errors.

@@ -5,21 +5,20 @@ use indexmap::IndexMap;
 
 use super::diagnostic::{Diagnostic, Diagnostics, Label};
 use super::keywords::{Keyword, Tier};
-use super::source::Span;
 use super::syntax::{Card, Deck};
+use super::ways::way_out;
 
-/// Tells of unsupported cards, once per keyword, and of cards that change only another program's output, once for all.
+/// Tells of unsupported cards, once for each keyword with its kin.
 pub fn tier_findings(deck: &Deck, diagnostics: &mut Diagnostics) {
+    let cards = || deck.cards.iter().filter(|c| c.keyword.tier == Tier::UnsupportedPhysics || reads_restart(c));
+    let heads: Vec<&str> = cards().map(|c| c.keyword.name).collect();
     let mut unsupported: IndexMap<&str, Vec<&Card>> = IndexMap::new();
-    for card in &deck.cards {
-        if matches!(card.keyword.tier, Tier::UnsupportedPhysics | Tier::UnsupportedInert) || reads_restart(card) {
-            unsupported.entry(card.keyword.name).or_default().push(card);
-        }
+    for card in cards() {
+        unsupported.entry(head(card.keyword.name, &heads)).or_default().push(card);
     }
     for cards in unsupported.values() {
         diagnostics.push(unsupported_finding(cards));
     }
-    output_only(deck, diagnostics);
 }
 
 /// Going on from another job's state is no mere output.
@@ -27,61 +26,44 @@ fn reads_restart(card: &Card) -> bool {
     card.keyword.name == "RESTART" && card.has("READ")
 }
 
+/// The card of the deck that a card goes with and means nothing without: `*CONTACT` of `*CONTACT INCLUSIONS`.
+fn head<'n>(name: &'n str, there: &[&'n str]) -> &'n str {
+    let parent = match name {
+        "KINEMATIC" | "DISTRIBUTING" => Some("COUPLING"),
+        "SURFACE PROPERTY ASSIGNMENT" => Some("CONTACT"),
+        "CONWEP CHARGE PROPERTY" | "UNDEX CHARGE PROPERTY" => Some("INCIDENT WAVE INTERACTION PROPERTY"),
+        "CAP HARDENING" => Some("CAP PLASTICITY"),
+        "CLAY HARDENING" => Some("CLAY PLASTICITY"),
+        _ if name.starts_with("CONCRETE ") => Some("CONCRETE DAMAGED PLASTICITY"),
+        _ if name.starts_with("CAST IRON ") => Some("CAST IRON PLASTICITY"),
+        "BRITTLE SHEAR" | "BRITTLE FAILURE" => Some("BRITTLE CRACKING"),
+        "VOID NUCLEATION" | "POROUS FAILURE CRITERIA" => Some("POROUS METAL PLASTICITY"),
+        _ => None,
+    };
+    let is_begun = |other: &str| name.strip_prefix(other).is_some_and(|rest| rest.starts_with(' '));
+    let goes_with = |other: &&&str| **other != name && (parent == Some(**other) || is_begun(other));
+    match there.iter().filter(goes_with).min_by_key(|n| n.len()) {
+        Some(above) => head(above, there),
+        None => name,
+    }
+}
+
 fn unsupported_finding(cards: &[&Card]) -> Diagnostic {
     let card = cards[0];
-    let Keyword { name, tier, summary, .. } = card.keyword;
-    let what = match tier {
-        Tier::UnsupportedInert => Diagnostic::note("D202", format!("*{name} is not supported and is ignored"))
-            .at(card.span, "changes no result"),
-        _ => Diagnostic::error("D201", format!("*{name} is not supported"))
-            .at(card.span, format!("{}: leaving it out would change the answer", lower_first(summary)))
-            .help(instead(name)),
-    };
+    let Keyword { name, summary, .. } = card.keyword;
+    let what = Diagnostic::error("D201", format!("*{name} is not supported"))
+        .at(card.span, format!("{}: leaving it out would change the answer", lower_first(summary)))
+        .help(way_out(name));
     also_at(what, &cards[1..])
 }
 
 fn also_at(mut what: Diagnostic, others: &[&Card]) -> Diagnostic {
-    what.labels.extend(others.iter().take(3).map(|c| Label { span: c.span, text: "also here".into() }));
+    let text = |c: &Card| format!("*{} here", c.keyword.name);
+    what.labels.extend(others.iter().take(3).map(|c| Label { span: c.span, text: text(c) }));
     if others.len() > 3 {
         what.message += &format!(" ({} cards)", others.len() + 1);
     }
     what
-}
-
-/// What is there in place of an unsupported keyword.
-fn instead(name: &str) -> &'static str {
-    match name {
-        "STATIC"
-        | "VISCO"
-        | "HEAT TRANSFER"
-        | "COUPLED TEMPERATURE-DISPLACEMENT"
-        | "FREQUENCY"
-        | "BUCKLE"
-        | "SOILS"
-        | "GEOSTATIC" => "the supported procedure is *DYNAMIC, EXPLICIT",
-        "SHELL SECTION" | "SHELL GENERAL SECTION" | "BEAM SECTION" | "BEAM GENERAL SECTION" | "MEMBRANE SECTION" => {
-            "the supported section is *SOLID SECTION"
-        }
-        "RESTART" => "to go on with a halted run, use `revolve run --resume`",
-        _ => "remove it if the analysis does not need it",
-    }
-}
-
-fn output_only(deck: &Deck, diagnostics: &mut Diagnostics) {
-    let mut where_from: IndexMap<&str, Vec<Span>> = IndexMap::new();
-    for card in deck.cards.iter().filter(|c| c.keyword.tier == Tier::OutputOnly) {
-        where_from.entry(card.keyword.name).or_default().push(card.span);
-    }
-    let Some(first) = where_from.values().flatten().next() else { return };
-    let list: Vec<String> = where_from.iter().map(|(name, spans)| listed(deck, name, spans)).collect();
-    let what = Diagnostic::note("D203", format!("ignored, for they change only other output: {}", list.join(", ")));
-    diagnostics.push(what.at(*first, "the first of them"));
-}
-
-fn listed(deck: &Deck, name: &str, spans: &[Span]) -> String {
-    let lines: Vec<String> = spans.iter().take(5).map(|s| deck.sources.line_column(*s).0.to_string()).collect();
-    let more = if spans.len() > 5 { ", …" } else { "" };
-    format!("*{name} (line {}{more})", lines.join(", "))
 }
 
 fn lower_first(text: &str) -> String {

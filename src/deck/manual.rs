@@ -3,6 +3,7 @@
 
 use super::keywords::{Data, Keyword, Lookup, Place, Rule, Shape, Tier, Times, Usage, find_keyword, keywords};
 use super::names::fold;
+use super::ways;
 
 /// The text of `docs/keywords.md`.
 pub fn keyword_manual() -> String {
@@ -12,15 +13,17 @@ pub fn keyword_manual() -> String {
     text += &table("Inert", "Read and told in the ledger: they can change no result here.", |k| {
         matches!(k.tier, Tier::Inert(_))
     });
-    text += &table("Output of another program", "Accepted with one note: they change no result.", |k| {
+    text += &table("Output of another program", "Accepted and told in the ledger: they change no result.", |k| {
         k.tier == Tier::OutputOnly
     });
     text += &table("Unsupported", "Known and refused: without them the answer would be another.", |k| {
         k.tier == Tier::UnsupportedPhysics
     });
-    text += &table("Unsupported without effect", "Known and ignored with a note: no result depends on them.", |k| {
-        k.tier == Tier::UnsupportedInert
-    });
+    text += &table(
+        "Unsupported without effect",
+        "Known, ignored and told in the ledger: no result depends on them.",
+        |k| k.tier == Tier::UnsupportedInert,
+    );
     text
 }
 
@@ -116,6 +119,65 @@ fn table(title: &str, about: &str, belongs: fn(&Keyword) -> bool) -> String {
 
 fn mark(extension: bool) -> &'static str {
     if extension { " (extension)" } else { "" }
+}
+
+/// The text of `docs/abaqus.md`: every keyword of ABAQUS that is known by name, and what is done with it.
+pub fn abaqus_page() -> String {
+    let mut rows: Vec<[String; 3]> = keywords().filter(|k| !k.extension).map(abaqus_row).collect();
+    rows.sort();
+    let count = |what: &str| rows.iter().filter(|r| r[1] == what).count();
+    let sums: Vec<String> = ["done", "partly", "inert", "not"].map(|w| format!("{} {w}", count(w))).to_vec();
+    let lines: String = rows.iter().map(|[name, done, why]| format!("| `*{name}` | {done} | {why} |\n")).collect();
+    format!(
+        "{ABAQUS_HEAD}\n{} keywords: {}.\n\n| keyword | | why, and what there is instead |\n|---|---|---|\n{lines}",
+        rows.len(),
+        sums.join(", ")
+    )
+}
+
+const ABAQUS_HEAD: &str = "# Keywords of ABAQUS\n\nWritten from the keyword table; do not edit by hand (`REVOLVE_BLESS=1 cargo test --test deck` writes it anew).\n\
+*done*: read and obeyed with all that an axisymmetric explicit deck can say. *partly*: obeyed; what is named is refused with its reason.\n\
+*inert*: accepted and told in the ledger, for it can change no result here. *not*: refused, for the answer would be another without it.\n\
+A keyword that is not in this list is not known to Revolve. What each takes stands in [keywords.md](keywords.md).\n";
+
+fn abaqus_row(keyword: &Keyword) -> [String; 3] {
+    let (done, why) = match keyword.tier {
+        Tier::Used => match refusals(keyword) {
+            refused if refused.is_empty() => ("done", String::new()),
+            refused => ("partly", format!("not {}", refused.join(", "))),
+        },
+        Tier::Inert(why) => ("inert", why.into()),
+        Tier::OutputOnly => ("inert", format!("{}: changes only files of another program", keyword.summary)),
+        Tier::UnsupportedInert => ("inert", format!("{}: no result depends on it", keyword.summary)),
+        Tier::UnsupportedPhysics => match ways::named(keyword.name) {
+            "" => ("not", keyword.summary.into()),
+            way => ("not", format!("{}; {way}", keyword.summary)),
+        },
+    };
+    [keyword.name.into(), done.into(), why]
+}
+
+/// Parameters and fields that a keyword has in an explicit analysis of solids and that are refused here. What belongs to other
+/// analyses, as its reason says (`of implicit analyses`), is not missed.
+fn refusals(keyword: &Keyword) -> Vec<String> {
+    let is_missed = |why: &str| !why.starts_with("of ") && !why.contains("axisymmetric");
+    let parameters = keyword
+        .parameters
+        .iter()
+        .filter(|rule| matches!(rule.usage, Usage::Refused(why) | Usage::Only(_, why) if is_missed(why)));
+    // A field that takes one value only is empty in other analyses as well.
+    let fields = keyword.data.iter().flat_map(|d| d.shape.rules());
+    let fields = fields.filter(|rule| matches!(rule.usage, Usage::Refused(why) if is_missed(why)));
+    let mut names: Vec<String> = parameters.chain(fields).map(worded).collect();
+    names.dedup();
+    names
+}
+
+fn worded(rule: &Rule) -> String {
+    match rule.usage {
+        Usage::Only(values, _) => format!("{} other than {}", rule.name, values.join(" or ")),
+        _ => rule.name.into(),
+    }
 }
 
 /// What `revolve explain` says of a keyword, with or without its star, abbreviated or not.

@@ -17,6 +17,7 @@ mod render;
 pub mod source;
 pub mod syntax;
 mod table;
+pub mod ways;
 
 use std::path::Path;
 
@@ -24,8 +25,9 @@ pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
+pub use parameters::is_unresolved;
 pub use source::{Sources, Span};
-pub use syntax::{Card, DataLine, Deck, Parameter, Word};
+pub use syntax::{Card, DataLine, Deck, Parameter, Unread, Word};
 
 /// A diagnostic code with its explanation, for `revolve explain`.
 #[derive(Debug)]

@@ -72,7 +72,7 @@ fn explain(text: &str) -> NumberError {
     if let (Some(letter), Ok(_)) = (culprit, parse_plain(&repaired)) {
         return NumberError::LookAlike(letter, repaired);
     }
-    NumberError::Malformed(missing_exponent(text).or_else(|| semicolon(text)))
+    NumberError::Malformed(missing_exponent(text).or_else(|| semicolon(text)).or_else(|| without_comma(text)))
 }
 
 fn parse_plain(text: &str) -> Result<(), ()> {
@@ -85,6 +85,12 @@ fn missing_exponent(text: &str) -> Option<String> {
     let at = text.rfind(['+', '-']).filter(|&i| i > 0)?;
     let guess = format!("{}e{}", &text[..at], &text[at..]);
     parse_plain(&guess).ok().map(|()| guess)
+}
+
+/// `1. 2.`, numbers with a blank where a comma should be.
+fn without_comma(text: &str) -> Option<String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    (words.len() > 1 && words.iter().all(|w| parse_plain(w).is_ok())).then(|| words.join(", "))
 }
 
 /// `1;5` or a number with a stray sign of punctuation at its end.

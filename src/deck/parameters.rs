@@ -50,9 +50,14 @@ impl Parameters {
         self.values.iter().filter_map(number).collect()
     }
 
-    /// Takes in one line of a `*PARAMETER` block.
-    pub fn define(&mut self, line: &str, span: Span, diagnostics: &mut Diagnostics) {
-        let line = without_comment(line);
+    /// Takes in one line of a `*PARAMETER` block: definitions, with `;` between them where there are several.
+    pub fn define_all(&mut self, line: &str, span: Span, diagnostics: &mut Diagnostics) {
+        for definition in statements(without_comment(line)) {
+            self.define(definition, part(span, line, definition), diagnostics);
+        }
+    }
+
+    fn define(&mut self, line: &str, span: Span, diagnostics: &mut Diagnostics) {
         if line.trim().is_empty() {
             return;
         }
@@ -195,16 +200,33 @@ fn is_name(text: &str) -> bool {
 
 /// The line up to a `#` outside quotes.
 fn without_comment(line: &str) -> &str {
+    outside_quotes(line, '#').next().map_or(line, |at| &line[..at])
+}
+
+/// What stands between the `;` of a line.
+fn statements(line: &str) -> Vec<&str> {
+    let mut from = 0;
+    let mut all: Vec<&str> = Vec::new();
+    for at in outside_quotes(line, ';') {
+        all.push(&line[from..at]);
+        from = at + 1;
+    }
+    all.push(&line[from..]);
+    all.into_iter().map(str::trim).filter(|s| !s.is_empty()).collect()
+}
+
+/// Where a character stands outside quotes.
+fn outside_quotes(line: &str, wanted: char) -> impl Iterator<Item = usize> {
     let mut quote = None;
-    for (i, c) in line.char_indices() {
+    line.char_indices().filter_map(move |(i, c)| {
         match (c, quote) {
-            ('#', None) => return &line[..i],
+            (c, None) if c == wanted => return Some(i),
             ('"' | '\'', None) => quote = Some(c),
             (c, Some(q)) if c == q => quote = None,
             _ => {}
         }
-    }
-    line
+        None
+    })
 }
 
 fn unquoted(text: &str) -> Option<&str> {

@@ -96,6 +96,7 @@ impl Parser {
     }
 
     fn refuse_file(&mut self, code: &'static str, message: String, at: Option<Span>) {
+        self.deck.unread.files = true;
         let what = Diagnostic::error(code, message);
         self.diagnostics.push(match at {
             Some(span) => what.at(span, "asked for here"),
@@ -126,13 +127,14 @@ impl Parser {
                     what.at(span, "belongs to no keyword").help("a keyword line begins with `*`, a comment with `**`"),
                 );
             }
-            Block::Parameters => self.parameters.define(&text[trimmed], span, &mut self.diagnostics),
+            Block::Parameters => self.parameters.define_all(&text[trimmed], span, &mut self.diagnostics),
             Block::Card => self.card_line(file, text, line, span),
         }
     }
 
     fn card_line(&mut self, file: u32, text: &str, line: Line, span: Span) {
         let Some(keyword) = self.deck.cards.last().map(|c| c.keyword) else { return };
+        let told = self.diagnostics.len();
         let fields = if keyword.name == "HEADING" {
             vec![Word { text: text[lexer::trim(text, line.clone())].to_owned(), span, quoted: false }]
         } else {
@@ -142,6 +144,7 @@ impl Parser {
         };
         if let Some(card) = self.deck.cards.last_mut() {
             card.lines.push(DataLine { fields, span });
+            card.faulty |= self.diagnostics.len() > told;
         }
     }
 
@@ -164,8 +167,10 @@ impl Parser {
         let span = lexer::span(file, star.clone());
         let Some(keyword) = self.keyword(&text[star.start + 1..star.end], span) else {
             self.block = Block::Unknown;
+            self.unread_names(file, text, fields.ranges.into_iter().skip(1));
             return;
         };
+        let told = self.diagnostics.len();
         while fields.trailing_comma {
             let Some((next, behind)) = lines.peek_significant() else { break };
             let more = lexer::split(text, next.clone());
@@ -177,8 +182,23 @@ impl Parser {
             fields.ranges.extend(more.ranges);
             *lines = behind;
         }
+        if keyword.tier == Tier::UnsupportedPhysics {
+            self.unread_names(file, text, fields.ranges.iter().skip(1).cloned());
+        }
         let parameters = self.card_parameters(file, text, keyword, fields.ranges.into_iter().skip(1));
-        self.card(Card { keyword, span, parameters, lines: Vec::new() });
+        let faulty = self.diagnostics.len() > told;
+        self.card(Card { keyword, span, parameters, lines: Vec::new(), faulty });
+    }
+
+    /// Names that a keyword line may have defined that is not read.
+    fn unread_names(&mut self, file: u32, text: &str, ranges: impl Iterator<Item = Line>) {
+        self.deck.unread.cards += 1;
+        for range in ranges {
+            if let Some(at) = lexer::equals_sign(text, range.clone()) {
+                let value = lexer::word(text, file, lexer::trim(text, at + 1..range.end));
+                self.deck.unread.names.push(value.text.trim().to_uppercase());
+            }
+        }
     }
 
     fn card(&mut self, card: Card) {
@@ -212,10 +232,14 @@ impl Parser {
                 .at(span, "nothing after the star")
                 .help("comments begin with `**`"),
             Lookup::Unknown { nearest } => {
-                let what = Diagnostic::error("D101", format!("*{shown} is not a keyword")).at(span, "unknown keyword");
-                what.help(nearest.map_or("docs/keywords.md lists those that are known".into(), |k| {
-                    format!("did you mean *{}?", k.name)
-                }))
+                let what = Diagnostic::error("D101", format!("*{shown} is not known to Revolve"));
+                what.at(span, "unknown keyword").help(match nearest {
+                    _ if text.starts_with(char::is_whitespace) => "is it a comment? comments begin with `**`".into(),
+                    Some(like) => format!("did you mean *{}?", like.name),
+                    None => {
+                        "docs/abaqus.md lists the keywords of ABAQUS/Explicit and what is done with them".to_owned()
+                    }
+                })
             }
         };
         self.diagnostics.push(finding);
@@ -296,7 +320,7 @@ impl Parser {
         if super::parameters::is_unresolved(&file.text) {
             return;
         }
-        let path = self.deck.sources.folder(file.span).join(file.text.replace('\\', "/"));
+        let path = self.include_path(file);
         let finding = match self.refusal(&path, file) {
             Some(finding) => finding,
             None => match std::fs::read(&path) {
@@ -304,7 +328,23 @@ impl Parser {
                 Err(e) => unreadable(&path, file, &e),
             },
         };
+        self.deck.unread.files = true;
         self.diagnostics.push(finding);
+    }
+
+    /// The file that a name means: as written, or, where that is not there, the last part of its path beside the deck. Paths of
+    /// another machine, `C:\work\mat.inc`, come with decks that have travelled.
+    fn include_path(&mut self, file: &Word) -> PathBuf {
+        let folder = self.deck.sources.folder(file.span);
+        let path = folder.join(file.text.replace('\\', "/"));
+        let last = file.text.rsplit(['/', '\\']).next().unwrap_or("").trim();
+        let beside = folder.join(last);
+        if path.exists() || last.is_empty() || last.len() == file.text.len() || !beside.is_file() {
+            return path;
+        }
+        let what = Diagnostic::note("D008", format!("{} stands for {}", beside.display(), file.text));
+        self.diagnostics.push(what.at(file.span, "no such file: the one of that name beside the deck is read"));
+        beside
     }
 
     /// Why a file must not be opened.

@@ -18,6 +18,19 @@ pub struct Deck {
     pub cards: Vec<Card>,
     /// The `*PARAMETER` values in force, overrides included, in order of definition.
     pub parameters: Vec<(String, f64)>,
+    /// What could not be read, as an error has told.
+    pub unread: Unread,
+}
+
+/// What could not be read of a deck: what misses it need not say so again.
+#[derive(Clone, Debug, Default)]
+pub struct Unread {
+    /// Whether a file is missing, which may have defined anything.
+    pub files: bool,
+    /// Cards that are unknown or not supported.
+    pub cards: usize,
+    /// Names on keyword lines of cards that are unknown or not supported, upper case.
+    pub names: Vec<String>,
 }
 
 /// One keyword line with its data lines.
@@ -31,6 +44,8 @@ pub struct Card {
     pub parameters: Vec<Parameter>,
     /// The data lines below it (comments and blank lines dropped).
     pub lines: Vec<DataLine>,
+    /// Whether an error tells of a word of it already: what it lacks for that need not be told again.
+    pub faulty: bool,
 }
 
 /// A parameter of a keyword line.

@@ -4,10 +4,12 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use crate::deck::keywords::Tier;
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
 use super::degrees::Rotational;
+use super::lost::Lost;
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
 use super::types::{Inert, Material, Model};
@@ -40,10 +42,16 @@ pub(super) struct Builder<'a> {
     pub step: Option<StepState>,
     pub carried: StepState,
     pub output: Option<super::types::OutputRequest>,
-    /// Whether elements were refused for their type: what then misses them has been explained already.
-    pub elements_refused: bool,
-    /// Nodes given a place more than once: their elements are looked at again at the end.
-    pub moved: HashSet<usize>,
+    /// What errors have taken away.
+    pub lost: Lost,
+    /// Cards with a fault that has been told.
+    pub faulty: HashSet<Span>,
+    /// Nodes given another place than they had, and where.
+    pub moved: HashMap<usize, Span>,
+    /// Element labels given again: label, where, and where first.
+    pub used_twice: Vec<(i64, Span, Span)>,
+    /// The card that is being read.
+    pub current: Span,
     /// Members of UNSORTED node sets in the order given, by the name of the set.
     pub unsorted: HashMap<String, Vec<usize>>,
     /// Where elements were given a section, a mass, a spring or a dashpot.
@@ -76,8 +84,11 @@ impl<'a> Builder<'a> {
             step: None,
             carried: StepState::default(),
             output: None,
-            elements_refused: false,
-            moved: HashSet::new(),
+            lost: Lost::of(deck),
+            faulty: HashSet::new(),
+            moved: HashMap::new(),
+            used_twice: Vec::new(),
+            current: Span::default(),
             unsorted: HashMap::new(),
             property_of: HashMap::new(),
             controls_used: Vec::new(),
@@ -91,9 +102,14 @@ impl<'a> Builder<'a> {
         if self.record(card) {
             return;
         }
-        if !card.keyword.name.ends_with(" OUTPUT") {
+        if card.keyword.tier == Tier::Used && !card.keyword.name.ends_with(" OUTPUT") {
             self.output = None;
         }
+        self.current = card.span;
+        self.read(card, Self::understand);
+    }
+
+    fn understand(&mut self, card: &'a Card) {
         match card.keyword.name {
             "HEADING" => self.heading(card),
             "NODE" => self.node(card),
@@ -147,12 +163,10 @@ impl<'a> Builder<'a> {
             }
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
-            "OUTPUT"
-            | "NODE OUTPUT"
-            | "ELEMENT OUTPUT"
-            | "ENERGY OUTPUT"
-            | "INCREMENTATION OUTPUT"
-            | "CONTACT OUTPUT" => self.output_card(card),
+            "OUTPUT" | "NODE OUTPUT" | "ELEMENT OUTPUT" | "ENERGY OUTPUT" | "INCREMENTATION OUTPUT" => {
+                self.output_card(card)
+            }
+            "TIME POINTS" => self.time_points(card),
             "RESTART" => self.restart_card(card),
             "EXPANSION" => self.expansion(card),
             _ => {}
@@ -167,10 +181,12 @@ impl<'a> Builder<'a> {
         }
         self.close_step();
         self.apply_masses();
-        self.check_moved_nodes();
+        self.tell_labels_used_twice();
+        self.tell_shape_faults();
         self.check_controls();
         self.apply_interactions();
         self.complete();
+        self.model.bodies_read = !self.lost.bodies;
         (self.model, self.diagnostics)
     }
 
@@ -188,7 +204,7 @@ impl<'a> Builder<'a> {
     /// A parameter value that must be there.
     pub fn required<'c>(&mut self, card: &'c Card, name: &str) -> Option<&'c Word> {
         let value = card.value(name);
-        if value.is_none() {
+        if value.is_none() && !card.faulty {
             let message = format!("*{} needs {name}=", card.keyword.name);
             self.diagnostics.push(Diagnostic::error("M101", message).at(card.span, format!("{name}= is missing")));
         }
@@ -251,17 +267,20 @@ impl<'a> Builder<'a> {
 
     /// Says that a name refers to nothing, with the nearest that exists.
     pub fn unknown(&mut self, code: &'static str, what: &str, word: &Word, names: &[String]) {
+        if self.lost.explains(what, word) {
+            return;
+        }
         let finding =
             Diagnostic::error(code, format!("there is no {what} `{}`", word.text)).at(word.span, "not defined");
         let near = nearest(&word.text, names.iter().map(String::as_str)).map(str::to_owned);
-        let finding = match near {
+        let finding = match near.filter(|_| !is_label(word)) {
+            _ if what.starts_with("element set") && self.model.node_sets.contains_key(&upper(&word.text)) => {
+                finding.help(format!("`{}` is a node set; element sets are: {}", word.text, first_of(names)))
+            }
+            None if is_label(word) => finding,
             Some(near) => finding.help(format!("did you mean {near}?")),
             None if names.is_empty() => finding.help(format!("the deck defines no {what}")),
-            None => {
-                let shown: Vec<_> = names.iter().take(12).map(String::as_str).collect();
-                let more = if names.len() > 12 { ", …" } else { "" };
-                finding.help(format!("there are: {}{more}", shown.join(", ")))
-            }
+            None => finding.help(format!("there are: {}", first_of(names))),
         };
         self.diagnostics.push(finding);
     }
@@ -277,6 +296,21 @@ impl<'a> Builder<'a> {
         found
     }
 
+    /// An element set in the place of a node set: its nodes can be meant only; it is a node set from here on.
+    fn nodes_of_element_set(&mut self, word: &Word) -> Option<Vec<usize>> {
+        let names = [qualified(&self.scope, &word.text), upper(&word.text)];
+        let (name, set) = names.into_iter().find_map(|n| Some((n.clone(), self.model.element_sets.get(&n)?)))?;
+        let mut members: Vec<usize> =
+            set.members.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()).collect();
+        members.sort_unstable();
+        members.dedup();
+        let message = format!("`{}` is an element set: the nodes of its elements are taken", word.text);
+        let finding = Diagnostic::warning("M168", message).at(word.span, "a node set is asked for");
+        self.diagnostics.push(finding.help(format!("*NSET, NSET={name}, ELSET={name} says the same")));
+        self.model.node_sets.insert(name, super::types::Set { members: members.clone(), span: word.span });
+        Some(members)
+    }
+
     /// The nodes a word stands for: a set or a label.
     pub fn node_members(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
@@ -287,8 +321,11 @@ impl<'a> Builder<'a> {
         if let Some(node) = self.nodes.resolve(&self.scope, word) {
             return Some(vec![node]);
         }
+        if let Some(members) = self.nodes_of_element_set(word) {
+            return Some(members);
+        }
         let names: Vec<String> = self.model.node_sets.keys().cloned().collect();
-        self.unknown("M110", "node set or node", word, &names);
+        self.unknown("M110", if is_label(word) { "node" } else { "node set or node" }, word, &names);
         None
     }
 
@@ -302,11 +339,19 @@ impl<'a> Builder<'a> {
         if let Some(element) = self.elements.resolve(&self.scope, word) {
             return Some(vec![element]);
         }
-        if self.elements_refused {
-            return Some(Vec::new());
-        }
         let names: Vec<String> = self.model.element_sets.keys().cloned().collect();
-        self.unknown("M110", "element set or element", word, &names);
+        self.unknown("M110", if is_label(word) { "element" } else { "element set or element" }, word, &names);
         None
     }
+}
+
+/// Whether a word is a number, of a node or an element.
+fn is_label(word: &Word) -> bool {
+    word.text.parse::<i64>().is_ok()
+}
+
+/// The first names of a list.
+fn first_of(names: &[String]) -> String {
+    let shown: Vec<_> = names.iter().take(12).map(String::as_str).collect();
+    format!("{}{}", shown.join(", "), if names.len() > 12 { ", …" } else { "" })
 }

@@ -1,7 +1,7 @@
 //! A deck against the keyword table: what its cards say beyond what is read, and what is said twice.
 //! Never here: what a card means.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::names::upper;
 use super::types::Inert;
@@ -10,23 +10,41 @@ use crate::deck::names::fold;
 use crate::deck::number::parse_number;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
-/// Checks every card of a deck; what is inert comes back, once for each kind, with the number of cards.
-pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> Vec<Inert> {
+/// Changes only output that is not written here.
+const OUTPUT_ONLY: &str = "it changes only files that another program would write";
+/// Known, and no result depends on it.
+const NO_EFFECT: &str = "no result depends on it";
+
+/// Checks every card of a deck; what is inert comes back, once for each kind, with the number of cards, and the cards on which
+/// an error tells of a parameter or a data line.
+pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<Inert>, HashSet<Span>) {
     let mut checker = Checker { diagnostics, inert: Vec::new(), blocks: Blocks::default(), given: HashMap::new() };
+    let mut faulty = HashSet::new();
     for card in &deck.cards {
         checker.blocks.pass(card);
+        let before = checker.diagnostics.error_count();
         if card.keyword.tier == Tier::Used {
             checker.place(card);
             checker.times(card);
+            let told = checker.diagnostics.error_count();
             checker.parameters(card);
-            checker.data(card);
+            // What the data lines hold follows from the parameters.
+            if checker.diagnostics.error_count() == told {
+                checker.data(card);
+            }
         }
-        if let Tier::Inert(why) = card.keyword.tier {
-            checker.inert(card.keyword.name.into(), card.span, why);
+        match card.keyword.tier {
+            Tier::Inert(why) => checker.inert(card.keyword.name.into(), card.span, why),
+            Tier::OutputOnly => checker.inert(card.keyword.name.into(), card.span, OUTPUT_ONLY),
+            Tier::UnsupportedInert => checker.inert(card.keyword.name.into(), card.span, NO_EFFECT),
+            Tier::Used | Tier::UnsupportedPhysics => {}
+        }
+        if checker.diagnostics.error_count() > before {
+            faulty.insert(card.span);
         }
     }
     let inert = checker.inert.into_iter().map(|(inert, count)| inert.counted(count));
-    inert.collect()
+    (inert.collect(), faulty)
 }
 
 impl Inert {
@@ -257,7 +275,9 @@ impl Faults {
 
 fn finding(card: &Card, fault: &Fault, span: Span, text: &str, line: Span) -> Diagnostic {
     let keyword = card.keyword.name;
-    let explain = format!("`revolve explain {keyword}` lists what a line holds");
+    let table = matches!(card.shape(), Shape::Lines(_, true)) && card.lines.len() == 1;
+    let rows = if table { "a table takes one row a line; " } else { "" };
+    let explain = format!("{rows}`revolve explain {keyword}` lists what a line holds");
     match fault {
         Fault::Line if card.keyword.data.is_empty() => {
             Diagnostic::error("M162", format!("*{keyword} takes no data lines")).at(line, "nothing reads this")

@@ -30,6 +30,7 @@ pub const CODES: &[Code] = &[
     code("M114", "unknown surface", "No *SURFACE has this name."),
     code("M115", "unknown part", "No *PART has this name."),
     code("M116", "unknown section controls", "No *SECTION CONTROLS has this name."),
+    code("M117", "unknown time points", "No *TIME POINTS has this name."),
     code("M120", "unknown element type", "No element type of ABAQUS has this name."),
     code(
         "M121",
@@ -60,7 +61,7 @@ pub const CODES: &[Code] = &[
     code(
         "M141",
         "unknown output variable",
-        "No output variable has this name; it is left out. `revolve explain variables` lists those there are.",
+        "No output variable that Revolve knows has this name; it is left out. `revolve explain variables` lists those there are.",
     ),
     code(
         "M142",
@@ -130,6 +131,11 @@ pub const CODES: &[Code] = &[
         "M166",
         "set that is not whole",
         "Some of the labels that GENERATE counts are not defined, or the last one is not reached in the increments given; the set holds those that are there.",
+    ),
+    code(
+        "M168",
+        "element set in place of a node set",
+        "The card asks for nodes and is given an element set: the nodes of its elements are taken.",
     ),
     code(
         "M167",

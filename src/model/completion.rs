@@ -10,7 +10,9 @@ use crate::kernel::hardening::Table;
 impl Builder<'_> {
     /// Once all cards are read.
     pub(super) fn complete(&mut self) {
-        self.initial_densities();
+        if !self.lost.bodies {
+            self.initial_densities();
+        }
         self.refuse_kept_elements();
         self.missing_degrees();
     }
@@ -21,8 +23,9 @@ impl Builder<'_> {
     fn missing_degrees(&mut self) {
         let velocities = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
             InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 => {
-                let nodes = c.members.clone();
-                Some(Rotational { span: c.span, set: String::new(), dofs: [dof; 2], nodes, lost: "moves", value })
+                let (nodes, set) =
+                    (c.members.clone(), self.model.sources.text(c.span).split(',').next().unwrap_or("").trim().into());
+                Some(Rotational { span: c.span, set, dofs: [dof; 2], nodes, lost: "moves", value })
             }
             _ => None,
         });

@@ -92,6 +92,7 @@ impl Builder<'_> {
             let (plane, other) = match (find(first), find(second)) {
                 (Some(plane), None) => (plane, second),
                 (None, Some(plane)) => (plane, first),
+                _ if self.lost.explains("surface", first) || self.lost.explains("surface", second) => continue,
                 _ => {
                     let message = "one surface of a pair must be an analytical plane, the other must deform";
                     self.unsupported(line.span, message, "contact of deformable surfaces is not simulated");

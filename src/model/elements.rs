@@ -1,6 +1,10 @@
 //! Elements: `*ELEMENT`, `*ELGEN`, and the types there are.
 //! Never here: materials.
 
+use std::collections::HashMap;
+
+use indexmap::IndexMap;
+
 use super::builder::{Builder, MOST};
 use super::names::qualified;
 use super::types::{Element, ElementKind};
@@ -103,7 +107,7 @@ impl ElementKind {
 impl Builder<'_> {
     pub(super) fn element(&mut self, card: &Card) {
         let Some(kind) = self.required(card, "TYPE").and_then(|w| self.element_kind(w)) else {
-            self.elements_refused = true;
+            self.lost.elements = true;
             return;
         };
         let mut made = Vec::new();
@@ -153,10 +157,14 @@ impl Builder<'_> {
         for word in &words[1..=need] {
             match self.nodes.resolve(&self.scope, word) {
                 Some(node) => nodes.push(node),
+                None if self.lost.explains("node", word) => {
+                    self.lost.elements = true;
+                    return None;
+                }
                 None => {
                     let message = format!("element {label} refers to node {}, which is not defined", word.text);
                     let finding = Diagnostic::error("M122", message).at(word.span, "no such node");
-                    let help = format!("there are {} nodes defined above", self.nodes.len());
+                    let help = format!("there are {} nodes", self.nodes.len());
                     self.diagnostics.push(finding.help(help));
                     return None;
                 }
@@ -165,7 +173,7 @@ impl Builder<'_> {
         self.add_element(label, kind, nodes, line.span)
     }
 
-    /// Adds an element of the present scope after checking its shape.
+    /// Adds an element of the present scope.
     pub(super) fn add_element(
         &mut self,
         label: i64,
@@ -173,64 +181,97 @@ impl Builder<'_> {
         nodes: Vec<usize>,
         span: Span,
     ) -> Option<usize> {
-        if let Some(fault) = self.shape_fault(kind, &nodes) {
-            let message = format!("element {label} ({}) {fault}", kind.name());
-            self.diagnostics.push(Diagnostic::error("M123", message).at(span, "this element"));
-            return None;
-        }
         let index = self.model.mesh.elements.len();
         if let Some(other) = self.elements.insert(&self.scope, label, index) {
-            let first = self.model.mesh.elements[other].span;
-            let finding =
-                Diagnostic::error("M124", format!("element label {label} is used twice")).at(span, "again here");
-            self.diagnostics.push(finding.at(first, "first here"));
+            self.used_twice.push((label, span, self.model.mesh.elements[other].span));
         }
         let name = qualified(&self.scope, &label.to_string());
         self.model.mesh.elements.push(Element { name, kind, nodes, span });
         Some(index)
     }
 
-    fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<&'static str> {
+    fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<ShapeFault> {
         let points: Vec<[f64; 2]> = nodes.iter().map(|&n| self.model.mesh.points[n]).collect();
         if kind.is_discrete() {
             return None;
         }
         let extent = points.iter().fold(0.0, |m: f64, p| m.max(p[0].abs()));
         if points.iter().any(|p| p[0] < -1e-9 * extent) {
-            return Some("reaches across the axis: r must not be negative");
+            return Some(ShapeFault::AcrossAxis);
         }
         let area: f64 = (0..points.len())
             .map(|i| (points[i], points[(i + 1) % points.len()]))
             .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
             .sum();
         match kind {
-            ElementKind::Rax2 if points[0] == points[1] => Some("has no length: its nodes coincide"),
-            ElementKind::Cax3 | ElementKind::Cax4r if area < 0.0 => {
-                Some("runs clockwise: number its nodes the other way")
-            }
-            ElementKind::Cax3 | ElementKind::Cax4r if area == 0.0 => Some("has no area"),
-            ElementKind::Cax4r if has_inward_corner(&points, area) => {
-                Some("is concave: one of its corners points inward")
-            }
+            ElementKind::Rax2 if points[0] == points[1] => Some(ShapeFault::NoLength),
+            ElementKind::Cax3 | ElementKind::Cax4r if area < 0.0 => Some(ShapeFault::Clockwise),
+            ElementKind::Cax3 | ElementKind::Cax4r if area == 0.0 => Some(ShapeFault::NoArea),
+            ElementKind::Cax4r if has_inward_corner(&points, area) => Some(ShapeFault::Concave),
             _ => None,
         }
     }
 
-    /// Elements whose nodes were given another place after them: their shape is another.
-    pub(super) fn check_moved_nodes(&mut self) {
-        if self.moved.is_empty() {
+    /// Tells of labels that several elements have.
+    pub(super) fn tell_labels_used_twice(&mut self) {
+        let Some(&(label, span, first)) = self.used_twice.first() else { return };
+        let who = match self.used_twice.len() {
+            1 => format!("element label {label} is"),
+            count => format!("element label {label} and {} more are", count - 1),
+        };
+        let finding = Diagnostic::error("M124", format!("{who} used twice")).at(span, "again here");
+        self.diagnostics.push(finding.at(first, "first here"));
+        self.lost.bodies = true;
+    }
+
+    /// Tells of elements that cannot be, once all nodes stand: one finding for each fault.
+    pub(super) fn tell_shape_faults(&mut self) {
+        if self.lost.nodes {
             return;
         }
-        for element in 0..self.model.mesh.elements.len() {
-            let Element { name, kind, nodes, span } = &self.model.mesh.elements[element];
-            if !nodes.iter().any(|n| self.moved.contains(n)) {
-                continue;
-            }
-            if let Some(fault) = self.shape_fault(*kind, nodes) {
-                let message = format!("element {name} ({}) {fault}, for a node of it is defined again", kind.name());
-                self.diagnostics.push(Diagnostic::error("M123", message).at(*span, "this element"));
+        let mut faults: IndexMap<ShapeFault, Vec<usize>> = IndexMap::new();
+        for (index, element) in self.model.mesh.elements.iter().enumerate() {
+            if let Some(fault) = self.shape_fault(element.kind, &element.nodes) {
+                faults.entry(fault).or_default().push(index);
             }
         }
+        for (fault, elements) in faults {
+            let finding = self.shape_finding(fault, &elements);
+            self.diagnostics.push(finding);
+            self.lost.bodies = true;
+        }
+    }
+
+    fn shape_finding(&self, fault: ShapeFault, elements: &[usize]) -> Diagnostic {
+        let mesh = &self.model.mesh;
+        let Element { name, kind, span, .. } = &mesh.elements[elements[0]];
+        let who = match elements.len() {
+            1 => format!("element {name} ({})", kind.name()),
+            count => format!("element {name} ({}) and {} more", kind.name(), count - 1),
+        };
+        let (what, help) = fault.words();
+        let mut finding = Diagnostic::error("M123", format!("{who}: {what}")).at(*span, "this element").help(help);
+        let nodes = || elements.iter().flat_map(|&e| &mesh.elements[e].nodes);
+        if fault == ShapeFault::AcrossAxis {
+            let beyond = nodes().filter(|&&n| mesh.points[n][0] < 0.0);
+            let lines = self.node_lines();
+            if let Some((name, line)) =
+                beyond.map(|&n| &mesh.node_names[n]).find_map(|n| Some((n, lines.get(n.as_str())?)))
+            {
+                finding = finding.at(*line, format!("node {name} is beyond the axis"));
+                finding.labels.reverse();
+            }
+        } else if let Some((node, at)) = nodes().find_map(|n| self.moved.get(n).map(|at| (n, at))) {
+            finding.help = Some(format!("node {} is given twice: give each node once", mesh.node_names[*node]));
+            finding = finding.at(*at, format!("node {} is given another place here", mesh.node_names[*node]));
+        }
+        finding
+    }
+
+    /// Lines of `*NODE` cards by label.
+    fn node_lines(&self) -> HashMap<&str, Span> {
+        let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "NODE");
+        cards.flat_map(|c| &c.lines).filter_map(|l| Some((l.field(0)?.text.as_str(), l.span))).collect()
     }
 
     /// Repeats elements in rows and rows of rows (ABAQUS Keywords Guide, *ELGEN).
@@ -257,6 +298,9 @@ impl Builder<'_> {
         let [count, node_step, element_step, rows, row_node_step, row_element_step, layers, layer_node, layer_element] =
             given;
         let Some(model) = self.elements.find(&self.scope, master) else {
+            if self.lost.elements || self.lost.everything {
+                return None;
+            }
             let message = format!("the master element {master} is not defined");
             self.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "no such element"));
             return None;
@@ -294,6 +338,10 @@ impl Builder<'_> {
             let label = label.saturating_add(shift);
             match self.nodes.find(&self.scope, label) {
                 Some(node) => nodes.push(node),
+                None if self.lost.nodes || self.lost.everything => {
+                    self.lost.elements = true;
+                    return None;
+                }
                 None => {
                     let message = format!("generated element {element} needs node {label}, which is not defined");
                     self.diagnostics.push(Diagnostic::error("M122", message).at(span, "generated here"));
@@ -302,6 +350,33 @@ impl Builder<'_> {
             }
         }
         Some(nodes)
+    }
+}
+
+/// Why an element cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum ShapeFault {
+    AcrossAxis,
+    NoLength,
+    Clockwise,
+    NoArea,
+    Concave,
+}
+
+impl ShapeFault {
+    /// What is wrong, and what would be right.
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            ShapeFault::AcrossAxis => {
+                ("across the axis: r of a node is negative", "an axisymmetric model lies at r >= 0")
+            }
+            ShapeFault::NoLength => ("no length: its nodes coincide", "give two places"),
+            ShapeFault::Clockwise => {
+                ("clockwise in the (r, z) plane", "number the nodes counter-clockwise, the other way round")
+            }
+            ShapeFault::NoArea => ("no area: its corners coincide or lie on one line", "check the places of its nodes"),
+            ShapeFault::Concave => ("concave: a corner points inward", "check the places of its nodes and their order"),
+        }
     }
 }
 

@@ -2,9 +2,9 @@
 //! Never here: which elements can be scaled, what it does to them.
 
 use super::builder::Builder;
-use super::names::upper;
 use super::types::{MassScaling, ScalingRhythm, ScalingType};
 use crate::deck::Card;
+use crate::deck::names::fold;
 
 impl Builder<'_> {
     /// A step that scales masses replaces what earlier steps asked for; one that does not goes on with it.
@@ -62,10 +62,10 @@ impl Builder<'_> {
     }
 
     fn scaling_type(&mut self, card: &Card) -> Option<ScalingType> {
-        match card.value("TYPE").map(|w| upper(&w.text)).as_deref() {
-            None | Some("BELOW MIN") => Some(ScalingType::BelowMin),
+        match card.value("TYPE").map(|w| fold(&w.text)).as_deref() {
+            None | Some("BELOWMIN") => Some(ScalingType::BelowMin),
             Some("UNIFORM") => Some(ScalingType::Uniform),
-            Some("SET EQUAL DT") => Some(ScalingType::SetEqual),
+            Some("SETEQUALDT") => Some(ScalingType::SetEqual),
             Some(other) => {
                 let help = "BELOW MIN, UNIFORM and SET EQUAL DT are";
                 self.unsupported(card.span, format!("TYPE={other} of mass scaling is not supported"), help);

@@ -108,11 +108,16 @@ impl Builder<'_> {
         let (Some(e), Some(nu)) = (self.number(line, 0, "Young's modulus"), self.number_or(line, 1, 0.0)) else {
             return;
         };
-        if e <= 0.0 || nu <= -1.0 || nu >= 0.5 {
-            self.out_of_range(
-                line.span,
-                format!("Young's modulus {e} must be above 0, Poisson's ratio {nu} between -1 and 0.5"),
-            );
+        if e <= 0.0 {
+            self.out_of_range(line.fields[0].span, format!("Young's modulus must be above zero, not {e}"));
+            return;
+        }
+        if nu <= -1.0 || nu >= 0.5 {
+            let message = format!("Poisson's ratio must lie between -1 and 0.5, not be {nu}");
+            let finding =
+                Diagnostic::error("M103", message).at(line.fields.get(1).map_or(line.span, |w| w.span), "here");
+            let help = "what keeps its volume has no stable increment: give 0.49 or less";
+            self.diagnostics.push(if nu >= 0.5 { finding.help(help) } else { finding });
             return;
         }
         self.last_material().elastic = Some([e, nu]);
@@ -147,7 +152,7 @@ impl Builder<'_> {
             "ISOTROPIC" => {
                 let rows =
                     card.lines.iter().filter_map(|l| self.numbers::<3>(l, &[0.0, 0.0, f64::NAN])).collect::<Vec<_>>();
-                if self.first_line(card).is_some() {
+                if self.first_line(card).is_some() && self.plastic_strains_ascend(card, &rows) {
                     self.last_material().plastic = Some(Plastic::Tabular(rows));
                 }
             }
@@ -158,6 +163,28 @@ impl Builder<'_> {
                 "ISOTROPIC, KINEMATIC and JOHNSON COOK are",
             ),
         }
+    }
+
+    /// Whether plastic strains begin at zero and ascend, at each temperature; the first row that does not is told.
+    fn plastic_strains_ascend(&mut self, card: &Card, rows: &[[f64; 3]]) -> bool {
+        for (i, row) in rows.iter().enumerate() {
+            let before =
+                i.checked_sub(1).map(|k| rows[k]).filter(|b| b[2] == row[2] || b[2].is_nan() && row[2].is_nan());
+            let message = match before {
+                None if row[1] != 0.0 => format!("plastic strains begin at 0, not at {}", row[1]),
+                Some(before) if row[1] <= before[1] => {
+                    format!("plastic strains ascend: {} follows {}", row[1], before[1])
+                }
+                _ => continue,
+            };
+            let finding =
+                Diagnostic::error("M103", message).at(card.lines[i.min(card.lines.len() - 1)].span, "this row");
+            self.diagnostics.push(
+                finding.help("a row is yield stress, plastic strain: the first gives the yield stress at strain 0"),
+            );
+            return false;
+        }
+        true
     }
 
     /// Whether EXTRAPOLATION is LINEAR: of the yield stress over the plastic strain; over temperature and rate it is constant

@@ -23,11 +23,13 @@ mod failure;
 mod history;
 mod load_history;
 mod loads;
+mod lost;
 mod mass_scaling;
 mod materials;
 pub(crate) mod mesh_file;
 mod names;
 mod nodes;
+mod order;
 mod outputs;
 mod parts;
 pub mod scene;
@@ -49,9 +51,11 @@ use crate::deck::{Deck, Diagnostics};
 /// Resolves a deck. Always returns a model; it may be run only where the diagnostics hold no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::Builder::new(deck);
-    builder.model.inert = check::check(deck, &mut builder.diagnostics);
-    for card in &deck.cards {
+    (builder.model.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
+    for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>()) {
         builder.card(card);
     }
-    builder.finish()
+    let (model, mut diagnostics) = builder.finish();
+    lost::drop_what_follows(&mut diagnostics);
+    (model, diagnostics)
 }

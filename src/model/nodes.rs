@@ -28,8 +28,10 @@ impl Builder<'_> {
             None => [r, z],
         };
         if let Some(known) = self.nodes.find(&self.scope, label) {
-            self.model.mesh.points[known] = place;
-            self.moved.insert(known);
+            let before = std::mem::replace(&mut self.model.mesh.points[known], place);
+            if before != place {
+                self.moved.insert(known, self.current);
+            }
             return known;
         }
         let index = self.model.mesh.points.len();
@@ -54,6 +56,10 @@ impl Builder<'_> {
         let label = word.integer(&mut self.diagnostics)?;
         match self.nodes.find(&self.scope, label) {
             Some(index) => Some((label, index)),
+            None if self.lost.nodes || self.lost.everything => {
+                self.lost.nodes = true;
+                None
+            }
             None => {
                 let message = format!("{what} {label} is not defined");
                 self.diagnostics.push(Diagnostic::error("M110", message).at(word.span, "no such node"));
@@ -182,6 +188,9 @@ impl Builder<'_> {
         let (from, to) = (self.nodes_in_order(first)?, self.nodes_in_order(second)?);
         let intervals = self.integer(line, 2, "the number of intervals")?;
         let step = line.field(3).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
+        if self.lost.nodes && from.len() != to.len() {
+            return None;
+        }
         if from.len() != to.len() || intervals < 1 || step < 1 {
             let message = format!("the sets have {} and {} nodes; both need the same number", from.len(), to.len());
             self.out_of_range(line.span, message);

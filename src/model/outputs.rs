@@ -1,9 +1,9 @@
 //! Output requests: `*OUTPUT` and the cards below it.
 //! Never here: files.
 
-use super::builder::Builder;
+use super::builder::{Builder, MOST};
 use super::names::{qualified, upper};
-use super::types::{Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart};
+use super::types::{Inert, Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart, TimePoints};
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::asked::{self, Asked};
@@ -78,10 +78,6 @@ impl Builder<'_> {
         if card.has("READ") {
             return;
         }
-        if self.step.is_none() {
-            self.outside_step(card);
-            return;
-        }
         if !card.has("WRITE") {
             let finding = Diagnostic::error("M101", "*RESTART needs WRITE").at(card.span, "WRITE is missing");
             self.diagnostics.push(finding);
@@ -118,7 +114,44 @@ impl Builder<'_> {
         Some(Some(upper(&name.text)))
     }
 
+    /// `*TIME POINTS`: times of the step, listed or counted (ABAQUS Keywords Reference Guide, *TIME POINTS).
+    pub(super) fn time_points(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "NAME") else { return };
+        let mut times = Vec::new();
+        for line in &card.lines {
+            if card.has("GENERATE") {
+                let Some([first, last, step]) = self.numbers::<3>(line, &[0.0; 3]) else { return };
+                let count = ((last - first) / step * (1.0 + 1e-12)).floor();
+                if !(step > 0.0 && (0.0..=MOST as f64).contains(&count)) {
+                    self.out_of_range(line.span, "time points are counted from a first to a last in steps above zero");
+                    return;
+                }
+                times.extend((0..=count as usize).map(|i| first + i as f64 * step));
+                continue;
+            }
+            for word in line.fields.iter().filter(|w| !w.text.is_empty()) {
+                times.extend(word.number(&mut self.diagnostics));
+            }
+        }
+        if !times.windows(2).all(|w| w[0] < w[1]) {
+            self.out_of_range(card.span, "time points ascend");
+            return;
+        }
+        self.model.time_points.push(TimePoints { name: upper(&name.text), times });
+    }
+
     fn interval(&mut self, card: &Card) -> Option<Interval> {
+        if let Some(word) = card.value("TIME POINTS") {
+            let names: Vec<String> = self.model.time_points.iter().map(|p| p.name.clone()).collect();
+            let found = names.iter().position(|n| *n == upper(&word.text));
+            if found.is_none() {
+                self.unknown("M117", "time points", word, &names);
+            }
+            return found.map(Interval::Points);
+        }
+        if card.value("FREQUENCY").is_some_and(|w| w.is("0")) {
+            return Some(Interval::Never);
+        }
         if let Some(word) = card.value("TIME INTERVAL") {
             let value = word.number(&mut self.diagnostics)?;
             if value > 0.0 {
@@ -143,10 +176,6 @@ impl Builder<'_> {
     }
 
     fn sub_request(&mut self, card: &Card) {
-        if card.keyword.name == "CONTACT OUTPUT" {
-            self.inert(card, "contact variables are not written".into());
-            return;
-        }
         let Some(request) = self.output.clone() else {
             let message = format!("*{} belongs below an *OUTPUT", card.keyword.name);
             self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *OUTPUT above"));
@@ -164,9 +193,16 @@ impl Builder<'_> {
         }
         let position = self.position(card, request.kind);
         let mut variables = self.default_variables(card);
-        for word in card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty()) {
-            variables.extend(self.variable(word, of));
+        let words = card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty());
+        let mut unknown = Vec::new();
+        for word in words {
+            match Asked::parse(&upper(&word.text)) {
+                Some(asked) => variables.push(asked),
+                None if self.out_of_plane(word) => {}
+                None => unknown.push(word),
+            }
         }
+        self.unknown_variables(&unknown, of);
         if !variables.is_empty() {
             let request = OutputRequest { card: of, variables, position, region, span: card.span, ..request };
             self.state().outputs.push(request);
@@ -226,14 +262,33 @@ impl Builder<'_> {
         Some(Region::Whole)
     }
 
-    fn variable(&mut self, word: &Word, card: OutputCard) -> Option<Asked> {
+    /// Whether a word is a component that a body of revolution does not have: the ledger tells.
+    fn out_of_plane(&mut self, word: &Word) -> bool {
         let name = upper(&word.text);
-        let asked = Asked::parse(&name);
-        if asked.is_none() {
-            let message = format!("there is no output variable {}", word.text);
-            let finding = Diagnostic::warning("M141", message).at(word.span, "left out");
-            self.diagnostics.push(finding.help(asked::help(&name, card.places())));
+        let stem = |ends: &[&str]| ends.iter().find_map(|e| name.strip_suffix(e)).and_then(Asked::parse).is_some();
+        let zero = stem(&["13", "23"]) || matches!(name.as_str(), "U3" | "V3" | "A3" | "RF3" | "CF3" | "COOR3");
+        if zero {
+            let why = "a body of revolution has no such component: it is zero".into();
+            let keyword = format!("{name} of an output request");
+            self.model.inert.push(Inert { keyword, span: word.span, why });
         }
-        asked
+        zero
+    }
+
+    /// One finding for all words of a card that name no variable.
+    fn unknown_variables(&mut self, words: &[&Word], card: OutputCard) {
+        let Some(first) = words.first() else { return };
+        let names: Vec<&str> = words.iter().map(|w| w.text.as_str()).collect();
+        let message = match &names[..] {
+            [name] => format!("the output variable {name} is not known to Revolve"),
+            _ => format!("the output variables {} are not known to Revolve", names.join(", ")),
+        };
+        let mut finding = Diagnostic::warning("M141", message).help(asked::help(&upper(&first.text), card.places()));
+        for word in words {
+            let like =
+                asked::like(&upper(&word.text)).map_or("left out".into(), |n| format!("left out; did you mean {n}?"));
+            finding = finding.at(word.span, like);
+        }
+        self.diagnostics.push(finding);
     }
 }

@@ -80,7 +80,7 @@ impl<'a> Builder<'a> {
         };
         self.scope = upper(&name.text);
         self.instance = self.placement(card);
-        for inner in cards {
+        for inner in super::order::ordered(&cards) {
             self.card(inner);
         }
         self.scope = upper(&name.text);

@@ -71,8 +71,9 @@ impl Builder<'_> {
         }
         let labels = if nodes { &self.nodes } else { &self.elements };
         let before = members.len();
+        let lost = self.lost.everything || if nodes { self.lost.nodes } else { self.lost.elements };
         members.extend((0..count.max(0)).filter_map(|i| labels.find(&self.scope, first + step * i as i64)));
-        if !nodes && self.elements_refused {
+        if lost {
             return;
         }
         let missing = count.max(0) - (members.len() - before) as i128;

@@ -107,7 +107,7 @@ impl Builder<'_> {
     pub(super) fn close_step(&mut self) {
         let Some(mut state) = self.step.take() else { return };
         let Some(procedure) = state.procedure else {
-            let other = self.diagnostics.iter().any(|d| d.severity == crate::deck::Severity::Error);
+            let other = self.diagnostics.has_errors() || self.lost.bodies || self.lost.everything;
             if !other {
                 let finding = Diagnostic::error("M101", "the step has no procedure").at(state.span, "this step");
                 self.diagnostics.push(finding.help("give *DYNAMIC, EXPLICIT"));

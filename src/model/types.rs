@@ -55,6 +55,10 @@ pub struct Model {
     pub controls: Vec<SectionControls>,
     /// Amplitudes in deck order.
     pub amplitudes: Vec<Amplitude>,
+    /// `*TIME POINTS` in deck order.
+    pub time_points: Vec<TimePoints>,
+    /// Whether all that bodies are made of has been read without error: what a plan says of bodies is true then.
+    pub bodies_read: bool,
     /// Rigid bodies in deck order.
     pub rigid_bodies: Vec<RigidBody>,
     /// `*MASS` on nodes.
@@ -878,8 +882,21 @@ pub enum Interval {
     Number(u32),
     /// Every so many increments.
     Increments(u32),
+    /// At times of the step: an index into [`Model::time_points`].
+    Points(usize),
+    /// Never (`FREQUENCY=0`).
+    Never,
     /// The program's default.
     Default,
+}
+
+/// `*TIME POINTS`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TimePoints {
+    /// Name, upper case.
+    pub name: String,
+    /// Times of the step, ascending.
+    pub times: Vec<f64>,
 }
 
 /// What output variables are taken from.

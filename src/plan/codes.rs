@@ -142,6 +142,31 @@ pub const CODES: &[Code] = &[
         text: "It is given for nodes that do not move on their own; the velocity of a rigid body is that of its reference node.",
     },
     Code {
+        code: "P105",
+        title: "faster than sound",
+        text: "An initial velocity is several times the speed of sound of the material. Units that do not fit are the usual reason: a density in kg/m3 in a deck of mm and MPa, a modulus in MPa in a deck of metres.",
+    },
+    Code {
+        code: "P106",
+        title: "given increment that is not stable",
+        text: "With DIRECT USER CONTROL the increment is the user's; this one is longer than a wave needs to cross the smallest element.",
+    },
+    Code {
+        code: "P107",
+        title: "plane that faces away",
+        text: "Nodes that begin on an analytical plane are kept on its front, left of the way from START to LINE; their body is behind it.",
+    },
+    Code {
+        code: "P108",
+        title: "bodies that overlap",
+        text: "A node of one body lies in an element of another, and they share no nodes: nothing keeps them apart.",
+    },
+    Code {
+        code: "P109",
+        title: "nothing acts",
+        text: "What deforms has one velocity, and no boundary, load or contact acts on it.",
+    },
+    Code {
         code: "R201",
         title: "the user's routine failed",
         text: "It returned an error, ended the analysis (STOP, xplb_exit), or gave a value that is not a finite number. The message names what it was called for, step, increment and time; the last good state is in the last frame.",

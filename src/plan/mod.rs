@@ -5,6 +5,7 @@ mod bodies;
 mod bytes;
 pub mod codes;
 mod connectors;
+mod doubts;
 mod equations;
 pub mod ledger;
 mod loads;
@@ -178,6 +179,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.scale_and_estimate(&mut state);
     compiler.check_complete(!state.elements.is_empty());
     compiler.list_inert();
+    compiler.doubts(&state);
     compiler.events_row();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
     let Compiler { ledger, bodies, places, amplitudes, told, diagnostics: found, .. } = compiler;

@@ -1,10 +1,12 @@
 //! Output requests as history columns, frame fields and schedules.
 //! Never here: files, the table of variables.
 
+use std::sync::Arc;
+
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::element::values;
-use crate::model::{Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Step};
+use crate::model::{Interval, Model, OutputCard, OutputKind, OutputRequest, Position, Region, Step};
 use crate::variables::asked::Asked;
 use crate::variables::{Part, Place, Preselected, Variable};
 
@@ -95,22 +97,27 @@ pub struct Outputs {
 }
 
 /// One rhythm, relative to the start of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Schedule {
     /// Every so much time.
     Time(f64),
     /// Every so many increments.
     Increments(u64),
+    /// At these times, ascending.
+    Points(Arc<[f64]>),
 }
 
 impl Schedule {
-    fn new(interval: Interval, duration: f64, default: u32) -> Schedule {
-        match interval {
+    /// `None` for never.
+    fn new(interval: Interval, step: &Step, default: u32, model: &Model) -> Option<Schedule> {
+        Some(match interval {
             Interval::Time(dt) => Schedule::Time(dt),
-            Interval::Number(n) => Schedule::Time(duration / f64::from(n.max(1))),
+            Interval::Number(n) => Schedule::Time(step.duration / f64::from(n.max(1))),
             Interval::Increments(n) => Schedule::Increments(u64::from(n.max(1))),
-            Interval::Default => Schedule::Time(duration / f64::from(default)),
-        }
+            Interval::Points(index) => Schedule::Points(model.time_points[index].times.as_slice().into()),
+            Interval::Never => return None,
+            Interval::Default => Schedule::Time(step.duration / f64::from(default)),
+        })
     }
 }
 
@@ -121,7 +128,7 @@ impl Compiler<'_> {
         let model = self.model;
         let there = self.fields_there_are(state);
         for step in &model.steps {
-            for request in &step.outputs {
+            for request in step.outputs.iter().filter(|r| r.interval != Interval::Never) {
                 match request.kind {
                     OutputKind::History => self.history_columns(request, state, &mut columns),
                     OutputKind::Field => self.frame_fields(request, &there, &mut fields),
@@ -160,15 +167,15 @@ impl Compiler<'_> {
         let mut outputs = Outputs::default();
         for request in &step.outputs {
             match request.kind {
-                OutputKind::Field => outputs.field.push(Schedule::new(request.interval, step.duration, 20)),
-                OutputKind::History => outputs.history.push(Schedule::new(request.interval, step.duration, 200)),
+                OutputKind::Field => outputs.field.extend(Schedule::new(request.interval, step, 20, self.model)),
+                OutputKind::History => outputs.history.extend(Schedule::new(request.interval, step, 200, self.model)),
             }
         }
         if step.outputs.is_empty() {
-            outputs.field.push(Schedule::new(Interval::Default, step.duration, 20));
-            outputs.history.push(Schedule::new(Interval::Default, step.duration, 200));
+            outputs.field.extend(Schedule::new(Interval::Default, step, 20, self.model));
+            outputs.history.extend(Schedule::new(Interval::Default, step, 200, self.model));
         }
-        outputs.restart.extend(step.restart.map(|r| Schedule::new(r.interval, step.duration, 1)));
+        outputs.restart.extend(step.restart.and_then(|r| Schedule::new(r.interval, step, 1, self.model)));
         if let Some(restart) = step.restart {
             let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
             self.cause(restart.span, "checkpoint", 1, "step", detail);

@@ -86,12 +86,16 @@ impl Rhythm {
         self.next_time = f64::INFINITY;
         self.next_increment = u64::MAX;
         for schedule in &self.schedules {
-            match *schedule {
-                Schedule::Time(interval) => {
+            match schedule {
+                Schedule::Points(times) => {
+                    let next = times.iter().find(|t| **t > time * (1.0 + 4e-12));
+                    self.next_time = self.next_time.min(next.map_or(f64::INFINITY, |t| t * (1.0 - 1e-12)));
+                }
+                &Schedule::Time(interval) => {
                     let mark = ((time / interval) * (1.0 + 1e-12)).floor() + 1.0;
                     self.next_time = self.next_time.min(mark * interval * (1.0 - 1e-12));
                 }
-                Schedule::Increments(interval) => {
+                &Schedule::Increments(interval) => {
                     self.next_increment = self.next_increment.min((increment / interval + 1) * interval);
                 }
             }

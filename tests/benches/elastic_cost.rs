@@ -8,31 +8,13 @@ use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Pass, Quads};
 use revolve::internals::lanes::{Corners, LANES};
 use revolve::internals::nodes::Node;
-use revolve::internals::plasticity::{Flow, Hardening};
 use revolve::internals::volumetric::Linear;
 use revolve::solve::Instant;
 use revolve::user::Routines;
 
 use crate::common;
+use crate::common::routines::Bare;
 use crate::common::solid::{grid, material};
-
-/// A law without anything: what is called here would be noticed.
-struct Bare;
-
-impl Hardening for Bare {
-    type State = ();
-    const PLASTIC: bool = false;
-
-    fn fresh(&self) {}
-
-    fn flow(&self, (): &mut (), _flow: &mut Flow<'_>) {
-        unreachable!("nothing flows");
-    }
-
-    fn plastic_strain(&self, (): &(), _lane: usize) -> f64 {
-        unreachable!("nothing flows")
-    }
-}
 
 /// Nanoseconds an element of one pass, the best of some.
 fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], best: &mut f64) {

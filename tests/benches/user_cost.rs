@@ -4,25 +4,13 @@
 
 use revolve::job;
 use revolve::output::Job;
+use revolve::user::Routines;
 use revolve::user::compile::{Compiled, compile};
-use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;
+use crate::common::routines::Cavity;
 
 const INCREMENTS: u32 = 200_000;
-
-/// The seed paper's resistance in Rust, in the order of operations of `input/vdload_cavity.f`.
-struct Cavity;
-
-impl UserLoad for Cavity {
-    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        for (k, p) in pressure.iter_mut().enumerate() {
-            let vn = points.velocity_r[k] * points.normal_r[k] + points.velocity_z[k] * points.normal_z[k];
-            *p = if vn > 0.0 { points.amplitude * (5.0394 * 276e6 + 0.983 * 2710.0 * vn * vn) } else { 0.0 };
-        }
-        Ok(())
-    }
-}
 
 /// Milliseconds of a job that writes its files.
 fn whole_job(deck: &str, settings: &[(&str, &str)], routines: &Routines) -> f64 {

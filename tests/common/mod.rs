@@ -2,15 +2,25 @@
 #![allow(dead_code)] // Each binary uses a part.
 
 pub mod mesh;
+pub mod routines;
 pub mod solid;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 use revolve::job::{self, Overrides, Prepared};
 use revolve::output::{Frame, Job};
 use revolve::solve::{self, Outcome, Sink, SinkError};
 use revolve::user::Routines;
+
+/// Runs the program in the project's folder.
+pub fn revolve(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("the program runs")
+}
 
 /// Path of a file of the project.
 pub fn project(path: &str) -> PathBuf {

@@ -210,6 +210,19 @@ fn the_manual_is_the_table() {
 }
 
 #[test]
+fn the_page_of_abaqus_is_the_table() {
+    let path = Path::new("docs/abaqus.md");
+    let page = deck::manual::abaqus_page();
+    if std::env::var_os("REVOLVE_BLESS").is_some() {
+        fs::write(path, &page).expect("write the page");
+    }
+    assert!(fs::read_to_string(path).unwrap_or_default() == page, "docs/abaqus.md is stale: REVOLVE_BLESS=1");
+    for name in ["`*CONTACT PAIR` | partly", "`*STATIC` | not", "`*PREPRINT` | inert", "`*DENSITY` | "] {
+        assert!(page.contains(name), "{name}");
+    }
+}
+
+#[test]
 fn keywords_are_explained() {
     let text = deck::manual::explain_keyword("*rigidbody").expect("known");
     assert!(text.contains("REF NODE") && text.contains("Supported"));

@@ -6,5 +6,6 @@ mod common;
 mod dialects;
 mod language;
 mod mesh_files;
+mod mistakes;
 mod variables;
 mod words;

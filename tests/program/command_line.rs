@@ -1,17 +1,8 @@
 //! The program as a user runs it: exit status, messages, files.
 
 use std::path::Path;
-use std::process::{Command, Output};
 
-use crate::common;
-
-fn revolve(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_revolve"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the program runs")
-}
+use crate::common::{self, revolve};
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()

@@ -6,12 +6,12 @@
 use revolve::internals::constants::{Constants, HourglassControl};
 use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Quads};
-use revolve::internals::plasticity::{Flow, Hardening};
 use revolve::internals::volumetric::Linear;
 use revolve::job::{self, HistoryOnly};
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
+use crate::common::routines::Bare;
 use crate::common::solid::{grid, material};
 
 /// A heavy ogive that flies on at much the same speed through 200 000 increments, fully embedded.
@@ -96,24 +96,6 @@ fn nothing_allocates_inside_an_increment_of_a_user_material() {
     println!("{} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
     assert!(short.0 > 10 && long.0 > 5 * short.0);
     assert_eq!(long.1, short.1);
-}
-
-/// A law without anything: what is called here would be noticed.
-struct Bare;
-
-impl Hardening for Bare {
-    type State = ();
-    const PLASTIC: bool = false;
-
-    fn fresh(&self) {}
-
-    fn flow(&self, (): &mut (), _flow: &mut Flow<'_>) {
-        unreachable!("nothing flows");
-    }
-
-    fn plastic_strain(&self, (): &(), _lane: usize) -> f64 {
-        unreachable!("nothing flows")
-    }
 }
 
 #[test]

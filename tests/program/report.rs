@@ -9,15 +9,7 @@ use revolve::report;
 use revolve::report::data::Meridian;
 use serde_json::{Value, json};
 
-use crate::common;
-
-fn revolve(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_revolve"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the program runs")
-}
+use crate::common::{self, revolve};
 
 fn folder() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");

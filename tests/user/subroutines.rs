@@ -13,10 +13,11 @@ mod table_resistance;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use revolve::user::Routines;
 use revolve::user::compile::compile;
-use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use crate::common;
+use crate::common::routines::Cavity;
 
 fn fortran() -> bool {
     common::fortran("user subroutines in Fortran")
@@ -474,19 +475,6 @@ fn a_sweep_gives_each_run_a_routine_of_its_own() {
     assert_eq!(one, two);
     let rows: Vec<&str> = one.lines().skip(1).collect();
     assert!(rows.len() == 6 && rows.iter().all(|r| *r == rows[0]), "{one}");
-}
-
-/// The seed paper's resistance in Rust, in the order of operations of `input/vdload_cavity.f`.
-struct Cavity;
-
-impl UserLoad for Cavity {
-    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        for (k, p) in pressure.iter_mut().enumerate() {
-            let vn = points.velocity_r[k] * points.normal_r[k] + points.velocity_z[k] * points.normal_z[k];
-            *p = if vn > 0.0 { points.amplitude * (5.0394 * 276e6 + 0.983 * 2710.0 * vn * vn) } else { 0.0 };
-        }
-        Ok(())
-    }
 }
 
 /// The examples: the same arithmetic in both languages gives the same bits.

@@ -162,11 +162,23 @@ fn an_equation_follows_a_motion_that_is_given() {
     assert!(outcome.energy.work > 0.0 && outcome.energy.drift < 2e-3, "{:?}", outcome.energy);
 }
 
+/// Changes of a deck, each with the code it is refused with; empty where the deck is good.
+fn refused(good: &str, cases: &[(&str, &str, &str)]) {
+    for (code, from, to) in cases {
+        let text = good.replacen(from, to, 1);
+        let prepared = revolve::job::prepare_text("bad.inp", &text, &[], &revolve::user::Routines::none());
+        let shown = prepared.diagnostics.render(&prepared.deck.sources);
+        let codes: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
+        assert_eq!(codes.contains(code), !code.is_empty(), "{code}: {shown}");
+        assert_eq!(prepared.diagnostics.has_errors(), !code.is_empty(), "{code}: {shown}");
+    }
+}
+
 #[test]
 fn faulty_equations_are_refused_with_a_reason() {
     let good = column_with_mass(1.0, "*Equation\n 2\n 1, 2, 1., 2, 2, -1.\n")
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n 1, 2, 2\n*End Step\n";
-    for (code, from, to) in [
+    let cases = [
         ("", "", ""),
         ("P018", "*Equation\n", "*Equation\n 2\n 1, 2, 2., 2, 2, -2.\n"),
         ("P018", " 1, 2, 2\n", " 1, 2, 2\n 2, 2, 2\n"),
@@ -175,14 +187,8 @@ fn faulty_equations_are_refused_with_a_reason() {
         ("M102", " 1, 2, 1., 2, 2, -1.\n", ""),
         ("M103", " 2, 2, -1.", " 2, 6, -1."),
         ("M103", " 2\n 1, 2", " 1\n 1, 2"),
-    ] {
-        let text = good.replacen(from, to, 1);
-        let prepared = revolve::job::prepare_text("bad.inp", &text, &[], &revolve::user::Routines::none());
-        let shown = prepared.diagnostics.render(&prepared.deck.sources);
-        let codes: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
-        assert_eq!(codes.contains(&code), !code.is_empty(), "{code}: {shown}");
-        assert_eq!(prepared.diagnostics.has_errors(), !code.is_empty(), "{code}: {shown}");
-    }
+    ];
+    refused(&good, &cases);
 }
 
 /// A stiff block of the mass pi 1^2 0.5 on springs and dashpots.
@@ -383,7 +389,7 @@ fn faulty_contact_is_refused_with_a_reason() {
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n 800, 2, 2\n"
         + PAIR
         + "*End Step\n";
-    for (code, from, to) in [
+    let cases = [
         ("", "", ""),
         ("P021", " 800, 2, 2", " 800, 1, 1"),
         (
@@ -396,12 +402,6 @@ fn faulty_contact_is_refused_with_a_reason() {
         ("M104", " J0, WALL", " J0, J1"),
         ("M104", "interaction=SMOOTH", "interaction=SMOOTH, mechanical constraint=PENALTY"),
         ("M103", "name=SMOOTH\n", "name=SMOOTH\n*Friction\n -1.\n"),
-    ] {
-        let text = good.replacen(from, to, 1);
-        let prepared = revolve::job::prepare_text("bad.inp", &text, &[], &revolve::user::Routines::none());
-        let shown = prepared.diagnostics.render(&prepared.deck.sources);
-        let codes: Vec<&str> = prepared.diagnostics.iter().map(|d| d.code).collect();
-        assert_eq!(codes.contains(&code), !code.is_empty(), "{code}: {shown}");
-        assert_eq!(prepared.diagnostics.has_errors(), !code.is_empty(), "{code}: {shown}");
-    }
+    ];
+    refused(&good, &cases);
 }

@@ -128,7 +128,7 @@ fn bad_solids_are_refused_with_a_reason() {
         ("M123", good.replace(" 1, 1, 2, 4, 3\n", " 1, 1, 3, 4, 2\n")),
         ("P013", good.replace("*Density\n 1e0,\n", "")),
         ("P001", good.replace("*Solid Section, elset=SOLID, material=M\n", "")),
-        ("P014", good.replace("*Step", "*Plastic\n 1., 0.\n 2., 0.\n*Step")),
+        ("M103", good.replace("*Step", "*Plastic\n 1., 0.\n 2., 0.\n*Step")),
     ];
     let two = good.replace("*End Step\n", "*End Step\n*Step\n*Dynamic, Explicit, adiabatic\n , 1.\n*End Step\n");
     for (code, text) in cases.into_iter().chain([("P015", two)]) {

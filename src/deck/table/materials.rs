@@ -158,6 +158,12 @@ pub const CARDS: &[Keyword] = &[
         "YIELD" read "Y, the strength that the law is scaled by",
     }, [(lines ["A", "B", "C"])]),
     row!(inert "nothing here conducts heat", "CONDUCTIVITY", "Heat conduction"),
+    row!("DAMPING", "Rayleigh damping of a material", (once below "MATERIAL"), {
+        "ALPHA" only ["0"] "damping by masses is not simulated",
+        "BETA" only ["0"] "damping by stiffness is not simulated: bulk viscosity damps waves",
+        "COMPOSITE" only ["0"] "of modal analyses",
+        "STRUCTURAL" only ["0"] "of implicit analyses",
+    }, []),
     row!(inert "nothing here is anisotropic", "ORIENTATION", "A local coordinate system"),
     row!("EXPANSION", "Thermal expansion; inert, with a warning in an adiabatic step", (once below "MATERIAL"), {
         "TYPE" inert "thermal strain is not simulated",
@@ -171,7 +177,7 @@ pub const CARDS: &[Keyword] = &[
         "ELSET" read "Elements",
         "MATERIAL" read "Material",
         "CONTROLS" read "Section controls",
-        "ORIENTATION" refused "nothing here is anisotropic",
+        "ORIENTATION" inert "the laws here are the same in all directions; a *USER MATERIAL is given r, z and hoop",
         "COMPOSITE" refused "a section has one material",
         "LAYUP" refused "a section has one material",
         "ORDER" refused "a section has one material",

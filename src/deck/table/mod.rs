@@ -21,6 +21,7 @@ pub static ALL: &[&[Keyword]] = &[
     output::CARDS,
     unsupported::OUTPUT_ONLY,
     unsupported::PHYSICS,
+    unsupported::ELSEWHERE,
     unsupported::INERT,
 ];
 

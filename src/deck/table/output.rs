@@ -13,12 +13,12 @@ pub const CARDS: &[Keyword] = &[
         "OP" read "NEW (default) ends all requests of earlier steps, REPLACE those of its type and frequency, ADD none",
         "NAME" read "Name of a sensor",
         "VARIABLE" read "PRESELECT or ALL",
-        "FREQUENCY" read "Every so many increments",
+        "FREQUENCY" read "Every so many increments; 0 for never",
         "NUMBER INTERVAL" read "So many times in the step",
         "TIME INTERVAL" read "Every so much time",
         "TIME MARKS" read "YES: at the first increment at or past each mark, with a note; NO (default for history)",
-        "TIME POINTS" refused "give TIME INTERVAL or NUMBER INTERVAL",
-        "FILTER" refused "histories are not filtered",
+        "TIME POINTS" read "Name of *TIME POINTS: at the first increment at or past each of them",
+        "FILTER" inert "output is not filtered: it holds what is computed",
         "SENSOR" read "A history that a user amplitude reads by its NAME",
         "MODE LIST" refused "of modal analyses",
         "INTERNAL" inert "written by CAE; no meaning",
@@ -28,7 +28,7 @@ pub const CARDS: &[Keyword] = &[
         "VARIABLE" read "PRESELECT or ALL",
         "EXTERIOR" refused "give NSET",
         "TRACER SET" refused "meshes are not adaptive",
-        "FILTER" refused "histories are not filtered",
+        "FILTER" inert "output is not filtered: it holds what is computed",
     }, [(list "nodal variable")]),
     row!("ELEMENT OUTPUT", "Element variables of an *OUTPUT request", (), {
         "ELSET" read "Elements",
@@ -41,7 +41,7 @@ pub const CARDS: &[Keyword] = &[
         "ALL SECTION POINTS" refused "of shells and beams",
         "TRACER SET" refused "meshes are not adaptive",
         "MICROMECHANICS" refused "of composites",
-        "FILTER" refused "histories are not filtered",
+        "FILTER" inert "output is not filtered: it holds what is computed",
         "ELASTIC DEFORMATION" refused "of implicit analyses",
     }, [(list "element variable")]),
     row!("ENERGY OUTPUT", "Energies of an *OUTPUT request", (), {
@@ -49,13 +49,21 @@ pub const CARDS: &[Keyword] = &[
         "VARIABLE" read "PRESELECT or ALL",
         "PER ELEMENT SET" refused "give a request for each set",
         "PER CONTACT SURFACE" refused "energies are of the whole model",
-        "FILTER" refused "histories are not filtered",
+        "FILTER" inert "output is not filtered: it holds what is computed",
     }, [(list "energy")]),
     row!("INCREMENTATION OUTPUT", "Increment size and added mass of an *OUTPUT request", (), {
         "VARIABLE" read "PRESELECT or ALL",
-        "FILTER" refused "histories are not filtered",
+        "FILTER" inert "output is not filtered: it holds what is computed",
     }, [(list "incrementation variable")]),
-    row!("RESTART", "States to go on from with `revolve run --resume`", (once step), {
+    row!("TIME POINTS", "Times of the step at which an *OUTPUT writes", (unique "NAME"), {
+        "NAME" read "Name that *OUTPUT gives",
+        "GENERATE" read "Data lines give first, last and increment",
+        "INPUT" read "File with the data lines",
+    }, [
+        (when "GENERATE" = "" rows ["first time", "last time", "increment"]),
+        (list "time" read "Ascending"),
+    ]),
+    row!("RESTART", "States to go on from with `revolve run --resume`; before the first step it holds for all", (once step), {
         "WRITE" read "Write <job>.checkpoint; it holds the last state, and goes when the run is complete",
         "READ" refused "to go on with a halted run, use `revolve run --resume`",
         "FREQUENCY" read "Every so many increments; 0 for never",

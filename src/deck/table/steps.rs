@@ -55,7 +55,7 @@ pub const CARDS: &[Keyword] = &[
         "ALPHA" refused "of implicit dynamics",
         "APPLICATION" refused "of implicit dynamics",
         "BETA" refused "of implicit dynamics",
-        "DIRECT" refused "of implicit dynamics",
+        "DIRECT" refused "of implicit dynamics: give DIRECT USER CONTROL",
         "GAMMA" refused "of implicit dynamics",
         "HAFTOL" refused "of implicit dynamics",
         "HALFINC SCALE FACTOR" refused "of implicit dynamics",

@@ -1,0 +1,122 @@
+//! The order in which cards are read: what defines nodes, elements, sets and surfaces before what names them, wherever it
+//! stands. Decks list them in any order (ABAQUS reads all model data before it resolves a name).
+//! Never here: what cards mean.
+
+use crate::deck::Card;
+use crate::deck::names::fold;
+
+/// The cards of a deck or a part, each kind of definition before what may name it; cards of one kind keep their order, and
+/// blocks (parts, instances, the assembly, steps) theirs.
+pub(super) fn ordered<'a>(cards: &[&'a Card]) -> Vec<&'a Card> {
+    let mut all = Vec::with_capacity(cards.len());
+    let mut region: Vec<Vec<&Card>> = Vec::new();
+    let first_step = cards.iter().position(|c| c.keyword.name == "STEP").unwrap_or(cards.len());
+    let (model, steps) = cards.split_at(first_step);
+    let mut inside: Option<&str> = None;
+    for card in model {
+        let name = card.keyword.name;
+        match (inside, name) {
+            (Some(end), _) => {
+                region.last_mut().expect("a block is open").push(card);
+                if name == end {
+                    inside = None;
+                }
+            }
+            (None, "ASSEMBLY" | "END ASSEMBLY") => {
+                flush(&mut region, &mut all);
+                all.push(*card);
+            }
+            (None, _) => {
+                region.push(vec![card]);
+                inside = match name {
+                    "PART" => Some("END PART"),
+                    "INSTANCE" => Some("END INSTANCE"),
+                    _ => None,
+                };
+            }
+        }
+    }
+    // Sets, surfaces and functions of time that stand in steps are of the whole model.
+    let is_model = |c: &&&Card| matches!(c.keyword.name, "NSET" | "ELSET" | "SURFACE" | "AMPLITUDE" | "TIME POINTS");
+    let (data, steps): (Vec<&Card>, Vec<&Card>) = steps.iter().partition(is_model);
+    region.extend(data.into_iter().map(|card| vec![card]));
+    flush(&mut region, &mut all);
+    all.extend(steps);
+    all
+}
+
+/// Units of one region, by rank.
+fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>) {
+    let first = |kinds: &[&str]| region.iter().position(|u| kinds.contains(&u[0].keyword.name)).unwrap_or(0);
+    let before = [first(&["NODE", "NGEN", "MESH", "INSTANCE"]), first(&["ELEMENT", "ELGEN", "MESH", "INSTANCE"])];
+    let mut units: Vec<(u8, Vec<&Card>)> = Vec::new();
+    for (at, unit) in region.drain(..).enumerate() {
+        // A set of labels that stands before any node or element means those that follow.
+        let early = match unit[0].keyword.name {
+            "NSET" => at < before[0],
+            "ELSET" => at < before[1],
+            _ => false,
+        };
+        units.push((if early { 2 } else { rank(unit[0]) }, unit));
+    }
+    units.sort_by_key(|unit| unit.0);
+    region.extend(units.into_iter().map(|unit| unit.1));
+    let sets = |unit: &Vec<&Card>| matches!(unit[0].keyword.name, "NSET" | "ELSET");
+    if region.iter().any(sets) {
+        put_members_first(region);
+    }
+    all.extend(region.drain(..).flatten());
+}
+
+/// Nodes and what generates them, elements, sets of sets and of elements, surfaces, everything else.
+fn rank(card: &Card) -> u8 {
+    match card.keyword.name {
+        "HEADING" | "PART" | "INSTANCE" | "NODE" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "SYSTEM" | "MESH" => 0,
+        "NSET" if !card.has("ELSET") => 0,
+        "ELEMENT" | "ELGEN" | "ELCOPY" | "ELSET" => 1,
+        "NSET" => 2,
+        "SURFACE" | "RIGID SURFACE" | "AMPLITUDE" | "TIME POINTS" => 3,
+        _ => 4,
+    }
+}
+
+/// A set that lists a set which is defined further down comes behind it.
+fn put_members_first(region: &mut Vec<Vec<&Card>>) {
+    let mut at = 0;
+    let mut moves = 0;
+    while at < region.len() {
+        let later = last_member(region, at).filter(|_| moves < region.len());
+        match later {
+            Some(to) => {
+                let unit = region.remove(at);
+                region.insert(to, unit);
+                moves += 1;
+            }
+            None => at += 1,
+        }
+    }
+}
+
+/// Where, behind a set, a set of its kind is defined last that it lists.
+fn last_member(region: &[Vec<&Card>], at: usize) -> Option<usize> {
+    let card = region[at][0];
+    let parameter = match card.keyword.name {
+        "NSET" => "NSET",
+        "ELSET" => "ELSET",
+        _ => return None,
+    };
+    let names = card.lines.iter().flat_map(|l| &l.fields).filter(|w| w.text.parse::<i64>().is_err());
+    let members: Vec<String> = names.map(|w| fold(&w.text)).filter(|n| !n.is_empty()).collect();
+    let own = fold(&card.value(parameter)?.text);
+    if members.is_empty() || members.contains(&own) {
+        return None;
+    }
+    let defines = |unit: &Vec<&Card>| {
+        let defining =
+            matches!(unit[0].keyword.name, "NODE" | "NGEN" | "NFILL" | "NSET" | "ELEMENT" | "ELGEN" | "ELSET");
+        defining && unit[0].value(parameter).is_some_and(|w| members.contains(&fold(&w.text)))
+    };
+    let before = region[..at].iter().any(defines);
+    let last = region[at + 1..].iter().rposition(defines)?;
+    (!before).then_some(at + 1 + last)
+}

@@ -1,0 +1,211 @@
+//! Typical mistakes, one a deck, as analysts make them: each is told once, at its place, truly, with a way out; what is a trifle
+//! runs.
+//!
+//! Goal: one cause, one message. Source: a small deck and a list of slips; the words are in the snapshots.
+
+use revolve::job::{self, Prepared};
+use revolve::user::Routines;
+
+/// A bar that flies against a wall.
+const BAR: &str = "*Heading
+ bar
+*Parameter
+length = 2.
+*Node, nset=FOOT
+ 1, 0., 0.
+ 2, 1., 0.
+*Node, nset=TOP
+ 11, 0., <length>
+ 12, 1., <length>
+*Nfill, nset=BAR
+ FOOT, TOP, 2, 5
+*Element, type=CAX4R
+ 1, 1, 2, 7, 6
+*Elgen, elset=BAR
+ 1, 1, 1, 1, 2, 5, 1
+*Elset, elset=UPPER
+ 2,
+*Surface, name=END
+ UPPER, S3
+*Solid Section, elset=BAR, material=METAL
+*Material, name=METAL
+*Density
+ 1.,
+*Elastic
+ 100., 0.3
+*Plastic
+ 0.5, 0.
+ 2., 1.
+*Initial Conditions, type=VELOCITY
+ BAR, 2, -1.
+*Step, name=Impact
+*Dynamic, Explicit
+ , 0.1
+*Boundary
+ FOOT, 2, 2
+*Output, field, number interval=2
+*Node Output
+ U
+*Element Output
+ S, PEEQ
+*Output, history, number interval=2
+*Node Output, nset=TOP
+ U2
+*End Step
+";
+
+fn prepared(text: &str) -> Prepared {
+    job::prepare_text("bar.inp", text, &[], &Routines::none())
+}
+
+/// The bar with changes: `from => to`, several with `;;` between them.
+fn changed(changes: &str) -> String {
+    changes.split(";;").fold(BAR.to_owned(), |text, change| {
+        let (from, to) = change.trim().split_once("=>").expect("a change");
+        let plain = |s: &str| s.trim_matches(' ').replace("\\n", "\n");
+        let (from, to) = (plain(from), plain(to));
+        assert!(text.contains(&from), "`{change}` finds nothing");
+        text.replacen(&from, &to, 1)
+    })
+}
+
+/// Slips that are errors: a name for the snapshot, the change, how many errors they are.
+const WRONG: &[(&str, &str, usize)] = &[
+    ("keyword", "*Elastic => *Elastc", 1),
+    ("comment_with_one_star", "*Parameter\\n => * units: m, kg\\n*Parameter\\n", 1),
+    ("parameter", "BAR, material=METAL => BAR, materail=METAL", 1),
+    ("material_name", "material=METAL => material=METALL", 1),
+    ("node_set_name", " FOOT, 2, 2 => FEET, 2, 2", 1),
+    ("node_set_for_elements", "*Element Output => *Element Output, elset=TOP", 1),
+    ("density", "1.,\\n*Elastic => -1.,\\n*Elastic", 1),
+    ("poisson", "100., 0.3 => 100., 0.5", 1),
+    ("clockwise", "1, 1, 2, 7, 6 => 1, 6, 7, 2, 1", 1),
+    ("negative_radius", "2, 1., 0. => 2, -1., 0. ;; 12, 1., => 12, -1.,", 1),
+    ("no_area", "2, 1., 0. => 2, 0., 0. ;; 12, 1., => 12, 0.,", 1),
+    ("node_twice", "*Element, type => *Node\\n 7, 0., 0.\\n*Element, type", 1),
+    ("missing_node", "1, 1, 2, 7, 6 => 1, 1, 2, 99, 6", 1),
+    ("too_few_nodes", "1, 1, 2, 7, 6 => 1, 1, 2, 7", 1),
+    ("node_in_letters", " 1, 0., 0. => 1, zero, 0.", 1),
+    ("undefined_parameter", "11, 0., <length> => 11, 0., <lenght>", 1),
+    ("element_type", "CAX4R => C3D8R", 1),
+    ("element_type_of_shells", "CAX4R => CPS4R ;; *Boundary => *Boundary\\n FOOT, 3, 3", 1),
+    (
+        "missing_include",
+        "*Solid => *Include, input=nope.inc\\n*Solid ;; *Output, history => *Dsload\\n NOWHERE, P, 1.\\n*Output, history",
+        1,
+    ),
+    ("decimal_comma", "100., 0.3 => 100,5, 0,3", 1),
+    ("no_comma", "100., 0.3 => 100. 0.3", 1),
+    ("letter_in_number", "1.,\\n*Elastic => 1O.,\\n*Elastic", 1),
+    ("plastic_from_above_zero", "0.5, 0. => 0.5, 0.1", 1),
+    ("plastic_descends", "2., 1. => 2., 1.\\n 3., 0.5", 1),
+    ("no_density", "*Density\\n 1.,\\n =>", 1),
+    ("no_section", "*Solid Section, elset=BAR, material=METAL\\n =>", 1),
+    ("no_procedure", "*Dynamic, Explicit\\n , 0.1 => *Static\\n 0.1, 1.", 1),
+    ("implicit", "*Dynamic, Explicit => *Dynamic", 1),
+    ("time_in_the_first_field", ", 0.1 => 0.1", 1),
+    ("general_contact", "*Output, field => *Contact\\n*Contact Inclusions, ALL EXTERIOR\\n*Output, field", 1),
+    ("face", "UPPER, S3 => UPPER, S5 ;; *Output, field => *Dsload\\n END, P, 1.\\n*Output, field", 1),
+    ("amplitude", "*Boundary => *Boundary, amplitude=RAMP", 1),
+    ("three_at_once", "material=METAL => material=METALL ;; *Elastic => *Elastc ;; FOOT, 2, 2 => FEET, 2, 2", 3),
+    ("a_name_and_a_material", "*Density\\n 1.,\\n => ;; nset=TOP\\n U2 => nset=TIP\\n U2", 2),
+];
+
+#[test]
+fn one_cause_has_one_message_with_a_place() {
+    for (name, change, count) in WRONG {
+        let prepared = prepared(&changed(change));
+        let text = prepared.diagnostics.render(&prepared.deck.sources);
+        assert_eq!(prepared.diagnostics.error_count(), *count, "{name}:\n{text}");
+        assert!(prepared.diagnostics.iter().all(|d| !d.labels.is_empty()), "{name} has no place:\n{text}");
+        insta::assert_snapshot!(format!("mistake_{name}"), text);
+    }
+}
+
+/// Slips that run and are warned of.
+const DOUBTFUL: &[(&str, &str)] = &[
+    ("output_variables", "S, PEEQ => S, PEQQ, VONMISES"),
+    ("faster_than_sound", "BAR, 2, -1. => BAR, 2, -1000."),
+    ("given_increment", "Explicit\\n , 0.1 => Explicit, direct user control\\n 0.1, 0.1"),
+    ("nothing_acts", "*Boundary\\n FOOT, 2, 2\\n =>"),
+    ("lost_support", "FOOT, 2, 2 => FOOT, 3, 3"),
+    ("element_set_for_nodes", "*Nfill, nset=BAR => *Nfill"),
+    (
+        "overlap",
+        "*Elset, elset=UPPER => *Node\\n 91, 0.2, 0.2\\n 92, 0.8, 0.2\\n 93, 0.8, 0.8\\n 94, 0.2, 0.8\\n*Element, type=CAX4R, elset=BAR\\n 9, 91, 92, 93, 94\\n*Elset, elset=UPPER",
+    ),
+    (
+        "plane_that_faces_away",
+        "FOOT, 2, 2 => 99, 1, 6 ;; *Step, name => *Node\\n 99, 0., 0.\\n*Surface, name=WALL, type=SEGMENTS\\n START, 2., 0.\\n LINE, 0., 0.\\n\
+         *Rigid Body, ref node=99, analytical surface=WALL\\n*Surface, name=NOSE, type=NODE\\n FOOT,\\n*Surface Interaction, name=I\\n\
+         *Contact Pair, interaction=I\\n WALL, NOSE\\n*Step, name",
+    ),
+];
+
+#[test]
+fn what_can_hardly_be_meant_is_warned_of() {
+    for (name, change) in DOUBTFUL {
+        let prepared = prepared(&changed(change));
+        let text = prepared.diagnostics.render(&prepared.deck.sources);
+        assert_eq!(prepared.diagnostics.error_count(), 0, "{name}:\n{text}");
+        assert_eq!(prepared.diagnostics.iter().count(), 1, "{name}:\n{text}");
+        insta::assert_snapshot!(format!("doubt_{name}"), text);
+    }
+}
+
+/// Trifles: they run without a word, or the ledger tells.
+const TRIFLES: &[(&str, &str)] = &[
+    ("", "length = 2. => length = 1.; length = 2*length"),
+    ("PREPRINT", "*Heading => *Preprint, echo=NO, model=NO\\n*Heading"),
+    ("MONITOR", "*Output, field => *Monitor, node=1, dof=2\\n*Output, field"),
+    ("DIAGNOSTICS", "*Output, field => *Diagnostics, cutback=YES\\n*Output, field"),
+    ("FILTER", "*Solid => *Filter, name=F, type=BUTTERWORTH\\n 100.\\n*Solid"),
+    ("OUTPUT, FILTER", "*Output, history => *Output, history, filter=F"),
+    ("", "*Boundary => *Boundary\\n LATER, 1, 1\\n*Nset, nset=LATER\\n 11,\\n*Boundary"),
+    (
+        "",
+        "*Solid Section, elset=BAR, material=METAL\\n => ;; *Heading => *Solid Section, elset=BAR, material=METAL\\n*Heading",
+    ),
+    ("", "*Step, name => *Restart, write, number interval=1\\n*Step, name"),
+    ("", "*Plastic => *Damping, alpha=0., beta=0.\\n*Plastic"),
+    (
+        "SOLID SECTION, ORIENTATION",
+        "*Solid Section, elset=BAR => *Orientation, name=O\\n 1., 0., 0., 0., 1., 0.\\n*Solid Section, elset=BAR, orientation=O",
+    ),
+    ("S13 of an output request", "S, PEEQ => S, S13"),
+];
+
+#[test]
+fn trifles_run() {
+    for (told, change) in TRIFLES {
+        let prepared = prepared(&changed(change));
+        let text = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(prepared.diagnostics.is_empty(), "{change}:\n{text}");
+        let unused = &prepared.plan.ledger.unused;
+        assert!(told.is_empty() || unused.iter().any(|u| u.what == format!("*{told}")), "{change}: {unused:?}");
+    }
+}
+
+/// A request that never writes, and one that writes at given times.
+#[test]
+fn outputs_come_when_they_are_asked_for() {
+    use revolve::plan::Schedule;
+    let never = prepared(&changed("*Output, field, number interval=2 => *Output, field, frequency=0"));
+    assert!(never.diagnostics.is_empty() && never.plan.steps[0].outputs.field.is_empty());
+    let points = "*Output, field, number interval=2 => *Output, field, time points=P ;; *Step, name => *Time Points, name=P\\n 0.01, 0.07\\n*Step, name";
+    let points = prepared(&changed(points));
+    assert!(points.diagnostics.is_empty());
+    assert_eq!(points.plan.steps[0].outputs.field, [Schedule::Points([0.01, 0.07].into())]);
+}
+
+/// A path of another machine means the file of that name beside the deck.
+#[test]
+fn a_path_that_has_travelled_is_tried_by_its_last_part() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("metal.inc"), "*Density\n 1.,\n").expect("a file");
+    let text = changed("*Density\\n 1.,\\n => *Include, input=C:\\work\\metal.inc\\n");
+    let name = folder.path().join("bar.inp").display().to_string();
+    let prepared = job::prepare_text(&name, &text, &[], &Routines::none());
+    let codes: Vec<_> = prepared.diagnostics.iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["D008"]);
+}
