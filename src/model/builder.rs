@@ -44,6 +44,17 @@ pub(super) struct Builder<'a> {
     pub elements_refused: bool,
     /// Nodes given a place more than once: their elements are looked at again at the end.
     pub moved: HashSet<usize>,
+    /// Cards that generated nodes which were elsewhere already: the first label, and how many.
+    pub again: HashMap<Span, (i64, usize)>,
+    /// Those nodes, and how many elements with them have no shape.
+    pub regenerated: HashSet<usize>,
+    pub spoilt: usize,
+    /// Origin and directions of the coordinates of nodes (`*SYSTEM`).
+    pub system: Option<([f64; 2], [[f64; 2]; 2])>,
+    /// Surfaces of `*INTEGRATED OUTPUT SECTION` by the name of the section.
+    pub sections: HashMap<String, String>,
+    /// Nodes with turned directions.
+    pub transforms: Vec<(Vec<usize>, Span)>,
     /// Members of UNSORTED node sets in the order given, by the name of the set.
     pub unsorted: HashMap<String, Vec<usize>>,
     /// Where elements were given a section, a mass, a spring or a dashpot.
@@ -78,6 +89,12 @@ impl<'a> Builder<'a> {
             output: None,
             elements_refused: false,
             moved: HashSet::new(),
+            again: HashMap::new(),
+            regenerated: HashSet::new(),
+            spoilt: 0,
+            system: None,
+            sections: HashMap::new(),
+            transforms: Vec::new(),
             unsorted: HashMap::new(),
             property_of: HashMap::new(),
             controls_used: Vec::new(),
@@ -99,11 +116,17 @@ impl<'a> Builder<'a> {
             "NODE" => self.node(card),
             "NGEN" => self.ngen(card),
             "NFILL" => self.nfill(card),
+            "NCOPY" => self.ncopy(card),
+            "NMAP" => self.nmap(card),
+            "SYSTEM" => self.system(card),
+            "TRANSFORM" => self.transform(card),
             "ELEMENT" => self.element(card),
             "ELGEN" => self.elgen(card),
+            "ELCOPY" => self.elcopy(card),
             "NSET" => self.nset(card),
             "ELSET" => self.elset(card),
             "SURFACE" => self.surface(card),
+            "RIGID SURFACE" => self.rigid_surface(card),
             "MESH" => self.mesh_file(card),
             "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => self.block(card),
             "MATERIAL"
@@ -152,7 +175,9 @@ impl<'a> Builder<'a> {
             | "ELEMENT OUTPUT"
             | "ENERGY OUTPUT"
             | "INCREMENTATION OUTPUT"
-            | "CONTACT OUTPUT" => self.output_card(card),
+            | "CONTACT OUTPUT"
+            | "INTEGRATED OUTPUT" => self.output_card(card),
+            "INTEGRATED OUTPUT SECTION" => self.integrated_section(card),
             "RESTART" => self.restart_card(card),
             "EXPANSION" => self.expansion(card),
             _ => {}
@@ -168,6 +193,8 @@ impl<'a> Builder<'a> {
         self.close_step();
         self.apply_masses();
         self.check_moved_nodes();
+        self.tell_generated_again();
+        self.check_transforms();
         self.check_controls();
         self.apply_interactions();
         self.complete();

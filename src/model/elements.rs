@@ -174,6 +174,10 @@ impl Builder<'_> {
         span: Span,
     ) -> Option<usize> {
         if let Some(fault) = self.shape_fault(kind, &nodes) {
+            if nodes.iter().any(|n| self.regenerated.contains(n)) {
+                self.spoilt += 1;
+                return None;
+            }
             let message = format!("element {label} ({}) {fault}", kind.name());
             self.diagnostics.push(Diagnostic::error("M123", message).at(span, "this element"));
             return None;
@@ -227,7 +231,12 @@ impl Builder<'_> {
                 continue;
             }
             if let Some(fault) = self.shape_fault(*kind, nodes) {
-                let message = format!("element {name} ({}) {fault}, for a node of it is defined again", kind.name());
+                if nodes.iter().any(|n| self.regenerated.contains(n)) {
+                    self.spoilt += 1;
+                    continue;
+                }
+                let message =
+                    format!("element {name} ({}) {fault}, for a node of it has been moved since", kind.name());
                 self.diagnostics.push(Diagnostic::error("M123", message).at(*span, "this element"));
             }
         }
@@ -288,7 +297,7 @@ impl Builder<'_> {
         Some(made)
     }
 
-    fn shifted(&mut self, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
+    pub(super) fn shifted(&mut self, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
         let mut nodes = Vec::with_capacity(labels.len());
         for label in labels {
             let label = label.saturating_add(shift);

@@ -1,10 +1,16 @@
-//! Mesh files: `*MESH, INPUT=file.vtu|.vtk|.vtp` taken into a model.
-//! Sets are point and cell arrays named `NSET_name` and `ELSET_name` that are not zero on members; labels are
-//! `NODE_LABEL` and `ELEMENT_LABEL`. Never here: decks.
+//! Mesh files: `*MESH, INPUT=file.vtu|.vtk|.vtp|.msh|.inp` taken into a model.
+//! In files of VTK sets are point and cell arrays named `NSET_name` and `ELSET_name` that are not zero on members; labels are
+//! `NODE_LABEL` and `ELEMENT_LABEL`. Never here: decks, formats of files.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use indexmap::IndexMap;
 
 use super::builder::Builder;
 use super::types::ElementKind;
 use super::vtk_file::read;
+use super::{gmsh_file, inp_file};
 use crate::deck::{Card, Diagnostic, Span};
 
 /// What is said of a file that vtkio cannot read.
@@ -18,6 +24,114 @@ pub(crate) struct MeshFile {
     pub(crate) cells: Vec<Vec<usize>>,
     pub(crate) point_arrays: Vec<(String, Vec<f64>)>,
     pub(crate) cell_arrays: Vec<(String, Vec<f64>)>,
+    /// Cards that were passed over.
+    pub(crate) unread: Vec<String>,
+}
+
+/// A mesh with labels and named groups, as meshers write it.
+#[derive(Debug, Default)]
+pub(super) struct Grouped {
+    labels: Vec<i64>,
+    points: Vec<[f64; 3]>,
+    /// Point by label; a point given again takes the place of the first.
+    by_label: HashMap<i64, usize>,
+    cells: Vec<(i64, usize, Vec<i64>)>,
+    /// Cells by the name of their set, and nodes.
+    cell_sets: IndexMap<String, Vec<i64>>,
+    node_sets: IndexMap<String, Vec<i64>>,
+    /// Cards that were passed over.
+    pub(super) unread: Vec<String>,
+}
+
+impl Grouped {
+    pub(super) fn node(&mut self, label: i64, point: [f64; 3]) {
+        if let Some(&known) = self.by_label.get(&label) {
+            self.points[known] = point;
+            return;
+        }
+        self.by_label.insert(label, self.points.len());
+        self.labels.push(label);
+        self.points.push(point);
+    }
+
+    pub(super) fn cell(&mut self, label: i64, dimension: usize, nodes: Vec<i64>, sets: &[String]) {
+        self.cells.push((label, dimension, nodes));
+        sets.iter().for_each(|set| self.add_cells(set, &[label]));
+    }
+
+    pub(super) fn add_cells(&mut self, set: &str, labels: &[i64]) {
+        self.cell_sets.entry(set.to_uppercase()).or_default().extend(labels);
+    }
+
+    pub(super) fn add_nodes(&mut self, set: &str, labels: &[i64]) {
+        self.node_sets.entry(set.to_uppercase()).or_default().extend(labels);
+    }
+
+    /// The mesh: cells of the highest dimension are its elements; sets of others, and `all` sets of cells as well, are sets of
+    /// their nodes. Cells of a mesher that run clockwise are turned where `all` is said.
+    pub(super) fn finish(mut self, all: bool) -> Result<MeshFile, String> {
+        let highest = self.cells.iter().map(|c| c.1).max().ok_or("it has no elements")?;
+        if highest > 2 {
+            return Err("it has elements of space: mesh the half plane of r and z".into());
+        }
+        let nodes_of: HashMap<i64, (usize, Vec<i64>)> =
+            self.cells.iter().map(|(label, dimension, nodes)| (*label, (*dimension, nodes.clone()))).collect();
+        let mut element_sets: Vec<(String, Vec<i64>)> = Vec::new();
+        for (name, labels) in std::mem::take(&mut self.cell_sets) {
+            let is_element = |l: &&i64| nodes_of.get(l).is_some_and(|c| c.0 == highest);
+            let elements: Vec<i64> = labels.iter().filter(is_element).copied().collect();
+            if all || elements.len() < labels.len() {
+                let nodes = labels.iter().filter_map(|l| nodes_of.get(l)).flat_map(|c| &c.1).copied();
+                self.node_sets.entry(name.clone()).or_default().extend(nodes);
+            }
+            if !elements.is_empty() {
+                element_sets.push((name, elements));
+            }
+        }
+        let (mut cells, mut labels) = (Vec::new(), Vec::new());
+        for (label, dimension, nodes) in &self.cells {
+            if *dimension < highest {
+                continue;
+            }
+            let found: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
+            let mut cell = found.ok_or_else(|| format!("element {label} refers to a node that is not there"))?;
+            if all && dimension == &2 && area(&self.points, &cell) < 0.0 {
+                cell[1..].reverse();
+            }
+            cells.push(cell);
+            labels.push(*label);
+        }
+        let mark = |labels: &[i64], members: &[i64]| {
+            let members: std::collections::HashSet<i64> = members.iter().copied().collect();
+            labels.iter().map(|l| f64::from(u8::from(members.contains(l)))).collect::<Vec<f64>>()
+        };
+        let numbers = |labels: &[i64]| labels.iter().map(|l| *l as f64).collect::<Vec<f64>>();
+        let mut point_arrays = vec![("NODE_LABEL".to_owned(), numbers(&self.labels))];
+        point_arrays.extend(self.node_sets.iter().map(|(n, m)| (format!("NSET_{n}"), mark(&self.labels, m))));
+        let mut cell_arrays = vec![("ELEMENT_LABEL".to_owned(), numbers(&labels))];
+        cell_arrays.extend(element_sets.iter().map(|(n, m)| (format!("ELSET_{n}"), mark(&labels, m))));
+        Ok(MeshFile { points: self.points, cells, point_arrays, cell_arrays, unread: self.unread })
+    }
+}
+
+fn area(points: &[[f64; 3]], cell: &[usize]) -> f64 {
+    let pair = |i: usize| (points[cell[i]], points[cell[(i + 1) % cell.len()]]);
+    (0..cell.len()).map(pair).map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1])).sum()
+}
+
+/// Reads a file by its ending.
+///
+/// # Errors
+/// Why not, and what would help.
+fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let text =
+        || std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(|e| e.to_string());
+    match ending.as_deref() {
+        Some("msh") => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, None)),
+        Some("inp") => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, None)),
+        _ => read(path).map_err(|why| (why, Some(RESAVE))),
+    }
 }
 
 impl Builder<'_> {
@@ -31,11 +145,15 @@ impl Builder<'_> {
             None => None,
         };
         let path = self.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
-        match read(&path) {
+        match read_any(&path) {
             Ok(mesh) => self.take_mesh(&mesh, kind, card.span),
-            Err(why) => {
+            Err((why, help)) => {
                 let message = format!("cannot read the mesh file `{}`: {why}", input.text);
-                self.diagnostics.push(Diagnostic::error("M150", message).at(input.span, "this file").help(RESAVE));
+                let finding = Diagnostic::error("M150", message).at(input.span, "this file");
+                self.diagnostics.push(match help {
+                    Some(help) => finding.help(help),
+                    None => finding,
+                });
             }
         }
     }
@@ -75,6 +193,12 @@ impl Builder<'_> {
 
     /// Arrays that are neither sets nor labels are told once: a set may only lack its prefix.
     fn name_unread(&mut self, mesh: &MeshFile, span: Span) {
+        if !mesh.unread.is_empty() {
+            let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
+            let finding = Diagnostic::note("M143", message).at(span, "this mesh");
+            self.diagnostics
+                .push(finding.help("of an .inp nodes, elements and sets are read; take all of it in with *INCLUDE"));
+        }
         let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
         let unread: Vec<&str> = arrays.filter(|name| !is_ours(name)).collect();
         if !unread.is_empty() {

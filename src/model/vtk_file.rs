@@ -135,7 +135,7 @@ fn assemble(points: &IOBuffer, cells: Vec<Vec<usize>>, data: Attributes) -> Resu
     let wrong = misfit(&point_arrays, points.len()).or(misfit(&cell_arrays, cells.len()));
     match wrong {
         Some(name) => Err(format!("its array {name} does not have one value each")),
-        None => Ok(MeshFile { points, cells, point_arrays, cell_arrays }),
+        None => Ok(MeshFile { points, cells, point_arrays, cell_arrays, unread: Vec::new() }),
     }
 }
 

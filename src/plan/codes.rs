@@ -113,7 +113,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P021",
         title: "contact that cannot be",
-        text: "A *CONTACT PAIR joins a surface of deformable nodes, all on one side, with an analytical plane z = const (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY whose reference node is held or moved by *BOUNDARY.",
+        text: "A *CONTACT PAIR joins a surface of deformable nodes, all on one side, with an analytical surface of lines and arcs (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY, which may be held, moved by *BOUNDARY, or free.",
     },
     Code {
         code: "P022",
@@ -140,6 +140,16 @@ pub const CODES: &[Code] = &[
         code: "P104",
         title: "initial condition without effect",
         text: "It is given for nodes that do not move on their own; the velocity of a rigid body is that of its reference node.",
+    },
+    Code {
+        code: "P110",
+        title: "surface that faces away",
+        text: "An analytical surface is met from its front only, which is to the left of the way from START on (each direction turned 90 degrees counter-clockwise). Where all nodes of the pair lie behind it, contact is taken on their side and this is said; where they lie on it and the body behind it, nothing will ever meet it, as in ABAQUS.",
+    },
+    Code {
+        code: "P111",
+        title: "nodes begin behind a surface",
+        text: "By no more than a thousandth of the smaller of both surfaces, as chords of a mesh or digits of a deck make it: they are stopped where they are and not thrown back.",
     },
     Code {
         code: "R201",

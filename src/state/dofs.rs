@@ -43,10 +43,11 @@ impl Dofs {
         }
     }
 
-    /// Acceleration.
+    /// Acceleration; of a rigid body in contact with that of the increment behind.
     pub fn acceleration(&self, dof: Dof) -> f64 {
         match dof {
-            Dof::Body(b) => self.bodies[b].acceleration,
+            Dof::Body(b) if self.bodies[b].contact == 0.0 => self.bodies[b].acceleration,
+            Dof::Body(b) => self.bodies[b].acceleration + self.bodies[b].contact,
             Dof::Node(n, axis) => self.nodes.acceleration[n][axis],
         }
     }
