@@ -400,3 +400,215 @@ impl Persist for Wall {
         persist_fields!(archive; force, pushed);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Wall;
+    use crate::constraint::Constraint;
+    use crate::kernel::profile::{Profile, Segment};
+    use crate::state::dofs::Dofs;
+    use crate::state::magnitude::Clock;
+    use crate::state::nodes::{Node, Nodes};
+    use crate::state::{BodyState, Instant};
+
+    /// Nodes without elements, and one body with a surface.
+    struct Scene {
+        wall: Wall,
+        dofs: Dofs,
+        gravity: [f64; 2],
+    }
+
+    impl Scene {
+        /// A body of a mass, or held where it is `None`; nodes with place, velocity and mass.
+        fn new(
+            profile: Profile,
+            friction: f64,
+            body: Option<(f64, f64)>,
+            nodes: &[([f64; 2], [f64; 2], f64)],
+        ) -> Scene {
+            let list = nodes.iter().map(|(p, v, _)| Node { r: p[0], z: p[1], v_r: v[0], v_z: v[1] }).collect();
+            let masses = nodes.iter().map(|n| n.2).collect();
+            let mut state = BodyState::new(body.map_or(1.0, |b| b.0), body.map_or(0.0, |b| b.1));
+            state.velocity_half = state.velocity;
+            state.prescribed = body.is_none();
+            let mut wall = Wall::new(0, profile, friction, (0..nodes.len()).map(|n| (n, [true; 2])).collect());
+            wall.overlap = 1e-3;
+            let dofs = Dofs { bodies: vec![state], nodes: Nodes::new(list, masses), ..Dofs::default() };
+            Scene { wall, dofs, gravity: [0.0; 2] }
+        }
+
+        fn advance(&mut self, dt: f64) {
+            let body = &mut self.dofs.bodies[0];
+            body.acceleration = 0.0;
+            body.before.displacement = body.displacement;
+            body.displacement += dt * body.velocity_half;
+            let nodes = &mut self.dofs.nodes;
+            for n in 0..nodes.len() {
+                nodes.acceleration[n] = self.gravity;
+                for axis in [0, 1] {
+                    *nodes[n].velocity(axis) += dt * self.gravity[axis];
+                    let v = *nodes[n].velocity(axis);
+                    *nodes[n].coordinate(axis) += dt * v;
+                }
+            }
+            (nodes.behind, nodes.half) = (dt, dt);
+            self.wall.motion(&mut self.dofs, &Clock { now: Instant::default(), told: &[] }, dt);
+        }
+
+        fn momentum(&self) -> f64 {
+            let nodes = &self.dofs.nodes;
+            let sum: f64 = (0..nodes.len()).map(|n| nodes.mass[n] * nodes[n].v_z).sum();
+            sum + self.dofs.bodies[0].mass * self.dofs.bodies[0].velocity_half
+        }
+
+        fn kinetic(&self) -> f64 {
+            let nodes = &self.dofs.nodes;
+            let of = |n: usize| nodes.mass[n] * (nodes[n].v_r * nodes[n].v_r + nodes[n].v_z * nodes[n].v_z);
+            let body = &self.dofs.bodies[0];
+            let own = if body.prescribed { 0.0 } else { body.mass * body.velocity_half * body.velocity_half };
+            0.5 * ((0..nodes.len()).map(of).sum::<f64>() + own)
+        }
+    }
+
+    fn lines(points: &[[f64; 2]]) -> Profile {
+        Profile { segments: points.windows(2).map(|w| Segment::Line([w[0], w[1]])).collect() }
+    }
+
+    /// A bowl of radius 1 around (2, 1), run through counter-clockwise, so that its inside is the front.
+    fn bowl() -> Profile {
+        let (c, points) = ([2.0, 1.0], [[1.0, 1.0], [2.0, 0.0], [3.0, 1.0]]);
+        Profile { segments: points.windows(2).map(|w| Segment::arc(w[0], w[1], c)).collect() }
+    }
+
+    /// Without friction a node that slides along a bowl keeps its speed, to rounding, whatever the increment.
+    #[test]
+    fn sliding_along_a_bowl_keeps_the_speed() {
+        for dt in [0.1, 0.01] {
+            // On the arc half an increment past its start, along the chord.
+            let (c, s) = (dt.cos(), dt.sin());
+            let start = [2.0 - c, 1.0 - s];
+            let mut scene = Scene::new(bowl(), 0.0, None, &[(start, [0.0, 0.0], 2.0)]);
+            let (angle, speed) = (1.5 * dt, 2.0 * (0.5 * dt).sin() / dt);
+            (scene.dofs.nodes[0].v_r, scene.dofs.nodes[0].v_z) = (speed * angle.sin(), -speed * angle.cos());
+            for _ in 0..(2.5 / dt) as usize {
+                scene.advance(dt);
+            }
+            let node = scene.dofs.nodes[0];
+            let radius = (node.r - 2.0).hypot(node.z - 1.0);
+            assert!(node.r > 2.5 && (radius - 1.0).abs() < 1e-12, "{node:?}");
+            assert!((scene.kinetic() - speed * speed).abs() < 1e-10, "{} {}", dt, scene.kinetic());
+            assert!(scene.dofs.energies.contact.abs() < 1e-10, "{:?}", scene.dofs.energies);
+        }
+    }
+
+    /// In a bowl under gravity a node swings for ever: it comes back as high as it began, ten times over.
+    #[test]
+    fn a_node_swings_in_a_bowl_as_a_pendulum() {
+        let start = [2.0 + 0.5_f64.sin(), 1.0 - 0.5_f64.cos()];
+        let mut scene = Scene::new(bowl(), 0.0, None, &[(start, [0.0; 2], 1.0)]);
+        scene.gravity = [0.0, -1.0];
+        let (mut crossings, mut highest, mut before, mut time) = (Vec::new(), 0.0_f64, start[0] - 2.0, 0.0);
+        while crossings.len() < 20 {
+            scene.advance(0.01);
+            time += 0.01;
+            let node = scene.dofs.nodes[0];
+            if (node.r - 2.0) * before < 0.0 {
+                crossings.push(time);
+                highest = 0.0;
+            }
+            before = node.r - 2.0;
+            highest = highest.max(node.z);
+        }
+        // Period of a pendulum by the complete elliptic integral: 2 pi (1 + a^2/16 + 11 a^4/3072 + ..) for a = 0.5.
+        let period = (crossings[18] - crossings[0]) / 9.0;
+        let exact = std::f64::consts::TAU * (1.0 + 0.25 / 16.0 + 11.0 * 0.0625 / 3072.0 + 173.0 * 0.015625 / 737_280.0);
+        assert!((period / exact - 1.0).abs() < 1e-3, "{period} {exact}");
+        while scene.dofs.nodes[0].v_r.abs() > 6e-3 {
+            scene.advance(0.01);
+            highest = highest.max(scene.dofs.nodes[0].z);
+        }
+        assert!((highest - start[1]).abs() < 1e-4, "{highest} {}", start[1]);
+    }
+
+    /// Over a convex corner nothing acts; in a concave one what points into the second side is lost and nothing else.
+    #[test]
+    fn corners_do_not_kick() {
+        let down = lines(&[[0.0, 0.0], [1.0, 0.0], [2.0, -1.0]]);
+        let mut scene = Scene::new(down, 0.0, None, &[([0.95, 0.0], [1.0, 0.0], 1.0)]);
+        (0..20).for_each(|_| scene.advance(0.01));
+        let node = scene.dofs.nodes[0];
+        assert!((node.v_r, node.v_z) == (1.0, 0.0) && node.z.abs() < 1e-15, "{node:?}");
+        let up = lines(&[[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]]);
+        let mut scene = Scene::new(up, 0.0, None, &[([0.955, 0.0], [1.0, 0.0], 1.0)]);
+        (0..20).for_each(|_| scene.advance(0.01));
+        let node = scene.dofs.nodes[0];
+        assert!((node.v_r - 0.5).abs() < 1e-9 && (node.v_z - 0.5).abs() < 1e-9, "{node:?}");
+        let lost = scene.dofs.energies.contact;
+        assert!((lost - 0.25).abs() < 1e-9 && (lost + scene.kinetic() - 0.5).abs() < 1e-12, "{lost}");
+    }
+
+    /// A slope of 45 degrees under gravity, friction 0.3: (1 - 0.3)/sqrt 2 along it, and what is lost is friction.
+    #[test]
+    fn sliding_down_a_slope_is_slowed_by_friction() {
+        let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
+        let mut scene = Scene::new(slope, 0.3, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
+        scene.gravity = [0.0, -1.0];
+        let steps = 400;
+        (0..steps).for_each(|_| scene.advance(0.01));
+        let node = scene.dofs.nodes[0];
+        let (along, exact) = (node.v_r.hypot(node.v_z), 0.7 / 2.0_f64.sqrt() * 0.01 * f64::from(steps));
+        assert!((along / exact - 1.0).abs() < 1e-9, "{along} {exact}");
+        let work = 2.0 * (9.0 - node.z);
+        let lost = scene.dofs.energies.friction;
+        assert!((scene.kinetic() + lost - work).abs() < 0.01 * work, "{lost} {work}");
+        assert!(scene.dofs.energies.contact.abs() < 1e-9);
+        // It sticks where friction is enough.
+        let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
+        let mut scene = Scene::new(slope, 1.1, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
+        scene.gravity = [0.0, -1.0];
+        (0..steps).for_each(|_| scene.advance(0.01));
+        assert!((scene.dofs.nodes[0].r - 1.0).abs() < 1e-12);
+    }
+
+    /// Bodies from a million times lighter to a thousand times heavier than the nodes they meet: all that touches moves on
+    /// together, momentum is kept to rounding and energy only lost.
+    #[test]
+    fn free_bodies_keep_momentum_however_light() {
+        let punch = || {
+            let c = [0.0, 2.0];
+            Profile { segments: vec![Segment::arc([0.0, 1.0], [1.0, 2.0], c).reversed()] }
+        };
+        for mass in [1e-6, 1e-3, 1.0, 1e3] {
+            for friction in [0.0, 0.3] {
+                let nodes: Vec<_> = (0..8).map(|i| ([0.05 + 0.1 * f64::from(i), 0.9999], [0.0; 2], 1.0)).collect();
+                let mut scene = Scene::new(punch(), friction, Some((mass, -1.0)), &nodes);
+                let (momentum, energy) = (scene.momentum(), scene.kinetic());
+                for _ in 0..3000 {
+                    scene.advance(1e-4);
+                    let lost = scene.dofs.energies.contact + scene.dofs.energies.friction;
+                    assert!((scene.kinetic() + lost - energy).abs() < 1e-9 * energy, "{mass} {friction}");
+                }
+                let now = scene.momentum();
+                assert!((now - momentum).abs() < 1e-12 * momentum.abs(), "{mass} {friction}: {now} {momentum}");
+                assert!(scene.kinetic() <= energy && scene.dofs.energies.friction >= 0.0);
+                for n in 0..8 {
+                    let node = scene.dofs.nodes[n];
+                    let gap = scene.wall.profile.nearest(node.place(), scene.dofs.bodies[0].displacement).gap;
+                    assert!(gap > -1e-9, "{mass} {friction}: {n} {gap}");
+                }
+            }
+        }
+    }
+
+    /// A body that falls on one node and carries it along: a perfectly plastic impact.
+    #[test]
+    fn a_body_takes_a_node_along() {
+        let flat = lines(&[[1.0, 0.0], [0.0, 0.0]]);
+        let mut scene = Scene::new(flat, 0.0, Some((3.0, -1.0)), &[([0.5, -0.5], [0.0; 2], 1.0)]);
+        (0..200).for_each(|_| scene.advance(0.01));
+        assert!((scene.dofs.bodies[0].velocity_half + 0.75).abs() < 1e-12);
+        assert!((scene.dofs.nodes[0].v_z + 0.75).abs() < 1e-12);
+        // Half the reduced mass times the square of the speed.
+        assert!((scene.dofs.energies.contact - 0.375).abs() < 1e-12);
+    }
+}

@@ -134,8 +134,11 @@ impl Compiler<'_> {
             }
             return Ok(profile);
         }
-        if start.front <= rounding.max(overlap) && start.behind > overlap.min(start.front) && start.behind > start.front
-        {
+        let away = match contact.faces.is_empty() {
+            true => start.behind > overlap,
+            false => self.looks_away(contact, &profile),
+        };
+        if away && start.front <= rounding.max(overlap) {
             let message =
                 format!("`{name}` faces away from `{}`: contact is taken on the side where that is", contact.set);
             let finding = Diagnostic::warning("P110", message).at(surface.span, format!("{way}; ABAQUS keeps to it"));
@@ -149,20 +152,24 @@ impl Compiler<'_> {
             self.diagnostics.push(finding.help("move the nodes onto the surface"));
             return Ok(profile);
         }
+        if start.front <= overlap {
+            return Err(format!("nodes of this surface begin up to {:.3e} behind the analytical one", start.behind));
+        }
         Err("nodes of this surface lie on both sides of the analytical one".into())
     }
 
-    /// Whether the faces of a surface look the same way as the analytical one that they lie on.
+    /// Whether the faces of a surface look the same way as the analytical one: those of them that are nearest to it.
     fn looks_away(&self, contact: &Contact, profile: &Profile) -> bool {
         let points = &self.model.mesh.points;
-        let faces = contact.faces.iter().map(|f| f.map(|n| points[n]));
-        let along: f64 = faces
-            .map(|[a, b]| {
-                let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-                let n = profile.segments[profile.nearest(middle, 0.0).segment].normal(middle, 0.0);
-                n[0] * (b[1] - a[1]) - n[1] * (b[0] - a[0])
-            })
-            .sum();
-        along > 0.0
+        let face = |f: &[usize; 2]| {
+            let [a, b] = f.map(|n| points[n]);
+            let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            let near = profile.nearest(middle, 0.0);
+            let n = profile.segments[near.segment].normal(middle, 0.0);
+            (near.gap.abs(), n[0] * (b[1] - a[1]) - n[1] * (b[0] - a[0]), libm::hypot(b[0] - a[0], b[1] - a[1]))
+        };
+        let least = contact.faces.iter().map(|f| face(f).0).fold(f64::INFINITY, f64::min);
+        let near = contact.faces.iter().map(face).filter(|(gap, _, length)| *gap <= least + 0.5 * length);
+        near.map(|f| f.1).sum::<f64>() > 0.0
     }
 }
