@@ -48,7 +48,7 @@ pub(super) struct Builder<'a> {
     pub again: HashMap<Span, (i64, usize)>,
     /// Those nodes, and how many elements with them have no shape.
     pub regenerated: HashSet<usize>,
-    pub spoilt: usize,
+    pub spoilt: HashSet<usize>,
     /// Origin and directions of the coordinates of nodes (`*SYSTEM`).
     pub system: Option<([f64; 2], [[f64; 2]; 2])>,
     /// Surfaces of `*INTEGRATED OUTPUT SECTION` by the name of the section.
@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
             moved: HashSet::new(),
             again: HashMap::new(),
             regenerated: HashSet::new(),
-            spoilt: 0,
+            spoilt: HashSet::new(),
             system: None,
             sections: HashMap::new(),
             transforms: Vec::new(),

@@ -241,7 +241,8 @@ impl Builder<'_> {
                     continue;
                 }
             };
-            let Some((nodes, faces)) = self.contact_nodes(other) else { continue };
+            let Some(nodes) = self.contact_nodes(other) else { continue };
+            let faces = self.contact_faces(other);
             let set = other.text.clone();
             let interaction = card.value("INTERACTION").cloned();
             let pairs = &mut self.state().contacts;
@@ -289,21 +290,28 @@ impl Builder<'_> {
         }
     }
 
-    /// Nodes of a surface of nodes or of element faces, ascending, and the faces.
-    fn contact_nodes(&mut self, word: &Word) -> Option<(Vec<usize>, Vec<[usize; 2]>)> {
+    /// Nodes of a surface of nodes or of element faces, ascending.
+    fn contact_nodes(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.model.node_surfaces.get(&name) {
-                return Some((nodes.clone(), Vec::new()));
+                return Some(nodes.clone());
             }
         }
         let key = self.surface_key(word)?;
         let mesh = &self.model.mesh;
         let faces = &self.model.surfaces[&key].faces;
-        let faces: Vec<[usize; 2]> = faces.iter().filter_map(|&(e, side)| mesh.ends(e, side)).collect();
-        let mut nodes = faces.as_flattened().to_vec();
+        let mut nodes: Vec<usize> = faces.iter().filter_map(|&(e, side)| mesh.ends(e, side)).flatten().collect();
         nodes.sort_unstable();
         nodes.dedup();
-        Some((nodes, faces))
+        Some(nodes)
+    }
+
+    /// Faces of a surface; none of one of nodes.
+    fn contact_faces(&self, word: &Word) -> Vec<[usize; 2]> {
+        let names = [qualified(&self.scope, &word.text), upper(&word.text)];
+        let surface = names.iter().find_map(|name| self.model.surfaces.get(name));
+        let faces = surface.map_or(&[][..], |s| &s.faces);
+        faces.iter().filter_map(|&(e, side)| self.model.mesh.ends(e, side)).collect()
     }
 
     /// A surface of nodes: sets or single nodes.

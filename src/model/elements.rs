@@ -175,12 +175,13 @@ impl Builder<'_> {
     ) -> Option<usize> {
         if let Some(fault) = self.shape_fault(kind, &nodes) {
             if nodes.iter().any(|n| self.regenerated.contains(n)) {
-                self.spoilt += 1;
+                // Told at the end, once for all of them.
+                self.spoilt.insert(self.model.mesh.elements.len());
+            } else {
+                let message = format!("element {label} ({}) {fault}", kind.name());
+                self.diagnostics.push(Diagnostic::error("M123", message).at(span, "this element"));
                 return None;
             }
-            let message = format!("element {label} ({}) {fault}", kind.name());
-            self.diagnostics.push(Diagnostic::error("M123", message).at(span, "this element"));
-            return None;
         }
         let index = self.model.mesh.elements.len();
         if let Some(other) = self.elements.insert(&self.scope, label, index) {
@@ -232,7 +233,7 @@ impl Builder<'_> {
             }
             if let Some(fault) = self.shape_fault(*kind, nodes) {
                 if nodes.iter().any(|n| self.regenerated.contains(n)) {
-                    self.spoilt += 1;
+                    self.spoilt.insert(element);
                     continue;
                 }
                 let message =

@@ -152,6 +152,11 @@ pub const CODES: &[Code] = &[
         text: "By no more than a thousandth of the smaller of both surfaces, as chords of a mesh or digits of a deck make it: they are stopped where they are and not thrown back.",
     },
     Code {
+        code: "P112",
+        title: "bodies lie in each other",
+        text: "Elements that have no node in common lie in each other at the start, and nothing acts between bodies that deform: they would move through each other. A twentieth of a face is taken for the chords of curved surfaces that fit.",
+    },
+    Code {
         code: "R201",
         title: "the user's routine failed",
         text: "It returned an error, ended the analysis (STOP, xplb_exit), or gave a value that is not a finite number. The message names what it was called for, step, increment and time; the last good state is in the last frame.",

@@ -11,6 +11,7 @@ mod loads;
 mod mass_scaling;
 mod motions;
 mod outputs;
+mod overlaps;
 mod solid;
 mod solid_material;
 mod surfaces;
@@ -182,6 +183,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
     compiler.scale_and_estimate(&mut state);
     compiler.check_complete(!state.elements.is_empty());
+    compiler.tell_overlaps();
     compiler.list_inert();
     compiler.events_row();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
