@@ -483,7 +483,7 @@ mod tests {
     /// Without friction a node that slides along a bowl keeps its speed, to rounding, whatever the increment.
     #[test]
     fn sliding_along_a_bowl_keeps_the_speed() {
-        for dt in [0.1, 0.01] {
+        for dt in [0.1_f64, 0.01] {
             // On the arc half an increment past its start, along the chord.
             let (c, s) = (dt.cos(), dt.sin());
             let start = [2.0 - c, 1.0 - s];

@@ -227,9 +227,14 @@ impl Builder<'_> {
             return self.integrated_region(card);
         }
         if let Some(word) = card.value("NSET") {
-            self.node_members(word)?;
-            let inner = qualified(&self.scope, &word.text);
-            let name = if self.model.node_sets.contains_key(&inner) { inner } else { upper(&word.text) };
+            let members = self.node_members(word)?;
+            let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
+            let known = [inner, outer.clone()].into_iter().find(|name| self.model.node_sets.contains_key(name));
+            // A node by its number is a set of one.
+            let name = known.unwrap_or_else(|| {
+                self.model.node_sets.insert(outer.clone(), super::types::Set { members, span: word.span });
+                outer
+            });
             return Some(Region::Nodes(name));
         }
         if let Some(word) = card.value("ELSET") {

@@ -94,7 +94,7 @@ impl Run<'_> {
             (_, 0) => 0.0,
             (Variable::Displacement, _) => state.displacement,
             (Variable::Velocity, _) => state.velocity,
-            (Variable::Acceleration, _) => state.acceleration,
+            (Variable::Acceleration, _) => self.dofs.acceleration(Dof::Body(body)),
             (Variable::Reaction, _) => state.reaction,
             _ => f64::NAN,
         }
