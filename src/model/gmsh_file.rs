@@ -5,7 +5,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::str::SplitAsciiWhitespace;
 
-use super::mesh_file::{Grouped, MeshFile};
+use super::mesh_data::{Grouped, MeshFile};
 
 /// Numbers of nodes of Gmsh's element types from 1 on, and their dimensions; types beyond have none here.
 const TYPES: [(usize, usize); 21] = [

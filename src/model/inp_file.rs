@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::mesh_file::{Grouped, MeshFile};
+use super::mesh_data::{Grouped, MeshFile};
 
 /// Reads a file's text.
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {

@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, Attributes, CellType, DataSet, IOBuffer, VertexNumbers};
 
-use super::mesh_file::{MeshFile, is_ours};
+use super::mesh_data::{MeshFile, is_ours};
 
 /// Whether an array says that it is larger than its compressed bytes can hold: vtkio makes room for what it says. Zlib
 /// presses to no less than a 1032nd (RFC 1951: 258 bytes in two bits).
