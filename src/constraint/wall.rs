@@ -341,13 +341,15 @@ impl Wall {
         let faster = self.solve(nodes, &carrier, dt);
         let mut mean = body.velocity_half;
         if mass > 0.0 {
-            let before = body.velocity_half - half * body.acceleration;
+            // Velocities before the increment, and by what surfaces have changed it so far; the acceleration stays that of
+            // loads, from which the length of increments follows.
+            let before = body.before.velocity - (half - 0.5 * dt) * body.acceleration;
+            let so_far = body.velocity_half - before - half * body.acceleration;
             body.velocity_half += faster;
             body.displacement += dt * faster;
-            body.acceleration += faster / half;
             mean = 0.5 * (before + body.velocity_half);
-            // Its earlier impulse in this increment acts over the new velocity.
-            energies.contact -= 0.5 * mass * *taken * faster;
+            // Its earlier impulses in this increment act over the new velocity.
+            energies.contact -= 0.5 * mass * so_far * faster;
             *taken += faster;
         }
         for row in self.rows.iter().filter(|row| row.change[0] > 0.0) {
@@ -440,7 +442,7 @@ mod tests {
         fn advance(&mut self, dt: f64) {
             let body = &mut self.dofs.bodies[0];
             body.acceleration = 0.0;
-            body.before.displacement = body.displacement;
+            (body.before.displacement, body.before.velocity) = (body.displacement, body.velocity_half);
             body.displacement += dt * body.velocity_half;
             let nodes = &mut self.dofs.nodes;
             for n in 0..nodes.len() {
