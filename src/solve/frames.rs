@@ -93,7 +93,7 @@ impl Run<'_> {
             (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
             (_, 0) => 0.0,
             (Variable::Displacement, _) => state.displacement,
-            (Variable::Velocity, _) => state.velocity,
+            (Variable::Velocity, _) => self.dofs.velocity(Dof::Body(body)),
             (Variable::Acceleration, _) => self.dofs.acceleration(Dof::Body(body)),
             (Variable::Reaction, _) => state.reaction,
             _ => f64::NAN,
