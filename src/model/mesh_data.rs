@@ -83,7 +83,7 @@ impl Grouped {
             }
             let found: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
             let mut cell = found.ok_or_else(|| format!("element {label} refers to a node that is not there"))?;
-            if all && dimension == &2 && area(&self.points, &cell) < 0.0 {
+            if all && *dimension == 2 && area(&self.points, &cell) < 0.0 {
                 cell[1..].reverse();
             }
             cells.push(cell);

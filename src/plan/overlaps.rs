@@ -97,7 +97,7 @@ impl Compiler<'_> {
             let piece = &mut pieces[at];
             piece.elements.push(e);
             for &n in &mesh.elements[e].nodes {
-                for i in 0..2 {
+                for i in [0, 1] {
                     piece.low[i] = piece.low[i].min(mesh.points[n][i]);
                     piece.high[i] = piece.high[i].max(mesh.points[n][i]);
                 }
