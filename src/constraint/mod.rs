@@ -17,7 +17,7 @@ use crate::state::magnitude::Clock;
 
 /// A constraint over a step. In each increment the integrator calls [`Constraint::passes_on`], [`Constraint::accelerations`],
 /// [`Constraint::velocities`] and, behind the motion, [`Constraint::motion`]; constraints follow each other in the order of the
-/// plan: prescribed motions, equations, ties, walls.
+/// plan: prescribed motions, equations, walls, ties.
 pub trait Constraint: Persist + Send + Sync {
     /// Its row of the ledger.
     fn id(&self) -> EffectId;

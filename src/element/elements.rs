@@ -207,6 +207,15 @@ impl Elements {
         }
     }
 
+    /// Force of one element on one of its corners.
+    pub fn corner_force(&self, group: usize, element: usize, corner: usize) -> [f64; 2] {
+        let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
+        let block = &self.corners[before + element / LANES].0;
+        let force = [block[2 * corner], block[2 * corner + 1]].map(|lanes| lanes[element % LANES]);
+        let node = self.groups[group].corners(element)[corner] as usize;
+        self.rings.as_ref().map_or(force, |rings| force.map(|f| rings.factors[node] * f))
+    }
+
     /// Sum of the corner forces of one node.
     pub fn nodal_force(&self, node: usize) -> [f64; 2] {
         self.gather.one(node, &self.corners)

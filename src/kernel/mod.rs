@@ -8,6 +8,7 @@ pub mod hardening;
 pub mod heating;
 pub mod lanes;
 pub mod levels;
+pub mod profile;
 pub mod quad;
 pub mod rotation;
 pub mod solid;

@@ -15,7 +15,7 @@ impl Builder<'_> {
             return;
         };
         if let Some(word) = card.value("ANALYTICAL SURFACE") {
-            self.carry_plane(word, reference);
+            self.carry_surface(word, reference);
         }
         let elements = card.value("ELSET").and_then(|w| self.element_members(w)).unwrap_or_default();
         let mut tied = Vec::new();

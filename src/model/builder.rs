@@ -52,6 +52,17 @@ pub(super) struct Builder<'a> {
     pub used_twice: Vec<(i64, Span, Span)>,
     /// The card that is being read.
     pub current: Span,
+    /// Cards that generated nodes which were elsewhere already: the first label, and how many.
+    pub again: HashMap<Span, (i64, usize)>,
+    /// Those nodes, and how many elements with them have no shape.
+    pub regenerated: HashSet<usize>,
+    pub spoilt: HashSet<usize>,
+    /// Origin and directions of the coordinates of nodes (`*SYSTEM`).
+    pub system: Option<([f64; 2], [[f64; 2]; 2])>,
+    /// Surfaces of `*INTEGRATED OUTPUT SECTION` by the name of the section.
+    pub sections: HashMap<String, String>,
+    /// Nodes with turned directions.
+    pub transforms: Vec<(Vec<usize>, Span)>,
     /// Members of UNSORTED node sets in the order given, by the name of the set.
     pub unsorted: HashMap<String, Vec<usize>>,
     /// Where elements were given a section, a mass, a spring or a dashpot.
@@ -89,6 +100,12 @@ impl<'a> Builder<'a> {
             moved: HashMap::new(),
             used_twice: Vec::new(),
             current: Span::default(),
+            again: HashMap::new(),
+            regenerated: HashSet::new(),
+            spoilt: HashSet::new(),
+            system: None,
+            sections: HashMap::new(),
+            transforms: Vec::new(),
             unsorted: HashMap::new(),
             property_of: HashMap::new(),
             controls_used: Vec::new(),
@@ -115,11 +132,17 @@ impl<'a> Builder<'a> {
             "NODE" => self.node(card),
             "NGEN" => self.ngen(card),
             "NFILL" => self.nfill(card),
+            "NCOPY" => self.ncopy(card),
+            "NMAP" => self.nmap(card),
+            "SYSTEM" => self.system(card),
+            "TRANSFORM" => self.transform(card),
             "ELEMENT" => self.element(card),
             "ELGEN" => self.elgen(card),
+            "ELCOPY" => self.elcopy(card),
             "NSET" => self.nset(card),
             "ELSET" => self.elset(card),
             "SURFACE" => self.surface(card),
+            "RIGID SURFACE" => self.rigid_surface(card),
             "MESH" => self.mesh_file(card),
             "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => self.block(card),
             "MATERIAL"
@@ -163,9 +186,14 @@ impl<'a> Builder<'a> {
             }
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
-            "OUTPUT" | "NODE OUTPUT" | "ELEMENT OUTPUT" | "ENERGY OUTPUT" | "INCREMENTATION OUTPUT" => {
-                self.output_card(card)
-            }
+            "OUTPUT"
+            | "NODE OUTPUT"
+            | "ELEMENT OUTPUT"
+            | "ENERGY OUTPUT"
+            | "INCREMENTATION OUTPUT"
+            | "CONTACT OUTPUT"
+            | "INTEGRATED OUTPUT" => self.output_card(card),
+            "INTEGRATED OUTPUT SECTION" => self.integrated_section(card),
             "TIME POINTS" => self.time_points(card),
             "RESTART" => self.restart_card(card),
             "EXPANSION" => self.expansion(card),
@@ -183,6 +211,8 @@ impl<'a> Builder<'a> {
         self.apply_masses();
         self.tell_labels_used_twice();
         self.tell_shape_faults();
+        self.tell_generated_again();
+        self.check_transforms();
         self.check_controls();
         self.apply_interactions();
         self.complete();

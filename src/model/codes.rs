@@ -143,6 +143,11 @@ pub const CODES: &[Code] = &[
         "Plastic work heats the material in an adiabatic step; its *EXPANSION is read, and its strain is not computed.",
     ),
     code(
+        "M170",
+        "arc that does not close",
+        "The ends of an arc are not equally far from its centre. Up to a millionth of the radius this is rounding; up to a hundredth the nearest centre is taken that they are equally far from, with a warning; beyond, the arc is refused.",
+    ),
+    code(
         "M150",
         "mesh file cannot be read",
         "The file is missing, damaged, or in a form that is not read; the message says how to save it again.",

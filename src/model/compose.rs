@@ -254,6 +254,7 @@ impl OutputRequest {
             Region::Whole => OutputCard::Output,
             Region::Nodes(_) => OutputCard::Node,
             Region::Elements(_) => OutputCard::Element,
+            Region::Surface(..) => OutputCard::Integrated,
         };
         let (interval, position, span) = (Interval::Default, Position::Element, Span::composed());
         OutputRequest { kind, interval, card, variables, position, region, sensor: None, span }

@@ -167,10 +167,13 @@ impl Check<'_> {
                 format!("a mass must not be below zero, not {}", point.mass)
             });
         }
-        for plane in model.planes.values() {
-            self.nodes(plane.span, plane.reference.as_slice());
-            let finite = [plane.height, plane.from, plane.to].iter().all(|x| x.is_finite());
-            self.value(finite, plane.span, || "a plane needs finite coordinates".into());
+        for surface in model.rigid_surfaces.values() {
+            self.nodes(surface.span, surface.reference.as_slice());
+            let segments = &surface.profile.segments;
+            let finite = segments.iter().flat_map(|s| s.ends()).flatten().all(f64::is_finite);
+            self.value(finite && !segments.is_empty(), surface.span, || {
+                "an analytical surface needs segments with finite coordinates".into()
+            });
         }
     }
 
@@ -276,8 +279,9 @@ impl Check<'_> {
             self.nodes(contact.span, &contact.nodes);
             self.value(ascend(&contact.nodes), contact.span, || "nodes in contact must ascend".into());
             self.value(not_below(contact.friction), contact.span, || "friction must not be below zero".into());
-            if !self.model.planes.contains_key(&contact.plane) {
-                self.error("M114", contact.span, format!("there is no analytical surface `{}`", contact.plane));
+            self.nodes(contact.span, contact.faces.as_flattened());
+            if !self.model.rigid_surfaces.contains_key(&contact.surface) {
+                self.error("M114", contact.span, format!("there is no analytical surface `{}`", contact.surface));
             }
         }
         for scaling in &step.mass_scalings {
@@ -338,6 +342,7 @@ impl Check<'_> {
         let missing = match &request.region {
             Region::Nodes(name) => Some(("node", name)).filter(|_| !model.node_sets.contains_key(name)),
             Region::Elements(name) => Some(("element", name)).filter(|_| !model.element_sets.contains_key(name)),
+            Region::Surface(name, _) => Some(("surface", name)).filter(|_| !model.surfaces.contains_key(name)),
             Region::Whole => None,
         };
         if let Some((what, name)) = missing {

@@ -1,46 +1,189 @@
-//! Contact with analytical planes: `*SURFACE, TYPE=SEGMENTS`, `*CONTACT PAIR`, `*SURFACE INTERACTION`, `*FRICTION`.
+//! Contact with analytical surfaces: `*SURFACE, TYPE=SEGMENTS`, `*RIGID SURFACE`, `*CONTACT PAIR`, `*SURFACE INTERACTION`,
+//! `*FRICTION`.
 //! Never here: surfaces of elements, what contact does.
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Contact, Interaction, Plane};
-use crate::deck::{Card, Diagnostic, Word};
+use super::types::{Contact, Interaction, Profile, RigidBody, RigidSurface, Segment};
+use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+
+/// Up to this part of the radius the ends of an arc differ by rounding alone.
+const ARC_ROUNDING: f64 = 1e-6;
+/// Up to this part a slip of digits is taken for the arc that was meant.
+const ARC_MOST: f64 = 1e-2;
+
+/// The point nearest to a centre that is equally far from two others.
+fn evened(a: [f64; 2], b: [f64; 2], centre: [f64; 2]) -> [f64; 2] {
+    let chord = [b[0] - a[0], b[1] - a[1]];
+    let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    let off = ((centre[0] - middle[0]) * chord[0] + (centre[1] - middle[1]) * chord[1])
+        / (chord[0] * chord[0] + chord[1] * chord[1]);
+    [centre[0] - off * chord[0], centre[1] - off * chord[1]]
+}
 
 impl Builder<'_> {
-    /// A straight line of one height: START, r, z and LINE, r, z.
-    pub(super) fn plane(&mut self, card: &Card, name: &Word) {
-        let [start, line] = &card.lines[..] else {
-            self.unsupported(
-                card.span,
-                "analytical surfaces of other than one line are not supported",
-                "START and LINE are",
-            );
+    /// A chain of segments: START, then LINE and CIRCL (ABAQUS Keywords Reference Guide, *SURFACE, TYPE=SEGMENTS).
+    pub(super) fn analytical_surface(&mut self, card: &Card, name: &Word) {
+        let Some((start, rest)) = card.lines.split_first() else {
+            self.required_lines(card);
             return;
         };
-        let is = |word: Option<&Word>, what: &str| word.is_some_and(|w| w.is(what));
-        if !is(start.field(0), "START") || !is(line.field(0), "LINE") {
-            self.unsupported(card.span, "this analytical surface is not supported", "START, r, z and LINE, r, z are");
+        let Some(mut at) = self.surface_point(start, "START") else { return };
+        let (mut segments, mut lines) = (Vec::new(), Vec::new());
+        for line in rest {
+            let Some(segment) = self.segment(line, at) else { return };
+            at = segment.ends()[1];
+            segments.push(segment);
+            lines.push(line.span);
+        }
+        if segments.is_empty() {
+            self.out_of_range(start.span, "an analytical surface needs a LINE or a CIRCL behind START");
             return;
         }
-        let mut point = |line| Some([self.number(line, 1, "r")?, self.number(line, 2, "z")?]);
-        let (Some([r1, z1]), Some([r2, z2])) = (point(start), point(line)) else { return };
-        if z1 != z2 || r1 == r2 {
-            self.unsupported(card.span, "only planes z = const are supported", "give both points the same z");
-            return;
+        let mut profile = Profile { segments };
+        if let Some(word) = card.value("FILLET RADIUS") {
+            let Some(radius) = word.number(&mut self.diagnostics) else { return };
+            if radius.is_nan() || radius < 0.0 {
+                self.out_of_range(word.span, format!("the radius of a fillet must not be below zero, not {radius}"));
+                return;
+            }
+            if radius > 0.0 {
+                match profile.fillet(radius) {
+                    Ok(rounded) => profile = rounded,
+                    Err(k) => {
+                        let message =
+                            format!("there is no room for a fillet of radius {radius} where this segment begins");
+                        self.out_of_range(lines[k], message);
+                        return;
+                    }
+                }
+            }
         }
-        let plane = Plane { height: z1, from: r1, to: r2, reference: None, span: card.span };
-        self.model.planes.insert(qualified(&self.scope, &name.text), plane);
+        let profile = self.placed(profile);
+        let surface = RigidSurface { profile, reference: None, span: card.span };
+        self.model.rigid_surfaces.insert(qualified(&self.scope, &name.text), surface);
     }
 
-    /// A rigid body that carries a plane.
-    pub(super) fn carry_plane(&mut self, word: &Word, reference: usize) {
+    fn required_lines(&mut self, card: &Card) {
+        let finding = Diagnostic::error("M102", "an analytical surface begins with START, r, z");
+        self.diagnostics.push(finding.at(card.span, "no data lines"));
+    }
+
+    /// The surface of an instance in the assembly. What turns the plane over turns the way along the surface with it: the front
+    /// stays the front.
+    fn placed(&self, profile: Profile) -> Profile {
+        let Some(placement) = &self.instance else { return profile };
+        let put = |p: [f64; 2]| placement.apply(p);
+        let moved = |s: &Segment| match *s {
+            Segment::Line(ends) => Segment::Line(ends.map(put)),
+            Segment::Arc(ends, centre, ..) => Segment::arc(put(ends[0]), put(ends[1]), put(centre)),
+        };
+        let placed = Profile { segments: profile.segments.iter().map(moved).collect() };
+        let [o, r, z] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(put);
+        let turned = (r[0] - o[0]) * (z[1] - o[1]) - (r[1] - o[1]) * (z[0] - o[0]) < 0.0;
+        if turned { placed.reversed() } else { placed }
+    }
+
+    fn surface_point(&mut self, line: &DataLine, word: &str) -> Option<[f64; 2]> {
+        if !line.field(0).is_some_and(|w| w.is(word)) {
+            self.out_of_range(line.span, format!("an analytical surface begins with {word}, r, z"));
+            return None;
+        }
+        Some([self.number(line, 1, "r")?, self.number(line, 2, "z")?])
+    }
+
+    /// The segment of a data line that begins at a point.
+    fn segment(&mut self, line: &DataLine, from: [f64; 2]) -> Option<Segment> {
+        let is = |what: &str| line.field(0).is_some_and(|w| w.is(what));
+        if !is("LINE") && !is("CIRCL") {
+            self.unsupported(line.span, "this segment of an analytical surface is not supported", "LINE and CIRCL are");
+            return None;
+        }
+        let to = [self.number(line, 1, "r")?, self.number(line, 2, "z")?];
+        if from == to {
+            self.out_of_range(line.span, "this segment has no length");
+            return None;
+        }
+        if is("LINE") {
+            return Some(Segment::Line([from, to]));
+        }
+        let centre = [self.number(line, 3, "r of the centre")?, self.number(line, 4, "z of the centre")?];
+        let centre = evened(from, to, self.arc_centre(from, to, centre, line.span)?);
+        let (u, v) = ([from[0] - centre[0], from[1] - centre[1]], [to[0] - centre[0], to[1] - centre[1]]);
+        let sine = (u[0] * v[1] - u[1] * v[0]) / (u[0].hypot(u[1]) * v[0].hypot(v[1]));
+        if sine.abs() < 1e-6 {
+            self.out_of_range(line.span, "an arc must be shorter than half a circle: give it in two");
+            return None;
+        }
+        Some(Segment::arc(from, to, centre))
+    }
+
+    /// The centre of an arc. Where its ends are not quite equally far from it this is told, and the nearest point that they are
+    /// equally far from is taken; where they are off by more than a hundredth the arc is refused.
+    pub(super) fn arc_centre(
+        &mut self,
+        from: [f64; 2],
+        to: [f64; 2],
+        centre: [f64; 2],
+        span: Span,
+    ) -> Option<[f64; 2]> {
+        let [a, b] = [from, to].map(|p| (p[0] - centre[0]).hypot(p[1] - centre[1]));
+        let off = (a - b).abs() / a.max(b);
+        if off <= ARC_ROUNDING {
+            return Some(centre);
+        }
+        let message = format!(
+            "the ends of the arc are {a} and {b} from its centre ({}, {}): {off:.1e} of the radius apart",
+            centre[0], centre[1]
+        );
+        if off.is_nan() || off > ARC_MOST {
+            let finding = Diagnostic::error("M103", message).at(span, "no circle goes through both");
+            self.diagnostics.push(finding.help("up to a hundredth of the radius is taken for rounding"));
+            return None;
+        }
+        let finding = Diagnostic::warning("M170", message).at(span, "the nearest centre is taken");
+        self.diagnostics.push(finding.help("give the centre with more digits"));
+        Some(evened(from, to, centre))
+    }
+
+    /// The old card: an analytical surface with its reference node (ABAQUS Keywords Reference Guide, *RIGID SURFACE).
+    pub(super) fn rigid_surface(&mut self, card: &Card) {
+        if !card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
+            let message = "only TYPE=SEGMENTS is a surface of revolution in the r-z plane";
+            self.unsupported(card.span, message, "TYPE=SEGMENTS is");
+            return;
+        }
+        let Some(name) = card.value("NAME").or(card.value("ELSET")) else {
+            self.required(card, "NAME");
+            return;
+        };
+        self.analytical_surface(card, name);
+        let Some(word) = card.value("REF NODE") else { return };
+        let Some(nodes) = self.node_members(word) else { return };
+        let [reference] = nodes[..] else {
+            self.out_of_range(word.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+            return;
+        };
+        if let Some(surface) = self.model.rigid_surfaces.get_mut(&qualified(&self.scope, &name.text)) {
+            surface.reference = Some(reference);
+        }
+        if self.model.rigid_bodies.iter().any(|b| b.reference == reference) {
+            return;
+        }
+        let (elements, nodes, name) = (Vec::new(), Vec::new(), upper(&name.text));
+        let body = RigidBody { name, reference, elements, nodes, thickness: 0.0, density: 0.0, span: card.span };
+        self.model.rigid_bodies.push(body);
+    }
+
+    /// A rigid body that carries an analytical surface.
+    pub(super) fn carry_surface(&mut self, word: &Word, reference: usize) {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if let Some(plane) = self.model.planes.get_mut(&name) {
-                plane.reference = Some(reference);
+            if let Some(surface) = self.model.rigid_surfaces.get_mut(&name) {
+                surface.reference = Some(reference);
                 return;
             }
         }
-        let names: Vec<String> = self.model.planes.keys().cloned().collect();
+        let names: Vec<String> = self.model.rigid_surfaces.keys().cloned().collect();
         self.unknown("M114", "analytical surface", word, &names);
     }
 
@@ -86,26 +229,27 @@ impl Builder<'_> {
                 self.diagnostics.push(Diagnostic::error("M102", "a pair has two surfaces").at(line.span, "here"));
                 continue;
             };
-            let (planes, scope) = (&self.model.planes, &self.scope);
+            let (known, scope) = (&self.model.rigid_surfaces, &self.scope);
             let find =
-                |w: &Word| [qualified(scope, &w.text), upper(&w.text)].into_iter().find(|n| planes.contains_key(n));
-            let (plane, other) = match (find(first), find(second)) {
-                (Some(plane), None) => (plane, second),
-                (None, Some(plane)) => (plane, first),
+                |w: &Word| [qualified(scope, &w.text), upper(&w.text)].into_iter().find(|n| known.contains_key(n));
+            let (surface, other) = match (find(first), find(second)) {
+                (Some(surface), None) => (surface, second),
+                (None, Some(surface)) => (surface, first),
                 _ if self.lost.explains("surface", first) || self.lost.explains("surface", second) => continue,
                 _ => {
-                    let message = "one surface of a pair must be an analytical plane, the other must deform";
+                    let message = "one surface of a pair must be an analytical one, the other must deform";
                     self.unsupported(line.span, message, "contact of deformable surfaces is not simulated");
                     continue;
                 }
             };
             let Some(nodes) = self.contact_nodes(other) else { continue };
+            let faces = self.contact_faces(other);
             let set = other.text.clone();
             let interaction = card.value("INTERACTION").cloned();
             let pairs = &mut self.state().contacts;
             let before = pairs.len();
             // A pair that is given again takes the place of the earlier one.
-            pairs.retain(|c| c.plane != plane || c.nodes != nodes);
+            pairs.retain(|c| c.surface != surface || c.nodes != nodes);
             if !adds {
                 if pairs.len() == before {
                     let message = "there is no such contact pair to delete";
@@ -113,7 +257,7 @@ impl Builder<'_> {
                 }
                 continue;
             }
-            pairs.push(Contact { plane, nodes, set, interaction, friction: 0.0, span: line.span });
+            pairs.push(Contact { surface, nodes, faces, set, interaction, friction: 0.0, span: line.span });
         }
     }
 
@@ -161,6 +305,14 @@ impl Builder<'_> {
         nodes.sort_unstable();
         nodes.dedup();
         Some(nodes)
+    }
+
+    /// Faces of a surface; none of one of nodes.
+    fn contact_faces(&self, word: &Word) -> Vec<[usize; 2]> {
+        let names = [qualified(&self.scope, &word.text), upper(&word.text)];
+        let surface = names.iter().find_map(|name| self.model.surfaces.get(name));
+        let faces = surface.map_or(&[][..], |s| &s.faces);
+        faces.iter().filter_map(|&(e, side)| self.model.mesh.ends(e, side)).collect()
     }
 
     /// A surface of nodes: sets or single nodes.

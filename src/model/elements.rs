@@ -231,7 +231,11 @@ impl Builder<'_> {
         }
         let mut faults: IndexMap<ShapeFault, Vec<usize>> = IndexMap::new();
         for (index, element) in self.model.mesh.elements.iter().enumerate() {
-            if let Some(fault) = self.shape_fault(element.kind, &element.nodes) {
+            let Some(fault) = self.shape_fault(element.kind, &element.nodes) else { continue };
+            if element.nodes.iter().any(|n| self.regenerated.contains(n)) {
+                // Told once for all of them, with the card that gave nodes their numbers again.
+                self.spoilt.insert(index);
+            } else {
                 faults.entry(fault).or_default().push(index);
             }
         }
@@ -332,7 +336,7 @@ impl Builder<'_> {
         Some(made)
     }
 
-    fn shifted(&mut self, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
+    pub(super) fn shifted(&mut self, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
         let mut nodes = Vec::with_capacity(labels.len());
         for label in labels {
             let label = label.saturating_add(shift);

@@ -1,23 +1,33 @@
-//! Mesh files: `*MESH, INPUT=file.vtu|.vtk|.vtp` taken into a model.
-//! Sets are point and cell arrays named `NSET_name` and `ELSET_name` that are not zero on members; labels are
-//! `NODE_LABEL` and `ELEMENT_LABEL`. Never here: decks.
+//! Mesh files: `*MESH, INPUT=file.vtu|.vtk|.vtp|.msh|.inp` taken into a model.
+//! In files of VTK sets are point and cell arrays named `NSET_name` and `ELSET_name` that are not zero on members; labels are
+//! `NODE_LABEL` and `ELEMENT_LABEL`. Never here: decks, formats of files.
+
+use std::path::Path;
 
 use super::builder::Builder;
+use super::mesh_data::{MeshFile, is_ours};
 use super::types::ElementKind;
 use super::vtk_file::read;
+use super::{gmsh_file, inp_file};
 use crate::deck::{Card, Diagnostic, Span};
 
 /// What is said of a file that vtkio cannot read.
 const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no compression; appended raw data, LZMA and \
                       legacy files with a FIELD block are not read";
 
-/// A mesh as it stands in a file.
-#[derive(Debug, Default)]
-pub(crate) struct MeshFile {
-    pub(crate) points: Vec<[f64; 3]>,
-    pub(crate) cells: Vec<Vec<usize>>,
-    pub(crate) point_arrays: Vec<(String, Vec<f64>)>,
-    pub(crate) cell_arrays: Vec<(String, Vec<f64>)>,
+/// Reads a file by its ending.
+///
+/// # Errors
+/// Why not, and what would help.
+fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let text =
+        || std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(|e| e.to_string());
+    match ending.as_deref() {
+        Some("msh") => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, None)),
+        Some("inp") => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, None)),
+        _ => read(path).map_err(|why| (why, Some(RESAVE))),
+    }
 }
 
 impl Builder<'_> {
@@ -31,11 +41,15 @@ impl Builder<'_> {
             None => None,
         };
         let path = self.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
-        match read(&path) {
+        match read_any(&path) {
             Ok(mesh) => self.take_mesh(&mesh, kind, card.span),
-            Err(why) => {
+            Err((why, help)) => {
                 let message = format!("cannot read the mesh file `{}`: {why}", input.text);
-                self.diagnostics.push(Diagnostic::error("M150", message).at(input.span, "this file").help(RESAVE));
+                let finding = Diagnostic::error("M150", message).at(input.span, "this file");
+                self.diagnostics.push(match help {
+                    Some(help) => finding.help(help),
+                    None => finding,
+                });
             }
         }
     }
@@ -75,6 +89,12 @@ impl Builder<'_> {
 
     /// Arrays that are neither sets nor labels are told once: a set may only lack its prefix.
     fn name_unread(&mut self, mesh: &MeshFile, span: Span) {
+        if !mesh.unread.is_empty() {
+            let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
+            let finding = Diagnostic::note("M143", message).at(span, "this mesh");
+            self.diagnostics
+                .push(finding.help("of an .inp nodes, elements and sets are read; take all of it in with *INCLUDE"));
+        }
         let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
         let unread: Vec<&str> = arrays.filter(|name| !is_ours(name)).collect();
         if !unread.is_empty() {
@@ -112,9 +132,4 @@ fn labels(arrays: &[(String, Vec<f64>)], name: &str, count: usize) -> Vec<i64> {
         Some((_, values)) => values.iter().map(|v| *v as i64).collect(),
         None => (1..=count as i64).collect(),
     }
-}
-
-/// Whether an array is a set or holds labels.
-pub(super) fn is_ours(name: &str) -> bool {
-    name.starts_with("NSET_") || name.starts_with("ELSET_") || name.ends_with("_LABEL")
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::mesh_file::MeshFile;
+use super::mesh_data::MeshFile;
 
 /// Refuses every file.
 pub(crate) fn read(_path: &Path) -> Result<MeshFile, String> {

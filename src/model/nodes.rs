@@ -2,6 +2,7 @@
 //! Never here: elements.
 
 use super::builder::{Builder, MOST};
+use super::copies::polar_point;
 use super::names::{qualified, upper};
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
@@ -9,13 +10,15 @@ impl Builder<'_> {
     pub(super) fn node(&mut self, card: &Card) {
         let mut made = Vec::with_capacity(card.lines.len());
         let mut again = Again::default();
+        let polar = card.value("SYSTEM").is_some_and(|w| w.is("C"));
         for line in &card.lines {
             let Some(label) = self.integer(line, 0, "the node label") else { continue };
             let (Some(r), Some(z)) = (self.number_or(line, 1, 0.0), self.number_or(line, 2, 0.0)) else { continue };
             if self.nodes.find(&self.scope, label).is_some() {
                 again.note(label, line.span);
             }
-            made.push(self.add_node(label, [r, z]));
+            let given = if polar { polar_point(r, z) } else { [r, z] };
+            made.push(self.add_node(label, self.in_system(given)));
         }
         again.tell(&mut self.diagnostics);
         self.collect_nodes(card, made);
@@ -99,7 +102,13 @@ impl Builder<'_> {
         }
         let count = self.count(span / i128::from(step), line.span)?;
         let (a, b) = (self.model.mesh.points[from], self.model.mesh.points[to]);
-        let centre = if arc { Some(self.centre(line)?) } else { None };
+        let centre = match arc {
+            true => {
+                let given = self.centre(line)?;
+                Some(self.arc_centre(a, b, given, line.span)?)
+            }
+            false => None,
+        };
         let sign = (last - first).signum();
         let mut made = vec![from];
         for i in 1..count {
@@ -108,21 +117,24 @@ impl Builder<'_> {
                 Some(c) => on_arc(a, b, c, normal, s),
                 None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
             };
-            made.push(self.place_generated(first + sign * step * i as i64, [r, z]));
+            made.push(self.place_generated(first + sign * step * i as i64, [r, z], line.span));
         }
         made.push(to);
-        if let Some(c) = centre.filter(|c| !same_radius(a, b, *c)) {
-            let message = format!("the ends of the arc are not equally far from its centre ({}, {})", c[0], c[1]);
-            self.out_of_range(line.span, message);
-        }
         Some(made)
     }
 
     /// Generated nodes are already placed: their ends were.
-    fn place_generated(&mut self, label: i64, [r, z]: [f64; 2]) -> usize {
+    pub(super) fn place_generated(&mut self, label: i64, [r, z]: [f64; 2], span: Span) -> usize {
+        let known = self.nodes.find(&self.scope, label).map(|n| (n, self.model.mesh.points[n]));
         let placement = self.instance.take();
         let index = self.add_node(label, [r, z]);
         self.instance = placement;
+        if let Some((node, before)) = known {
+            let far = (before[0] - r).abs().max((before[1] - z).abs());
+            if far > 1e-6 * r.abs().max(z.abs()) {
+                self.note_generated_again(node, label, span);
+            }
+        }
         index
     }
 
@@ -208,7 +220,7 @@ impl Builder<'_> {
             let label = self.label_of_index(*a)?;
             for (i, s) in shares.iter().enumerate() {
                 let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
-                made.push(self.place_generated(label + step * (i as i64 + 1), place));
+                made.push(self.place_generated(label + step * (i as i64 + 1), place, line.span));
             }
             made.extend([*a, *b]);
         }
@@ -227,7 +239,7 @@ impl Builder<'_> {
         Some(nodes)
     }
 
-    fn label_of_index(&self, index: usize) -> Option<i64> {
+    pub(super) fn label_of_index(&self, index: usize) -> Option<i64> {
         self.model.mesh.node_names[index].rsplit('.').next()?.parse().ok()
     }
 }
@@ -285,11 +297,6 @@ impl Again {
         let finding = Diagnostic::warning("M164", format!("node {label}{more} defined again"));
         diagnostics.push(finding.at(span, "the last place counts").help("give each node once"));
     }
-}
-
-fn same_radius(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
-    let radius = |p: [f64; 2]| (p[0] - c[0]).hypot(p[1] - c[1]);
-    (radius(a) - radius(b)).abs() <= 1e-6 * radius(a).max(radius(b))
 }
 
 /// The point at fraction `s` of the arc from `a` to `b` around `c`: counter-clockwise where `normal` is above zero,

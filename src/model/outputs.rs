@@ -186,6 +186,7 @@ impl Builder<'_> {
             "NODE OUTPUT" => OutputCard::Node,
             "ELEMENT OUTPUT" => OutputCard::Element,
             "ENERGY OUTPUT" => OutputCard::Energy,
+            "INTEGRATED OUTPUT" => OutputCard::Integrated,
             _ => OutputCard::Incrementation,
         };
         if request.kind == OutputKind::Field && region != Region::Whole {
@@ -248,11 +249,28 @@ impl Builder<'_> {
         }
     }
 
+    /// A surface under a name, for integrals (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
+    pub(super) fn integrated_section(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "NAME") else { return };
+        let Some(surface) = self.required(card, "SURFACE") else { return };
+        if let Some(key) = self.surface_key(surface) {
+            self.sections.insert(upper(&name.text), key);
+        }
+    }
+
     fn output_region(&mut self, card: &Card) -> Option<Region> {
+        if card.keyword.name == "INTEGRATED OUTPUT" {
+            return self.integrated_region(card);
+        }
         if let Some(word) = card.value("NSET") {
-            self.node_members(word)?;
-            let inner = qualified(&self.scope, &word.text);
-            let name = if self.model.node_sets.contains_key(&inner) { inner } else { upper(&word.text) };
+            let members = self.node_members(word)?;
+            let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
+            let known = [inner, outer.clone()].into_iter().find(|name| self.model.node_sets.contains_key(name));
+            // A node by its number is a set of one.
+            let name = known.unwrap_or_else(|| {
+                self.model.node_sets.insert(outer.clone(), super::types::Set { members, span: word.span });
+                outer
+            });
             return Some(Region::Nodes(name));
         }
         if let Some(word) = card.value("ELSET") {
@@ -260,6 +278,22 @@ impl Builder<'_> {
             return Some(Region::Elements(upper(&word.text)));
         }
         Some(Region::Whole)
+    }
+
+    fn integrated_region(&mut self, card: &Card) -> Option<Region> {
+        if let Some(word) = card.value("SECTION") {
+            let name = upper(&word.text);
+            let Some(key) = self.sections.get(&name).cloned() else {
+                let mut names: Vec<String> = self.sections.keys().cloned().collect();
+                names.sort();
+                self.unknown("M114", "integrated output section", word, &names);
+                return None;
+            };
+            return Some(Region::Surface(key, name));
+        }
+        let word = self.required(card, "SURFACE")?;
+        let key = self.surface_key(word)?;
+        Some(Region::Surface(key.clone(), key))
     }
 
     /// Whether a word is a component that a body of revolution does not have: the ledger tells.

@@ -24,6 +24,17 @@ impl Placement {
         };
         [placed.x, placed.y]
     }
+
+    /// A point of the assembly in the part.
+    pub fn undo(&self, [r, z]: [f64; 2]) -> [f64; 2] {
+        let placed = Point3::new(r, z, 0.0);
+        let moved = match &self.rotation {
+            Some((centre, rotation)) => centre + rotation.inverse() * (placed - centre),
+            None => placed,
+        };
+        let point = moved - self.translation;
+        [point.x, point.y]
+    }
 }
 
 impl<'a> Builder<'a> {
@@ -86,7 +97,7 @@ impl<'a> Builder<'a> {
         self.scope = upper(&name.text);
     }
 
-    fn placement(&mut self, card: &Card) -> Option<Placement> {
+    pub(super) fn placement(&mut self, card: &Card) -> Option<Placement> {
         let line = card.lines.first()?;
         let mut t = [0.0; 3];
         for (i, value) in t.iter_mut().enumerate() {

@@ -1,17 +1,20 @@
-//! What of a scene no mesh shows, for pictures: targets that are not meshed and analytical planes.
+//! What of a scene no mesh shows, for pictures: targets that are not meshed and analytical surfaces.
 //! Never here: what acts on them.
 
 use serde::Serialize;
 
-use super::types::{Model, Plane, Target};
+use super::types::{Model, RigidSurface, Target};
 
-/// Targets and planes of a deck.
+/// Targets and analytical surfaces of a deck.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Scene {
     /// `*TARGET` stacks.
     pub targets: Vec<TargetOutline>,
     /// Planes z = constant that nodes cannot pass.
     pub planes: Vec<PlaneOutline>,
+    /// Other analytical surfaces.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub surfaces: Vec<SurfaceOutline>,
 }
 
 /// A target that is not meshed: layers between planes z = constant.
@@ -49,18 +52,31 @@ pub struct PlaneOutline {
     pub carried_by: Option<String>,
 }
 
+/// An analytical surface of lines and arcs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SurfaceOutline {
+    /// Name of the surface.
+    pub name: String,
+    /// Points `[r, z]` along it at the start, length.
+    pub points: Vec<[f64; 2]>,
+    /// Node whose displacement along z it follows, if it can move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carried_by: Option<String>,
+}
+
 impl Scene {
     /// The outlines of a model.
     pub fn of(model: &Model) -> Scene {
         Scene {
             targets: model.targets.iter().map(|t| target(model, t)).collect(),
-            planes: model.planes.iter().map(|(name, p)| plane(model, name, p)).collect(),
+            planes: model.rigid_surfaces.iter().filter_map(|(name, s)| plane(model, name, s)).collect(),
+            surfaces: model.rigid_surfaces.iter().filter_map(|(name, s)| surface(model, name, s)).collect(),
         }
     }
 
     /// Whether there is nothing to outline.
     pub fn is_empty(&self) -> bool {
-        self.targets.is_empty() && self.planes.is_empty()
+        self.targets.is_empty() && self.planes.is_empty() && self.surfaces.is_empty()
     }
 }
 
@@ -73,7 +89,16 @@ fn target(model: &Model, target: &Target) -> TargetOutline {
     TargetOutline { name, front, direction, layers: layers.collect() }
 }
 
-fn plane(model: &Model, name: &str, plane: &Plane) -> PlaneOutline {
-    let carried_by = plane.reference.and_then(|node| model.mesh.node_names.get(node).cloned());
-    PlaneOutline { name: name.to_owned(), height: plane.height, carried_by }
+fn carrier(model: &Model, surface: &RigidSurface) -> Option<String> {
+    surface.reference.and_then(|node| model.mesh.node_names.get(node).cloned())
+}
+
+fn plane(model: &Model, name: &str, surface: &RigidSurface) -> Option<PlaneOutline> {
+    let (height, carried_by) = (surface.profile.height()?, carrier(model, surface));
+    Some(PlaneOutline { name: name.to_owned(), height, carried_by })
+}
+
+fn surface(model: &Model, name: &str, surface: &RigidSurface) -> Option<SurfaceOutline> {
+    let (points, carried_by) = (surface.profile.outline(), carrier(model, surface));
+    surface.profile.height().is_none().then(|| SurfaceOutline { name: name.to_owned(), points, carried_by })
 }

@@ -16,7 +16,7 @@ impl Builder<'_> {
             return;
         }
         if card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
-            self.plane(card, name);
+            self.analytical_surface(card, name);
             return;
         }
         if let Some(kind) = card.value("TYPE").filter(|w| !w.is("ELEMENT")) {

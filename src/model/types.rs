@@ -6,6 +6,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 
 use crate::deck::{Sources, Span, Word};
+pub use crate::kernel::profile::{Profile, Segment};
 use crate::variables::Place;
 use crate::variables::asked::Asked;
 
@@ -65,8 +66,8 @@ pub struct Model {
     pub point_masses: Vec<PointMass>,
     /// Absolute zero of temperature, of `*PHYSICAL CONSTANTS`; 0 if not given.
     pub absolute_zero: f64,
-    /// Analytical planes by upper-case name.
-    pub planes: IndexMap<String, Plane>,
+    /// Analytical surfaces by upper-case name.
+    pub rigid_surfaces: IndexMap<String, RigidSurface>,
     /// Surfaces of nodes by upper-case name.
     pub node_surfaces: IndexMap<String, Vec<usize>>,
     /// `*SURFACE INTERACTION`s.
@@ -455,15 +456,11 @@ pub struct PointMass {
     pub span: Span,
 }
 
-/// An analytical rigid plane z = const.
+/// An analytical rigid surface of lines and arcs.
 #[derive(Clone, Debug)]
-pub struct Plane {
-    /// z of the plane.
-    pub height: f64,
-    /// Radius of START.
-    pub from: f64,
-    /// Radius of the end of LINE.
-    pub to: f64,
+pub struct RigidSurface {
+    /// Its segments in order; the front is to the left of the way along them.
+    pub profile: Profile,
     /// Reference node of the rigid body that carries it.
     pub reference: Option<usize>,
     /// The card.
@@ -479,13 +476,15 @@ pub struct Interaction {
     pub friction: f64,
 }
 
-/// Contact of a surface with a plane.
+/// Contact of a surface with an analytical one.
 #[derive(Clone, Debug)]
 pub struct Contact {
-    /// Upper-case name of the plane.
-    pub plane: String,
+    /// Upper-case name of the analytical surface.
+    pub surface: String,
     /// Nodes of the other surface, ascending.
     pub nodes: Vec<usize>,
+    /// Its faces, the way they run around their elements counter-clockwise; none of a surface of nodes.
+    pub faces: Vec<[usize; 2]>,
     /// What the deck called it.
     pub set: String,
     /// Name of its surface interaction, which may be defined anywhere in the deck.
@@ -845,6 +844,8 @@ pub enum OutputCard {
     Energy,
     /// `*INCREMENTATION OUTPUT`.
     Incrementation,
+    /// `*INTEGRATED OUTPUT`.
+    Integrated,
 }
 
 impl OutputCard {
@@ -858,6 +859,7 @@ impl OutputCard {
             OutputCard::Element => &[Place::Point, Place::Element, Place::Facet],
             OutputCard::Energy => &[Place::Energy],
             OutputCard::Incrementation => &[Place::Increment],
+            OutputCard::Integrated => &[Place::Section],
         }
     }
 }
@@ -908,6 +910,8 @@ pub enum Region {
     Nodes(String),
     /// An element set by upper-case name.
     Elements(String),
+    /// A surface of element faces by upper-case name, and what its columns are called.
+    Surface(String, String),
 }
 
 /// A card that was read but changes nothing here.

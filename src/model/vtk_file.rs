@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, Attributes, CellType, DataSet, IOBuffer, VertexNumbers};
 
-use super::mesh_file::{MeshFile, is_ours};
+use super::mesh_data::{MeshFile, is_ours};
 
 /// Whether an array says that it is larger than its compressed bytes can hold: vtkio makes room for what it says. Zlib
 /// presses to no less than a 1032nd (RFC 1951: 258 bytes in two bits).
@@ -135,7 +135,7 @@ fn assemble(points: &IOBuffer, cells: Vec<Vec<usize>>, data: Attributes) -> Resu
     let wrong = misfit(&point_arrays, points.len()).or(misfit(&cell_arrays, cells.len()));
     match wrong {
         Some(name) => Err(format!("its array {name} does not have one value each")),
-        None => Ok(MeshFile { points, cells, point_arrays, cell_arrays }),
+        None => Ok(MeshFile { points, cells, point_arrays, cell_arrays, unread: Vec::new() }),
     }
 }
 

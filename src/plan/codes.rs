@@ -113,7 +113,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P021",
         title: "contact that cannot be",
-        text: "A *CONTACT PAIR joins a surface of deformable nodes, all on one side, with an analytical plane z = const (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY whose reference node is held or moved by *BOUNDARY.",
+        text: "A *CONTACT PAIR joins a surface of deformable nodes, all on one side, with an analytical surface of lines and arcs (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY, which may be held, moved by *BOUNDARY, or free.",
     },
     Code {
         code: "P022",
@@ -152,19 +152,24 @@ pub const CODES: &[Code] = &[
         text: "With DIRECT USER CONTROL the increment is the user's; this one is longer than a wave needs to cross the smallest element.",
     },
     Code {
-        code: "P107",
-        title: "plane that faces away",
-        text: "Nodes that begin on an analytical plane are kept on its front, left of the way from START to LINE; their body is behind it.",
-    },
-    Code {
-        code: "P108",
-        title: "bodies that overlap",
-        text: "A node of one body lies in an element of another, and they share no nodes: nothing keeps them apart.",
-    },
-    Code {
         code: "P109",
         title: "nothing acts",
         text: "What deforms has one velocity, and no boundary, load or contact acts on it.",
+    },
+    Code {
+        code: "P110",
+        title: "surface that faces away",
+        text: "An analytical surface is met from its front only, which is to the left of the way from START on (each direction turned 90 degrees counter-clockwise). Where all nodes of the pair lie behind it, contact is taken on their side and this is said; where they lie on it and the body behind it, nothing will ever meet it, as in ABAQUS.",
+    },
+    Code {
+        code: "P111",
+        title: "nodes begin behind a surface",
+        text: "By no more than a thousandth of the smaller of both surfaces, as chords of a mesh or digits of a deck make it: they are stopped where they are and not thrown back.",
+    },
+    Code {
+        code: "P112",
+        title: "bodies lie in each other",
+        text: "Elements that have no node in common lie in each other at the start, and nothing acts between bodies that deform: they would move through each other. A twentieth of a face is taken for the chords of curved surfaces that fit.",
     },
     Code {
         code: "R201",

@@ -1,6 +1,6 @@
-//! What a deck says and can hardly mean: units that do not fit, a wall that faces away, bodies that overlap, a body that nothing
-//! acts on. Warnings; the run does what the deck says.
-//! Never here: what cannot be simulated.
+//! What a deck says and can hardly mean: units that do not fit, a body that nothing acts on. Warnings; the run does what the deck
+//! says.
+//! Never here: what cannot be simulated; surfaces that face away (walls.rs), bodies that lie in each other (overlaps.rs).
 
 use std::collections::HashSet;
 
@@ -10,10 +10,6 @@ use crate::model::{Element, ElementKind, IncrementControl, InitialCondition, Ini
 
 /// Velocities above so many times the speed of sound are taken for a slip in the units.
 const TOO_FAST: f64 = 3.0;
-/// How deep a node lies in an element of another body, as a fraction of the element's size, before they overlap.
-const DEEP: f64 = 1e-3;
-/// Bodies of more elements than this are not searched for overlaps.
-const MOST: usize = 200_000;
 
 impl Compiler<'_> {
     /// Tells of all of them.
@@ -23,8 +19,6 @@ impl Compiler<'_> {
         }
         self.too_fast();
         self.given_increments();
-        self.walls_that_face_away();
-        self.overlaps();
         self.nothing_acts();
     }
 
@@ -102,63 +96,6 @@ impl Compiler<'_> {
         self.warn(finding.help("leave the increment to the program, or give a smaller one"));
     }
 
-    /// Nodes that begin on an analytical plane stand in front of it where their body is.
-    fn walls_that_face_away(&mut self) {
-        let mut findings = Vec::new();
-        let mut told = Vec::new();
-        for contact in self.model.steps.iter().flat_map(|s| &s.contacts) {
-            let Some(plane) = self.model.planes.get(&contact.plane) else { continue };
-            let mesh = &self.model.mesh;
-            let gap = |n: &usize| mesh.points[*n][1] - plane.height;
-            let size = plane.height.abs().max((plane.to - plane.from).abs());
-            let on_it = contact.nodes.iter().all(|n| gap(n).abs() <= 1e-9 * size);
-            let touches =
-                |e: &&Element| e.nodes.len() > 2 && e.nodes.iter().any(|n| contact.nodes.binary_search(n).is_ok());
-            let body: Vec<f64> = mesh.elements.iter().filter(touches).flat_map(|e| &e.nodes).map(gap).collect();
-            let mean = body.iter().sum::<f64>() / body.len().max(1) as f64;
-            let front = (plane.to - plane.from).signum();
-            if !on_it || mean * front >= 0.0 || told.contains(&contact.plane) {
-                continue;
-            }
-            told.push(contact.plane.clone());
-            let [here, there] = if front > 0.0 { ["above", "below"] } else { ["below", "above"] };
-            let message = format!(
-                "the plane `{}` faces away: its front is {here}, and `{}` is {there}",
-                contact.plane, contact.set
-            );
-            let finding =
-                Diagnostic::warning("P107", message).at(plane.span, "the front is left of the way from START to LINE");
-            findings.push(finding.at(contact.span, "this pair").help("swap the points of START and LINE"));
-        }
-        findings.into_iter().for_each(|f| self.warn(f));
-    }
-
-    /// Bodies that share no node and lie in each other pass through each other.
-    fn overlaps(&mut self) {
-        let mesh = &self.model.mesh;
-        let solids: Vec<usize> = self.places.elements.keys().copied().collect();
-        if solids.len() > MOST {
-            return;
-        }
-        let bodies = separate(&solids, &mesh.elements, mesh.points.len());
-        let mut findings = Vec::new();
-        for (i, a) in bodies.iter().enumerate() {
-            for b in &bodies[i + 1..] {
-                let found =
-                    lies_in(a, b, &mesh.elements, &mesh.points).or_else(|| lies_in(b, a, &mesh.elements, &mesh.points));
-                let Some((node, element)) = found else { continue };
-                let element = &mesh.elements[element];
-                let message = format!(
-                    "two bodies overlap: node {} lies in element {}, and nothing keeps them apart",
-                    mesh.node_names[node], element.name
-                );
-                let finding = Diagnostic::warning("P108", message).at(element.span, "in this element");
-                findings.push(finding.help("let them share nodes, or move one of them"));
-            }
-        }
-        findings.into_iter().take(3).for_each(|f| self.warn(f));
-    }
-
     /// A body of one velocity that nothing holds, pushes or meets flies on as it is.
     fn nothing_acts(&mut self) {
         let model = self.model;
@@ -192,15 +129,6 @@ fn corners(element: &Element, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     element.nodes.iter().map(|&n| points[n]).collect()
 }
 
-/// Twice the area.
-fn doubled_area(corners: &[[f64; 2]]) -> f64 {
-    (0..corners.len()).map(|i| cross([0.0; 2], corners[i], corners[(i + 1) % corners.len()])).sum()
-}
-
-fn cross(o: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
-}
-
 /// The shortest side.
 fn size(corners: &[[f64; 2]]) -> f64 {
     let side = |i: usize| {
@@ -208,69 +136,4 @@ fn size(corners: &[[f64; 2]]) -> f64 {
         (b[0] - a[0]).hypot(b[1] - a[1])
     };
     (0..corners.len()).map(side).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min)
-}
-
-/// Elements by the bodies they make: those that share nodes, directly or over others.
-fn separate(solids: &[usize], elements: &[Element], nodes: usize) -> Vec<Vec<usize>> {
-    let mut root: Vec<usize> = (0..nodes).collect();
-    fn find(root: &mut [usize], mut n: usize) -> usize {
-        while root[n] != n {
-            root[n] = root[root[n]];
-            n = root[n];
-        }
-        n
-    }
-    for element in solids.iter().map(|&e| &elements[e]) {
-        let first = find(&mut root, element.nodes[0]);
-        for &node in &element.nodes[1..] {
-            let other = find(&mut root, node);
-            root[other] = first;
-        }
-    }
-    let mut bodies: indexmap::IndexMap<usize, Vec<usize>> = indexmap::IndexMap::new();
-    for &e in solids {
-        bodies.entry(find(&mut root, elements[e].nodes[0])).or_default().push(e);
-    }
-    bodies.into_values().collect()
-}
-
-/// Lowest and highest coordinates of some elements.
-fn bounds(body: &[usize], elements: &[Element], points: &[[f64; 2]]) -> [[f64; 2]; 2] {
-    let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    for point in body.iter().flat_map(|&e| &elements[e].nodes).map(|&n| points[n]) {
-        for axis in 0..2 {
-            bounds[0][axis] = bounds[0][axis].min(point[axis]);
-            bounds[1][axis] = bounds[1][axis].max(point[axis]);
-        }
-    }
-    bounds
-}
-
-/// A node of one body that lies in an element of another.
-fn lies_in(a: &[usize], b: &[usize], elements: &[Element], points: &[[f64; 2]]) -> Option<(usize, usize)> {
-    let (of_a, of_b) = (bounds(a, elements, points), bounds(b, elements, points));
-    let inside = |p: [f64; 2], [low, high]: [[f64; 2]; 2]| (0..2).all(|i| low[i] < p[i] && p[i] < high[i]);
-    let meet = (0..2).all(|i| of_a[0][i] < of_b[1][i] && of_b[0][i] < of_a[1][i]);
-    if !meet {
-        return None;
-    }
-    let mut nodes: Vec<usize> = a.iter().flat_map(|&e| elements[e].nodes.iter().copied()).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes.retain(|&n| inside(points[n], of_b));
-    nodes.sort_by(|&m, &n| points[m][1].total_cmp(&points[n][1]));
-    for &e in b {
-        let [low, high] = bounds(&[e], elements, points);
-        let from = nodes.partition_point(|&n| points[n][1] <= low[1]);
-        let candidates = nodes[from..].iter().take_while(|&&n| points[n][1] < high[1]);
-        let corners = corners(&elements[e], points);
-        let depth = DEEP * doubled_area(&corners);
-        let within = |n: &&usize| {
-            (0..corners.len()).all(|i| cross(corners[i], corners[(i + 1) % corners.len()], points[**n]) > depth)
-        };
-        if let Some(&node) = candidates.into_iter().find(within) {
-            return Some((node, e));
-        }
-    }
-    None
 }

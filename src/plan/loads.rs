@@ -102,11 +102,8 @@ impl Compiler<'_> {
             self.unused(load.span, "GRAV", "it has no component along z, and a body of revolution moves along z only");
             return None;
         }
-        let bodies: Vec<(usize, f64)> = (0..self.bodies.len())
-            .filter(|&b| elements.is_none_or(|list| self.bodies[b].elements.iter().any(|e| list.contains(e))))
-            // What tied elements weigh, the list of elements gives to their nodes.
-            .map(|b| (b, if elements.is_none() { self.bodies[b].mass() } else { self.bodies[b].own_mass() }))
-            .collect();
+        let bodies: Vec<(usize, f64)> =
+            (0..self.bodies.len()).filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
         let nodes: Vec<(usize, f64)> = match elements {
             None => state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0).collect(),
             Some(list) => self.masses_of(list),
@@ -121,6 +118,24 @@ impl Compiler<'_> {
         let id = self.cause(load.span, "gravity", count, unit, detail);
         let acceleration = self.magnitude(axial, load.amplitude);
         Some(Box::new(Gravity { id, bodies, nodes, whole: elements.is_none(), acceleration }))
+    }
+
+    /// The mass of a body on which gravity acts: all of it, or of the elements named its own, or that of the point masses among
+    /// them.
+    fn weighed(&self, body: &super::Body, elements: Option<&[usize]>) -> Option<f64> {
+        let Some(list) = elements else { return Some(body.mass()) };
+        // What tied elements weigh, the list of elements gives to their nodes.
+        if body.elements.iter().any(|e| list.contains(e)) {
+            return Some(body.own_mass());
+        }
+        let mesh = &self.model.mesh;
+        let points = list.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Mass);
+        let mut on: Vec<usize> =
+            points.map(|&e| mesh.elements[e].nodes[0]).filter(|n| body.nodes.contains(n)).collect();
+        on.sort_unstable();
+        on.dedup();
+        let mass: f64 = self.model.point_masses.iter().filter(|p| on.contains(&p.node)).map(|p| p.mass).sum();
+        (mass > 0.0).then_some(mass)
     }
 
     /// Masses that some elements put on their nodes.

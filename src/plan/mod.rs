@@ -12,6 +12,7 @@ mod loads;
 mod mass_scaling;
 mod motions;
 mod outputs;
+mod overlaps;
 mod solid;
 mod solid_material;
 mod surfaces;
@@ -36,7 +37,7 @@ use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 pub use bodies::Body;
 use ledger::{Ledger, Unused};
-pub use outputs::{Column, FrameField, Outputs, Schedule, Source};
+pub use outputs::{Column, FrameField, Outputs, Schedule, Section, Source};
 pub use solid::SolidPlaces;
 
 /// What is to be run: every effect the deck asks for, and nothing else. It never changes: it runs as often as one likes, on
@@ -55,6 +56,8 @@ pub struct Plan {
     pub steps: Vec<StepPlan>,
     /// Names of the history columns, the same in every step.
     pub columns: Vec<Column>,
+    /// Surfaces that columns are integrals over.
+    pub sections: Vec<Section>,
     /// Arrays of frames.
     pub fields: Vec<FrameField>,
     /// User amplitudes: asked once an increment, whatever the step.
@@ -103,7 +106,7 @@ pub struct StepPlan {
     pub load_velocity: LoadVelocity,
     /// Loads; those that resist come last.
     pub loads: Vec<Box<dyn Load>>,
-    /// Constraints: prescribed motions, equations, ties, walls.
+    /// Constraints: prescribed motions, equations, walls, ties.
     pub constraints: Vec<Box<dyn Constraint>>,
     /// Limits on energies; `None` without any.
     pub energy_limit: Option<EnergyLimit>,
@@ -144,6 +147,8 @@ struct Compiler<'a> {
     told: usize,
     /// Nodes that each rigid body carries.
     ties: Vec<Tie>,
+    /// Surfaces that columns are integrals over.
+    sections: Vec<Section>,
 }
 
 /// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
@@ -161,6 +166,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         tellers: IndexMap::new(),
         told: 0,
         ties: Vec::new(),
+        sections: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
         causes: IndexMap::new(),
@@ -178,18 +184,20 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
     compiler.scale_and_estimate(&mut state);
     compiler.check_complete(!state.elements.is_empty());
+    compiler.tell_overlaps();
     compiler.list_inert();
     compiler.doubts(&state);
     compiler.events_row();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
-    let Compiler { ledger, bodies, places, amplitudes, told, diagnostics: found, .. } = compiler;
+    let Compiler { ledger, bodies, places, amplitudes, told, sections, diagnostics: found, .. } = compiler;
     diagnostics.append(found);
     // Notes on a plan that cannot run would only bury what is wrong with it.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
     let (mesh, routines) = (model.mesh.clone(), routines.clone());
-    let mut plan = Plan { ledger, mesh, bodies, places, steps, columns, fields, amplitudes, told, routines, rows };
+    let mut plan =
+        Plan { ledger, mesh, bodies, places, steps, columns, sections, fields, amplitudes, told, routines, rows };
     bytes::book(&mut plan, &state);
     (plan, state, diagnostics)
 }
@@ -231,8 +239,9 @@ impl Compiler<'_> {
         let prescribed = constraints.iter().flat_map(|c| c.prescribes()).collect();
         let walls = self.walls(step, state, &prescribed);
         constraints.extend(self.equations(step, state, &prescribed));
-        constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
+        // Tied nodes follow what walls do to a body that moves freely.
         constraints.extend(walls);
+        constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
         let scaling = self.mass_scaling(index, state);
         let energy_limit = self.energy_limit(step);
         self.increment_rows(step, &loads);

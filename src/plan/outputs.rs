@@ -24,8 +24,21 @@ pub enum Source {
     Node(usize),
     /// A group, and an element of it.
     Element(usize, usize),
+    /// A surface that integrals are taken over, of [`Plan::sections`](super::Plan::sections).
+    Section(usize),
     /// The whole model.
     Model,
+}
+
+/// Faces of what deforms, as integrals over them are taken.
+#[derive(Clone, Debug, Default)]
+pub struct Section {
+    /// Key of the surface.
+    surface: String,
+    /// Group, element of it and corner, for each corner of an element behind the surface that lies on it.
+    pub corners: Vec<(usize, usize, usize)>,
+    /// Ends of the faces.
+    pub faces: Vec<[usize; 2]>,
 }
 
 /// One history column.
@@ -196,6 +209,7 @@ impl Compiler<'_> {
             match &request.region {
                 Region::Elements(set) => self.element_columns(asked, set, state, columns),
                 Region::Nodes(set) => self.node_columns(asked, set, columns),
+                Region::Surface(key, name) => self.section_columns(asked, key, name, state, columns),
                 Region::Whole => columns.extend(self.model_variables(asked, request.card).map(model_column)),
             }
             if columns.len() == before {
@@ -218,7 +232,7 @@ impl Compiler<'_> {
         let by_default = match card {
             OutputCard::Output | OutputCard::Energy => Some(Place::Energy),
             OutputCard::Incrementation => Some(Place::Increment),
-            OutputCard::Node | OutputCard::Element => None,
+            OutputCard::Node | OutputCard::Element | OutputCard::Integrated => None,
         };
         let named = asked.variables();
         let meant = move |v: &Variable| match asked {
@@ -255,6 +269,38 @@ impl Compiler<'_> {
             let source = Source::Element(group, index);
             columns.extend(parts.iter().filter(has).map(|&part| column(part, place, source)));
         }
+    }
+
+    fn section_columns(&mut self, asked: Asked, key: &str, name: &str, state: &State, columns: &mut Vec<Column>) {
+        let asked = if matches!(asked, Asked::Preselect) { Asked::All } else { asked };
+        let parts = self.parts(asked, |v| v.place() == Place::Section);
+        let known = self.sections.iter().position(|s| s.surface == key);
+        let at = known.unwrap_or_else(|| {
+            let section = self.section(key, state);
+            self.sections.push(section);
+            self.sections.len() - 1
+        });
+        if !self.sections[at].faces.is_empty() {
+            columns.extend(parts.iter().map(|&part| column(part, name, Source::Section(at))));
+        }
+    }
+
+    /// The faces of a surface that deform, with the corners of the elements behind them.
+    fn section(&self, key: &str, state: &State) -> Section {
+        let model = self.model;
+        let sides = model.surfaces.get(key).map_or(&[][..], |s| &s.faces);
+        let mut section = Section { surface: key.to_owned(), ..Section::default() };
+        let deforming = sides.iter().filter_map(|&(e, side)| Some((self.places.elements.get(&e)?, e, side)));
+        for (&(group, element), e, side) in deforming {
+            let Some(ends) = model.mesh.ends(e, side).map(|ends| ends.map(|n| self.places.nodes[&n])) else { continue };
+            section.faces.push(ends);
+            let corners = state.elements.groups[group].corners(element);
+            let on = (0..4).filter(|&c| ends.contains(&(corners[c] as usize)));
+            section.corners.extend(on.map(|c| (group, element, c)));
+        }
+        section.corners.sort_unstable();
+        section.corners.dedup();
+        section
     }
 
     /// The numbers that a word means among variables of nodes or of elements.
@@ -358,6 +404,7 @@ fn why_absent(asked: Asked, request: &OutputRequest) -> String {
         (Some(Place::Point | Place::Element), Region::Whole | Region::Nodes(_)) if history => {
             format!("{name} lives in elements; a history of it needs *ELEMENT OUTPUT, ELSET=")
         }
+        (Some(Place::Section), _) => format!("{name} is one of surfaces that deform: *INTEGRATED OUTPUT, SURFACE="),
         (Some(Place::Facet), _) if history => format!("{name} is shown on facets in frames, not in histories"),
         (Some(Place::Energy), _) if !history => format!("{name} is an energy of the whole model: *OUTPUT, HISTORY"),
         (Some(Place::Increment), _) if !history => format!("{name} is one of increments: *OUTPUT, HISTORY"),

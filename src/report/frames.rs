@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::data::{Field, Meridian};
 use super::mesh::{Drawn, bounds, drawn};
 use crate::kernel::stress::mises;
-use crate::model::mesh_file::MeshFile;
+use crate::model::mesh_data::MeshFile;
 use crate::model::vtk_file;
 use crate::variables::Variable;
 

@@ -330,6 +330,15 @@ function drawPlanes(g, scene, [a, b, r], project) {
     g.beginPath(); g.moveTo(...project(r, plane.height)); g.lineTo(...project(-r, plane.height)); g.stroke();
     g.setLineDash([]);
   }
+  for (const surface of (scene && scene.surfaces) || []) {
+    g.strokeStyle = ink('--target-line'); g.lineWidth = 2; g.setLineDash(surface.carried_by ? [6, 4] : []);
+    for (const side of [1, -1]) {
+      g.beginPath();
+      surface.points.forEach(([x, z], i) => g[i ? 'lineTo' : 'moveTo'](...project(side * x, z)));
+      g.stroke();
+    }
+    g.setLineDash([]);
+  }
 }
 function drawAxis(g, [a, b], project) {
   g.strokeStyle = ink('--soft'); g.lineWidth = 1; g.setLineDash([10, 3, 2, 3]);

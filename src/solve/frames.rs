@@ -9,7 +9,7 @@ use crate::constraint::{Constraint, reaction};
 use crate::element::values;
 use crate::model::Position;
 use crate::output::{Field, Frame};
-use crate::plan::{Column, FrameField, Source};
+use crate::plan::{Column, FrameField, Section, Source};
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::{Part, Place, Variable};
 
@@ -55,6 +55,28 @@ impl Run<'_> {
             Source::Body { body, node } => self.body_value(body, node, part),
             Source::Node(node) => node_value(&self.dofs, &self.constraints, node, part),
             Source::Element(group, e) => self.element_value((group, e), part),
+            Source::Section(index) => self.section_value(&self.plan.sections[index], part),
+        }
+    }
+
+    /// A number of a surface: what holds the elements behind it against their own forces, or its area.
+    fn section_value(&self, section: &Section, part: Part) -> f64 {
+        let nodes = &self.dofs.nodes;
+        match part.variable {
+            Variable::SectionForce => {
+                let force = |&(group, e, corner): &(usize, usize, usize)| {
+                    self.elements.corner_force(group, e, corner)[part.component]
+                };
+                -section.corners.iter().map(force).sum::<f64>()
+            }
+            Variable::SectionArea => {
+                let area = |[a, b]: &[usize; 2]| {
+                    let (a, b) = (nodes[*a], nodes[*b]);
+                    std::f64::consts::PI * (a.r + b.r) * libm::hypot(b.r - a.r, b.z - a.z)
+                };
+                section.faces.iter().map(area).sum()
+            }
+            _ => f64::NAN,
         }
     }
 
@@ -71,8 +93,8 @@ impl Run<'_> {
             (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
             (_, 0) => 0.0,
             (Variable::Displacement, _) => state.displacement,
-            (Variable::Velocity, _) => state.velocity,
-            (Variable::Acceleration, _) => state.acceleration,
+            (Variable::Velocity, _) => self.dofs.velocity(Dof::Body(body)),
+            (Variable::Acceleration, _) => self.dofs.acceleration(Dof::Body(body)),
             (Variable::Reaction, _) => state.reaction,
             _ => f64::NAN,
         }

@@ -214,7 +214,7 @@ impl<'a> Run<'a> {
         self.slots_by_body = (0..self.slots.len()).collect();
         self.slots_by_body.sort_by_key(|&i| self.slots[i].body);
         for (b, body) in self.dofs.bodies.iter_mut().enumerate() {
-            (body.reads_velocity, body.prescribed) = (false, false);
+            (body.reads_velocity, body.prescribed, body.contact) = (false, false, 0.0);
             body.tied = self.slots[..self.ties].iter().any(|s| s.body == b);
             body.slots = self.slots.iter().filter(|s| s.body == b).count();
         }

@@ -35,18 +35,20 @@ impl Dofs {
         }
     }
 
-    /// Velocity at the instant's own time.
+    /// Velocity at the instant's own time; of a rigid body in contact with that of the increment behind over half of it.
     pub fn velocity(&self, dof: Dof) -> f64 {
         match dof {
-            Dof::Body(b) => self.bodies[b].velocity,
+            Dof::Body(b) if self.bodies[b].contact == 0.0 => self.bodies[b].velocity,
+            Dof::Body(b) => self.bodies[b].velocity + 0.5 * self.nodes.behind * self.bodies[b].contact,
             Dof::Node(n, axis) => self.nodes.velocity_now(n)[axis],
         }
     }
 
-    /// Acceleration.
+    /// Acceleration; of a rigid body in contact with that of the increment behind.
     pub fn acceleration(&self, dof: Dof) -> f64 {
         match dof {
-            Dof::Body(b) => self.bodies[b].acceleration,
+            Dof::Body(b) if self.bodies[b].contact == 0.0 => self.bodies[b].acceleration,
+            Dof::Body(b) => self.bodies[b].acceleration + self.bodies[b].contact,
             Dof::Node(n, axis) => self.nodes.acceleration[n][axis],
         }
     }

@@ -60,6 +60,8 @@ pub struct BodyState {
     pub before: Before,
     /// Force that a prescribed motion adds.
     pub reaction: f64,
+    /// Acceleration over the increment behind by contact on a body that moves freely; the acceleration holds it no more.
+    pub contact: f64,
     /// How many force slots act on it.
     pub slots: usize,
     /// Whether it is under loads that read velocity.
@@ -151,8 +153,9 @@ impl Persist for BodyState {
             direction,
             before,
             reaction,
+            contact,
         } = self;
         persist_fields!(archive; displacement, velocity_half, acceleration, velocity, force, velocity_load);
-        persist_fields!(archive; direction, before, reaction);
+        persist_fields!(archive; direction, before, reaction, contact);
     }
 }

@@ -19,6 +19,7 @@ const CHAPTERS: &[(Place, &str, &str)] = &[
     ),
     (Place::Element, "Of whole elements", "`*ELEMENT OUTPUT`: in frames on cells; histories with ELSET"),
     (Place::Facet, "On facets of loaded surfaces", "In every frame of a loaded surface, on cells"),
+    (Place::Section, "Of surfaces, integrated", "`*INTEGRATED OUTPUT`: histories"),
     (Place::Energy, "Energies of the whole model", "`*ENERGY OUTPUT`: histories"),
     (Place::Increment, "Of increments", "`*INCREMENTATION OUTPUT`: histories"),
 ];

@@ -25,6 +25,8 @@ pub enum Place {
     Energy,
     /// Of an increment.
     Increment,
+    /// Of a surface that integrals are taken over.
+    Section,
 }
 
 /// When a field is shown without being asked for by its name (`PRESELECT`, or no request at all).
@@ -132,6 +134,8 @@ variables! {
     FacetPressure: facet("PRESSURE", "Pressure of the loads on a facet", |sum, next| sum + next),
     NormalVelocity: facet("NORMAL_VELOCITY", "Velocity of a facet along its outward normal", |_, last| last),
     Layer: facet("LAYER", "Number (from 1) of the layer of a target that takes the largest part of a facet; 0 outside", f64::max),
+    SectionForce: section("SOF", &["SOF1", "SOF2"], "Force on a surface, of what deforms behind it: the reaction that holds it"),
+    SectionArea: section("SOAREA", &[], "Current area of a surface"),
     KineticEnergy: energy("ALLKE", "Kinetic energy"),
     Work: energy("ALLWK", "External work: of prescribed loads and motions"),
     FrictionEnergy: energy("ALLFD", "Energy dissipated by friction"),
@@ -174,6 +178,10 @@ const fn element(name: &'static str, words: &'static str) -> Row {
 
 const fn facet(name: &'static str, words: &'static str, combined: fn(f64, f64) -> f64) -> Row {
     Row { place: Place::Facet, extension: true, combined, ..node(name, &[], words) }
+}
+
+const fn section(name: &'static str, labels: &'static [&'static str], words: &'static str) -> Row {
+    Row { place: Place::Section, deforming: true, ..node(name, labels, words) }
 }
 
 const fn energy(name: &'static str, words: &'static str) -> Row {

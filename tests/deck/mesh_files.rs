@@ -106,3 +106,86 @@ fn other_programs_files_are_read_or_refused_with_the_reason() {
         assert!(found.contains(told), "{found}");
     }
 }
+
+const GMSH2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 7 \"AXIS\"\n2 8 \"BODY\"\n$EndPhysicalNames\n\
+$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 2 0\n$EndNodes\n\
+$Elements\n4\n1 1 2 7 1 1 4\n2 1 2 7 1 4 5\n3 3 2 8 1 1 2 3 4\n4 2 2 8 1 5 3 4\n$EndElements\n";
+
+const GMSH4: &str = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 7 \"AXIS\"\n2 8 \"BODY\"\n$EndPhysicalNames\n\
+$Entities\n1 1 1 0\n1 0 0 0 0\n1 0 0 0 0 2 0 1 7 2 1 -1\n1 0 0 0 1 2 0 1 8 1 1\n$EndEntities\n\
+$Nodes\n2 5 1 5\n1 1 0 3\n1\n4\n5\n0 0 0\n0 1 0\n0 2 0\n2 1 0 2\n2\n3\n1 0 0\n1 1 0\n$EndNodes\n\
+$Elements\n3 4 1 4\n1 1 1 2\n1 1 4\n2 4 5\n2 1 3 1\n3 1 2 3 4\n2 1 2 1\n4 5 3 4\n$EndElements\n";
+
+const INP: &str = "*Heading\n made by a mesher\n*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 2, 0\n\
+******* E L E M E N T S *************\n*ELEMENT, type=T3D2, ELSET=Line1\n1, 1, 4\n2, 4, 5\n*ELEMENT, type=CPS4, ELSET=Surface1\n3, 1, 2, 3,\n 4\n\
+*ELEMENT, type=CPS3, ELSET=Surface2\n4, 4, 3, 5\n*ELSET,ELSET=BODY\n3, Surface2\n*ELSET,ELSET=AXIS, GENERATE\n1, 2\n*STEP\n";
+
+/// Meshers' files: cells of the highest dimension are elements, groups of the others sets of nodes.
+#[test]
+fn files_of_meshers_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in [("two.msh", GMSH2), ("four.msh", GMSH4), ("mesh.inp", INP)] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        let model = build(&format!("*Mesh, input=\"{}\"\n", path.display()));
+        let at =
+            |label: &str| model.mesh.points[model.mesh.node_names.iter().position(|n| n == label).expect("a node")];
+        assert_eq!(["1", "2", "3", "4", "5"].map(at), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 2.0]]);
+        let corners = |i: usize| {
+            let e = &model.mesh.elements[i];
+            (e.name.as_str(), e.kind, e.nodes.iter().map(|&n| model.mesh.points[n]).collect::<Vec<_>>())
+        };
+        let quad = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        assert_eq!(corners(0), ("3", model::ElementKind::Cax4r, quad), "{name}");
+        assert_eq!((corners(1).0, corners(1).1), ("4", model::ElementKind::Cax3), "{name}");
+        assert_eq!(model.element_sets["BODY"].members, [0, 1], "{name}");
+        let axis: Vec<&str> =
+            model.node_sets["AXIS"].members.iter().map(|&n| model.mesh.node_names[n].as_str()).collect();
+        assert_eq!(axis, ["1", "4", "5"], "{name}");
+    }
+    let refused = |name: &str, text: &str, why: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        let told = errors(&format!("*Mesh, input=\"{}\"\n", path.display()));
+        assert!(told.contains("M150") && told.contains(why), "{told}");
+    };
+    refused("a.msh", &GMSH2.replace("2.2 0", "2.2 1"), "binary");
+    refused("b.msh", &GMSH2.replace("2.2 0", "3.0 0"), "version is 3.0");
+    refused("c.msh", &GMSH2.replace("$EndElements", ""), "no end");
+    refused("d.msh", &GMSH2.replace("8 1 1 2 3 4", "8 1 1 2 3 9"), "refers to a node that is not there");
+    refused("e.inp", &INP.replace("CPS4", "C3D4"), "not of the r-z plane");
+    refused("f.inp", &INP.replace("1, 1, 4", "1, x, 4"), "not a whole number");
+}
+
+/// A mesh copied, mirrored and mapped is the one that is given node by node.
+#[test]
+fn copies_and_maps_are_the_mesh_in_full() {
+    let half = "*Node, nset=LOW\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n 4, 1., 1.\n*Element, type=CAX4R, elset=A\n 1, 1, 2, 4, 3\n";
+    let points = |text: &str| build(text).mesh.points;
+    let moved = points(&format!("{half}*Ncopy, old set=LOW, change number=10, shift\n 0., 2., 0.\n"));
+    assert_eq!(moved[4..], [[0.0, 2.0], [1.0, 2.0], [0.0, 3.0], [1.0, 3.0]]);
+    for reflect in ["LINE\n 0., 1., 0., 1., 1., 0.\n", "MIRROR\n 0., 1., 0., 1., 1., 0.\n 0., 1., 1.\n"] {
+        let text = format!(
+            "{half}*Ncopy, old set=LOW, change number=10, new set=HIGH, reflect={reflect}\
+             *Elcopy, old set=A, element shift=5, shift nodes=10, new set=B, reflect\n"
+        );
+        let model = build(&text);
+        assert_eq!(model.mesh.points[4..], [[0.0, 2.0], [1.0, 2.0], [0.0, 1.0], [1.0, 1.0]]);
+        assert_eq!(model.mesh.elements[1].nodes, [4, 6, 7, 5]);
+        assert_eq!((model.mesh.elements[1].name.as_str(), model.element_sets["B"].members.len()), ("6", 1));
+        assert_eq!(model.node_sets["HIGH"].members, [4, 5, 6, 7]);
+    }
+    let polar = points(
+        "*Node, nset=ALL\n 1, 1., 0.\n 2, 2., 0.\n 3, 1., 90.\n 4, 2., 90.\n\
+         *Nmap, nset=ALL, type=CYLINDRICAL\n 0., 5., 0., 0., 5., 1.\n 1., 5., 0.\n",
+    );
+    assert_eq!(polar, [[1.0, 5.0], [2.0, 5.0], [0.0, 6.0], [0.0, 7.0]]);
+    assert_eq!(points("*Node, system=C\n 1, 2., 90.\n"), [[0.0, 2.0]]);
+    let turned = points("*System\n 1., 1., 0., 1., 2., 0.\n*Node\n 1, 3., -1.\n*System\n*Node\n 2, 3., -1.\n");
+    assert_eq!(turned, [[2.0, 4.0], [3.0, -1.0]]);
+    // A node that two cards make is one slip, not seven.
+    let slip = "*Node\n 1, 0., 0.\n 3, 2., 0.\n 21, 0., 2.\n 23, 2., 2.\n*Ngen, nset=LOW\n 1, 3\n*Ngen, nset=TOP\n 21, 23\n\
+                *Nfill, nset=ALL\n LOW, TOP, 10, 2\n*Element, type=CAX4R, elset=A\n 1, 1, 2, 4, 3\n*Elgen, elset=A\n 1, 2, 1, 1, 10, 2, 2\n";
+    let told = errors(slip);
+    assert!(told.contains("M164") && told.contains("generated again") && !told.contains("M123"), "{told}");
+}

@@ -96,6 +96,7 @@ fn history(variable: Variable, name: &str) -> (String, &'static str) {
         Place::Point | Place::Element => ("*Element Output, elset=ONE", "@ONE"),
         Place::Energy => ("*Energy Output", ""),
         Place::Increment => ("*Incrementation Output", ""),
+        Place::Section => ("*Integrated Output, surface=J0", "@J0"),
         Place::Facet => unreachable!("facets have no histories"),
     };
     (format!("*Output, history, number interval=2\n{card}\n {name}\n"), place)

@@ -391,13 +391,13 @@ fn faulty_contact_is_refused_with_a_reason() {
         + "*End Step\n";
     let cases = [
         ("", "", ""),
-        ("P021", " 800, 2, 2", " 800, 1, 1"),
+        ("P002", " 800, 2, 2", " 800, 1, 1"),
         (
             "P021",
             " START, 0., 0.\n LINE, 100., 0.",
             " START, 0., 0.5\n LINE, 100., 0.5\n*Surface, name=BOTH\n EJ0, S1\n EJ1, S3\n*Contact Pair\n BOTH, WALL",
         ),
-        ("M104", " LINE, 100., 0.", " LINE, 100., 1."),
+        ("M104", " LINE, 100., 0.", " PARAB, 100., 1., 200., 0."),
         ("M114", " J0, WALL", " NONE, WALL"),
         ("M104", " J0, WALL", " J0, J1"),
         ("M104", "interaction=SMOOTH", "interaction=SMOOTH, mechanical constraint=PENALTY"),

@@ -23,6 +23,7 @@ mod scene;
 mod shock;
 mod solid;
 mod steps;
+mod surfaces;
 mod taylor;
 mod vessels;
 mod waves;

@@ -19,7 +19,7 @@ pub const CARDS: &[Keyword] = &[
     row!("NODE", "Defines nodes; of a node given more than once the last place counts, with a warning", (), {
         "NSET" read "Node set to put them in",
         "INPUT" read "File with the data lines",
-        "SYSTEM" only ["R"] "give r and z: C and S are not axisymmetric",
+        "SYSTEM" read "R (default), or C for a radius and an angle in degrees in the r-z plane",
         "INTERNAL" inert "written by CAE; no meaning",
         "UNSORTED" refused "give *NSET, UNSORTED",
     }, [(rows [
@@ -49,6 +49,42 @@ pub const CARDS: &[Keyword] = &[
         "SINGULAR" read "1 or 2: the node next to the first or second line stands at a quarter of its two intervals",
         "TWO STEP" read "BIAS holds between pairs of intervals; the two of a pair are equally long",
     }, [(rows ["first set", "second set", "number of intervals", "increment"])]),
+    row!("NCOPY", "Copies nodes to other numbers and places", (), {
+        "OLD SET" read "Nodes to copy",
+        "CHANGE NUMBER" read "Added to their numbers",
+        "NEW SET" read "Node set to put the copies in",
+        "SHIFT" read "Data lines move, then turn them, as those of *INSTANCE do; without data lines they stay",
+        "REFLECT" read "POINT, LINE or MIRROR: the data lines give points of it",
+        "MULTIPLE" only ["1"] "give a *NCOPY for each turn",
+        "POLE" refused "of infinite elements",
+    }, [
+        (when "SHIFT" = "" lines
+            ["translation along r", "translation along z", "third translation" only ["0"] "an axisymmetric model lies in the r-z plane"]
+            ["r of the first point", "z of the first point", "third coordinate of the first point",
+             "r of the second point", "z of the second point", "third coordinate of the second point", "angle in degrees"]),
+        (lines
+            ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"]
+            ["r of c", "z of c", "third coordinate of c"]),
+    ]),
+    row!("NMAP", "Takes the coordinates of nodes as those of a local system", (), {
+        "NSET" read "Nodes",
+        "TYPE" read "RECTANGULAR, or CYLINDRICAL about an axis that stands on the r-z plane (radius, angle in degrees)",
+        "DEFINITION" only ["COORDINATES"] "give coordinates",
+    }, [(lines
+        ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"]
+        ["r of c", "z of c", "third coordinate of c"]
+        ["scale of the first coordinate", "scale of the second coordinate",
+         "scale of the third coordinate" inert "an axisymmetric model lies in the r-z plane"])]),
+    row!("SYSTEM", "Local system of the *NODE cards that follow; without data lines r and z again", (), {}, [(lines
+        ["r of a", "z of a", "third coordinate of a" only ["0"] "an axisymmetric model lies in the r-z plane",
+         "r of b", "z of b", "third coordinate of b" only ["0"] "an axisymmetric model lies in the r-z plane"]
+        ["r of c", "z of c", "third coordinate of c" only ["0"] "an axisymmetric model lies in the r-z plane"])]),
+    row!("TRANSFORM", "Turned directions at nodes; refused where a condition or a force is given in others than r and z", (), {
+        "NSET" read "Nodes",
+        "TYPE" read "R (default); C and S are others than r and z",
+        "DEFINITION" only ["COORDINATES"] "give coordinates",
+    }, [(lines
+        ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"])]),
     row!("ELEMENT", "Defines elements", (), {
         "TYPE" read "RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
         "ELSET" read "Element set to put them in",
@@ -76,6 +112,13 @@ pub const CARDS: &[Keyword] = &[
         "rows", "node increment of rows", "element increment of rows",
         "layers", "node increment of layers", "element increment of layers",
     ])]),
+    row!("ELCOPY", "Copies elements to other numbers and nodes", (), {
+        "OLD SET" read "Elements to copy",
+        "ELEMENT SHIFT" read "Added to their numbers",
+        "SHIFT NODES" read "Added to the numbers of their nodes",
+        "NEW SET" read "Element set to put the copies in",
+        "REFLECT" read "The nodes run the other way round, for copies of reflected nodes",
+    }, []),
     row!("NSET", "Defines or extends a node set", (), {
         "NSET" read "Name of the set",
         "GENERATE" read "Data lines give first, last and increment",
@@ -99,12 +142,12 @@ pub const CARDS: &[Keyword] = &[
     ]),
     row!("SURFACE", "Defines a surface", (unique "NAME"), {
         "NAME" read "Name of the surface",
-        "TYPE" read "ELEMENT (default), NODE, or SEGMENTS for a plane z = const",
+        "TYPE" read "ELEMENT (default), NODE, or SEGMENTS for lines and arcs",
         "INTERNAL" inert "written by CAE; no meaning",
         "COMBINE" refused "give the faces of the surface",
         "CROP" refused "give the faces of the surface",
         "DEFINITION" refused "coordinates on analytical surfaces are r and z",
-        "FILLET RADIUS" refused "analytical surfaces are planes z = const",
+        "FILLET RADIUS" read "Rounds the corners between segments",
         "MAX RATIO" refused "shells are not simulated",
         "NO OFFSET" inert "of shells",
         "NO THICK" inert "of shells",
@@ -115,10 +158,18 @@ pub const CARDS: &[Keyword] = &[
         "DISCRETIZATION" inert "written by some preprocessors; no meaning",
     }, [
         (when "TYPE" = "NODE" rows ["node or set", "area" inert "areas serve contact stresses, which nothing here computes"]),
-        (when "TYPE" = "SEGMENTS" rows ["segment", "r", "z", "r of the centre" refused "analytical surfaces are planes z = const",
-            "z of the centre" refused "analytical surfaces are planes z = const"]),
+        (when "TYPE" = "SEGMENTS" rows ["segment" read "START, then LINE or CIRCL; the front is to the left of the way along them",
+            "r", "z", "r of the centre" read "Of CIRCL", "z of the centre" read "Of CIRCL"]),
         (rows ["element or set", "face" read "S1 ... S4, SPOS, SNEG; the free faces of solids without it"]),
     ]),
+    row!("RIGID SURFACE", "An analytical rigid surface of an older form, with its reference node", (), {
+        "NAME" read "Name of the surface",
+        "ELSET" read "Name of the surface, where NAME is not given",
+        "TYPE" only ["SEGMENTS"] "surfaces of revolution lie in the r-z plane",
+        "REF NODE" read "Reference node or a set of one; with it this is a rigid body",
+        "FILLET RADIUS" read "Rounds the corners between segments",
+    }, [(rows ["segment" read "START, then LINE or CIRCL; the front is to the left of the way along them",
+        "r", "z", "r of the centre" read "Of CIRCL", "z of the centre" read "Of CIRCL"])]),
     row!("PART", "Begins a part", (unique "NAME"), {
         "NAME" read "Name of the part",
         "INTERNAL" inert "written by CAE; no meaning",
@@ -137,7 +188,7 @@ pub const CARDS: &[Keyword] = &[
         ["r of the first point", "z of the first point", "third coordinate of the first point",
          "r of the second point", "z of the second point", "third coordinate of the second point", "angle in degrees"])]),
     row!("END INSTANCE", "Ends an instance", (), {}, []),
-    row!(extension "MESH", "Reads nodes and elements from a mesh file", (), {
+    row!(extension "MESH", "Reads nodes and elements from a mesh file: of VTK, of Gmsh (.msh) or a deck's mesh (.inp)", (), {
         "INPUT" read "File, relative to the deck",
         "TYPE" read "Element type to make of its cells",
     }, []),

@@ -63,6 +63,22 @@ pub const CARDS: &[Keyword] = &[
         (when "GENERATE" = "" rows ["first time", "last time", "increment"]),
         (list "time" read "Ascending"),
     ]),
+    row!("INTEGRATED OUTPUT SECTION", "A surface that integrals are taken over", (unique "NAME"), {
+        "NAME" read "Name of the section",
+        "SURFACE" read "Surface of element faces",
+        "ORIENTATION" refused "integrals are taken along r and z",
+        "POSITION" refused "integrals are taken along r and z",
+        "PROJECT ORIENTATION" only ["NO"] "integrals are taken along r and z",
+        "REF NODE" refused "the mean motion of a section is not followed",
+        "REF NODE MOTION" refused "the mean motion of a section is not followed",
+    }, []),
+    row!("INTEGRATED OUTPUT", "Forces through a surface of an *OUTPUT, HISTORY request", (), {
+        "SECTION" read "Section",
+        "SURFACE" read "Surface of element faces, without a section",
+        "ELSET" refused "give SURFACE or SECTION",
+        "VARIABLE" read "PRESELECT or ALL",
+        "FILTER" refused "histories are not filtered",
+    }, [(list "variable")]),
     row!("RESTART", "States to go on from with `revolve run --resume`; before the first step it holds for all", (once step), {
         "WRITE" read "Write <job>.checkpoint; it holds the last state, and goes when the run is complete",
         "READ" refused "to go on with a halted run, use `revolve run --resume`",

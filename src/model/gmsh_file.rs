@@ -1,0 +1,204 @@
+//! Mesh files of Gmsh, `.msh` in the versions 2.2 and 4.1 as text (Gmsh reference manual, "MSH file format").
+//! Physical groups of surfaces become element sets, of their nodes and of those of curves and points node sets.
+//! Never here: what sets mean.
+
+use std::collections::{BTreeMap, HashMap};
+use std::str::SplitAsciiWhitespace;
+
+use super::mesh_data::{Grouped, MeshFile};
+
+/// Numbers of nodes of Gmsh's element types from 1 on, and their dimensions; types beyond have none here.
+const TYPES: [(usize, usize); 21] = [
+    (2, 1),
+    (3, 2),
+    (4, 2),
+    (4, 3),
+    (8, 3),
+    (6, 3),
+    (5, 3),
+    (3, 1),
+    (6, 2),
+    (9, 2),
+    (10, 3),
+    (27, 3),
+    (18, 3),
+    (14, 3),
+    (1, 0),
+    (8, 2),
+    (20, 3),
+    (15, 3),
+    (13, 3),
+    (9, 2),
+    (10, 2),
+];
+
+/// Reads a file's text.
+pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
+    let sections = sections(text)?;
+    let section = |name: &str| sections.get(name).map(|t| Words(t.split_ascii_whitespace()));
+    let mut format = section("MeshFormat").ok_or("it has no $MeshFormat: is it a mesh of Gmsh?")?;
+    let version = format.word()?.to_owned();
+    if format.number()? != 0.0 {
+        return Err("it is binary: save it as text (Mesh.Binary = 0)".into());
+    }
+    let mut names: HashMap<(usize, i64), String> = HashMap::new();
+    if let Some(text) = sections.get("PhysicalNames") {
+        for line in text.lines().skip_while(|l| l.trim().is_empty()).skip(1) {
+            let mut words = Words(line.split_ascii_whitespace());
+            let (Ok(dimension), Ok(tag)) = (words.count(), words.whole()) else { continue };
+            let name = line.split('"').nth(1).ok_or("a physical name is not in quotes")?;
+            names.insert((dimension, tag), name.to_owned());
+        }
+    }
+    let nodes = section("Nodes").ok_or("it has no $Nodes")?;
+    let elements = section("Elements").ok_or("it has no $Elements")?;
+    let mut grouped = Grouped::default();
+    if version.starts_with("2.") {
+        nodes_of_2(nodes, &mut grouped)?;
+        elements_of_2(elements, &names, &mut grouped)?;
+    } else if version == "4.1" {
+        nodes_of_4(nodes, &mut grouped)?;
+        let groups = section("Entities").map_or(Ok(HashMap::new()), entities)?;
+        elements_of_4(elements, &groups, &names, &mut grouped)?;
+    } else {
+        return Err(format!("its version is {version}; 2.2 and 4.1 are read (Mesh.MshFileVersion)"));
+    }
+    grouped.finish(true)
+}
+
+/// The text between `$Name` and `$EndName`.
+fn sections(text: &str) -> Result<BTreeMap<&str, &str>, String> {
+    let mut found = BTreeMap::new();
+    let mut rest = text;
+    while let Some(at) = rest.find('$') {
+        let name = rest[at + 1..].split_ascii_whitespace().next().unwrap_or("");
+        let body = &rest[at + 1 + name.len()..];
+        let end = body.find(&format!("$End{name}")).ok_or(format!("its section ${name} has no end"))?;
+        found.insert(name, &body[..end]);
+        rest = &body[end + 4 + name.len()..];
+    }
+    Ok(found)
+}
+
+struct Words<'a>(SplitAsciiWhitespace<'a>);
+
+impl<'a> Words<'a> {
+    fn word(&mut self) -> Result<&'a str, String> {
+        self.0.next().ok_or_else(|| "a section ends early".into())
+    }
+
+    fn number(&mut self) -> Result<f64, String> {
+        let word = self.word()?;
+        word.parse().map_err(|_| format!("`{word}` is not a number"))
+    }
+
+    fn whole(&mut self) -> Result<i64, String> {
+        let word = self.word()?;
+        word.parse().map_err(|_| format!("`{word}` is not a whole number"))
+    }
+
+    fn count(&mut self) -> Result<usize, String> {
+        usize::try_from(self.whole()?).map_err(|_| "a count is below zero".into())
+    }
+
+    fn skip(&mut self, count: usize) -> Result<(), String> {
+        (0..count).try_for_each(|_| self.word().map(|_| ()))
+    }
+
+    fn point(&mut self) -> Result<[f64; 3], String> {
+        Ok([self.number()?, self.number()?, self.number()?])
+    }
+}
+
+fn nodes_of_2(mut words: Words<'_>, mesh: &mut Grouped) -> Result<(), String> {
+    for _ in 0..words.count()? {
+        let label = words.whole()?;
+        mesh.node(label, words.point()?);
+    }
+    Ok(())
+}
+
+fn name_of(names: &HashMap<(usize, i64), String>, dimension: usize, tag: i64) -> String {
+    names.get(&(dimension, tag)).cloned().unwrap_or(format!("PHYSICAL_{tag}"))
+}
+
+fn kind(number: usize) -> Result<(usize, usize), String> {
+    let found = number.checked_sub(1).and_then(|i| TYPES.get(i)).copied();
+    found.ok_or(format!("its elements of Gmsh's type {number} are not known"))
+}
+
+fn elements_of_2(
+    mut words: Words<'_>,
+    names: &HashMap<(usize, i64), String>,
+    mesh: &mut Grouped,
+) -> Result<(), String> {
+    for _ in 0..words.count()? {
+        let label = words.whole()?;
+        let (count, dimension) = kind(words.count()?)?;
+        let tags = words.count()?;
+        let group = if tags > 0 { words.whole()? } else { 0 };
+        words.skip(tags.saturating_sub(1))?;
+        let sets = if group == 0 { Vec::new() } else { vec![name_of(names, dimension, group.abs())] };
+        let nodes = (0..count).map(|_| words.whole()).collect::<Result<_, _>>()?;
+        mesh.cell(label, dimension, nodes, &sets);
+    }
+    Ok(())
+}
+
+fn nodes_of_4(mut words: Words<'_>, mesh: &mut Grouped) -> Result<(), String> {
+    let blocks = words.count()?;
+    words.skip(3)?;
+    for _ in 0..blocks {
+        let dimension = words.count()?;
+        words.skip(1)?;
+        let extra = if words.count()? == 0 { 0 } else { dimension };
+        let count = words.count()?;
+        let labels = (0..count).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
+        for label in labels {
+            mesh.node(label, words.point()?);
+            words.skip(extra)?;
+        }
+    }
+    Ok(())
+}
+
+/// Physical groups of each entity.
+fn entities(mut words: Words<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>, String> {
+    let mut groups = HashMap::new();
+    let counts = [words.count()?, words.count()?, words.count()?, words.count()?];
+    for (dimension, count) in counts.into_iter().enumerate() {
+        for _ in 0..count {
+            let tag = words.whole()?;
+            words.skip(if dimension == 0 { 3 } else { 6 })?;
+            let own = (0..words.count()?).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
+            groups.insert((dimension, tag), own);
+            if dimension > 0 {
+                let bounding = words.count()?;
+                words.skip(bounding)?;
+            }
+        }
+    }
+    Ok(groups)
+}
+
+fn elements_of_4(
+    mut words: Words<'_>,
+    groups: &HashMap<(usize, i64), Vec<i64>>,
+    names: &HashMap<(usize, i64), String>,
+    mesh: &mut Grouped,
+) -> Result<(), String> {
+    let blocks = words.count()?;
+    words.skip(3)?;
+    for _ in 0..blocks {
+        let entity = (words.count()?, words.whole()?);
+        let (count, dimension) = kind(words.count()?)?;
+        let own = groups.get(&entity).map_or(&[][..], Vec::as_slice);
+        let sets: Vec<String> = own.iter().map(|tag| name_of(names, entity.0, tag.abs())).collect();
+        for _ in 0..words.count()? {
+            let label = words.whole()?;
+            let nodes = (0..count).map(|_| words.whole()).collect::<Result<_, _>>()?;
+            mesh.cell(label, dimension, nodes, &sets);
+        }
+    }
+    Ok(())
+}

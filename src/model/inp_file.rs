@@ -1,0 +1,161 @@
+//! The mesh of another deck or of a mesher, `.inp`: `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`; other cards are passed over and named.
+//! Never here: what sets mean, element types (the `*MESH` card says which to make).
+
+use std::collections::HashMap;
+
+use super::mesh_data::{Grouped, MeshFile};
+
+/// Reads a file's text.
+pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
+    let mut reader = Reader::default();
+    for (number, line) in text.lines().enumerate() {
+        let line = line.trim();
+        let done = if line.starts_with("**") || line.is_empty() {
+            Ok(())
+        } else if let Some(card) = line.strip_prefix('*') {
+            reader.begin(card)
+        } else {
+            reader.data(line)
+        };
+        done.map_err(|why| format!("line {}: {why}", number + 1))?;
+    }
+    reader.finish()
+}
+
+/// What the lines below a card are.
+#[derive(Clone, Debug, Default, PartialEq)]
+enum Reading {
+    #[default]
+    Nothing,
+    Nodes(Option<String>),
+    /// Number of nodes and dimension of an element, its set.
+    Elements(usize, usize, Option<String>),
+    /// Name, whether of nodes, whether generated.
+    Set(String, bool, bool),
+}
+
+#[derive(Default)]
+struct Reader {
+    mesh: Grouped,
+    reading: Reading,
+    /// What an element that goes on on the next line has so far.
+    begun: Vec<i64>,
+    nodes: HashMap<String, Vec<i64>>,
+    elements: HashMap<String, Vec<i64>>,
+}
+
+/// Nodes and dimension of an element type of ABAQUS, by its name.
+fn shape(name: &str) -> Option<(usize, usize)> {
+    let digits: String =
+        name.chars().rev().skip_while(|c| !c.is_ascii_digit()).take_while(char::is_ascii_digit).collect();
+    let count: usize = digits.chars().rev().collect::<String>().parse().ok()?;
+    let line = ["T2D", "T3D", "B2", "B3", "RAX", "R2D", "SAX", "MAX"].iter().any(|p| name.starts_with(p));
+    match name {
+        "MASS" | "SPRING1" | "DASHPOT1" => Some((1, 0)),
+        "B21" | "B31" | "SAX1" | "MAX1" => Some((2, 1)),
+        "B22" | "B32" | "SAX2" | "MAX2" => Some((3, 1)),
+        "T2D2" | "T3D2" | "RAX2" | "R2D2" => Some((2, 1)),
+        "T2D3" | "T3D3" => Some((3, 1)),
+        _ if line || name.starts_with("C3D") => None,
+        _ => Some((count, 2)),
+    }
+}
+
+impl Reader {
+    fn begin(&mut self, card: &str) -> Result<(), String> {
+        let mut parts = card.split(',').map(str::trim);
+        let keyword: String =
+            parts.next().unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase();
+        let parameters: Vec<(String, &str)> = parts
+            .map(|p| p.split_once('=').unwrap_or((p, "")))
+            .map(|(name, value)| (name.trim().to_uppercase(), value.trim().trim_matches('"')))
+            .collect();
+        let value = |name: &str| parameters.iter().find(|p| p.0 == name).map(|p| p.1);
+        let owned = |name: &str| value(name).map(str::to_owned);
+        self.reading = match keyword.as_str() {
+            "NODE" => Reading::Nodes(owned("NSET")),
+            "ELEMENT" => {
+                let name = value("TYPE").ok_or("*ELEMENT has no TYPE=")?.to_uppercase();
+                let (count, dimension) =
+                    shape(&name).ok_or(format!("elements of type {name} are not of the r-z plane"))?;
+                Reading::Elements(count, dimension, owned("ELSET"))
+            }
+            "NSET" | "ELSET" => {
+                let name = owned(&keyword).ok_or(format!("*{keyword} has no {keyword}="))?;
+                Reading::Set(name, keyword == "NSET", value("GENERATE").is_some())
+            }
+            "HEADING" => Reading::Nothing,
+            _ => {
+                if !self.mesh.unread.contains(&keyword) {
+                    self.mesh.unread.push(keyword);
+                }
+                Reading::Nothing
+            }
+        };
+        Ok(())
+    }
+
+    fn data(&mut self, line: &str) -> Result<(), String> {
+        let fields = || line.split(',').map(str::trim).filter(|f| !f.is_empty());
+        let whole = |f: &str| f.parse::<i64>().map_err(|_| format!("`{f}` is not a whole number"));
+        match self.reading.clone() {
+            Reading::Nothing => {}
+            Reading::Nodes(set) => {
+                let mut words = fields();
+                let label = whole(words.next().unwrap_or(""))?;
+                let mut point = [0.0; 3];
+                for (value, field) in point.iter_mut().zip(words) {
+                    *value =
+                        crate::deck::number::parse_number(field).map_err(|_| format!("`{field}` is not a number"))?;
+                }
+                self.mesh.node(label, point);
+                if let Some(set) = set {
+                    self.nodes.entry(set.to_uppercase()).or_default().push(label);
+                    self.mesh.add_nodes(&set, &[label]);
+                }
+            }
+            Reading::Elements(count, dimension, set) => {
+                for field in fields() {
+                    self.begun.push(whole(field)?);
+                }
+                if self.begun.len() > count {
+                    let words = std::mem::take(&mut self.begun);
+                    let sets: Vec<String> = set.into_iter().collect();
+                    if let Some(set) = sets.first() {
+                        self.elements.entry(set.to_uppercase()).or_default().push(words[0]);
+                    }
+                    self.mesh.cell(words[0], dimension, words[1..=count].to_vec(), &sets);
+                }
+            }
+            Reading::Set(name, of_nodes, generated) => {
+                let known = if of_nodes { &self.nodes } else { &self.elements };
+                let mut members = Vec::new();
+                if generated {
+                    let given = fields().map(whole).collect::<Result<Vec<_>, _>>()?;
+                    let (first, last) = (given.first().copied().unwrap_or(0), given.get(1).copied().unwrap_or(0));
+                    let step = given.get(2).copied().unwrap_or(1).max(1);
+                    members.extend((first..=last).step_by(step as usize).take(super::builder::MOST));
+                } else {
+                    for field in fields() {
+                        match known.get(&field.to_uppercase()) {
+                            Some(set) => members.extend(set),
+                            None => members.push(whole(field)?),
+                        }
+                    }
+                }
+                let all = if of_nodes { &mut self.nodes } else { &mut self.elements };
+                all.entry(name.to_uppercase()).or_default().extend(&members);
+                if of_nodes {
+                    self.mesh.add_nodes(&name, &members);
+                } else {
+                    self.mesh.add_cells(&name, &members);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<MeshFile, String> {
+        self.mesh.finish(false)
+    }
+}

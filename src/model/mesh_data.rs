@@ -1,0 +1,113 @@
+//! Meshes as they stand in files, whatever the format: points, cells, labels and sets.
+//! Never here: formats, decks.
+
+use std::collections::HashMap;
+
+use indexmap::IndexMap;
+
+/// A mesh as it stands in a file.
+#[derive(Debug, Default)]
+pub(crate) struct MeshFile {
+    pub(crate) points: Vec<[f64; 3]>,
+    pub(crate) cells: Vec<Vec<usize>>,
+    pub(crate) point_arrays: Vec<(String, Vec<f64>)>,
+    pub(crate) cell_arrays: Vec<(String, Vec<f64>)>,
+    /// Cards that were passed over.
+    pub(crate) unread: Vec<String>,
+}
+
+/// A mesh with labels and named groups, as meshers write it.
+#[derive(Debug, Default)]
+pub(super) struct Grouped {
+    labels: Vec<i64>,
+    points: Vec<[f64; 3]>,
+    /// Point by label; a point given again takes the place of the first.
+    by_label: HashMap<i64, usize>,
+    cells: Vec<(i64, usize, Vec<i64>)>,
+    /// Cells by the name of their set, and nodes.
+    cell_sets: IndexMap<String, Vec<i64>>,
+    node_sets: IndexMap<String, Vec<i64>>,
+    /// Cards that were passed over.
+    pub(super) unread: Vec<String>,
+}
+
+impl Grouped {
+    pub(super) fn node(&mut self, label: i64, point: [f64; 3]) {
+        if let Some(&known) = self.by_label.get(&label) {
+            self.points[known] = point;
+            return;
+        }
+        self.by_label.insert(label, self.points.len());
+        self.labels.push(label);
+        self.points.push(point);
+    }
+
+    pub(super) fn cell(&mut self, label: i64, dimension: usize, nodes: Vec<i64>, sets: &[String]) {
+        self.cells.push((label, dimension, nodes));
+        sets.iter().for_each(|set| self.add_cells(set, &[label]));
+    }
+
+    pub(super) fn add_cells(&mut self, set: &str, labels: &[i64]) {
+        self.cell_sets.entry(set.to_uppercase()).or_default().extend(labels);
+    }
+
+    pub(super) fn add_nodes(&mut self, set: &str, labels: &[i64]) {
+        self.node_sets.entry(set.to_uppercase()).or_default().extend(labels);
+    }
+
+    /// The mesh: cells of the highest dimension are its elements; sets of others, and `all` sets of cells as well, are sets of
+    /// their nodes. Cells of a mesher that run clockwise are turned where `all` is said.
+    pub(super) fn finish(mut self, all: bool) -> Result<MeshFile, String> {
+        let highest = self.cells.iter().map(|c| c.1).max().ok_or("it has no elements")?;
+        if highest > 2 {
+            return Err("it has elements of space: mesh the half plane of r and z".into());
+        }
+        let nodes_of: HashMap<i64, (usize, Vec<i64>)> =
+            self.cells.iter().map(|(label, dimension, nodes)| (*label, (*dimension, nodes.clone()))).collect();
+        let mut element_sets: Vec<(String, Vec<i64>)> = Vec::new();
+        for (name, labels) in std::mem::take(&mut self.cell_sets) {
+            let is_element = |l: &&i64| nodes_of.get(l).is_some_and(|c| c.0 == highest);
+            let elements: Vec<i64> = labels.iter().filter(is_element).copied().collect();
+            if all || elements.len() < labels.len() {
+                let nodes = labels.iter().filter_map(|l| nodes_of.get(l)).flat_map(|c| &c.1).copied();
+                self.node_sets.entry(name.clone()).or_default().extend(nodes);
+            }
+            if !elements.is_empty() {
+                element_sets.push((name, elements));
+            }
+        }
+        let (mut cells, mut labels) = (Vec::new(), Vec::new());
+        for (label, dimension, nodes) in &self.cells {
+            if *dimension < highest {
+                continue;
+            }
+            let found: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
+            let mut cell = found.ok_or_else(|| format!("element {label} refers to a node that is not there"))?;
+            if all && *dimension == 2 && area(&self.points, &cell) < 0.0 {
+                cell[1..].reverse();
+            }
+            cells.push(cell);
+            labels.push(*label);
+        }
+        let mark = |labels: &[i64], members: &[i64]| {
+            let members: std::collections::HashSet<i64> = members.iter().copied().collect();
+            labels.iter().map(|l| f64::from(u8::from(members.contains(l)))).collect::<Vec<f64>>()
+        };
+        let numbers = |labels: &[i64]| labels.iter().map(|l| *l as f64).collect::<Vec<f64>>();
+        let mut point_arrays = vec![("NODE_LABEL".to_owned(), numbers(&self.labels))];
+        point_arrays.extend(self.node_sets.iter().map(|(n, m)| (format!("NSET_{n}"), mark(&self.labels, m))));
+        let mut cell_arrays = vec![("ELEMENT_LABEL".to_owned(), numbers(&labels))];
+        cell_arrays.extend(element_sets.iter().map(|(n, m)| (format!("ELSET_{n}"), mark(&labels, m))));
+        Ok(MeshFile { points: self.points, cells, point_arrays, cell_arrays, unread: self.unread })
+    }
+}
+
+fn area(points: &[[f64; 3]], cell: &[usize]) -> f64 {
+    let pair = |i: usize| (points[cell[i]], points[cell[(i + 1) % cell.len()]]);
+    (0..cell.len()).map(pair).map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1])).sum()
+}
+
+/// Whether an array is a set or holds labels.
+pub(super) fn is_ours(name: &str) -> bool {
+    name.starts_with("NSET_") || name.starts_with("ELSET_") || name.ends_with("_LABEL")
+}
