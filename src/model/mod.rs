@@ -21,6 +21,7 @@ mod eos;
 mod equations;
 mod failure;
 mod history;
+mod links;
 mod load_history;
 mod loads;
 mod mass_scaling;

@@ -52,6 +52,7 @@ impl Compiler<'_> {
         if !step.boundaries.iter().any(|b| b.dof == 2 && b.nodes.contains(&reference)) {
             return Err("the plane's reference node must be held or moved by *BOUNDARY along z".into());
         }
+        let kept = self.kept.concerned();
         let mut nodes = Vec::new();
         for &node in &contact.nodes {
             let name = &self.model.mesh.node_names[node];
@@ -59,8 +60,9 @@ impl Compiler<'_> {
                 .places
                 .free_node(node)
                 .ok_or(format!("node {name} does not deform, or a rigid body carries it"))?;
-            if self.model.equations.iter().any(|e| e.terms.iter().any(|t| t.0 == node)) {
-                return Err(format!("node {name} is in contact and in an *EQUATION"));
+            if kept.contains(&(place, 0)) || kept.contains(&(place, 1)) {
+                let why = "follows others (*EQUATION, *MPC, *COUPLING, *TIE): leave it out of the surface";
+                return Err(format!("node {name} is in contact and {why}"));
             }
             let is_given = |axis: usize| prescribed.contains(&(place, axis));
             if !is_given(1) {

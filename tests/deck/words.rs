@@ -160,6 +160,8 @@ fn files(folder: &Path) {
         write(&format!("{name}.equation"), &format!(" 2\n 7, 2, {value}, 8, 2, -1.\n"));
         write(&format!("{name}.amplitude"), &format!(" 0., 0., 1., {value}\n"));
     }
+    write("a.mpc", " TIE, 7, 8\n");
+    write("b.mpc", " TIE, 7, 5\n");
     write("a.element", " 4, 5, 6, 9, 8\n");
     write("b.element", " 4, 5, 6, 9, 7\n");
     let array = |name: &str, kind: &str, parts: &str, values: &str| {
