@@ -85,7 +85,8 @@ fn a_mass_on_a_reference_node_has_the_period_of_a_column_with_it() {
         if !name.starts_with("distributing") {
             let (node, reference) =
                 (last(&deck, &memory, &format!("U2@{}", 3 * ROWS + 3)), motion.last().expect("a row").1);
-            assert!((node - reference).abs() < 1e-12 * 1e-6, "{name}: {node:e} {reference:e}");
+            // Rounding of places of the size 1.
+            assert!((node - reference).abs() < 1e-14, "{name}: {node:e} {reference:e}");
         }
     }
 }
@@ -159,10 +160,11 @@ fn stack(below: usize, above: usize, fine: usize, gap: f64, tie: &str) -> String
         text,
         "*Elset, elset=SOLID\n LOW, HIGH\n*Elset, elset=ETOP, generate\n {first}, {}\n*Surface, name=TOP\n ETOP, S3\n\
          *Elset, elset=EFOOT, generate\n 100001, {}\n*Surface, name=FOOT\n EFOOT, S1\n*Nset, nset=BASE, generate\n 1, {}\n\
-         *Nset, nset=GAUGE\n {middle}\n{tie}",
+         *Nset, nset=GAUGES, generate\n {middle}, {}\n{tie}",
         first + below - 1,
         100_000 + above,
-        below + 1
+        below + 1,
+        middle + below
     )
     .expect("text");
     let nu: f64 = 0.25;
@@ -170,13 +172,21 @@ fn stack(below: usize, above: usize, fine: usize, gap: f64, tie: &str) -> String
     text + &material(e, nu, 1.0, "")
 }
 
-/// A pulse along z that passes from one mesh to another that is tied to it: what comes back.
+/// Share of a node in the mass of a disc of the radius 1 in so many rings, by row sums, over that of the disc.
+fn ring_share(columns: usize, i: usize) -> f64 {
+    let (h, r) = (1.0 / columns as f64, i as f64 / columns as f64);
+    let inside = if i > 0 { h * (0.5 * r - h / 6.0) } else { 0.0 };
+    let outside = if i < columns { h * (0.5 * r + h / 6.0) } else { 0.0 };
+    2.0 * (inside + outside)
+}
+
+/// A pulse along z that passes from one mesh to another that is tied to it: what comes back, as a plane wave (the mean over a
+/// section) and anywhere in the section.
 #[test]
 fn a_wave_passes_a_tie_between_meshes_that_do_not_match() {
-    let tie = "*Tie, name=T\n FOOT, TOP\n";
     let back = |below: usize, above: usize, fine: usize| {
-        // A pulse of velocity of the length 0.8 in space and 0.4 in time; the gauge stands in the middle of the lower column.
-        let mut text = stack(below * fine, above * fine, fine, 0.0, tie);
+        // A pulse of velocity of the length 0.8 in space and 0.4 in time; the gauges stand in the middle of the lower column.
+        let mut text = stack(below * fine, above * fine, fine, 0.0, "*Tie, name=T\n FOOT, TOP\n");
         text += "*Amplitude, name=PULSE\n";
         for i in 0..=80 {
             let t = 0.005 * f64::from(i);
@@ -184,22 +194,27 @@ fn a_wave_passes_a_tie_between_meshes_that_do_not_match() {
         }
         text += " 9., 0.\n*Step\n*Dynamic, Explicit\n , 1.1\n*Bulk Viscosity\n 0., 0.\n*Boundary\n LOW, 1, 1\n HIGH, 1, 1\n\
                  *Boundary, type=VELOCITY, amplitude=PULSE\n BASE, 2, 2, 1.e-6\n\
-                 *Output, history, frequency=1\n*Node Output, nset=GAUGE\n V2\n*End Step\n";
+                 *Output, history, frequency=1\n*Node Output, nset=GAUGES\n V2\n*End Step\n";
         let (outcome, memory) = run(&text);
         assert_eq!(outcome.halt, None);
-        assert!(outcome.energy.drift < 2e-3, "{:e}", outcome.energy.drift);
-        let history = column(&text, &memory, "V2@GAUGE");
-        // The pulse is past the gauge at 0.25 + 0.4; what the tie sends back is there from 0.75 on.
-        let echo = history.iter().filter(|h| h.0 > 0.75).fold(0.0_f64, |m, h| m.max(h.1.abs()));
-        echo / 1e-6
+        // Work of the given motion by the trapezoid, of second order; meshes that match have the same.
+        assert!(outcome.energy.drift < 3e-2 / (fine * fine) as f64, "{:e}", outcome.energy.drift);
+        // The pulse is past the gauges at 0.25 + 0.4; what the tie sends back is there from 0.75 on.
+        let rows = memory.rows.iter().filter(|r| r.0 > 0.75);
+        rows.fold([0.0_f64; 2], |[plane, any], (_, v)| {
+            let mean: f64 = v.iter().enumerate().map(|(i, v)| ring_share(below * fine, i) * v).sum();
+            let largest = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            [plane.max(mean.abs() / 1e-6), any.max(largest / 1e-6)]
+        })
     };
-    // A column that goes on has a tail of the pulse's dispersion alone.
-    let own: Vec<f64> = [1, 2, 4].map(|fine| back(3, 3, fine)).to_vec();
-    let found: Vec<f64> = [1, 2, 4].map(|fine| back(3, 4, fine)).to_vec();
-    let orders: Vec<f64> = found.windows(2).map(|w| (w[0] / w[1]).log2()).collect();
-    println!("tie of meshes that do not match: echo {found:.1e?}, orders {orders:.2?}; that match: {own:.1e?}");
+    // A column whose meshes match has a tail of the pulse's dispersion alone.
+    let alike: Vec<[f64; 2]> = [2, 4, 8].map(|fine| back(3, 3, fine)).to_vec();
+    let found: Vec<[f64; 2]> = [2, 4, 8].map(|fine| back(3, 4, fine)).to_vec();
+    let orders: Vec<f64> = found.windows(2).map(|w| (w[0][0] / w[1][0]).log2()).collect();
+    println!("tie of meshes that do not match: echo {found:?}, orders {orders:.2?}; of those that match: {alike:?}");
+    // Nodes that follow by themselves stiffen one row: an echo of the first order, 5.3e-3, 1.9e-3 and 6.9e-4 here.
     assert!(orders.iter().all(|o| *o > 1.0), "{found:?} {orders:?}");
-    assert!(found[2] < 5e-3, "{found:?}");
+    assert!(found[2][0] < 1e-3 && found[2][1] < 3e-3, "{found:?}");
 }
 
 /// Slave nodes at a distance are put on the master surface, without strain, or not; momentum stays either way.
@@ -216,29 +231,25 @@ fn tied_nodes_are_put_on_their_surface_and_keep_momentum() {
                *Node Output, nset=LOW\n V2\n*Node Output, nset=HIGH\n V2\n*Energy Output\n ALLSE\n*End Step\n";
         let (outcome, memory) = run(&text);
         assert_eq!(outcome.halt, None);
-        let row = |columns: usize, i: usize| {
-            let (h, r) = (1.0 / columns as f64, i as f64 / columns as f64);
-            let inside = if i > 0 { h * (0.5 * r - h / 6.0) } else { 0.0 };
-            let outside = if i < columns { h * (0.5 * r + h / 6.0) } else { 0.0 };
-            2.0 * PI * (inside + outside)
-        };
-        let weight = |columns: usize, n: usize| {
+        // The lowest row of the upper column is as high as its nodes have been put.
+        let height = |j: usize, foot: f64| if j == 0 { foot } else { 0.1 };
+        let weight = |columns: usize, n: usize, foot: f64| {
             let (i, j) = (n % (columns + 1), n / (columns + 1));
-            row(columns, i) * 0.1 * if j == 0 || j == 10 { 0.5 } else { 1.0 }
+            let below = if j > 0 { height(j - 1, foot) } else { 0.0 };
+            ring_share(columns, i) * 0.5 * (below + if j < 10 { height(j, foot) } else { 0.0 })
         };
         let momentum = |values: &[f64]| {
-            let low: f64 = (0..44).map(|n| weight(3, n) * values[1 + n]).sum();
-            low + (0..55).map(|n| weight(4, n) * values[45 + n]).sum::<f64>()
+            let low: f64 = (0..44).map(|n| weight(3, n, 0.1) * values[1 + n]).sum();
+            low + (0..55).map(|n| weight(4, n, 1.1 + gap - place) * values[45 + n]).sum::<f64>()
         };
         let first = &memory.rows[0].1;
         assert!((first[0] - place).abs() < 1e-12, "{} {place}", first[0]);
         let all: Vec<f64> = memory.rows.iter().map(|r| momentum(&r.1)).collect();
         let worst = all.iter().fold(0.0_f64, |m, p| m.max((p / all[0] - 1.0).abs()));
         println!("gap {gap}: momentum off by {worst:.1e}, drift {:.1e}", outcome.energy.drift);
-        // Nodes that are put on a surface change the masses that the test reckons with.
-        let tolerance = if place == 1.0 { 1e-3 } else { 1e-11 };
-        assert!(worst < tolerance, "{worst:e}");
-        assert!(outcome.energy.drift < 2e-3 && outcome.energy.strain > 0.0, "{:?}", outcome.energy);
+        assert!(worst < 1e-11, "{worst:e}");
+        // The impact is a jump over one row, with the increment at its limit.
+        assert!(outcome.energy.drift < 1.5e-2 && outcome.energy.strain > 0.0, "{:?}", outcome.energy);
     }
 }
 
@@ -255,12 +266,7 @@ fn a_dropped_punch_with_a_pad_tied_to_it_keeps_its_momentum() {
     let (outcome, memory) = run(&text);
     assert_eq!(outcome.halt, None);
     // The upper column has the volume pi; of the lower one the top row is the body's.
-    let row = |i: usize| {
-        let (h, r) = (0.25, 0.25 * i as f64);
-        let inside = if i > 0 { h * (0.5 * r - h / 6.0) } else { 0.0 };
-        2.0 * PI * (inside + if i < 4 { h * (0.5 * r + h / 6.0) } else { 0.0 })
-    };
-    let weight = |n: usize| row(n % 5) * 0.1 * if n / 5 == 0 || n / 5 == 10 { 0.5 } else { 1.0 };
+    let weight = |n: usize| PI * ring_share(4, n % 5) * 0.1 * if n / 5 == 0 || n / 5 == 10 { 0.5 } else { 1.0 };
     let mass = 2.0 + 2.0 * PI;
     let mut worst = 0.0_f64;
     for (time, values) in &memory.rows {
