@@ -130,6 +130,10 @@ impl Builder<'_> {
             _ => self.distributing(card, &coupling),
         };
         let Some(kind) = kind else { return };
+        if kind == LinkKind::Rigid([false; 2]) {
+            self.inert(card, "it couples neither r nor z, and symmetry holds the rotation".into());
+            return;
+        }
         self.link(format!("coupling {}", coupling.name), kind, coupling.reference, coupling.nodes, coupling.span);
     }
 
