@@ -424,7 +424,8 @@ mod tests {
         let mut given = Given { all: [(0, 1), (1, 1)].into(), held: [(0, 1)].into() };
         let torn = Bonds::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count());
         assert_eq!(torn, Err(Unkept::Torn([0, 1], 1)));
+        // Both held: nothing is left to keep.
         given.held.insert((1, 1));
-        assert_eq!(Bonds::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count()), Ok(1));
+        assert_eq!(Bonds::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count()), Ok(0));
     }
 }
