@@ -7,8 +7,8 @@ use std::sync::Arc;
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
+use super::coupling::Coupling;
 use super::degrees::Rotational;
-use super::links::Coupling;
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
 use super::types::{Inert, Material, Model};

@@ -2,19 +2,10 @@
 //! Never here: how they are kept together.
 
 use super::builder::Builder;
+use super::coupling::Coupling;
 use super::names::upper;
 use super::types::{Link, LinkKind, SurfaceTie};
 use crate::deck::{Card, Diagnostic, Span, Word};
-
-/// A `*COUPLING` that waits for its kind.
-pub(super) struct Coupling {
-    name: String,
-    reference: usize,
-    nodes: Vec<usize>,
-    /// Tributary area of each node; one each for a surface of nodes.
-    areas: Vec<f64>,
-    span: Span,
-}
 
 impl Builder<'_> {
     /// The first nodes follow the last: of two sets the members one by one, in the order of their labels or of an UNSORTED set

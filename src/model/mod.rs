@@ -14,6 +14,7 @@ mod consistency;
 mod consistent_material;
 mod contact;
 mod controls;
+mod coupling;
 mod degrees;
 mod elements;
 mod energy_limit;
