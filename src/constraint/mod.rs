@@ -1,9 +1,11 @@
 //! Constraints: what is prescribed, tied, linked or kept apart, one file a kind. The integrator knows none by name.
 //! Never here: loads.
 
+pub mod bonds;
 mod dependence;
 pub mod equation;
 pub mod motion;
+mod system;
 pub mod tie;
 pub mod user_motion;
 pub mod wall;
@@ -69,6 +71,11 @@ pub trait Constraint: Persist + Send + Sync {
     /// Degrees of freedom of nodes whose motion it prescribes.
     fn prescribes(&self) -> Vec<(usize, usize)> {
         Vec::new()
+    }
+
+    /// Whether it holds them where they are.
+    fn holds(&self) -> bool {
+        false
     }
 
     /// Nodes that a rigid body carries.

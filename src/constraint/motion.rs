@@ -111,11 +111,6 @@ impl PrescribedMotion {
         }
         PrescribedMotion { id, kind, magnitudes, bodies, nodes }
     }
-
-    /// Whether it holds degrees of freedom where they are.
-    fn holds(&self) -> bool {
-        self.magnitudes.iter().all(|m| m.value == 0.0) && self.kind != Prescribed::Acceleration
-    }
 }
 
 /// The magnitude of the body or node with this number; bodies come first.
@@ -226,6 +221,10 @@ impl Constraint for PrescribedMotion {
 
     fn prescribes(&self) -> Vec<(usize, usize)> {
         self.nodes.iter().map(|m| (m.node, m.axis)).collect()
+    }
+
+    fn holds(&self) -> bool {
+        self.magnitudes.iter().all(|m| m.value == 0.0) && self.kind != Prescribed::Acceleration
     }
 
     fn bytes(&self) -> usize {

@@ -89,13 +89,15 @@ pub struct Masses {
     pub(super) nodes: Vec<f64>,
     /// Of the corners of elements, by group.
     pub(super) corners: Vec<Vec<[f64; 4]>>,
+    /// Nodes whose mass stays: those that rigid bodies carry or equations keep; empty without any.
+    pub(super) left: Vec<bool>,
     /// Factors of fixed requests, and all together.
     pub(super) fixed: Vec<Vec<f64>>,
     pub(super) factors: Vec<Vec<f64>>,
     /// Factors that the elements have now.
     pub(super) carried: Vec<Vec<f64>>,
     /// Masses of nodes with the factors.
-    pub(super) scaled: Vec<f64>,
+    pub(super) sums: Vec<f64>,
 }
 
 impl Scaling {
@@ -121,6 +123,20 @@ impl Persist for Scaling {
 }
 
 impl Masses {
+    /// Whether a node keeps its mass.
+    pub(super) fn stays(&self, node: u32) -> bool {
+        self.left.get(node as usize).copied().unwrap_or(false)
+    }
+
+    /// Masses of the corners of an element under a factor.
+    pub(super) fn scaled(&self, group: usize, element: usize, corners: [u32; 4], factor: f64) -> [f64; 4] {
+        let plain = self.corners[group][element];
+        if self.left.is_empty() {
+            return plain.map(|m| m * factor);
+        }
+        std::array::from_fn(|i| if self.stays(corners[i]) { plain[i] } else { plain[i] * factor })
+    }
+
     /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
@@ -129,14 +145,15 @@ impl Masses {
             + of(&self.factors)
             + of(&self.carried)
             + corners
-            + 8 * (self.nodes.capacity() + self.scaled.capacity())
+            + self.left.capacity()
+            + 8 * (self.nodes.capacity() + self.sums.capacity())
     }
 }
 
 impl Persist for Masses {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        // Of nodes and corners, masses without factors are those of the plan; the scaled ones are computed anew.
-        let Masses { nodes: _, corners: _, fixed, factors, carried, scaled: _ } = self;
+        // Of nodes and corners, masses without factors and what stays are those of the plan; the scaled ones are computed anew.
+        let Masses { nodes: _, corners: _, left: _, fixed, factors, carried, sums: _ } = self;
         for lists in [fixed, factors, carried] {
             lists.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
         }

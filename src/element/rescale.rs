@@ -7,21 +7,40 @@ use crate::state::Instant;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
+/// Factors that a request changes.
+#[derive(Clone, Copy)]
+enum Which {
+    /// Those of fixed requests.
+    Fixed,
+    /// All together.
+    All,
+}
+
+impl Which {
+    fn of(self, masses: &mut Masses) -> &mut Vec<Vec<f64>> {
+        match self {
+            Which::Fixed => &mut masses.fixed,
+            Which::All => &mut masses.factors,
+        }
+    }
+}
+
 impl Elements {
-    /// Keeps the masses as they are now, from which all factors count.
-    pub fn remember_masses(&mut self, nodes: &Nodes) {
+    /// Keeps the masses as they are now, from which all factors count; those of the nodes in `left` stay.
+    pub fn remember_masses(&mut self, nodes: &Nodes, left: Vec<bool>) {
         let corners: Vec<Vec<[f64; 4]>> =
             self.groups.iter().map(|g| (0..g.len()).map(|e| g.corner_masses(e)).collect()).collect();
         let ones: Vec<Vec<f64>> = corners.iter().map(|c| vec![1.0; c.len()]).collect();
         let nodes = nodes.mass.clone();
-        let scaled = nodes.clone();
+        let sums = nodes.clone();
         self.masses = Some(Box::new(Masses {
             nodes,
             corners,
+            left,
             fixed: ones.clone(),
             factors: ones.clone(),
             carried: ones,
-            scaled,
+            sums,
         }));
     }
 
@@ -52,15 +71,13 @@ impl Elements {
         let Some(mut masses) = self.masses.take() else { return false };
         if let Some(fixed) = scaling.fixed.as_ref().filter(|_| starts) {
             masses.fixed.iter_mut().for_each(|list| list.fill(1.0));
-            fixed
-                .iter()
-                .for_each(|request| self.find_factors(request, &dofs.nodes, &masses.corners, &mut masses.fixed));
+            fixed.iter().for_each(|request| self.find_factors(request, &dofs.nodes, &mut masses, Which::Fixed));
         }
         for (all, fixed) in masses.factors.iter_mut().zip(&masses.fixed) {
             all.copy_from_slice(fixed);
         }
         for variable in &scaling.variable {
-            self.find_factors(&variable.request, &dofs.nodes, &masses.corners, &mut masses.factors);
+            self.find_factors(&variable.request, &dofs.nodes, &mut masses, Which::All);
         }
         self.apply(&mut masses, starts, dofs, changed);
         self.masses = Some(masses);
@@ -68,46 +85,59 @@ impl Elements {
     }
 
     /// Factors of one request, on top of those that are there. The frequency falls with the root of the mass.
-    fn find_factors(&self, request: &Request, nodes: &Nodes, corners: &[Vec<[f64; 4]>], factors: &mut [Vec<f64>]) {
-        // A deleted element has no increment; its mass stays.
-        let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
+    fn find_factors(&self, request: &Request, nodes: &Nodes, masses: &mut Masses, which: Which) {
+        let mut factors = std::mem::take(which.of(masses));
+        let of_element = |masses: [f64; 4], (g, e): (usize, usize)| {
             let group = &self.groups[g];
-            let own = if group.is_deleted(e) { None } else { group.own_rate(e, &corners[g][e], nodes.as_slice()) };
-            own.map_or(0.0, |rate| rate / factors[g][e].sqrt())
+            // A deleted element has no increment; its mass stays.
+            if group.is_deleted(e) { None } else { group.own_rate(e, &masses, nodes.as_slice()) }
+        };
+        let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
+            let (corners, factor) = (self.groups[g].corners(e), factors[g][e]);
+            if corners.into_iter().any(|n| masses.stays(n)) {
+                return of_element(masses.scaled(g, e, corners, factor), (g, e)).unwrap_or(0.0);
+            }
+            of_element(masses.corners[g][e], (g, e)).map_or(0.0, |rate| rate / factor.sqrt())
         };
         for &(g, e) in &request.elements {
             factors[g][e] *= request.factor;
         }
-        let Some((aim, dt)) = request.aim else { return };
-        let usable = |rate: f64| rate.is_finite() && rate > 0.0;
-        let largest = request.elements.iter().map(|&at| rate(factors, at)).filter(|r| usable(*r)).fold(0.0, f64::max);
-        for &(g, e) in &request.elements {
-            let own = if aim == Aim::Uniform { largest } else { rate(factors, (g, e)) };
-            let ratio = dt * own;
-            if usable(own) && (aim != Aim::BelowMin || ratio > 1.0) {
-                factors[g][e] *= ratio * ratio;
+        if let Some((aim, dt)) = request.aim {
+            let usable = |rate: f64| rate.is_finite() && rate > 0.0;
+            let rates = request.elements.iter().map(|&at| rate(&factors, at));
+            let largest = rates.filter(|r| usable(*r)).fold(0.0, f64::max);
+            for &(g, e) in &request.elements {
+                let own = if aim == Aim::Uniform { largest } else { rate(&factors, (g, e)) };
+                let ratio = dt * own;
+                if usable(own) && (aim != Aim::BelowMin || ratio > 1.0) {
+                    factors[g][e] *= ratio * ratio;
+                }
             }
         }
+        *which.of(masses) = factors;
     }
 
     /// Puts factors on elements and nodes. At the start of a step the elements may have been updated already: then the
     /// bound of the increment must serve those whose mass has fallen, too.
     fn apply(&mut self, masses: &mut Masses, starts: bool, dofs: &mut Dofs, changed: &mut dyn FnMut(usize, [f64; 2])) {
-        masses.scaled.copy_from_slice(&masses.nodes);
-        for (g, (group, factors)) in self.groups.iter_mut().zip(&masses.factors).enumerate() {
-            for (e, &factor) in factors.iter().enumerate() {
+        masses.sums.copy_from_slice(&masses.nodes);
+        for (g, group) in self.groups.iter_mut().enumerate() {
+            for e in 0..masses.factors[g].len() {
+                let factor = masses.factors[g][e];
                 let plain = masses.corners[g][e];
                 // What is not scaled keeps its masses to the last bit.
                 if factor != masses.carried[g][e] {
-                    group.set_corner_masses(e, plain.map(|m| m * factor));
+                    group.set_corner_masses(e, masses.scaled(g, e, group.corners(e), factor));
                     masses.carried[g][e] = factor;
                 }
                 for (n, m) in group.corners(e).into_iter().zip(plain) {
-                    masses.scaled[n as usize] += (factor - 1.0) * m;
+                    if !masses.stays(n) {
+                        masses.sums[n as usize] += (factor - 1.0) * m;
+                    }
                 }
             }
         }
-        for (n, &mass) in masses.scaled.iter().enumerate() {
+        for (n, &mass) in masses.sums.iter().enumerate() {
             // What a rigid body carries has no mass here.
             if masses.nodes[n] > 0.0 && mass != dofs.nodes.mass[n] {
                 let gained = dofs.nodes.change_mass(n, mass);
@@ -127,7 +157,7 @@ impl Elements {
         for (g, factors) in masses.factors.iter().enumerate() {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
-                let own = group.own_rate(e, &masses.corners[g][e].map(|m| m * factor), nodes.as_slice());
+                let own = group.own_rate(e, &masses.scaled(g, e, group.corners(e), factor), nodes.as_slice());
                 if let Some(rate) = own.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);
                 }

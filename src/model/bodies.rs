@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{InitialCondition, InitialKind, Layer, PointMass, RigidBody, Target};
+use super::types::{ElementKind, InitialCondition, InitialKind, Layer, PointMass, RigidBody, Target};
 use crate::deck::{Card, Diagnostic};
 
 impl Builder<'_> {
@@ -49,6 +49,22 @@ impl Builder<'_> {
             return;
         }
         let elements = self.element_members(set).unwrap_or_default();
+        let mesh = &self.model.mesh;
+        if let Some(&other) = elements.iter().find(|&&e| mesh.elements[e].kind != ElementKind::Mass) {
+            let other = &mesh.elements[other];
+            let message = format!(
+                "`{}` holds element {} of the type {}: *MASS is for elements of TYPE=MASS",
+                set.text,
+                other.name,
+                other.kind.name()
+            );
+            let finding = Diagnostic::error("M121", message).at(set.span, "this set");
+            self.diagnostics.push(
+                finding
+                    .help("*Element, type=MASS with an ELSET of its own puts a mass on a node; solids have *DENSITY"),
+            );
+            return;
+        }
         self.claim("mass", &elements, card.span);
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];

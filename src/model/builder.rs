@@ -8,6 +8,7 @@ use crate::deck::keywords::Tier;
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
+use super::coupling::Coupling;
 use super::degrees::Rotational;
 use super::lost::Lost;
 use super::names::{Labels, qualified, upper};
@@ -69,6 +70,8 @@ pub(super) struct Builder<'a> {
     pub property_of: HashMap<(&'static str, usize), Span>,
     /// Section controls that sections name.
     pub controls_used: Vec<Word>,
+    /// The `*COUPLING` whose kind is to follow.
+    pub coupling: Option<Coupling>,
     /// Surface interactions that contact pairs name.
     pub interactions_used: Vec<Word>,
     /// Boundaries on degrees of freedom above 2 alone.
@@ -109,6 +112,7 @@ impl<'a> Builder<'a> {
             unsorted: HashMap::new(),
             property_of: HashMap::new(),
             controls_used: Vec::new(),
+            coupling: None,
             interactions_used: Vec::new(),
             rotational: Vec::new(),
         }
@@ -172,6 +176,10 @@ impl<'a> Builder<'a> {
             "FRICTION" => self.friction(card),
             "SPRING" | "DASHPOT" => self.connector(card),
             "EQUATION" => self.equation(card),
+            "MPC" => self.multi_point(card),
+            "COUPLING" => self.coupling(card),
+            "KINEMATIC" | "DISTRIBUTING" => self.coupling_kind(card),
+            "TIE" => self.tie(card),
             "TARGET" => self.target(card),
             "AMPLITUDE" => self.amplitude(card),
             "INITIAL CONDITIONS" => self.initial_conditions(card),
@@ -208,6 +216,7 @@ impl<'a> Builder<'a> {
             self.diagnostics.push(finding.help(format!("end it with *END {}", block.kind)));
         }
         self.close_step();
+        self.end_coupling();
         self.apply_masses();
         self.tell_labels_used_twice();
         self.tell_shape_faults();

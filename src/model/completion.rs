@@ -40,7 +40,10 @@ impl Builder<'_> {
         all.append(&mut self.rotational);
         let mut told = Vec::new();
         for condition in all {
-            let references = |n: &usize| self.model.rigid_bodies.iter().any(|b| b.reference == *n);
+            let links = &self.model.links;
+            let references = |n: &usize| {
+                self.model.rigid_bodies.iter().any(|b| b.reference == *n) || links.iter().any(|l| l.reference == *n)
+            };
             let turns = condition.dofs[1] == 6 && condition.nodes.iter().all(references);
             if turns || told.contains(&condition.span) {
                 continue;

@@ -4,7 +4,7 @@
 
 use super::types::{
     AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
-    Interval, Load, LoadKind, Model, OutputRequest, Region, Side, Step, Target,
+    Interval, LinkKind, Load, LoadKind, Model, OutputRequest, Region, Side, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;
@@ -233,6 +233,23 @@ impl Check<'_> {
             equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
             let good = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
             self.value(good, equation.span, || "an equation needs terms, with coefficients other than zero".into());
+        }
+        for link in &model.links {
+            self.nodes(link.span, &[link.reference]);
+            self.nodes(link.span, &link.nodes);
+            if let LinkKind::Distributing(weights) = &link.kind {
+                let sum: f64 = weights.iter().sum();
+                let good =
+                    weights.len() == link.nodes.len() && weights.iter().all(|w| not_below(*w)) && above_zero(sum);
+                self.value(good, link.span, || "a coupling needs a weight for each node, their sum above zero".into());
+            }
+        }
+        for tie in &model.surface_ties {
+            self.nodes(tie.span, &tie.slaves);
+            self.nodes(tie.span, tie.chosen.as_deref().unwrap_or_default());
+            self.faces(tie.span, &tie.masters);
+            let tolerance = tie.tolerance.is_none_or(not_below);
+            self.value(tolerance, tie.span, || "POSITION TOLERANCE must not be below zero".into());
         }
         for condition in &model.initial_conditions {
             let finite = match &condition.kind {

@@ -292,7 +292,7 @@ impl Builder<'_> {
     }
 
     /// Nodes of a surface of nodes or of element faces, ascending.
-    fn contact_nodes(&mut self, word: &Word) -> Option<Vec<usize>> {
+    pub(super) fn contact_nodes(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.model.node_surfaces.get(&name) {
                 return Some(nodes.clone());
@@ -322,6 +322,8 @@ impl Builder<'_> {
         nodes.sort_unstable();
         nodes.dedup();
         self.model.node_surfaces.insert(qualified(&self.scope, &name.text), nodes);
-        self.contact_note(card);
+        if !self.deck.cards.iter().any(|c| matches!(c.keyword.name, "COUPLING" | "TIE")) {
+            self.contact_note(card);
+        }
     }
 }

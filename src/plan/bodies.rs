@@ -1,9 +1,12 @@
 //! Rigid bodies of the plan: their nodes, lumped mass and initial velocity.
 //! Never here: loads.
 
+use std::collections::{HashMap, HashSet};
+
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
+use crate::kernel::quad::corner_masses;
 use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody};
 
 /// A rigid body.
@@ -66,6 +69,7 @@ impl Compiler<'_> {
         let mut nodes: Vec<usize> = rigid.elements.iter().flat_map(|&e| mesh.elements[e].nodes.clone()).collect();
         nodes.extend(&rigid.nodes);
         nodes.push(rigid.reference);
+        self.carried_along(rigid, &mut nodes);
         nodes.sort_unstable();
         nodes.dedup();
         for &node in &nodes {
@@ -101,16 +105,30 @@ impl Compiler<'_> {
         self.diagnostics.push(Diagnostic::error("P009", message).at(rigid.span, "the second of them"));
     }
 
-    /// The diagonal of the lumped mass matrix: RAX2 shells by row sums, point masses as they are.
+    /// The diagonal of the lumped mass matrix: RAX2 shells by row sums, point masses as they are, and solids of a deformable
+    /// type by the density of their section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
     fn lumped_mass(&self, rigid: &RigidBody, nodes: &[usize]) -> Vec<(usize, f64)> {
         let mesh = &self.model.mesh;
         let mut masses = vec![0.0; nodes.len()];
+        let own: HashSet<usize> = rigid.elements.iter().copied().collect();
+        let mut densities: HashMap<usize, f64> = HashMap::new();
+        for section in &self.model.sections {
+            let density = self.model.materials[section.material].density;
+            let solids = section.elements.iter().filter(|e| own.contains(*e));
+            densities.extend(solids.filter_map(|&e| Some((e, density?))));
+        }
         let mut add = |node: usize, mass: f64| {
             if let Ok(at) = nodes.binary_search(&node) {
                 masses[at] += mass;
             }
         };
         for &element in &rigid.elements {
+            if let Some(&density) = densities.get(&element) {
+                let corners = mesh.corners(element);
+                for (n, mass) in corners.into_iter().zip(corner_masses(corners.map(|n| mesh.points[n]), density)) {
+                    add(n, mass);
+                }
+            }
             let element = &mesh.elements[element];
             if element.kind != ElementKind::Rax2 {
                 continue;
@@ -223,7 +241,7 @@ impl Compiler<'_> {
             if free && !(mass > 0.0 && mass.is_finite()) {
                 let message = format!("rigid body `{}` has no mass", body.name);
                 let finding = Diagnostic::error("P002", message).at(body.span, format!("its mass is {mass}"));
-                let help = "give DENSITY= and a thickness on the data line, or *MASS on the reference node";
+                let help = "give DENSITY= and a thickness on the data line, *SOLID SECTION to solids, or *MASS on the reference node";
                 self.diagnostics.push(finding.help(help));
             }
         }

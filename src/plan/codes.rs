@@ -118,12 +118,27 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P022",
         title: "mass scaling that cannot be",
-        text: "Masses are scaled of deformable elements with *ELASTIC or a *USER MATERIAL. Where pressure follows from density or energy (*EOS) and of rubber the mass is part of the state; nodes shared with a rigid body, an *EQUATION and gravity on an element set take masses once and would not follow.",
+        text: "Masses are scaled of deformable elements with *ELASTIC or a *USER MATERIAL. Where pressure follows from density or energy (*EOS) and of rubber the mass is part of the state; gravity on an element set takes masses once and would not follow. Nodes that a rigid body carries, and nodes of *EQUATION, *MPC, *COUPLING and *TIE, keep their mass.",
     },
     Code {
         code: "P050",
         title: "area weighting that cannot be",
         text: "WEIGHTING=AREA of *SECTION CONTROLS takes elastic materials that may flow and fail, none of the user, in all sections of the model, with linear bulk viscosity: without it some modes grow. Rigid bodies that share nodes and mass scaling work on rings and are refused.",
+    },
+    Code {
+        code: "P060",
+        title: "nodes that cannot follow",
+        text: "*MPC, *COUPLING and *TIE let nodes of deformable bodies follow a node or a surface. A node of a rigid body follows that body already: move or load its REF NODE, or make it the one that is followed. None of the nodes of a slave surface that lies away from its master can be tied.",
+    },
+    Code {
+        code: "P061",
+        title: "nodes of a slave surface that are not tied",
+        text: "*TIE ties nodes that lie within POSITION TOLERANCE of the master surface, by default 5 % of the mean length of its facets; the message names the others, with their distances.",
+    },
+    Code {
+        code: "P062",
+        title: "force on a node without mass",
+        text: "A reference node has no mass of its own; what hangs on it takes the force. Along this degree of freedom nothing does.",
     },
     Code {
         code: "P101",

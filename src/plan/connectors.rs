@@ -68,6 +68,14 @@ impl Compiler<'_> {
     /// Puts them between the nodes of what deforms.
     pub(super) fn connect(&mut self, state: &mut State) {
         let list = self.connectors();
+        let light = |n: &usize| state.dofs.nodes.mass[*n] == 0.0 && !self.ties.iter().any(|t| t.nodes.contains(n));
+        if let Some(node) = list.iter().flat_map(|c| c.ends.into_iter().flatten()).find(light) {
+            let found = self.places.nodes.iter().find(|n| *n.1 == node).map(|n| *n.0);
+            let name = found.map_or("", |n| self.model.mesh.node_names[n].as_str());
+            let message = format!("a spring or dashpot ends at node {name}, which has no mass of its own");
+            let span = self.model.connectors.first().map(|c| c.span).unwrap_or_default();
+            self.refuse_connector(span, message + ": put a *MASS there, or let it end at a node that follows");
+        }
         if !list.is_empty() && !state.elements.is_empty() {
             state.elements.connectors = Some(Box::new(Connectors::new(list, &state.dofs.nodes)));
         }

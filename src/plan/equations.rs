@@ -1,59 +1,64 @@
-//! `*EQUATION` as constraints of what deforms.
-//! Never here: their solution.
-
-use std::collections::HashSet;
+//! What keeps nodes together, as a constraint of each step.
+//! Never here: where it comes from, its solution.
 
 use super::{Compiler, State};
 use crate::constraint::Constraint;
-use crate::constraint::equation::{Dependent, Equation, Equations, System};
-use crate::deck::Diagnostic;
+use crate::constraint::bonds::{Bonds, Dependent, Given, Unkept};
+use crate::constraint::equation::Equations;
+use crate::deck::{Diagnostic, Span};
 use crate::model::Step;
 
 impl Compiler<'_> {
-    /// The equations of a step, factorised with what is prescribed in it.
-    pub(super) fn equations(
-        &mut self,
-        step: &Step,
-        state: &State,
-        prescribed: &HashSet<(usize, usize)>,
-    ) -> Option<Box<dyn Constraint>> {
-        let model = self.model;
-        let (mut equations, mut spans) = (Vec::new(), Vec::new());
-        for equation in &model.equations {
-            let term =
-                |&(node, dof, c): &(usize, u8, f64)| Some((self.places.free_node(node)?, usize::from(dof) - 1, c));
-            match equation.terms.iter().map(term).collect() {
-                Some(terms) => {
-                    equations.push(Equation { terms });
-                    spans.push(equation.span);
-                }
-                None => {
-                    let message = "*EQUATION is for nodes that deform and that no rigid body carries";
-                    let finding = Diagnostic::error("P011", message).at(equation.span, "this equation has others");
-                    self.diagnostics.push(finding);
-                    return None;
-                }
-            }
+    /// The equations of a step and the nodes that move alike, factorised with what is prescribed in it.
+    pub(super) fn equations(&mut self, step: &Step, state: &State, given: &Given) -> Option<Box<dyn Constraint>> {
+        if self.kept.is_empty() {
+            return None;
         }
-        let &span = spans.first()?;
-        match System::all(&equations, &state.dofs.nodes.mass, prescribed) {
-            Ok(systems) => {
-                let detail = format!("exact, in {} independent systems", systems.len());
-                let id = self.cause(span, "linear equations", equations.len(), "equations", detail);
-                Some(Box::new(Equations::new(id, systems)))
+        let first = self.kept.first?;
+        match Bonds::new(&self.kept.equations, &self.kept.alike, &state.dofs.nodes.mass, given) {
+            Ok(bonds) => {
+                let count = self.kept.equations.len() + self.kept.alike.len();
+                let detail = format!("exact, in {} independent systems", bonds.count());
+                let id = self.cause(first, "linear equations", count, "equations", detail);
+                Some(Box::new(Equations::new(id, bonds)))
             }
-            Err(Dependent { equation, follows_from }) => {
-                let message = format!("this equation cannot be kept in step `{}`", step.name);
-                let label = if follows_from.is_empty() {
-                    "all of it is prescribed"
-                } else {
-                    "it follows from the others marked"
-                };
-                let finding = Diagnostic::error("P018", message).at(spans[equation], label);
-                let finding = follows_from.iter().fold(finding, |f, &i| f.at(spans[i], "from this one"));
-                self.diagnostics.push(finding.help("leave it out, or free one of its degrees of freedom"));
+            Err(Unkept::Dependent(dependent)) => {
+                self.dependent(step, &dependent);
+                None
+            }
+            Err(Unkept::Torn(nodes, axis)) => {
+                self.torn(step, first, nodes, axis);
                 None
             }
         }
+    }
+
+    fn dependent(&mut self, step: &Step, Dependent { equation, follows_from }: &Dependent) {
+        let spans = &self.kept.spans;
+        let message = format!("this equation cannot be kept in step `{}`", step.name);
+        let label =
+            if follows_from.is_empty() { "all of it is prescribed" } else { "it follows from the others marked" };
+        let finding = Diagnostic::error("P018", message).at(spans[*equation], label);
+        let finding = follows_from.iter().fold(finding, |f, &i| f.at(spans[i], "from this one"));
+        self.diagnostics.push(finding.help("leave it out, or free one of its degrees of freedom"));
+    }
+
+    fn torn(&mut self, step: &Step, first: Span, nodes: [usize; 2], axis: usize) {
+        let name = |place: usize| {
+            let found = self.places.nodes.iter().find(|n| *n.1 == place);
+            found.map_or("", |n| self.model.mesh.node_names[*n.0].as_str())
+        };
+        let [a, b] = nodes.map(name);
+        let along = ["r", "z"][axis];
+        let message = format!(
+            "nodes {a} and {b} move alike along {along}, and step `{}` prescribes the motion of both",
+            step.name
+        );
+        let given = step.boundaries.iter().filter(|s| usize::from(s.dof) == axis + 1);
+        let given =
+            given.filter(|s| s.nodes.iter().any(|n| nodes.iter().any(|p| self.places.free_node(*n) == Some(*p))));
+        let finding = Diagnostic::error("P018", message).at(first, "what keeps them together");
+        let finding = given.fold(finding, |f, boundary| f.at(boundary.span, "prescribed here"));
+        self.diagnostics.push(finding.help("prescribe the motion of the reference node alone"));
     }
 }

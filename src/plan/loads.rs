@@ -84,6 +84,14 @@ impl Compiler<'_> {
             return None;
         }
         let axis = usize::from(dof) - 1;
+        if deforming.iter().any(|&n| self.idle.contains(&(n, axis))) {
+            let message = format!(
+                "a force acts on `{set}`, which has no mass and on which nothing hangs along {}",
+                ["r", "z"][axis]
+            );
+            let finding = Diagnostic::error("P062", message).at(load.span, "here");
+            self.diagnostics.push(finding.help("couple that degree of freedom, or put a *MASS on the node"));
+        }
         let detail = format!("F_{} = {}{}", ["r", "z"][axis], load.magnitude, self.amplitude_name(load));
         let id = self.cause(load.span, "concentrated force", count, "nodes", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);

@@ -16,7 +16,7 @@ impl Compiler<'_> {
             self.unused(first.span, "mass scaling", "nothing here deforms");
             return None;
         }
-        self.check_scalable_step(step, first.span);
+        self.check_scalable_step(step);
         let (mut fixed, mut variable) = (Vec::new(), Vec::new());
         for scaling in &step.mass_scalings {
             let Some(request) = self.scaling_request(scaling, state) else { continue };
@@ -40,17 +40,12 @@ impl Compiler<'_> {
             self.unused(scaling.span, "mass scaling", "none of its elements deforms");
             return None;
         }
-        let tied = |n: u32| self.ties.iter().any(|t| t.nodes.binary_search(&(n as usize)).is_ok());
         let mut refusal = None;
         for &(g, e) in &elements {
             let group = &state.elements.groups[g];
             let name = || self.element_name(g, e);
             if group.own_rate(e, &group.corner_masses(e), state.dofs.nodes.as_slice()).is_none() {
                 refusal = Some(format!("the mass of element {} is part of the state of its material", name()));
-            } else if group.corners(e).into_iter().any(tied) {
-                refusal = Some(format!("element {} shares nodes with a rigid body, which carries their mass", name()));
-            }
-            if refusal.is_some() {
                 break;
             }
         }
@@ -58,7 +53,14 @@ impl Compiler<'_> {
             self.refuse_scaling(scaling.span, message, "give the elements that can be scaled as ELSET");
             return None;
         }
-        self.cause(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling));
+        let left = self.unscaled_nodes(state.dofs.nodes.len());
+        let stays = |&(g, e): &(usize, usize)| {
+            let corners = state.elements.groups[g].corners(e);
+            corners.into_iter().any(|n| left.get(n as usize) == Some(&true))
+        };
+        let touched = elements.iter().filter(|at| stays(at)).count();
+        let alone = if touched > 0 { format!(", but at tied nodes of {touched} elements") } else { String::new() };
+        self.cause(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &alone);
         let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
         Some(Request { elements, factor: scaling.factor, aim })
     }
@@ -68,11 +70,18 @@ impl Compiler<'_> {
         found.map_or("", |(&e, _)| &self.model.mesh.elements[e].name)
     }
 
+    /// Nodes whose mass stays: rigid bodies carry that of their nodes, and equations take masses once. None where none does.
+    pub(super) fn unscaled_nodes(&self, count: usize) -> Vec<bool> {
+        let kept = self.kept.concerned();
+        let carried = self.ties.iter().flat_map(|t| t.nodes.iter().copied());
+        let nodes: Vec<usize> = carried.chain(kept.into_iter().map(|dof| dof.0)).collect();
+        let mut left = vec![false; if nodes.is_empty() { 0 } else { count }];
+        nodes.into_iter().for_each(|n| left[n] = true);
+        left
+    }
+
     /// What takes masses once and would not follow.
-    fn check_scalable_step(&mut self, step: &Step, span: Span) {
-        if !self.model.equations.is_empty() {
-            self.refuse_scaling(span, "mass scaling beside *EQUATION".into(), "the equations take masses once");
-        }
+    fn check_scalable_step(&mut self, step: &Step) {
         for load in &step.loads {
             if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
                 let help = "leave the element set of GRAV empty: it then acts on all that has mass";

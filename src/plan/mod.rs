@@ -8,6 +8,7 @@ mod connectors;
 mod doubts;
 mod equations;
 pub mod ledger;
+mod links;
 mod loads;
 mod mass_scaling;
 mod motions;
@@ -15,15 +16,19 @@ mod outputs;
 mod overlaps;
 mod solid;
 mod solid_material;
+mod surface_ties;
 mod surfaces;
 mod ties;
 mod user;
 mod user_material;
 mod walls;
 
+use std::collections::HashSet;
+
 use indexmap::IndexMap;
 
 use crate::constraint::Constraint;
+use crate::constraint::bonds::Given;
 use crate::constraint::tie::Tie;
 use crate::constraint::user_motion::UserMotion;
 use crate::deck::{Diagnostic, Diagnostics, Span};
@@ -149,6 +154,12 @@ struct Compiler<'a> {
     ties: Vec<Tie>,
     /// Surfaces that columns are integrals over.
     sections: Vec<Section>,
+    /// Nodes of slave surfaces with their places on the masters.
+    surface_ties: Vec<surface_ties::TiedNode>,
+    /// What keeps nodes together.
+    kept: links::Kept,
+    /// Degrees of freedom of nodes without mass that nothing keeps.
+    idle: HashSet<(usize, usize)>,
 }
 
 /// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
@@ -158,6 +169,9 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     if diagnostics.has_errors() {
         return (Plan::default(), State::default(), diagnostics);
     }
+    let surface_ties = surface_ties::find(model, &mut diagnostics);
+    let adjusted = surface_ties::adjusted(model, &surface_ties);
+    let model = adjusted.as_ref().unwrap_or(model);
     let mut compiler = Compiler {
         model,
         routines,
@@ -167,6 +181,9 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         told: 0,
         ties: Vec::new(),
         sections: Vec::new(),
+        surface_ties,
+        kept: links::Kept::default(),
+        idle: HashSet::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
         causes: IndexMap::new(),
@@ -176,6 +193,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     };
     compiler.bodies();
     let mut state = compiler.solids();
+    compiler.keep(&mut state);
     compiler.connect(&mut state);
     compiler.finish_bodies();
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
@@ -236,9 +254,10 @@ impl Compiler<'_> {
         loads.sort_by_key(|load| load.velocity() == VelocityUse::Resists);
         let mut user_motions = Vec::new();
         let mut constraints = self.motions(step, &mut user_motions);
-        let prescribed = constraints.iter().flat_map(|c| c.prescribes()).collect();
-        let walls = self.walls(step, state, &prescribed);
-        constraints.extend(self.equations(step, state, &prescribed));
+        let held = constraints.iter().filter(|c| c.holds()).flat_map(|c| c.prescribes()).collect();
+        let given = Given { all: constraints.iter().flat_map(|c| c.prescribes()).collect(), held };
+        let walls = self.walls(step, state, &given.all);
+        constraints.extend(self.equations(step, state, &given));
         // Tied nodes follow what walls do to a body that moves freely.
         constraints.extend(walls);
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
@@ -265,7 +284,8 @@ impl Compiler<'_> {
             return;
         }
         if self.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-            state.elements.remember_masses(&state.dofs.nodes);
+            let left = self.unscaled_nodes(state.dofs.nodes.len());
+            state.elements.remember_masses(&state.dofs.nodes, left);
         }
         self.highest_frequency(state);
     }

@@ -99,6 +99,7 @@ impl Compiler<'_> {
         let mesh = &self.model.mesh;
         let corners = sections.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
         let mut used: Vec<usize> = corners.collect();
+        used.extend(self.bare_nodes());
         used.sort_unstable();
         used.dedup();
         self.places.tied = used.iter().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();

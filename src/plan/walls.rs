@@ -84,6 +84,7 @@ impl Compiler<'_> {
         let reference =
             surface.reference.ok_or("the analytical surface belongs to no *RIGID BODY, ANALYTICAL SURFACE=")?;
         let body = *self.body_of_node.get(&reference).ok_or("the surface's rigid body is missing")?;
+        let kept = self.kept.concerned();
         let mut nodes = Vec::new();
         for &node in &contact.nodes {
             let name = &self.model.mesh.node_names[node];
@@ -91,8 +92,9 @@ impl Compiler<'_> {
                 .places
                 .free_node(node)
                 .ok_or(format!("node {name} does not deform, or a rigid body carries it"))?;
-            if self.model.equations.iter().any(|e| e.terms.iter().any(|t| t.0 == node)) {
-                return Err(format!("node {name} is in contact and in an *EQUATION"));
+            if kept.contains(&(place, 0)) || kept.contains(&(place, 1)) {
+                let why = "follows others (*EQUATION, *MPC, *COUPLING, *TIE): leave it out of the surface";
+                return Err(format!("node {name} is in contact and {why}"));
             }
             nodes.push((place, [0, 1].map(|axis| !prescribed.contains(&(place, axis)))));
         }

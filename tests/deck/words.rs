@@ -162,6 +162,8 @@ fn files(folder: &Path) {
     }
     write("a.points", " 0.1, 0.3\n");
     write("b.points", " 0.1, 0.4\n");
+    write("a.mpc", " TIE, 7, 8\n");
+    write("b.mpc", " TIE, 7, 5\n");
     write("a.element", " 4, 5, 6, 9, 8\n");
     write("b.element", " 4, 5, 6, 9, 7\n");
     let array = |name: &str, kind: &str, parts: &str, values: &str| {

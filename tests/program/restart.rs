@@ -237,6 +237,21 @@ fn links_and_loads_over_two_steps() {
     assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
 }
 
+/// Reference nodes without mass, one that is moved and one that is loaded, and a surface tied to another.
+#[test]
+fn reference_nodes_that_pull() {
+    let pad = "*Node\n 951, 0., 12.9\n 952, 3.2, 12.9\n 953, 3.2, 14.\n 954, 0., 14.\n*Element, type=CAX4R, elset=SOLID\n 951, 951, 952, 953, 954\n\
+         *Elset, elset=PAD\n 951\n*Surface, name=UNDER\n PAD, S1\n*Surface, name=OVER\n PAD, S3\n*Tie, name=T, position tolerance=0.2\n J1, UNDER\n\
+         *Node, nset=REF\n 900, 0., 14.\n 901, 0., 15.\n*Coupling, constraint name=C, ref node=900, surface=OVER\n*Kinematic\n\
+         *Coupling, constraint name=D, ref node=901, surface=I1\n*Distributing\n";
+    let cards = "*Boundary, type=VELOCITY\n 900, 2, 2, -2.e5\n*Cload\n 901, 2, 20.\n";
+    let material = pad.to_owned() + &steel("*Plastic\n 400., 0.\n 500., 0.1\n");
+    let text = bar(4, &material, 2e5, 5e-6, cards).replace("nset=J0\n RF2", "nset=REF\n RF2, U2");
+    let outcome = goes_on("reference nodes", &text, Routines::none);
+    assert_eq!(outcome.halt, None);
+    assert!(outcome.energy.plastic > 0.0 && outcome.energy.drift < 5e-2, "{:?}", outcome.energy);
+}
+
 #[test]
 fn scaled_masses() {
     let cards =

@@ -18,6 +18,7 @@ mod materials;
 mod over_temperature;
 mod properties;
 mod rates;
+mod reference_nodes;
 mod rigid;
 mod scene;
 mod shock;

@@ -216,11 +216,5 @@ fn what_cannot_be_scaled_is_refused() {
     let ideal = body("*Variable Mass Scaling, dt=1., frequency=1\n")
         .replace("*Elastic\n 1e2, 0.3\n", "*Eos, type=IDEAL GAS\n 287., 0.\n*Specific Heat\n 700.,\n");
     fails(&ideal, "P022");
-    let rigid =
-        body("*Fixed Mass Scaling, factor=2.\n").replace("*Step\n", "*Rigid Body, ref node=7, pin nset=J1\n*Step\n");
-    fails(&rigid, "P022");
-    let equation =
-        body("*Fixed Mass Scaling, factor=2.\n").replace("*Step\n", "*Equation\n 2\n 8, 2, 1., 9, 2, -1.\n*Step\n");
-    fails(&equation, "P022");
     fails(&("*Fixed Mass Scaling, factor=2.\n".to_owned() + &body("")), "M105");
 }

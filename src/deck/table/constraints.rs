@@ -87,6 +87,41 @@ pub const CARDS: &[Keyword] = &[
     row!("EQUATION", "Linear constraints between degrees of freedom", (), {
         "INPUT" read "File with the data lines",
     }, [(stream ["number of terms, then for each: node or set, degree of freedom, coefficient" read "Four terms a line"])]),
+    row!("MPC", "Nodes that move as others do", (), {
+        "INPUT" read "File with the data lines",
+        "MODE" refused "of constraints by the user's routine, which is not called",
+        "USER" refused "constraints of the user are not called",
+    }, [(rows ["type" read "BEAM, TIE or PIN", "node or set", "reference node or set" read "One node, or as many as the first set has"])]),
+    row!("COUPLING", "Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows", (unique "CONSTRAINT NAME"), {
+        "CONSTRAINT NAME" read "Name",
+        "REF NODE" read "Reference node or a set of one",
+        "SURFACE" read "Surface whose nodes are coupled",
+        "INFLUENCE RADIUS" read "Distance from the reference node within which nodes are coupled",
+        "ORIENTATION" refused "the directions are r and z",
+        "ALPHA" only ["0"] "a coupling does not expand",
+        "FRAME" inert "of output databases",
+    }, []),
+    row!("KINEMATIC", "The nodes of a *COUPLING move as its reference node does", (), {
+    }, [(rows ["first degree of freedom", "last degree of freedom"])]),
+    row!("DISTRIBUTING", "The reference node of a *COUPLING moves as its nodes do in the mean", (), {
+        "COUPLING" only ["CONTINUUM"] "nodes of solids have no rotation",
+        "WEIGHTING METHOD" read "UNIFORM (default), LINEAR, QUADRATIC or CUBIC",
+        "ROTATIONAL COUPLING" inert "symmetry holds the rotation",
+    }, [(rows ["first degree of freedom" inert "translations are coupled all the same, and symmetry holds the rotation",
+        "last degree of freedom" inert "translations are coupled all the same, and symmetry holds the rotation"])]),
+    row!("TIE", "Ties the nodes of one surface to another surface", (unique "NAME"), {
+        "NAME" read "Name",
+        "ADJUST" read "YES (default): tied nodes are first put on the master surface; NO",
+        "POSITION TOLERANCE" read "Distance within which nodes are tied (5 % of the mean length of the master's facets)",
+        "TIED NSET" read "The nodes that are tied",
+        "TYPE" inert "each node follows the point of the master surface that is nearest to it, the default of ABAQUS/Explicit",
+        "NO ROTATION" inert "nodes of solids have no rotation",
+        "NO THICKNESS" inert "of shells",
+        "CONSTRAINT RATIO" inert "of shells",
+        "CYCLIC SYMMETRY" refused "of implicit analyses",
+        "NO THERMAL" inert "of nodes with a temperature",
+        "INTERNAL" inert "written by CAE; no meaning",
+    }, [(rows ["slave surface", "master surface", "orientation" refused "of cyclic symmetry"])]),
     row!("CONTACT PAIR", "Contact of what deforms with an analytical surface", (), {
         "INTERACTION" read "Surface interaction",
         "TYPE" inert "an analytical surface meets nodes, whatever the other one is made of",

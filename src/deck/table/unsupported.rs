@@ -32,13 +32,8 @@ pub const OUTPUT_ONLY: &[Keyword] = &[
 /// Known, and the answer would change without them.
 pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "LATENT HEAT", "Heat of phase change"),
-    row!(UnsupportedPhysics, "COUPLING", "Ties a surface to a reference node"),
-    row!(UnsupportedPhysics, "KINEMATIC", "Kinematic form of a *COUPLING"),
-    row!(UnsupportedPhysics, "DISTRIBUTING", "Distributing form of a *COUPLING"),
-    row!(UnsupportedPhysics, "MPC", "Multi-point constraints"),
     row!(UnsupportedPhysics, "CONTACT", "General contact"),
     row!(UnsupportedPhysics, "DYNAMIC TEMPERATURE-DISPLACEMENT", "Explicit dynamics with heat conduction"),
-    row!(UnsupportedPhysics, "TIE", "Ties two surfaces together"),
     row!(UnsupportedPhysics, "ACOUSTIC MEDIUM", "Acoustic material"),
     row!(UnsupportedPhysics, "ADAPTIVE MESH", "Adaptive meshing"),
     row!(UnsupportedPhysics, "ADAPTIVE MESH CONTROLS", "Controls of adaptive meshing"),

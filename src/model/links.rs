@@ -1,0 +1,249 @@
+//! Nodes that follow others: `*MPC`, `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*TIE`.
+//! Never here: how they are kept together.
+
+use super::builder::Builder;
+use super::coupling::Coupling;
+use super::names::upper;
+use super::types::{Link, LinkKind, SurfaceTie};
+use crate::deck::{Card, Diagnostic, Span, Word};
+
+impl Builder<'_> {
+    /// The first nodes follow the last: of two sets the members one by one, in the order of their labels or of an UNSORTED set
+    /// (ABAQUS Analysis User's Guide, "General multi-point constraints", "Identifying the nodes involved in the MPC").
+    pub(super) fn multi_point(&mut self, card: &Card) {
+        if self.first_line(card).is_none() {
+            return;
+        }
+        for line in &card.lines {
+            let Some(kind) = line.field(0) else { continue };
+            let name = upper(&kind.text);
+            if !matches!(name.as_str(), "BEAM" | "TIE" | "PIN") {
+                let help = "BEAM, TIE and PIN are; *EQUATION links degrees of freedom by coefficients";
+                self.unsupported(kind.span, format!("*MPC of the type {} is not supported", kind.text), help);
+                continue;
+            }
+            let (Some(first), Some(second)) = (line.field(1), line.field(2)) else {
+                let message = format!("*MPC {name} joins nodes to a reference node");
+                let finding = Diagnostic::error("M102", message).at(line.span, "a node or set is missing");
+                self.diagnostics.push(finding.help(format!("{name}, node or set that follows, reference node")));
+                continue;
+            };
+            let (followers, references) = (self.nodes_in_order(first), self.nodes_in_order(second));
+            let (Some(followers), Some(references)) = (followers, references) else { continue };
+            if references.len() != 1 && references.len() != followers.len() {
+                let (n, m) = (followers.len(), references.len());
+                let message = format!("{n} nodes follow {m}: give one reference node, or as many as follow");
+                self.out_of_range(line.span, message);
+                continue;
+            }
+            let mut links: Vec<(usize, Vec<usize>)> = Vec::new();
+            for (i, &node) in followers.iter().enumerate() {
+                let reference = references[i.min(references.len() - 1)];
+                match links.last_mut() {
+                    Some(last) if last.0 == reference => last.1.push(node),
+                    _ => links.push((reference, vec![node])),
+                }
+            }
+            for (reference, nodes) in links {
+                self.link(format!("MPC {name}"), LinkKind::Rigid([true; 2]), reference, nodes, line.span);
+            }
+        }
+    }
+
+    fn link(&mut self, name: String, kind: LinkKind, reference: usize, mut nodes: Vec<usize>, span: Span) {
+        if let LinkKind::Rigid(_) = kind {
+            nodes.retain(|&n| n != reference);
+        }
+        self.model.links.push(Link { name, kind, reference, nodes, span });
+    }
+
+    pub(super) fn coupling(&mut self, card: &Card) {
+        self.end_coupling();
+        let name = card.value("CONSTRAINT NAME").map_or_else(String::new, |w| upper(&w.text));
+        let (reference, surface) = (self.required(card, "REF NODE"), self.required(card, "SURFACE"));
+        let (Some(reference), Some(surface)) = (reference, surface) else { return };
+        let (nodes, members) = (self.node_members(reference), self.contact_nodes(surface));
+        let (Some(nodes), Some(mut members)) = (nodes, members) else { return };
+        let [node] = nodes[..] else {
+            self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+            return;
+        };
+        let points = &self.model.mesh.points;
+        let distance = |n: usize| (points[n][0] - points[node][0]).hypot(points[n][1] - points[node][1]);
+        if let Some(word) = card.value("INFLUENCE RADIUS") {
+            let Some(radius) = word.number(&mut self.diagnostics) else { return };
+            members.retain(|&n| distance(n) <= radius);
+        }
+        if members.is_empty() {
+            let finding = Diagnostic::error("M103", format!("the coupling {name} has no nodes"));
+            self.diagnostics.push(finding.at(surface.span, "none of this surface is near the reference node"));
+            return;
+        }
+        let areas = self.areas(surface, &members);
+        let coupling = Coupling { name, reference: node, nodes: members, areas, span: card.span };
+        self.coupling = Some(coupling);
+    }
+
+    /// The area that each node has of the rings of a surface's faces, the integral of its shape function; one each for a
+    /// surface of nodes (ABAQUS Analysis User's Guide, "Coupling constraints": weights by the tributary area).
+    fn areas(&self, word: &Word, members: &[usize]) -> Vec<f64> {
+        let mesh = &self.model.mesh;
+        let names = [super::names::qualified(&self.scope, &word.text), upper(&word.text)];
+        if names.iter().any(|n| self.model.node_surfaces.contains_key(n)) {
+            return vec![1.0; members.len()];
+        }
+        let mut areas = vec![0.0; members.len()];
+        let surface = names.iter().find_map(|n| self.model.surfaces.get(n));
+        for &(element, side) in surface.map_or(&[][..], |s| &s.faces) {
+            let Some(ends) = mesh.ends(element, side) else { continue };
+            let [a, b] = ends.map(|n| mesh.points[n]);
+            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            for (n, r) in [(ends[0], 2.0 * a[0] + b[0]), (ends[1], a[0] + 2.0 * b[0])] {
+                if let Ok(at) = members.binary_search(&n) {
+                    areas[at] += length * r * std::f64::consts::PI / 3.0;
+                }
+            }
+        }
+        areas
+    }
+
+    pub(super) fn coupling_kind(&mut self, card: &Card) {
+        let Some(coupling) = self.coupling.take() else {
+            // Of a *COUPLING that was refused nothing more is said.
+            if !self.deck.cards.iter().any(|c| c.keyword.name == "COUPLING") {
+                let message = format!("*{} belongs below a *COUPLING", card.keyword.name);
+                self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "none is open here"));
+            }
+            return;
+        };
+        let kind = match card.keyword.name {
+            "KINEMATIC" => self.coupled_degrees(card),
+            _ => self.distributing(card, &coupling),
+        };
+        let Some(kind) = kind else { return };
+        if kind == LinkKind::Rigid([false; 2]) {
+            self.inert(card, "it couples neither r nor z, and symmetry holds the rotation".into());
+            return;
+        }
+        self.link(format!("coupling {}", coupling.name), kind, coupling.reference, coupling.nodes, coupling.span);
+    }
+
+    /// Degrees of freedom that are coupled: all where no line names them.
+    fn coupled_degrees(&mut self, card: &Card) -> Option<LinkKind> {
+        if card.lines.iter().all(|l| l.field(0).is_none()) {
+            return Some(LinkKind::Rigid([true; 2]));
+        }
+        let mut coupled = [false; 2];
+        for line in card.lines.iter().filter(|l| l.field(0).is_some()) {
+            let first = self.integer(line, 0, "the first degree of freedom")?;
+            let last = line.field(1).map_or(Some(first), |w| w.integer(&mut self.diagnostics))?;
+            if !(1..=6).contains(&first) || !(first..=6).contains(&last) {
+                let message = format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation");
+                self.out_of_range(line.span, message);
+                return None;
+            }
+            for (i, coupled) in coupled.iter_mut().enumerate() {
+                *coupled |= (first..=last).contains(&(i as i64 + 1));
+            }
+        }
+        Some(LinkKind::Rigid(coupled))
+    }
+
+    /// Weights fall with the distance from the reference node, over that of the farthest node (ABAQUS Analysis User's Guide,
+    /// "Coupling constraints", "Specifying the weighting method").
+    fn distributing(&mut self, card: &Card, coupling: &Coupling) -> Option<LinkKind> {
+        let points = &self.model.mesh.points;
+        let [r, z] = points[coupling.reference];
+        let distances: Vec<f64> = coupling.nodes.iter().map(|&n| (points[n][0] - r).hypot(points[n][1] - z)).collect();
+        let farthest = distances.iter().copied().fold(0.0, f64::max);
+        let parts = distances.iter().map(|d| if farthest > 0.0 { d / farthest } else { 0.0 });
+        let fall: fn(f64) -> f64 = match card.value("WEIGHTING METHOD").map(|w| upper(&w.text)).as_deref() {
+            None | Some("UNIFORM") => |_| 1.0,
+            Some("LINEAR") => |x| 1.0 - x,
+            Some("QUADRATIC") => |x| 1.0 - x * x,
+            Some("CUBIC") => |x| 1.0 - 3.0 * x * x + 2.0 * x * x * x,
+            Some(other) => {
+                let message = format!("WEIGHTING METHOD={other} is not one of *DISTRIBUTING");
+                self.unsupported(card.span, message, "UNIFORM, LINEAR, QUADRATIC and CUBIC are");
+                return None;
+            }
+        };
+        let weights: Vec<f64> = parts.zip(&coupling.areas).map(|(x, area)| fall(x) * area).collect();
+        if weights.iter().sum::<f64>() <= 0.0 {
+            self.out_of_range(card.span, "all weights of this coupling are zero: its nodes are equally far away");
+            return None;
+        }
+        Some(LinkKind::Distributing(weights))
+    }
+
+    /// A coupling without a kind is an error.
+    pub(super) fn end_coupling(&mut self) {
+        if let Some(coupling) = self.coupling.take() {
+            let message = format!("the coupling {} says neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
+            let finding = Diagnostic::error("M101", message).at(coupling.span, "one of them must follow");
+            self.diagnostics.push(finding);
+        }
+    }
+
+    pub(super) fn tie(&mut self, card: &Card) {
+        let Some(name) = self.required(card, "NAME") else { return };
+        if self.first_line(card).is_none() {
+            return;
+        }
+        let adjust = match card.value("ADJUST") {
+            None => true,
+            Some(word) if word.is("YES") => true,
+            Some(word) if word.is("NO") => false,
+            Some(word) => {
+                self.out_of_range(word.span, format!("ADJUST is YES or NO, not {}", word.text));
+                return;
+            }
+        };
+        let tolerance = match card.value("POSITION TOLERANCE") {
+            None => None,
+            Some(word) => match word.number(&mut self.diagnostics) {
+                Some(value) if value >= 0.0 => Some(value),
+                Some(value) => {
+                    self.out_of_range(word.span, format!("POSITION TOLERANCE must not be below zero, not {value}"));
+                    return;
+                }
+                None => return,
+            },
+        };
+        let chosen = match card.value("TIED NSET") {
+            None => None,
+            Some(word) => match self.node_members(word) {
+                Some(nodes) => Some(nodes),
+                None => return,
+            },
+        };
+        for line in &card.lines {
+            let (Some(slave), Some(master)) = (line.field(0), line.field(1)) else {
+                let finding = Diagnostic::error("M102", "a tie has two surfaces").at(line.span, "here");
+                self.diagnostics.push(finding.help("slave surface, master surface"));
+                continue;
+            };
+            let slaves = self.contact_nodes(slave);
+            let Some(masters) = self.master_faces(master) else { continue };
+            let Some(slaves) = slaves else { continue };
+            let (name, chosen, span) = (upper(&name.text), chosen.clone(), line.span);
+            self.model.surface_ties.push(SurfaceTie { name, slaves, masters, adjust, tolerance, chosen, span });
+        }
+    }
+
+    fn master_faces(&mut self, word: &Word) -> Option<Vec<(usize, super::types::Side)>> {
+        let names = [super::names::qualified(&self.scope, &word.text), upper(&word.text)];
+        if names.iter().any(|n| self.model.node_surfaces.contains_key(n)) {
+            let message = "a surface of nodes cannot be the master of a tie: between nodes there is no surface";
+            self.unsupported(word.span, message, "name the surface of elements second, or use *MPC, TIE for pairs");
+            return None;
+        }
+        if names.iter().any(|n| self.model.planes.contains_key(n)) {
+            let message = "an analytical surface cannot be tied";
+            self.unsupported(word.span, message, "*RIGID BODY, TIE NSET= moves nodes with its body");
+            return None;
+        }
+        let key = self.surface_key(word)?;
+        Some(self.model.surfaces[&key].faces.clone())
+    }
+}
