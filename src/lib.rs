@@ -60,6 +60,7 @@ pub mod deck;
 mod element;
 pub mod explain;
 pub mod job;
+mod heat;
 mod kernel;
 mod load;
 mod material;

@@ -113,6 +113,8 @@ impl<'a> Builder<'a> {
             | "RATE DEPENDENT"
             | "INELASTIC HEAT FRACTION"
             | "SPECIFIC HEAT"
+            | "CONDUCTIVITY"
+            | "EXPANSION"
             | "EOS"
             | "HYPERELASTIC"
             | "SHEAR FAILURE"
@@ -139,6 +141,7 @@ impl<'a> Builder<'a> {
             "STEP"
             | "END STEP"
             | "DYNAMIC"
+            | "DYNAMIC TEMPERATURE-DISPLACEMENT"
             | "BULK VISCOSITY"
             | "FIXED MASS SCALING"
             | "VARIABLE MASS SCALING"
@@ -147,6 +150,7 @@ impl<'a> Builder<'a> {
             }
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
+            "CFLUX" | "DFLUX" | "DSFLUX" | "FILM" | "SFILM" => self.heat_card(card),
             "OUTPUT"
             | "NODE OUTPUT"
             | "ELEMENT OUTPUT"
@@ -154,7 +158,6 @@ impl<'a> Builder<'a> {
             | "INCREMENTATION OUTPUT"
             | "CONTACT OUTPUT" => self.output_card(card),
             "RESTART" => self.restart_card(card),
-            "EXPANSION" => self.expansion(card),
             _ => {}
         }
     }

@@ -132,11 +132,6 @@ pub const CODES: &[Code] = &[
         "Some of the labels that GENERATE counts are not defined, or the last one is not reached in the increments given; the set holds those that are there.",
     ),
     code(
-        "M167",
-        "thermal strain left out",
-        "Plastic work heats the material in an adiabatic step; its *EXPANSION is read, and its strain is not computed.",
-    ),
-    code(
         "M150",
         "mesh file cannot be read",
         "The file is missing, damaged, or in a form that is not read; the message says how to save it again.",

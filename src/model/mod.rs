@@ -20,6 +20,7 @@ mod energy_limit;
 mod eos;
 mod equations;
 mod failure;
+mod heat_loads;
 mod history;
 mod load_history;
 mod loads;

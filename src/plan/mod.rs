@@ -6,6 +6,7 @@ mod bytes;
 pub mod codes;
 mod connectors;
 mod equations;
+mod heat;
 pub mod ledger;
 mod loads;
 mod mass_scaling;
@@ -27,6 +28,7 @@ use crate::constraint::user_motion::UserMotion;
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::element::elements::Elements;
 use crate::element::mass_scaling::Scaling;
+use crate::heat::Thermal;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
 use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
@@ -86,6 +88,8 @@ pub struct State {
     pub elements: Elements,
     /// Constraints of the step that has been run; none at the start.
     pub constraints: Vec<Box<dyn Constraint>>,
+    /// Temperatures of nodes and thermal strains; `None` where temperatures change nothing.
+    pub thermal: Option<Box<Thermal>>,
 }
 
 /// One step. Loads and constraints are as at its beginning; a run takes copies.
@@ -171,6 +175,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     let mut state = compiler.solids();
     compiler.connect(&mut state);
     compiler.finish_bodies();
+    state.thermal = compiler.thermal(&state);
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
     state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
     let (columns, fields) = compiler.variables(&mut state);
