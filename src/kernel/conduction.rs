@@ -10,11 +10,7 @@ const POINT: f64 = 0.577_350_269_189_625_8;
 
 /// Conductance of a full ring with these corners `[r, z]`, heat a time and temperature: `int k grad N_I . grad N_J dV`. The
 /// conductivity is asked for at the temperature of each Gauss point.
-pub fn conductance(
-    corners: [[f64; 2]; 4],
-    temperatures: [f64; 4],
-    conductivity: impl Fn(f64) -> f64,
-) -> [[f64; 4]; 4] {
+pub fn conductance(corners: [[f64; 2]; 4], temperatures: [f64; 4], conductivity: impl Fn(f64) -> f64) -> [[f64; 4]; 4] {
     let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
     let dot = |a: &[f64; 4], b: &[f64; 4]| (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
     let mut matrix = [[0.0; 4]; 4];
@@ -70,7 +66,8 @@ pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle:
         }
     }
     // All its cofactors are the same.
-    let cofactor = k[0][0] * (k[1][1] * k[2][2] - k[1][2] * k[1][2]) - k[0][1] * (k[0][1] * k[2][2] - k[1][2] * k[0][2])
+    let cofactor = k[0][0] * (k[1][1] * k[2][2] - k[1][2] * k[1][2])
+        - k[0][1] * (k[0][1] * k[2][2] - k[1][2] * k[0][2])
         + k[0][2] * (k[0][1] * k[1][2] - k[1][1] * k[0][2]);
     let product = (inverse[0] * inverse[1]) * (inverse[2] * inverse[3]);
     let c = if triangle { 0.0 } else { cofactor * ((m[0] + m[1]) + (m[2] + m[3])) * product };

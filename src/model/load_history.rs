@@ -177,7 +177,9 @@ fn ramped_load(load: Load, before: &HashMap<Place, f64>, step: &StepTime, model:
             LoadKind::Concentrated { nodes: list, .. }
             | LoadKind::NodalHeat { nodes: list, .. }
             | LoadKind::BodyHeat { elements: list, .. } => list.retain(|_| next()),
-            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) if !sides.surface => sides.faces.retain(|_| next()),
+            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) if !sides.surface => {
+                sides.faces.retain(|_| next())
+            }
             _ => {}
         }
         (part.magnitude, part.amplitude) = ramp(f64::from_bits(bits), load.magnitude, load.span, step, model);

@@ -197,8 +197,20 @@ pub(super) fn load_family(kind: &LoadKind) -> &'static str {
         LoadKind::Gravity { .. } | LoadKind::UserBody { .. } => "DLOAD",
         LoadKind::NodalHeat { .. } => "CFLUX",
         LoadKind::BodyHeat { .. } => "DFLUX",
-        LoadKind::SurfaceHeat(s) => if s.surface { "DSFLUX" } else { "DFLUX" },
-        LoadKind::Film { sides: s, .. } => if s.surface { "SFILM" } else { "FILM" },
+        LoadKind::SurfaceHeat(s) => {
+            if s.surface {
+                "DSFLUX"
+            } else {
+                "DFLUX"
+            }
+        }
+        LoadKind::Film { sides: s, .. } => {
+            if s.surface {
+                "SFILM"
+            } else {
+                "FILM"
+            }
+        }
         LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. } => {
             if s.surface {
                 "DSLOAD"

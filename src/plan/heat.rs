@@ -236,7 +236,13 @@ impl Compiler<'_> {
     }
 
     /// How a section expands, where its temperatures change and its stress follows from a bulk modulus.
-    fn expanding(&mut self, section: &SolidSection, group: usize, material: &Material, state: &State) -> Option<Expanding> {
+    fn expanding(
+        &mut self,
+        section: &SolidSection,
+        group: usize,
+        material: &Material,
+        state: &State,
+    ) -> Option<Expanding> {
         let expansion = material.expansion.as_ref()?;
         let (conducts, elements) = (self.conducts(section), &state.elements.groups[group]);
         let warms = self.adiabatic() && !heating(material, 1.0).is_none() && material.plastic.is_some();

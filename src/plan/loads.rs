@@ -23,8 +23,10 @@ use crate::state::magnitude::{Magnitude, Shape};
 impl Compiler<'_> {
     /// Whether a load can do anything; one that cannot is noted as unused.
     pub(super) fn matters(&mut self, load: &Load) -> bool {
-        let constant =
-            !matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. } | LoadKind::Film { .. });
+        let constant = !matches!(
+            load.kind,
+            LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. } | LoadKind::Film { .. }
+        );
         let zero = constant && load.magnitude == 0.0;
         if zero {
             self.unused(load.span, kind_name(&load.kind), "its magnitude is zero");

@@ -150,7 +150,8 @@ impl Compiler<'_> {
         for step in &self.model.steps {
             let heat = (step.adiabatic, step.coupled) != (first.adiabatic, first.coupled);
             if step.bulk_viscosity != first.bulk_viscosity || heat {
-                let message = "bulk viscosity, ADIABATIC and the solving for temperatures must be the same in all steps";
+                let message =
+                    "bulk viscosity, ADIABATIC and the solving for temperatures must be the same in all steps";
                 let finding = Diagnostic::error("P015", message).at(step.span, "this step differs from the first");
                 self.diagnostics.push(finding.help("change in mid-analysis is not supported yet"));
             }

@@ -309,8 +309,7 @@ impl Compiler<'_> {
                 Plastic::Kinematic(_) => "linear kinematic",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-            let heat =
-                if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
+            let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
         self.control_rows(section, count, constants);

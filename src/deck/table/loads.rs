@@ -80,12 +80,12 @@ pub const CARDS: &[Keyword] = &[
         "OP" read "MOD (default) or NEW",
         "AMPLITUDE" read "Amplitude of the values",
         "REGION TYPE" refused "meshes are not adaptive",
-    }, [(rows ["element or set", "label" read "S1 ... S4, BF", "heat a time, through an area or into a volume"])]),
+    }, [(rows ["element or set", "label" read "S1 ... S4, BF", "heat flux" read "A time and area, or a time and volume"])]),
     row!("DSFLUX", "Heat through surfaces", (step), {
         "OP" read "MOD (default) or NEW",
         "AMPLITUDE" read "Amplitude of the values",
         "REGION TYPE" refused "meshes are not adaptive",
-    }, [(rows ["surface", "label" only ["S"] "uniform fluxes are", "heat a time and area"])]),
+    }, [(rows ["surface", "label" only ["S"] "uniform fluxes are", "heat flux"])]),
     row!("FILM", "Exchange of heat between faces of elements and a fluid", (step), {
         "OP" read "MOD (default) or NEW",
         "AMPLITUDE" read "Amplitude of the temperature of the fluid",
