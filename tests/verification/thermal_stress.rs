@@ -6,7 +6,7 @@
 
 use crate::common;
 use crate::common::solid::{column, grid, last, run};
-use revolve::user::Routines;
+use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 
 const ELASTIC: &str = "*Density\n 1.,\n*Elastic\n 1., 0.3\n*Conductivity\n 0.05,\n*Specific Heat\n 1.,\n";
 
@@ -200,5 +200,48 @@ fn johnson_cook_sees_the_temperatures_of_nodes() {
         let found = stress(temperature);
         // Inertia: rho v^2.
         assert!((found - expected).abs() < 0.8e6, "{temperature}: {found}");
+    }
+}
+
+/// Hooke's law with E = 1 and nu = 0.3, which dissipates 0.02 a mass and time beside, and looks at its temperatures.
+struct Hooke;
+
+impl UserMaterial for Hooke {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let (n, lame, shear2) = (call.count, 0.3 / (1.3 * 0.4), 1.0 / 1.3);
+        let [old, new] = call.temperature;
+        if call.now.increment > 1 && !old.iter().zip(new).all(|(old, new)| new > old) {
+            return Err(LoadFailure::new("its temperatures do not grow"));
+        }
+        for i in 0..n {
+            let trace: f64 = (0..3).map(|k| call.strain[k * n + i]).sum();
+            for k in 0..4 {
+                let volume = if k < 3 { lame * trace } else { 0.0 };
+                answer.stress[k * n + i] = call.stress[k * n + i] + volume + shear2 * call.strain[k * n + i];
+            }
+            answer.inelastic[i] = call.inelastic[i] + 0.02 * call.dt;
+        }
+        Ok(())
+    }
+}
+
+/// A user's material that is held: it is shown the strain without the thermal one, and temperatures of nodes that its inelastic
+/// energy and a flux raise.
+#[test]
+fn a_users_material_is_held_and_heated() {
+    let deck = body(3, 3, |i, j| [i as f64, j as f64], "*Expansion\n 1e-5,\n*Inelastic Heat Fraction\n 0.5\n")
+        .replace("*Elastic\n 1., 0.3\n", "*User Material, constants=1\n 1.,\n")
+        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n"
+        + &coupled(20.0, "*Boundary\n ALL, 1, 2\n*Dflux\n SOLID, BF, 3.\n");
+    let (outcome, memory) = common::run(&deck, &[], &Routines::none().with_material(Hooke));
+    assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+    let frame = memory.frames.last().expect("a frame");
+    let field = |name: &str| &frame.cell_fields.iter().find(|f| f.name == name).expect("a field").values;
+    let rise = 3.0 * 20.0 + 0.5 * 0.02 * 20.0;
+    assert!(field("TEMP").iter().all(|t| ((t - 20.0) / rise - 1.0).abs() < 1e-12), "{:?}", field("TEMP"));
+    // The heat of the last increment is in the temperature, and in no strain yet.
+    for s in field("S").chunks(4) {
+        let expected = -1e-5 * rise / (1.0 - 0.6);
+        assert!(s[..3].iter().all(|s| (s / expected - 1.0).abs() < 1e-3), "{s:?} {expected}");
     }
 }
