@@ -71,17 +71,21 @@ pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle:
         + k[0][2] * (k[0][1] * k[1][2] - k[1][1] * k[0][2]);
     let product = (inverse[0] * inverse[1]) * (inverse[2] * inverse[3]);
     let c = if triangle { 0.0 } else { cofactor * ((m[0] + m[1]) + (m[2] + m[3])) * product };
-    // No root is further above the mean than root 2 times the deviation; from there Newton comes down to the highest.
-    let mean = a / 3.0;
-    let variance = (a * a - 2.0 * b) / 3.0 - mean * mean;
-    let mut x = mean + (2.0 * if variance > 0.0 { variance } else { 0.0 }).sqrt();
-    for _ in 0..4 {
-        let (value, slope) = (((x - a) * x + b) * x - c, (3.0 * x - 2.0 * a) * x + b);
-        let step = if slope > 1e-9 * a * a { value / slope } else { 0.0 };
-        x -= if step > 0.0 { step } else { 0.0 };
-    }
-    // Beyond rounding.
-    x * (1.0 + 1e-9)
+    // Three real roots: the highest is mean + 2 root p cos(angle/3) (Viete).
+    let p = (a * a - 3.0 * b) / 9.0;
+    let p = if p > 0.0 { p } else { 0.0 };
+    let q = (2.0 * a * a * a - 9.0 * a * b + 27.0 * c) / 54.0;
+    let root = p.sqrt();
+    let cosine = if p > 0.0 { q / (p * root) } else { 1.0 };
+    let angle = libm::acos(if cosine > 1.0 {
+        1.0
+    } else if cosine < -1.0 {
+        -1.0
+    } else {
+        cosine
+    });
+    // Beyond rounding, which two equal roots double.
+    (a / 3.0 + 2.0 * root * libm::cos(angle / 3.0)) * (1.0 + 1e-7)
 }
 
 #[cfg(test)]
