@@ -95,7 +95,7 @@ fn a_slab_on_skewed_meshes() {
         let deck = conducting(columns, n, true, |i, j| [i as f64 / columns as f64, j as f64 / n as f64]);
         worst(&(deck + &format!("*Nset, nset=J1\n{top}") + &held), |[_, z]| slab(z, 2.0))
     });
-    converges("slab, triangles", &errors, 1.7);
+    converges("slab, triangles", &errors, 1.5);
 }
 
 /// A cylinder of radius 1, 1 at the start, whose surface is held at 0.
