@@ -2,6 +2,7 @@
 //! temperatures even out. Corners run counter-clockwise in (r, z). Never here: meshes, materials.
 //!
 //! Two Gauss points each way: of one point alone a checkerboard of temperatures would be without flux.
+#![allow(clippy::needless_range_loop)] // Matrices are written by their indices.
 
 use std::f64::consts::PI;
 
