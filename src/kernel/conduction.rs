@@ -78,13 +78,7 @@ pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle:
     let q = (2.0 * a * a * a - 9.0 * a * b + 27.0 * c) / 54.0;
     let root = p.sqrt();
     let cosine = if p > 0.0 { q / (p * root) } else { 1.0 };
-    let angle = libm::acos(if cosine > 1.0 {
-        1.0
-    } else if cosine < -1.0 {
-        -1.0
-    } else {
-        cosine
-    });
+    let angle = libm::acos(cosine.clamp(-1.0, 1.0));
     // Beyond rounding, which two equal roots double.
     (a / 3.0 + 2.0 * root * libm::cos(angle / 3.0)) * (1.0 + 1e-7)
 }

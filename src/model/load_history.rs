@@ -157,11 +157,15 @@ fn added_loads(given: &[Load]) -> Vec<Diagnostic> {
 
 /// A load without amplitude that grows linearly over the step from what it was at its beginning; in parts, where that differs.
 fn ramped_load(load: Load, before: &HashMap<Place, f64>, step: &StepTime, model: &mut Model) -> Vec<Load> {
-    let scaled = match load.kind {
-        LoadKind::Concentrated { .. } | LoadKind::Gravity { .. } | LoadKind::Pressure(_) => true,
-        LoadKind::NodalHeat { .. } | LoadKind::SurfaceHeat(_) | LoadKind::BodyHeat { .. } => true,
-        _ => false,
-    };
+    let scaled = matches!(
+        load.kind,
+        LoadKind::Concentrated { .. }
+            | LoadKind::Gravity { .. }
+            | LoadKind::Pressure(_)
+            | LoadKind::NodalHeat { .. }
+            | LoadKind::SurfaceHeat(_)
+            | LoadKind::BodyHeat { .. }
+    );
     if load.amplitude.is_some() || !scaled {
         return vec![load];
     }

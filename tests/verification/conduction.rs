@@ -72,7 +72,7 @@ fn a_slab() {
         let deck = conducting(2, n, false, |i, j| [1.0 + i as f64 / n as f64, j as f64 / n as f64]) + &held;
         worst(&deck, |[_, z]| slab(z, 2.0))
     });
-    converges("slab", &errors, 1.7);
+    converges("slab", &errors, 1.6);
 }
 
 /// The same on quadrilaterals without a right angle, which reach the axis; and on triangles.
