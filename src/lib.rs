@@ -59,6 +59,7 @@ mod constraint;
 pub mod deck;
 mod element;
 pub mod explain;
+mod heat;
 pub mod job;
 mod kernel;
 mod load;

@@ -124,6 +124,11 @@ impl Elements {
         self.pending = true;
     }
 
+    /// Whether the strains of the increment behind are still to come.
+    pub fn is_pending(&self) -> bool {
+        self.pending
+    }
+
     /// Stresses and corner forces at this instant. `timed` is told the seconds of each group by its row of the ledger.
     pub fn update(
         &mut self,

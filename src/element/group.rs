@@ -82,6 +82,15 @@ pub trait ElementGroup: Persist + Send + Sync {
     }
     /// Sets stress and temperature of an element at the start.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
+    /// Gives elements the temperatures that nodes have.
+    fn warm(&mut self, _temperatures: &[f64]) {}
+    /// Writes the temperatures that elements hold, plastic work counted; leaves alone what holds none.
+    fn temperatures(&self, _out: &mut [f64]) {}
+    /// Takes increments of the thermal strain off the strains of the next update, which covers the increment `dt` behind nodes.
+    /// Returns the work of the stress that the update will book too little.
+    fn expand(&mut self, _strains: &[f64], _nodes: &[Node], _dt: f64) -> f64 {
+        0.0
+    }
     /// Follows strains and energies from now on, because an output asks for them.
     fn follow(&mut self);
     /// One over the stable increment of an element with these corner masses on the present nodes, by the bound of the inner
@@ -376,6 +385,35 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             self.laws.0.heat(&mut block.state, lane, temperature);
             self.laws.1.heat(&mut block.volumetric, lane, temperature);
         }
+    }
+
+    fn warm(&mut self, temperatures: &[f64]) {
+        for (e, temperature) in temperatures.iter().enumerate() {
+            self.laws.0.heat(&mut self.blocks[e / LANES].state, e % LANES, *temperature);
+        }
+    }
+
+    fn temperatures(&self, out: &mut [f64]) {
+        for (e, out) in out.iter_mut().enumerate() {
+            *out = self.laws.0.temperature(&self.blocks[e / LANES].state, e % LANES).unwrap_or(*out);
+        }
+    }
+
+    /// Of what expands alike in all directions the thermal strain is a pressure that is taken off the stress beforehand: the
+    /// trial is the same to the last term. The work is a trapezoid over the stress, of which the update sees the pressure taken
+    /// off already.
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
+        let mut work = 0.0;
+        for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
+            self.quiescence[e / (TASK * LANES)].quiescent = false;
+            let (block, lane) = (&mut self.blocks[e / LANES], e % LANES);
+            let share = self.laws.2.share(&block.failure, lane);
+            let pressure = share * 3.0 * self.constants.bulk * strain;
+            block.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
+            let corners = [0, 1, 2, 3].map(|c| nodes[block.nodes[c][lane] as usize]);
+            work += 0.5 * pressure * quad::volume_change::<AREA>(corners.map(|n| n.as_array()), dt);
+        }
+        work
     }
 
     fn follow(&mut self) {

@@ -2,6 +2,7 @@
 //! Never here: geometry of elements.
 
 use crate::element::user_quads::Description;
+use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 use crate::user::{LoadFailure, MaterialAnswer, MaterialCall, UserMaterial};
@@ -27,6 +28,8 @@ pub struct Points {
     strain: Vec<f64>,
     spin: Vec<f64>,
     temperature: Vec<f64>,
+    /// Before the increment, where it changes in it; else empty.
+    temperature_before: Vec<f64>,
     stretch: Pair,
     gradient: Pair,
     stress: Pair,
@@ -58,6 +61,7 @@ impl Points {
             strain: vec![0.0; 4 * count],
             spin: vec![0.0; count],
             temperature: vec![0.0; count],
+            temperature_before: Vec::new(),
             stretch: pair(4 * count),
             gradient: pair(5 * count),
             stress: pair(4 * count),
@@ -81,6 +85,19 @@ impl Points {
         }
         if let Some(temperature) = temperature {
             self.temperature[point] = temperature;
+        }
+    }
+
+    /// Gives points the temperatures at the end of the increment; those that they have become those before it.
+    pub fn warm(&mut self, temperatures: &[f64]) {
+        self.temperature_before.clone_from(&self.temperature);
+        self.temperature.copy_from_slice(temperatures);
+    }
+
+    /// Warms points by the inelastic energy that the call added.
+    pub fn heat(&mut self, heating: &Heating) {
+        for i in 0..self.count {
+            self.temperature[i] += heating.rise(self.temperature[i], [self.dissipated(i)]);
         }
     }
 
@@ -189,7 +206,10 @@ impl Points {
             density: &self.density,
             strain: &self.strain,
             spin: &self.spin,
-            temperature: &self.temperature,
+            temperature: [
+                if self.temperature_before.is_empty() { &self.temperature } else { &self.temperature_before },
+                &self.temperature,
+            ],
             stretch: [&self.stretch[0][..4 * n], &self.stretch[1][..4 * n]],
             gradient: [&self.gradient[0][..5 * n], &self.gradient[1][..5 * n]],
             stress: &stress_old[..4 * n],
@@ -286,9 +306,9 @@ impl Points {
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
-        let Points { coordinates, length, density, strain, spin, temperature, .. } = self;
+        let Points { coordinates, length, density, strain, spin, temperature, temperature_before, .. } = self;
         let Points { stretch, gradient, stress, state, internal, inelastic, .. } = self;
-        let single = [coordinates, length, density, strain, spin, temperature];
+        let single = [coordinates, length, density, strain, spin, temperature, temperature_before];
         let pairs = [stretch, gradient, stress, state, internal, inelastic];
         single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity()).sum()
     }
@@ -306,6 +326,7 @@ impl Persist for Points {
             strain,
             spin,
             temperature,
+            temperature_before,
             stretch,
             gradient,
             stress,
@@ -313,6 +334,7 @@ impl Persist for Points {
             internal,
             inelastic,
         } = self;
+        temperature_before.persist(archive);
         for list in [coordinates, length, density, strain, spin, temperature] {
             list.as_mut_slice().persist(archive);
         }

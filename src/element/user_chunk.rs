@@ -34,6 +34,8 @@ pub(super) struct Chunk {
     /// Cosine and sine of the angle by which the stress's frame has turned.
     turn: Vec<[f64; 2]>,
     pub deleted: Vec<bool>,
+    /// Thermal strain that the next increment takes off; empty before anything expands.
+    thermal: Vec<f64>,
 }
 
 /// Scratch memory of a chunk between its phases. Chunks take turns with it.
@@ -89,6 +91,7 @@ impl Chunk {
             start: elements.iter().map(|e| start(*e, nodes)).collect(),
             turn: vec![[1.0, 0.0]; elements.len()],
             deleted: vec![false; elements.len()],
+            thermal: Vec::new(),
             blocks,
         }
     }
@@ -119,7 +122,11 @@ impl Chunk {
     fn show(&mut self, i: usize, dt: f64, scratch: &Scratch) {
         let (workspace, corners, l) = (&scratch.workspaces[i / LANES], &scratch.nodes[i / LANES], i % LANES);
         self.turn[i] = spun(self.turn[i], spin(corners, l, dt));
-        let increment = [0, 1, 2, 3].map(|k| workspace.strain[k][l]);
+        let mut increment = [0, 1, 2, 3].map(|k| workspace.strain[k][l]);
+        if let Some(thermal) = self.thermal.get_mut(i) {
+            let thermal = std::mem::take(thermal);
+            increment[..3].iter_mut().for_each(|strain| *strain -= thermal);
+        }
         let [cosine, sine] = self.turn[i];
         self.points.set_strain(i, components(increment, [cosine, -sine]));
         if !self.deleted[i] {
@@ -127,6 +134,12 @@ impl Chunk {
             self.points.set_place(i, r, z, self.mass[i] / workspace.volume[l]);
             self.points.set_gradient(i, deformation(&self.start[i], r, z));
         }
+    }
+
+    /// Takes thermal strains off the next increment.
+    pub fn expand(&mut self, strains: &[f64]) {
+        self.thermal.resize(self.deleted.len(), 0.0);
+        self.thermal.iter_mut().zip(strains).for_each(|(thermal, strain)| *thermal += strain);
     }
 
     /// Calls the routine. An increment of no length leaves all as it is.
@@ -165,6 +178,9 @@ impl Chunk {
     /// The routine's stresses, the work done on the way to them, and the corner forces that follow.
     pub fn respond(&mut self, common: &Common<'_>, place: Place, scratch: &mut Scratch, corners: &mut [Corners]) {
         (0..self.deleted.len()).for_each(|i| self.take_stress(i, common.description.delete, scratch));
+        if !common.description.heating.is_none() {
+            self.points.heat(&common.description.heating);
+        }
         self.points.swap();
         for (s, (block, forces)) in self.blocks.iter_mut().zip(corners).enumerate() {
             let workspace = &mut scratch.workspaces[s];
@@ -221,6 +237,7 @@ impl Chunk {
             + size_of_val(&*self.start)
             + size_of_val(&*self.turn)
             + size_of_val(&*self.deleted)
+            + size_of::<f64>() * self.thermal.capacity()
     }
 }
 
@@ -283,8 +300,8 @@ fn deformation(start: &Gradient, r: [f64; 4], z: [f64; 4]) -> [f64; 5] {
 
 impl Persist for Chunk {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Chunk { blocks, points, mass: _, start: _, turn, deleted } = self;
-        persist_fields!(archive; blocks.as_mut_slice(), points, turn.as_mut_slice(), deleted.as_mut_slice());
+        let Chunk { blocks, points, mass: _, start: _, turn, deleted, thermal } = self;
+        persist_fields!(archive; blocks.as_mut_slice(), points, turn.as_mut_slice(), deleted.as_mut_slice(), thermal);
     }
 }
 

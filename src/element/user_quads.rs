@@ -9,6 +9,7 @@ use super::group::{ElementGroup, PARALLEL, Pass, Totals, tell_deleted, totals};
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::record::{Followed, Record};
 use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch, Tally};
+use crate::kernel::heating::Heating;
 use crate::kernel::lanes::{Corners, LANES};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -31,6 +32,8 @@ pub struct Description {
     pub variables: usize,
     /// The one of them, counted from 0, that deletes an element when it becomes zero.
     pub delete: Option<usize>,
+    /// Rise of temperature by inelastic energy a mass.
+    pub heating: Heating,
     /// Whether the hourglass stiffness is times 1 + Poisson's ratio (HOURGLASS=ENHANCED), which the routine's moduli tell.
     pub enhanced: bool,
 }
@@ -222,6 +225,26 @@ impl ElementGroup for UserQuads {
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         self.chunks[element / ELEMENTS].set(element % ELEMENTS, stress, temperature);
+    }
+
+    fn warm(&mut self, temperatures: &[f64]) {
+        for (chunk, temperatures) in self.chunks.iter_mut().zip(temperatures.chunks(ELEMENTS)) {
+            chunk.points.warm(temperatures);
+        }
+    }
+
+    fn temperatures(&self, out: &mut [f64]) {
+        for (chunk, out) in self.chunks.iter().zip(out.chunks_mut(ELEMENTS)) {
+            out.iter_mut().enumerate().for_each(|(i, out)| *out = chunk.points.temperature(i));
+        }
+    }
+
+    /// The routine is shown the strain without it.
+    fn expand(&mut self, strains: &[f64], _nodes: &[Node], _dt: f64) -> f64 {
+        for (chunk, strains) in self.chunks.iter_mut().zip(strains.chunks(ELEMENTS)) {
+            chunk.expand(strains);
+        }
+        0.0
     }
 
     fn follow(&mut self) {

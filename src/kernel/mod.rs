@@ -3,6 +3,7 @@
 
 pub mod amplitude;
 pub mod cavity;
+pub mod conduction;
 pub mod facet;
 pub mod hardening;
 pub mod heating;

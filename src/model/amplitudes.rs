@@ -106,6 +106,12 @@ impl Builder<'_> {
         self.find_amplitude(word).map(Some).ok_or(())
     }
 
+    /// The same of a film coefficient.
+    pub(super) fn film_amplitude(&mut self, card: &Card) -> Result<Option<usize>, ()> {
+        let Some(word) = card.value("FILM AMPLITUDE") else { return Ok(None) };
+        self.find_amplitude(word).map(Some).ok_or(())
+    }
+
     fn find_amplitude(&mut self, word: &Word) -> Option<usize> {
         let found = self.model.amplitudes.iter().position(|a| a.name == upper(&word.text));
         if found.is_none() {

@@ -28,6 +28,11 @@ impl Builder<'_> {
             let Some(nodes) = self.node_members(set) else { continue };
             let Some(([first, last], value)) = self.boundary_dofs(line) else { continue };
             let value = self.scaled(value, amplitude);
+            if first == 11 {
+                let line = (line, set.text.clone(), nodes, value);
+                self.held_temperature(card, line, amplitude);
+                continue;
+            }
             if self.step.is_none() && (value != 0.0 || user) {
                 self.before_steps(line);
                 continue;
@@ -57,6 +62,31 @@ impl Builder<'_> {
                 self.state().boundaries.push(boundary);
             }
         }
+    }
+
+    /// Degree of freedom 11: a value without amplitude is there at once (ABAQUS Analysis User's Guide 34.1.2, "Amplitude
+    /// curves").
+    fn held_temperature(
+        &mut self,
+        card: &Card,
+        (line, set, nodes, value): (&DataLine, String, Vec<usize>, f64),
+        amplitude: Option<usize>,
+    ) {
+        let refusal = if card.has("USER") || card.value("TYPE").is_some_and(|w| !w.is("DISPLACEMENT")) {
+            Some(("USER and TYPE of a prescribed temperature are not supported", "give a value, with AMPLITUDE="))
+        } else if self.step.is_none() {
+            Some(("a temperature before the first step is not prescribed", "give it inside a *STEP"))
+        } else if self.step.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
+            Some(("*STEP, AMPLITUDE=RAMP with a prescribed temperature is not supported", "give AMPLITUDE="))
+        } else {
+            None
+        };
+        if let Some((message, help)) = refusal {
+            self.unsupported(line.span, message, help);
+            return;
+        }
+        let (span, kind) = (line.span, Motion::Temperature);
+        self.state().boundaries.push(Boundary { nodes, set, dof: 11, kind, user: false, value, amplitude, span });
     }
 
     /// Before the first step boundaries hold, and move nothing (ABAQUS Analysis User's Guide 34.3.1, "Prescribing boundary
@@ -111,10 +141,10 @@ impl Builder<'_> {
         let first = word.integer(&mut self.diagnostics)?;
         let last = line.field(2).map_or(Some(first), |w| w.integer(&mut self.diagnostics))?;
         let value = self.number_or(line, 3, 0.0)?;
-        if !(1..=6).contains(&first) || !(first..=6).contains(&last) {
+        if [first, last] != [11; 2] && (!(1..=6).contains(&first) || !(first..=6).contains(&last)) {
             self.out_of_range(
                 line.span,
-                format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation"),
+                format!("degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 the rotation, 11 the temperature"),
             );
             return None;
         }

@@ -156,6 +156,8 @@ impl<'a> Builder<'a> {
             | "RATE DEPENDENT"
             | "INELASTIC HEAT FRACTION"
             | "SPECIFIC HEAT"
+            | "CONDUCTIVITY"
+            | "EXPANSION"
             | "EOS"
             | "HYPERELASTIC"
             | "SHEAR FAILURE"
@@ -186,6 +188,7 @@ impl<'a> Builder<'a> {
             "STEP"
             | "END STEP"
             | "DYNAMIC"
+            | "DYNAMIC TEMPERATURE-DISPLACEMENT"
             | "BULK VISCOSITY"
             | "FIXED MASS SCALING"
             | "VARIABLE MASS SCALING"
@@ -194,6 +197,7 @@ impl<'a> Builder<'a> {
             }
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
+            "CFLUX" | "DFLUX" | "DSFLUX" | "FILM" | "SFILM" => self.heat_card(card),
             "OUTPUT"
             | "NODE OUTPUT"
             | "ELEMENT OUTPUT"
@@ -204,7 +208,6 @@ impl<'a> Builder<'a> {
             "INTEGRATED OUTPUT SECTION" => self.integrated_section(card),
             "TIME POINTS" => self.time_points(card),
             "RESTART" => self.restart_card(card),
-            "EXPANSION" => self.expansion(card),
             _ => {}
         }
     }

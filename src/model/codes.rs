@@ -138,11 +138,6 @@ pub const CODES: &[Code] = &[
         "The card asks for nodes and is given an element set: the nodes of its elements are taken.",
     ),
     code(
-        "M167",
-        "thermal strain left out",
-        "Plastic work heats the material in an adiabatic step; its *EXPANSION is read, and its strain is not computed.",
-    ),
-    code(
         "M170",
         "arc that does not close",
         "The ends of an arc are not equally far from its centre. Up to a millionth of the radius this is rounding; up to a hundredth the nearest centre is taken that they are equally far from, with a warning; beyond, the arc is refused.",

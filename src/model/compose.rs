@@ -142,6 +142,7 @@ impl Step {
             load_velocity: LoadVelocity::Predicted,
             bulk_viscosity: BULK_VISCOSITY,
             adiabatic: false,
+            coupled: false,
             boundaries: Vec::new(),
             loads: Vec::new(),
             contacts: Vec::new(),

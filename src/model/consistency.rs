@@ -4,7 +4,7 @@
 
 use super::types::{
     AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
-    Interval, LinkKind, Load, LoadKind, Model, OutputRequest, Region, Side, Step, Target,
+    Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, Side, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;
@@ -310,7 +310,11 @@ impl Check<'_> {
 
     fn boundary(&mut self, boundary: &Boundary) {
         self.nodes(boundary.span, &boundary.nodes);
-        self.degree(boundary.span, boundary.dof, 6);
+        if boundary.kind == Motion::Temperature {
+            self.value(boundary.dof == 11, boundary.span, || "a temperature is degree of freedom 11".into());
+        } else {
+            self.degree(boundary.span, boundary.dof, 6);
+        }
         self.amplitude(boundary.span, boundary.amplitude);
         self.value(boundary.value.is_finite(), boundary.span, || "a prescribed motion must be finite".into());
     }
@@ -328,7 +332,14 @@ impl Check<'_> {
                 let length = direction[0].hypot(direction[1]);
                 self.value((length - 1.0).abs() < 1e-9, load.span, || "GRAV needs a unit vector as direction".into());
             }
-            LoadKind::Pressure(sides) => self.faces(load.span, &sides.faces),
+            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.faces(load.span, &sides.faces),
+            LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
+            LoadKind::BodyHeat { elements, .. } => self.elements(load.span, elements),
+            LoadKind::Film { sides, coefficient, amplitude } => {
+                self.faces(load.span, &sides.faces);
+                self.amplitude(load.span, *amplitude);
+                self.value(not_below(*coefficient), load.span, || "a film coefficient must not be below zero".into());
+            }
             LoadKind::User { sides, load_type } => {
                 self.faces(load.span, &sides.faces);
                 self.load_type(load.span, *load_type, matches!(load_type, 0 | 20..=24));

@@ -2,7 +2,9 @@
 //! Never here: which laws can stand beside each other, which the plan says.
 
 use super::consistency::{Check, above_zero, not_below};
-use super::types::{DamageEvolution, EosKind, FailureCriterion, Material, Plastic, RateDependence, StrainAtFailure};
+use super::types::{
+    DamageEvolution, EosKind, Expansion, FailureCriterion, Material, Plastic, RateDependence, StrainAtFailure,
+};
 use crate::kernel::levels::Levels;
 
 /// Whether temperatures ascend in rows; one row needs none.
@@ -24,6 +26,11 @@ impl Check<'_> {
         need(rubber, "C10 and D1 must be above zero");
         let heat = |rows: &Vec<[f64; 2]>| !rows.is_empty() && rows.iter().all(|r| above_zero(r[0]));
         need(material.specific_heat.as_ref().is_none_or(heat), "the specific heat must be above zero");
+        let conducts = material.conductivity.as_ref().is_none_or(|(rows, _)| heat(rows));
+        need(conducts, "the conductivity must be above zero");
+        let expands =
+            |e: &Expansion| !e.rows.is_empty() && e.rows.iter().all(|r| r[0].is_finite()) && e.zero.is_finite();
+        need(material.expansion.as_ref().is_none_or(expands), "coefficients of the expansion must be finite");
         let fraction = material.inelastic_heat_fraction.is_none_or(f64::is_finite);
         need(fraction, "the inelastic heat fraction must be finite");
         need(material.eos.is_none_or(|eos| is_equation(eos.kind)), "constants of the equation of state out of range");

@@ -16,6 +16,8 @@ const SUPPORTED: &[(&str, ElementKind)] = &[
     ("RAX2", ElementKind::Rax2),
     ("CAX3", ElementKind::Cax3),
     ("CAX4R", ElementKind::Cax4r),
+    ("CAX3T", ElementKind::Cax3t),
+    ("CAX4RT", ElementKind::Cax4rt),
     ("MASS", ElementKind::Mass),
     ("SPRINGA", ElementKind::SpringA),
     ("SPRING1", ElementKind::Spring1),
@@ -29,15 +31,13 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("CAX4H", "CAX4R is"),
     ("CAX4RH", "CAX4R is"),
     ("CAX4I", "CAX4R is"),
-    ("CAX4RT", "no temperature degree of freedom is solved; CAX4R with adiabatic heating is"),
-    ("CAX4T", "no temperature degree of freedom is solved; CAX4R is"),
-    ("CAX3T", "no temperature degree of freedom is solved; CAX3 is"),
+    ("CAX4T", "CAX4RT is; it has one integration point"),
     ("CAX3H", "CAX3 is"),
     ("CAX6M", "CAX3 is"),
     ("CAX6", "CAX3 is"),
     ("CAX8", "explicit dynamics uses linear elements: CAX4R"),
     ("CAX8R", "explicit dynamics uses linear elements: CAX4R"),
-    ("CAX8RT", "explicit dynamics uses linear elements: CAX4R"),
+    ("CAX8RT", "explicit dynamics uses linear elements: CAX4RT"),
     ("SAX1", "shells are not simulated"),
     ("SAX2", "shells are not simulated"),
     ("MAX1", "membranes are not simulated"),
@@ -82,9 +82,19 @@ impl ElementKind {
         match self {
             ElementKind::Mass | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
             ElementKind::Rax2 | ElementKind::SpringA | ElementKind::DashpotA => 2,
-            ElementKind::Cax3 => 3,
-            ElementKind::Cax4r => 4,
+            ElementKind::Cax3 | ElementKind::Cax3t => 3,
+            ElementKind::Cax4r | ElementKind::Cax4rt => 4,
         }
+    }
+
+    /// Whether it is a solid that can deform.
+    pub fn is_solid(self) -> bool {
+        self.is_thermal() || matches!(self, ElementKind::Cax3 | ElementKind::Cax4r)
+    }
+
+    /// Whether its nodes have temperatures.
+    pub fn is_thermal(self) -> bool {
+        matches!(self, ElementKind::Cax3t | ElementKind::Cax4rt)
     }
 
     /// Whether it is a spring or a dashpot.
@@ -130,7 +140,7 @@ impl Builder<'_> {
         if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
             return Some(found.1);
         }
-        let supported = "supported are RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
+        let supported = "supported are RAX2, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
         let finding = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
             Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
         } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
@@ -205,9 +215,9 @@ impl Builder<'_> {
             .sum();
         match kind {
             ElementKind::Rax2 if points[0] == points[1] => Some(ShapeFault::NoLength),
-            ElementKind::Cax3 | ElementKind::Cax4r if area < 0.0 => Some(ShapeFault::Clockwise),
-            ElementKind::Cax3 | ElementKind::Cax4r if area == 0.0 => Some(ShapeFault::NoArea),
-            ElementKind::Cax4r if has_inward_corner(&points, area) => Some(ShapeFault::Concave),
+            kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
+            kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
+            ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(&points, area) => Some(ShapeFault::Concave),
             _ => None,
         }
     }

@@ -250,7 +250,7 @@ pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTime, model: &mut 
 fn same_condition(a: &Boundary, b: &Boundary) -> bool {
     let holds = |b: &Boundary| {
         let ignored = b.kind == Motion::Displacement && b.amplitude.is_none();
-        !b.user && b.kind != Motion::Acceleration && (b.value == 0.0 || ignored)
+        !b.user && !matches!(b.kind, Motion::Acceleration | Motion::Temperature) && (b.value == 0.0 || ignored)
     };
     holds(a) && holds(b)
         || (a.kind, a.user, a.value.to_bits(), a.amplitude) == (b.kind, b.user, b.value.to_bits(), b.amplitude)

@@ -40,6 +40,11 @@ impl History {
                 (settled.magnitude, settled.amplitude) = (load.magnitude * factor, None);
             }
         }
+        if let LoadKind::Film { coefficient, amplitude, .. } = &mut settled.kind
+            && let Some(factor) = self.stays(*amplitude, step, model)
+        {
+            (*coefficient, *amplitude) = (*coefficient * factor, None);
+        }
         settled
     }
 
@@ -66,6 +71,8 @@ enum Place {
     Surface(String, Kind),
     Body(usize, i32),
     Gravity(Option<Vec<usize>>),
+    NodalHeat(usize),
+    BodyHeat(usize),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -73,6 +80,8 @@ enum Kind {
     Pressure,
     User(i32),
     Cavity(usize),
+    Heat,
+    Film,
 }
 
 fn places(kind: &LoadKind) -> Vec<Place> {
@@ -86,6 +95,10 @@ fn places(kind: &LoadKind) -> Vec<Place> {
         LoadKind::Pressure(sides) => on(sides, Kind::Pressure),
         LoadKind::User { sides, load_type } => on(sides, Kind::User(*load_type)),
         LoadKind::Cavity { sides, target, .. } => on(sides, Kind::Cavity(*target)),
+        LoadKind::NodalHeat { nodes, .. } => nodes.iter().map(|&n| Place::NodalHeat(n)).collect(),
+        LoadKind::SurfaceHeat(sides) => on(sides, Kind::Heat),
+        LoadKind::BodyHeat { elements, .. } => elements.iter().map(|&e| Place::BodyHeat(e)).collect(),
+        LoadKind::Film { sides, .. } => on(sides, Kind::Film),
         LoadKind::UserBody { elements, load_type, .. } => {
             elements.iter().map(|&e| Place::Body(e, *load_type)).collect()
         }
@@ -100,11 +113,18 @@ fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
             places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
         let mut next = || keep.next().unwrap_or(true);
         match &mut load.kind {
-            LoadKind::Concentrated { nodes: list, .. } | LoadKind::UserBody { elements: list, .. } => {
+            LoadKind::Concentrated { nodes: list, .. }
+            | LoadKind::UserBody { elements: list, .. }
+            | LoadKind::NodalHeat { nodes: list, .. }
+            | LoadKind::BodyHeat { elements: list, .. } => {
                 list.retain(|_| next());
                 !list.is_empty()
             }
-            LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. }
+            LoadKind::Pressure(s)
+            | LoadKind::SurfaceHeat(s)
+            | LoadKind::User { sides: s, .. }
+            | LoadKind::Film { sides: s, .. }
+            | LoadKind::Cavity { sides: s, .. }
                 if !s.surface =>
             {
                 s.faces.retain(|_| next());
@@ -137,7 +157,15 @@ fn added_loads(given: &[Load]) -> Vec<Diagnostic> {
 
 /// A load without amplitude that grows linearly over the step from what it was at its beginning; in parts, where that differs.
 fn ramped_load(load: Load, before: &HashMap<Place, f64>, step: &StepTime, model: &mut Model) -> Vec<Load> {
-    let scaled = matches!(load.kind, LoadKind::Concentrated { .. } | LoadKind::Gravity { .. } | LoadKind::Pressure(_));
+    let scaled = matches!(
+        load.kind,
+        LoadKind::Concentrated { .. }
+            | LoadKind::Gravity { .. }
+            | LoadKind::Pressure(_)
+            | LoadKind::NodalHeat { .. }
+            | LoadKind::SurfaceHeat(_)
+            | LoadKind::BodyHeat { .. }
+    );
     if load.amplitude.is_some() || !scaled {
         return vec![load];
     }
@@ -150,8 +178,12 @@ fn ramped_load(load: Load, before: &HashMap<Place, f64>, step: &StepTime, model:
         let mut own = from.iter().map(|&b| b == bits);
         let mut next = || own.next().unwrap_or(true);
         match &mut part.kind {
-            LoadKind::Concentrated { nodes, .. } => nodes.retain(|_| next()),
-            LoadKind::Pressure(sides) if !sides.surface => sides.faces.retain(|_| next()),
+            LoadKind::Concentrated { nodes: list, .. }
+            | LoadKind::NodalHeat { nodes: list, .. }
+            | LoadKind::BodyHeat { elements: list, .. } => list.retain(|_| next()),
+            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) if !sides.surface => {
+                sides.faces.retain(|_| next())
+            }
             _ => {}
         }
         (part.magnitude, part.amplitude) = ramp(f64::from_bits(bits), load.magnitude, load.span, step, model);

@@ -64,7 +64,7 @@ impl Builder<'_> {
         Some((LoadKind::Concentrated { nodes, dof: dof as u8, set: set.text.clone() }, magnitude))
     }
 
-    fn region<'l>(&mut self, line: &'l DataLine) -> Option<&'l Word> {
+    pub(super) fn region<'l>(&mut self, line: &'l DataLine) -> Option<&'l Word> {
         let word = line.field(0);
         if word.is_none() {
             self.diagnostics
@@ -191,10 +191,26 @@ impl Builder<'_> {
     }
 }
 
-fn load_family(kind: &LoadKind) -> &'static str {
+pub(super) fn load_family(kind: &LoadKind) -> &'static str {
     match kind {
         LoadKind::Concentrated { .. } => "CLOAD",
         LoadKind::Gravity { .. } | LoadKind::UserBody { .. } => "DLOAD",
+        LoadKind::NodalHeat { .. } => "CFLUX",
+        LoadKind::BodyHeat { .. } => "DFLUX",
+        LoadKind::SurfaceHeat(s) => {
+            if s.surface {
+                "DSFLUX"
+            } else {
+                "DFLUX"
+            }
+        }
+        LoadKind::Film { sides: s, .. } => {
+            if s.surface {
+                "SFILM"
+            } else {
+                "FILM"
+            }
+        }
         LoadKind::Pressure(s) | LoadKind::User { sides: s, .. } | LoadKind::Cavity { sides: s, .. } => {
             if s.surface {
                 "DSLOAD"

@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{CavityExpansion, Material, Plastic, RateDependence, SolidSection};
+use super::types::{CavityExpansion, Expansion, Material, Plastic, RateDependence, SolidSection};
 use crate::deck::{Card, DataLine, Diagnostic};
 
 impl Builder<'_> {
@@ -44,6 +44,11 @@ impl Builder<'_> {
                 let rows = self.over_temperature(card, "the specific heat");
                 self.last_material().specific_heat = rows;
             }
+            "CONDUCTIVITY" => {
+                let rows = self.over_temperature(card, "the conductivity");
+                self.last_material().conductivity = rows.map(|rows| (rows, card.span));
+            }
+            "EXPANSION" => self.expansion(card),
             "USER MATERIAL" => self.user_material(card),
             "DEPVAR" => self.state_variables(card),
             _ => self.cavity_expansion(card),
@@ -334,13 +339,19 @@ impl Builder<'_> {
         self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
     }
 
-    /// `*EXPANSION`: where temperatures change, its strains are missing.
-    pub(super) fn expansion(&mut self, card: &Card) {
-        if self.deck.cards.iter().any(|c| c.keyword.name == "DYNAMIC" && c.has("ADIABATIC")) {
-            let message = "temperatures change, and the thermal strain of *EXPANSION is left out";
-            let finding = Diagnostic::warning("M167", message).at(card.span, "thermal strain is not simulated");
-            self.diagnostics.push(finding);
+    /// `*EXPANSION`: coefficients of any sign, over temperature.
+    fn expansion(&mut self, card: &Card) {
+        let zero = card.value("ZERO").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
+        if self.first_line(card).is_none() {
+            return;
         }
+        let rows: Option<Vec<[f64; 2]>> = card.lines.iter().map(|l| self.numbers::<2>(l, &[0.0, f64::NAN])).collect();
+        let (Some(zero), Some(rows)) = (zero, rows) else { return };
+        if rows.len() > 1 && !rows.windows(2).all(|w| w[1][1] > w[0][1]) {
+            self.out_of_range(card.span, "rows of the expansion need temperatures that ascend");
+            return;
+        }
+        self.last_material().expansion = Some(Expansion { rows, zero, span: card.span });
     }
 
     /// Sections may name controls that come later; at the end all must be there.

@@ -23,6 +23,7 @@ mod eos;
 mod equations;
 mod failure;
 mod gmsh_file;
+mod heat_loads;
 mod history;
 mod inp_file;
 mod links;

@@ -53,6 +53,7 @@ pub(super) struct Procedure {
     scale_factor: f64,
     load_velocity: LoadVelocity,
     adiabatic: bool,
+    coupled: bool,
 }
 
 /// Bulk viscosity where no step gives another (ABAQUS Analysis User's Guide 6.3.3, "Bulk viscosity").
@@ -66,7 +67,7 @@ impl Builder<'_> {
                 self.close("STEP", card);
                 self.close_step();
             }
-            "DYNAMIC" => self.dynamic(card),
+            "DYNAMIC" | "DYNAMIC TEMPERATURE-DISPLACEMENT" => self.dynamic(card),
             "BULK VISCOSITY" => self.bulk_viscosity(card),
             "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
             "ENERGY LIMIT" => self.energy_limit(card),
@@ -135,6 +136,7 @@ impl Builder<'_> {
             load_velocity: procedure.load_velocity,
             bulk_viscosity: state.bulk_viscosity.unwrap_or(BULK_VISCOSITY),
             adiabatic: procedure.adiabatic,
+            coupled: procedure.coupled,
             boundaries,
             loads,
             contacts: state.contacts,
@@ -165,7 +167,8 @@ impl Builder<'_> {
 
     fn dynamic(&mut self, card: &Card) {
         if !card.has("EXPLICIT") {
-            self.unsupported(card.span, "implicit dynamics is not supported", "write *DYNAMIC, EXPLICIT");
+            let help = format!("write *{}, EXPLICIT", card.keyword.name);
+            self.unsupported(card.span, "implicit dynamics is not supported", &help);
             return;
         }
         let Some(line) = self.first_line(card) else { return };
@@ -182,8 +185,8 @@ impl Builder<'_> {
             return;
         }
         let Some(load_velocity) = self.load_velocity(card) else { return };
-        let (span, adiabatic) = (card.span, card.has("ADIABATIC"));
-        let procedure = Procedure { span, duration, increment, scale_factor, load_velocity, adiabatic };
+        let (span, adiabatic, coupled) = (card.span, card.has("ADIABATIC"), card.keyword.name != "DYNAMIC");
+        let procedure = Procedure { span, duration, increment, scale_factor, load_velocity, adiabatic, coupled };
         match &mut self.step {
             Some(step) => step.procedure = Some(procedure),
             None => self.outside_step(card),
@@ -264,8 +267,7 @@ impl Builder<'_> {
             None => self.outside_step(card),
             Some(step) => step.bulk_viscosity = Some([linear, quadratic]),
         }
-        let deformable = |kind| matches!(kind, super::ElementKind::Cax3 | super::ElementKind::Cax4r);
-        if !self.model.mesh.elements.iter().any(|e| deformable(e.kind)) {
+        if !self.model.mesh.elements.iter().any(|e| e.kind.is_solid()) {
             self.inert(card, "nothing here deforms".into());
         }
     }

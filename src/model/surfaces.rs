@@ -99,7 +99,7 @@ pub(super) fn side(name: &str, kind: ElementKind) -> Option<Side> {
     match (name, kind) {
         ("SPOS", ElementKind::Rax2) => Some(Side::Positive),
         ("SNEG", ElementKind::Rax2) => Some(Side::Negative),
-        (_, ElementKind::Cax3 | ElementKind::Cax4r) => {
+        (_, kind) if kind.is_solid() => {
             let number: u8 = name.strip_prefix('S')?.parse().ok()?;
             (1..=kind.node_count() as u8).contains(&number).then_some(Side::Face(number))
         }

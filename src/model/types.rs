@@ -140,6 +140,10 @@ pub enum ElementKind {
     Cax3,
     /// Four-node axisymmetric quadrilateral, one integration point.
     Cax4r,
+    /// The triangle with temperatures at its nodes.
+    Cax3t,
+    /// The quadrilateral with temperatures at its nodes.
+    Cax4rt,
     /// One-node point mass.
     Mass,
     /// Spring along the line between two nodes.
@@ -226,6 +230,10 @@ pub struct Material {
     pub inelastic_heat_fraction: Option<f64>,
     /// Rows of the heat per mass and temperature, and the temperature (NaN where absent).
     pub specific_heat: Option<Vec<[f64; 2]>>,
+    /// Rows of the heat a time, length and temperature, and the temperature (NaN where absent), with the card.
+    pub conductivity: Option<(Vec<[f64; 2]>, Span)>,
+    /// `*EXPANSION`.
+    pub expansion: Option<Expansion>,
     /// Failure by the plastic strain, in the order of the deck.
     pub failures: Vec<FailureCriterion>,
     /// `*TENSILE FAILURE`.
@@ -236,6 +244,17 @@ pub struct Material {
     pub user: Option<Vec<f64>>,
     /// `*DEPVAR`.
     pub state: StateVariables,
+}
+
+/// `*EXPANSION`: thermal strain from a reference temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expansion {
+    /// Rows of the coefficient and the temperature (NaN where absent).
+    pub rows: Vec<[f64; 2]>,
+    /// Reference temperature (`ZERO`).
+    pub zero: f64,
+    /// The card.
+    pub span: Span,
 }
 
 /// `*DEPVAR`: what a user material keeps.
@@ -646,6 +665,8 @@ pub struct Step {
     pub bulk_viscosity: [f64; 2],
     /// Whether heat stays where plastic work makes it (`ADIABATIC`).
     pub adiabatic: bool,
+    /// Whether temperatures of nodes are solved for (`*DYNAMIC TEMPERATURE-DISPLACEMENT`).
+    pub coupled: bool,
     /// Prescribed motions in force, each with the nodes on which no later one acts.
     pub boundaries: Vec<Boundary>,
     /// Loads in force, each at the places where no later step gives another of its kind.
@@ -751,7 +772,7 @@ pub struct Boundary {
     pub nodes: Vec<usize>,
     /// What the deck called them.
     pub set: String,
-    /// 1 = r, 2 = z, 6 = rotation.
+    /// 1 = r, 2 = z, 6 = rotation, 11 = temperature.
     pub dof: u8,
     /// What is prescribed.
     pub kind: Motion,
@@ -774,6 +795,8 @@ pub enum Motion {
     Velocity,
     /// Acceleration.
     Acceleration,
+    /// Temperature (degree of freedom 11).
+    Temperature,
 }
 
 /// A load in force in a step.
@@ -834,6 +857,31 @@ pub enum LoadKind {
         target: usize,
         /// Coulomb friction coefficient.
         friction: f64,
+    },
+    /// `*CFLUX`: heat a time into each node.
+    NodalHeat {
+        /// Node indices.
+        nodes: Vec<usize>,
+        /// What the deck called them.
+        set: String,
+    },
+    /// `*DFLUX S1` to `S4`, `*DSFLUX`: heat a time and area into the body.
+    SurfaceHeat(Sides),
+    /// `*DFLUX BF`: heat a time and volume.
+    BodyHeat {
+        /// Element indices.
+        elements: Vec<usize>,
+        /// What the deck called them.
+        set: String,
+    },
+    /// `*FILM`, `*SFILM`: the magnitude is the temperature of the fluid.
+    Film {
+        /// Where.
+        sides: Sides,
+        /// Heat a time, area and temperature.
+        coefficient: f64,
+        /// Index into [`Model::amplitudes`] of the coefficient's amplitude.
+        amplitude: Option<usize>,
     },
 }
 

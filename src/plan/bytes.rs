@@ -29,6 +29,12 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
         add(ledger, amplitude.id, "routine", COPIES * amplitude.bytes());
     }
     elements(ledger, state, plan.rows.gather);
+    if let Some(thermal) = &state.thermal {
+        for (effect, bytes) in ["heat conduction", "thermal expansion"].into_iter().zip(thermal.bytes()) {
+            let row = ledger.effects.iter().position(|row| row.effect == effect);
+            row.into_iter().for_each(|row| add(ledger, row, "temperatures", bytes));
+        }
+    }
     let pushed = state.elements.has_links() || plan.steps.iter().flat_map(|s| &s.loads).any(|l| l.acts_on_nodes());
     if let Some(row) = plan.rows.gather.filter(|_| pushed) {
         add(ledger, row, "forces", state.dofs.nodes.bytes_of_forces());

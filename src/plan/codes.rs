@@ -145,6 +145,26 @@ pub const CODES: &[Code] = &[
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",
     },
+    Code {
+        code: "P061",
+        title: "no element has temperatures",
+        text: "*DYNAMIC TEMPERATURE-DISPLACEMENT solves for the temperatures of nodes of CAX4RT and CAX3T elements, and the deck has none that deforms.",
+    },
+    Code {
+        code: "P062",
+        title: "a section cannot conduct",
+        text: "Elements with temperatures at their nodes need a material with *CONDUCTIVITY, *SPECIFIC HEAT and *DENSITY, and a section of their own; the temperature of an ideal gas is that of its energy.",
+    },
+    Code {
+        code: "P063",
+        title: "heat where nothing has a temperature",
+        text: "A flux, a body flux or a film acts on nodes, faces or elements that have no temperature: CAX4RT and CAX3T have, in a step that solves for temperatures.",
+    },
+    Code {
+        code: "P064",
+        title: "expansion of rubber",
+        text: "*EXPANSION is a strain taken off the strain that a bulk modulus answers to; rubber answers to the whole deformation.",
+    },
     Code { code: "P102", title: "a load of zero", text: "Its magnitude is zero, so nothing is constructed for it." },
     Code {
         code: "P103",

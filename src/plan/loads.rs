@@ -22,9 +22,11 @@ use crate::state::magnitude::{Magnitude, Shape};
 
 impl Compiler<'_> {
     /// Whether a load can do anything; one that cannot is noted as unused.
-    fn matters(&mut self, load: &Load) -> bool {
-        let constant =
-            !matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. });
+    pub(super) fn matters(&mut self, load: &Load) -> bool {
+        let constant = !matches!(
+            load.kind,
+            LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. } | LoadKind::Film { .. }
+        );
         let zero = constant && load.magnitude == 0.0;
         if zero {
             self.unused(load.span, kind_name(&load.kind), "its magnitude is zero");
@@ -44,6 +46,11 @@ impl Compiler<'_> {
             LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type, state),
             LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type, state),
             LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step),
+            // They act on temperatures (heat.rs).
+            LoadKind::NodalHeat { .. }
+            | LoadKind::SurfaceHeat(_)
+            | LoadKind::BodyHeat { .. }
+            | LoadKind::Film { .. } => None,
         }
     }
 
@@ -287,12 +294,12 @@ impl Compiler<'_> {
         Some(Description { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
     }
 
-    fn amplitude_name(&self, load: &Load) -> String {
+    pub(super) fn amplitude_name(&self, load: &Load) -> String {
         load.amplitude.map_or(String::new(), |a| format!(" x {}", self.model.amplitudes[a].name))
     }
 }
 
-fn kind_name(kind: &LoadKind) -> &'static str {
+pub(super) fn kind_name(kind: &LoadKind) -> &'static str {
     match kind {
         LoadKind::Concentrated { .. } => "*CLOAD",
         LoadKind::Gravity { .. } => "GRAV",
@@ -300,5 +307,8 @@ fn kind_name(kind: &LoadKind) -> &'static str {
         LoadKind::User { .. } => "PNU",
         LoadKind::UserBody { .. } => "BRNU or BZNU",
         LoadKind::Cavity { .. } => "CAVITY",
+        LoadKind::NodalHeat { .. } => "*CFLUX",
+        LoadKind::SurfaceHeat(_) | LoadKind::BodyHeat { .. } => "*DFLUX",
+        LoadKind::Film { .. } => "*FILM",
     }
 }

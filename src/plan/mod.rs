@@ -7,6 +7,7 @@ pub mod codes;
 mod connectors;
 mod doubts;
 mod equations;
+mod heat;
 pub mod ledger;
 mod links;
 mod loads;
@@ -34,6 +35,7 @@ use crate::constraint::user_motion::UserMotion;
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::element::elements::Elements;
 use crate::element::mass_scaling::Scaling;
+use crate::heat::Thermal;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
 use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
@@ -95,6 +97,8 @@ pub struct State {
     pub elements: Elements,
     /// Constraints of the step that has been run; none at the start.
     pub constraints: Vec<Box<dyn Constraint>>,
+    /// Temperatures of nodes and thermal strains; `None` where temperatures change nothing.
+    pub thermal: Option<Box<Thermal>>,
 }
 
 /// One step. Loads and constraints are as at its beginning; a run takes copies.
@@ -196,6 +200,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.keep(&mut state);
     compiler.connect(&mut state);
     compiler.finish_bodies();
+    state.thermal = compiler.thermal(&state);
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
     state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
     let (columns, fields) = compiler.variables(&mut state);

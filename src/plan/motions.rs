@@ -20,7 +20,7 @@ impl Compiler<'_> {
     pub(super) fn motions(&mut self, step: &Step, asking: &mut Vec<UserMotion>) -> Vec<Box<dyn Constraint>> {
         let mut motions: Vec<Box<dyn Constraint>> = Vec::new();
         let (mut taken, mut nodes) = (Taken::new(), HashSet::new());
-        for boundary in &step.boundaries {
+        for boundary in step.boundaries.iter().filter(|b| b.kind != model::Motion::Temperature) {
             let dofs = self.dofs(boundary, &mut taken, &mut nodes);
             if !dofs.is_empty() {
                 motions.extend(self.motion(boundary, dofs, asking));
@@ -158,5 +158,7 @@ fn prescribed(boundary: &Boundary) -> (Prescribed, f64) {
         model::Motion::Displacement => (Prescribed::Displacement, boundary.value),
         model::Motion::Velocity => (Prescribed::Velocity, boundary.value),
         model::Motion::Acceleration => (Prescribed::Acceleration, boundary.value),
+        // It moves nothing.
+        model::Motion::Temperature => (Prescribed::Displacement, 0.0),
     }
 }

@@ -245,7 +245,9 @@ impl Compiler<'_> {
     fn node_columns(&self, asked: Asked, set: &str, columns: &mut Vec<Column>) {
         let model = self.model;
         let Some(members) = model.node_sets.get(set).map(|s| &s.members) else { return };
-        let parts = self.parts(asked, Variable::is_of_nodes);
+        let mut parts = self.parts(asked, Variable::is_of_nodes);
+        let conducts = self.solves_for_temperatures();
+        parts.retain(|p| conducts || p.variable.row().preselected != Preselected::Conducting);
         for &node in members {
             let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
                 (Some(node), _) => Source::Node(node),
@@ -264,8 +266,7 @@ impl Compiler<'_> {
         for &element in members {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
             let place = if members.len() == 1 { set } else { &model.mesh.elements[element].name };
-            let has =
-                |part: &&Part| values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), index, **part);
+            let has = |part: &&Part| has(state, group, index, **part);
             let source = Source::Element(group, index);
             columns.extend(parts.iter().filter(has).map(|&part| column(part, place, source)));
         }
@@ -339,6 +340,10 @@ impl Compiler<'_> {
         self.cause(request.span, "field output", request.variables.len(), "variables", detail);
     }
 
+    fn solves_for_temperatures(&self) -> bool {
+        self.model.steps.first().is_some_and(|s| s.coupled)
+    }
+
     fn deforms(&self) -> bool {
         !self.places.elements.is_empty()
     }
@@ -346,18 +351,25 @@ impl Compiler<'_> {
     /// Energies that this scene has.
     fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
         let deforms = self.deforms();
-        let is_there = move |v: &Variable| v.place() == Place::Energy && (deforms || !v.row().deforming);
+        let conducts = self.solves_for_temperatures();
+        let is_there = move |v: &Variable| {
+            let conducting = v.row().preselected == Preselected::Conducting;
+            v.place() == Place::Energy && (deforms || !v.row().deforming) && (conducts || !conducting)
+        };
         Variable::ALL.iter().copied().filter(is_there)
     }
 
     /// What frames of this scene can show: of nodes, and what some element has. (Others would be NaN everywhere.)
     fn fields_there_are(&self, state: &State) -> Vec<FrameField> {
-        let (groups, nodes) = (&state.elements.groups, state.dofs.nodes.as_slice());
-        let somewhere = |part: &Part| groups.iter().any(|g| (0..g.len()).any(|e| values::has(&**g, nodes, e, *part)));
+        let groups = &state.elements.groups;
+        let somewhere =
+            |part: &Part| groups.iter().enumerate().any(|(g, group)| (0..group.len()).any(|e| has(state, g, e, *part)));
+        let conducts = self.solves_for_temperatures();
         let mut fields = Vec::new();
         for &variable in Variable::ALL {
             let parts = self.parts_of(variable);
             match variable.place() {
+                Place::Node if variable.row().preselected == Preselected::Conducting && !conducts => {}
                 Place::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
                 Place::Point | Place::Element if variable.row().numbered => {
                     fields.extend(parts.into_iter().filter(somewhere).map(|p| FrameField::new(vec![p])));
@@ -376,6 +388,7 @@ impl Compiler<'_> {
             Preselected::Always => true,
             Preselected::Deforming => self.deforms(),
             Preselected::Deleting => self.deletes(),
+            Preselected::Conducting => true,
         }
     }
 
@@ -383,6 +396,17 @@ impl Compiler<'_> {
         let why = why_absent(asked, request);
         self.unused(request.span, asked.name(), why);
     }
+}
+
+/// Whether an element has a variable, or will have it once it is followed.
+fn has(state: &State, group: usize, element: usize, part: Part) -> bool {
+    let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
+    if matches!(part.variable, Variable::Temperature | Variable::HeatFlux)
+        && heat.is_some_and(|h| h.of_element(group, element).is_some())
+    {
+        return true;
+    }
+    values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part)
 }
 
 /// Why a word of a request comes to nothing.

@@ -89,7 +89,7 @@ impl Compiler<'_> {
         if sections.iter().any(|(s, _)| self.is_by_area(s)) {
             elements.rings = Some(Box::new(Rings::new(&elements.groups, nodes.len())));
         }
-        let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, constraints: Vec::new() };
+        let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
         self.start_solid(&mut state);
         state
     }
@@ -120,6 +120,12 @@ impl Compiler<'_> {
         self.model.steps.first().is_some_and(|s| s.adiabatic)
     }
 
+    /// Whether a section solves for temperatures at its nodes: the step says so, and its elements have them.
+    pub(super) fn conducts(&self, section: &SolidSection) -> bool {
+        let thermal = |e: &usize| self.model.mesh.elements[*e].kind.is_thermal();
+        self.model.steps.first().is_some_and(|s| s.coupled) && section.elements.iter().any(thermal)
+    }
+
     /// The global estimate of the stable increment, unless all steps go element by element.
     pub(super) fn highest_frequency(&mut self, state: &mut State) {
         let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
@@ -143,8 +149,10 @@ impl Compiler<'_> {
     fn check_steps_alike(&mut self) {
         let Some(first) = self.model.steps.first() else { return };
         for step in &self.model.steps {
-            if step.bulk_viscosity != first.bulk_viscosity || step.adiabatic != first.adiabatic {
-                let message = "bulk viscosity and ADIABATIC must be the same in all steps";
+            let heat = (step.adiabatic, step.coupled) != (first.adiabatic, first.coupled);
+            if step.bulk_viscosity != first.bulk_viscosity || heat {
+                let message =
+                    "bulk viscosity, ADIABATIC and the solving for temperatures must be the same in all steps";
                 let finding = Diagnostic::error("P015", message).at(step.span, "this step differs from the first");
                 self.diagnostics.push(finding.help("change in mid-analysis is not supported yet"));
             }

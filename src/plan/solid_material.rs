@@ -49,6 +49,8 @@ struct Make<'a, const AREA: bool> {
     density: f64,
     corners: &'a [[u32; 4]],
     nodes: &'a [Node],
+    /// Whether plastic work heats.
+    heats: bool,
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
@@ -68,8 +70,8 @@ impl<'a, const AREA: bool> Make<'a, AREA> {
 
     /// The same, weighted by area.
     fn by_area(self) -> Make<'a, true> {
-        let Make { constants, density, corners, nodes } = self;
-        Make { constants, density, corners, nodes }
+        let Make { constants, density, corners, nodes, heats } = self;
+        Make { constants, density, corners, nodes, heats }
     }
 }
 
@@ -97,8 +99,9 @@ impl Compiler<'_> {
         let hourglass = self.hourglass(section, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
-        self.solid_rows(section, elements.len(), &constants, material);
-        let make = Make::<false> { constants, density, corners, nodes };
+        let heats = self.adiabatic() || self.conducts(section);
+        self.solid_rows(section, elements.len(), &constants, (material, heats));
+        let make = Make::<false> { constants, density, corners, nodes, heats };
         if self.is_by_area(section) {
             return self.by_area(section, material, make.by_area());
         }
@@ -183,7 +186,7 @@ impl Compiler<'_> {
         volumetric: V,
         make: Make<'_, AREA>,
     ) -> Option<Box<dyn ElementGroup>> {
-        let heating = if self.adiabatic() { heating(material, make.density) } else { Heating::None };
+        let heating = if make.heats { heating(material, make.density) } else { Heating::None };
         let failing = self.failing(material)?;
         let Some(plastic) = &material.plastic else {
             return Some(match failing {
@@ -280,7 +283,13 @@ impl Compiler<'_> {
         Some(HourglassControl { stiffness, viscosity, relaxes: controls.hourglass == Hourglass::RelaxStiffness })
     }
 
-    fn solid_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants, material: &Material) {
+    fn solid_rows(
+        &mut self,
+        section: &SolidSection,
+        count: usize,
+        constants: &Constants,
+        (material, heats): (&Material, bool),
+    ) {
         let elasticity = match (&material.eos, constants.shear > 0.0) {
             _ if material.neo_hooke.is_some() => "neo-Hooke by the whole deformation",
             (Some(_), false) => "fluid",
@@ -296,8 +305,7 @@ impl Compiler<'_> {
                 Plastic::Kinematic(_) => "linear kinematic",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-            let heat =
-                if self.adiabatic() && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
+            let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
             self.cause(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
         }
         self.control_rows(section, count, constants);
@@ -490,7 +498,7 @@ fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &Material) {
 }
 
 /// Rise of temperature by plastic work; none where a card for it is missing.
-fn heating(material: &Material, density: f64) -> Heating {
+pub(super) fn heating(material: &Material, density: f64) -> Heating {
     match (material.inelastic_heat_fraction, material.specific_heat.as_deref()) {
         (Some(fraction), Some(&[[heat, _]])) if fraction != 0.0 => Heating::Constant(fraction / (density * heat)),
         (Some(fraction), Some(rows)) if fraction != 0.0 => {

@@ -3,11 +3,12 @@
 
 use super::Compiler;
 use super::solid::add_masses;
-use super::solid_material::Moduli;
+use super::solid_material::{Moduli, heating};
 use crate::deck::Diagnostic;
 use crate::element::constants::Constants;
 use crate::element::group::ElementGroup;
 use crate::element::user_quads::{Description, UserQuads};
+use crate::kernel::heating::Heating;
 use crate::model::{Hourglass, Material, SolidSection, StateVariables};
 use crate::state::nodes::Node;
 
@@ -47,7 +48,8 @@ impl Compiler<'_> {
         self.cause(section.span, "user material", elements.len(), "points", detail);
         self.control_rows(section, elements.len(), &constants);
         let (name, properties) = (material.name.clone(), properties.to_vec());
-        let description = Description { name, properties, variables: count, delete, enhanced };
+        let heating = if self.conducts(section) { heating(material, 1.0) } else { Heating::None };
+        let description = Description { name, properties, variables: count, delete, heating, enhanced };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect();
         Some(Box::new(UserQuads::new(description, constants, density, corners, nodes, names)))
     }

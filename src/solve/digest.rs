@@ -48,6 +48,11 @@ impl Run<'_> {
         for group in &self.elements.groups {
             (0..group.len()).for_each(|e| bits.element(&**group, e));
         }
+        if let Some(heat) = self.heat() {
+            bits.add(heat.temperatures());
+            let energies = heat.energies();
+            bits.add(&[energies.external, energies.internal, energies.inelastic]);
+        }
         let e = self.balance.energy();
         bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);
         bits.add(&[e.artificial, e.total, e.initial, e.drift]);

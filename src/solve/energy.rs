@@ -46,6 +46,12 @@ pub struct Energy {
     /// Taken by distortion control.
     #[serde(rename = "ALLDC")]
     pub distortion: f64,
+    /// Heat from outside; `None` where no temperatures are solved for.
+    #[serde(rename = "ALLHF", skip_serializing_if = "Option::is_none")]
+    pub heat: Option<f64>,
+    /// Heat taken up, likewise.
+    #[serde(rename = "ALLIHE", skip_serializing_if = "Option::is_none")]
+    pub internal_heat: Option<f64>,
     /// The sum.
     #[serde(rename = "ETOTAL")]
     pub total: f64,

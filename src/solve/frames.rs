@@ -41,6 +41,8 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
         Variable::ArtificialEnergy => energy.artificial,
         Variable::ConstraintWork => energy.contact,
         Variable::DistortionEnergy => energy.distortion,
+        Variable::ExternalHeat => energy.heat.unwrap_or(f64::NAN),
+        Variable::InternalHeat => energy.internal_heat.unwrap_or(f64::NAN),
         Variable::TotalEnergy => energy.total,
         Variable::TimeIncrement => increment,
         _ => f64::NAN,
@@ -53,7 +55,7 @@ impl Run<'_> {
         match column.source {
             Source::Model => model_value(energy, self.last_increment, part.variable),
             Source::Body { body, node } => self.body_value(body, node, part),
-            Source::Node(node) => node_value(&self.dofs, &self.constraints, node, part),
+            Source::Node(node) => self.node_value(node, part),
             Source::Element(group, e) => self.element_value((group, e), part),
             Source::Section(index) => self.section_value(&self.plan.sections[index], part),
         }
@@ -80,8 +82,25 @@ impl Run<'_> {
         }
     }
 
-    /// A number of an element; not a number where its group does not have it.
+    fn node_value(&self, node: usize, part: Part) -> f64 {
+        match (part.variable, self.heat()) {
+            (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
+            (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
+            _ => node_value(&self.dofs, &self.constraints, node, part),
+        }
+    }
+
+    /// A number of an element; not a number where its group does not have it. The temperature of one that conducts is that of
+    /// its nodes.
     fn element_value(&self, (group, e): (usize, usize), part: Part) -> f64 {
+        let thermal = self.heat().and_then(|heat| match part.variable {
+            Variable::Temperature => heat.of_element(group, e),
+            Variable::HeatFlux => Some(heat.flux(group, e, &self.dofs)?[part.component]),
+            _ => None,
+        });
+        if let Some(value) = thermal {
+            return value;
+        }
         values::value(&*self.elements.groups[group], self.dofs.nodes.as_slice(), e, part).unwrap_or(f64::NAN)
     }
 
@@ -91,6 +110,7 @@ impl Run<'_> {
         match (part.variable, part.component) {
             (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
             (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
+            (Variable::NodalTemperature | Variable::ReactionFlux, _) => f64::NAN,
             (_, 0) => 0.0,
             (Variable::Displacement, _) => state.displacement,
             (Variable::Velocity, _) => self.dofs.velocity(Dof::Body(body)),
@@ -158,7 +178,7 @@ fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[Owner]) -> Vec<f64> {
     let value = |owner: &Owner, part: Part| match *owner {
         Owner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
         Owner::Body(b, node) => run.body_value(b, node, part),
-        Owner::Node(n) => node_value(&run.dofs, &run.constraints, n, part),
+        Owner::Node(n) => run.node_value(n, part),
     };
     let value = &value;
     of_point.iter().flat_map(|owner| field.parts.iter().map(move |part| value(owner, *part))).collect()

@@ -3,6 +3,7 @@
 
 use crate::constraint::Constraint;
 use crate::element::elements::Elements;
+use crate::heat::field::Heat;
 use crate::load::{Load, View};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
@@ -82,6 +83,8 @@ pub struct Scene<'a> {
     pub view: View<'a>,
     /// Elements.
     pub elements: &'a Elements,
+    /// Temperatures of nodes, where they are solved for.
+    pub heat: Option<&'a Heat>,
     /// Loads of the step.
     pub loads: &'a [Box<dyn Load>],
     /// Constraints of the step.
@@ -143,6 +146,10 @@ impl IncrementController {
                 }
                 if !scene.elements.is_empty() {
                     next.length = next.length.min(scene.elements.stable_increment() * self.factor);
+                }
+                if let Some(heat) = scene.heat {
+                    next.length = next.length.min(heat.stable_increment() * self.factor);
+                    next.shorten(heat.limit(&scene.view.clock));
                 }
                 next.length = next.length.min(self.most);
                 scene.loads.iter().for_each(|load| next.shorten(load.limit(&scene.view)));

@@ -96,11 +96,12 @@ pub fn run_with(
         }
     }
     run.outcome.digest = run.digest();
-    let Run { mut outcome, balance, dofs, elements, constraints, timing, .. } = run;
-    outcome.energy = balance.energy();
+    let energy = run.energy();
+    let Run { mut outcome, dofs, elements, constraints, thermal, timing, .. } = run;
+    outcome.energy = energy;
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
-    Ok((outcome, State { dofs, elements, constraints }))
+    Ok((outcome, State { dofs, elements, constraints, thermal }))
 }
 
 /// One step, from its beginning or from where a state was taken up. The recipe of an increment, as in ABAQUS Theory Guide 2.4.5

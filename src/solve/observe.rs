@@ -195,7 +195,7 @@ impl Observing {
     }
 
     fn show_row(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
-        let energy = run.balance.energy();
+        let energy = run.energy();
         for (value, column) in self.row.iter_mut().zip(&run.plan.columns) {
             *value = run.value(column, &energy);
         }

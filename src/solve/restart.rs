@@ -245,6 +245,7 @@ impl Persist for Run<'_> {
             step: _,
             dofs,
             elements,
+            thermal,
             now,
             loads,
             constraints,
@@ -286,6 +287,9 @@ impl Persist for Run<'_> {
         archive.mark("routines");
         persist_fields!(archive; told.as_mut_slice(), amplitudes.as_mut_slice(), motions.as_mut_slice());
         elements.persist(archive);
+        if let Some(thermal) = thermal {
+            thermal.persist(archive);
+        }
         archive.mark("outcome");
         // Halts and what is reckoned at the end are not there yet; times are those of this process.
         let super::outcome::Outcome { steps, rests, increments, warnings, .. } = outcome;

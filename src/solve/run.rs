@@ -2,7 +2,7 @@
 //! Never here: the loop over increments, output, states that are kept.
 
 use super::central_difference;
-use super::energy::Balance;
+use super::energy::{Balance, Energy};
 use super::increment::{End, Increment, IncrementController, Scene};
 use super::outcome::{Outcome, Rest, StepSummary};
 use super::timing::Timing;
@@ -11,6 +11,8 @@ use crate::constraint::user_motion::UserMotion;
 use crate::element::elements::{Collapsed, Elements};
 use crate::element::mass_scaling::Scaling;
 use crate::element::volume_guard::STARTING;
+use crate::heat::Thermal;
+use crate::heat::field::Heat;
 use crate::kernel::amplitude::Track;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Account, LastIncrement, Load, Slot, VelocityUse, View};
@@ -31,6 +33,8 @@ pub(super) struct Run<'a> {
     /// All that moves.
     pub(super) dofs: Dofs,
     pub(super) elements: Elements,
+    /// Temperatures of nodes and thermal strains.
+    pub(super) thermal: Option<Box<Thermal>>,
     pub(super) now: Instant,
     /// Loads of the step; those that resist come last.
     pub(super) loads: Vec<Box<dyn Load>>,
@@ -79,7 +83,7 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub(super) fn new(plan: &'a Plan, State { dofs, elements, constraints }: State) -> Self {
+    pub(super) fn new(plan: &'a Plan, State { dofs, elements, constraints, thermal }: State) -> Self {
         let balance = Balance::start(&dofs.bodies);
         Run {
             plan,
@@ -114,6 +118,7 @@ impl<'a> Run<'a> {
             outcome: Outcome::default(),
             dofs,
             elements,
+            thermal,
         }
     }
 
@@ -155,6 +160,7 @@ impl<'a> Run<'a> {
         control.choose(&Scene {
             view: View { clock, dofs: &self.dofs, reach: self.reach },
             elements: &self.elements,
+            heat: self.heat(),
             loads: &self.loads,
             constraints: &self.constraints,
             behind: self.behind,
@@ -187,6 +193,9 @@ impl<'a> Run<'a> {
             LoadVelocity::Lagged => 0.0,
         };
         self.begin_constraints();
+        if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
+            heat.begin(self.now.step as usize);
+        }
         self.balance.begin(&self.slots, &self.dofs.bodies);
         self.warned = [false; 2];
         self.now.step_time = 0.0;
@@ -279,8 +288,15 @@ impl<'a> Run<'a> {
     /// Stresses of elements, forces of loads and links on nodes, and what of them goes to bodies.
     fn evaluate_nodes(&mut self) -> Result<(), Halt> {
         self.scale_masses();
+        let fresh = self.elements.is_pending();
+        if fresh {
+            self.warm();
+        }
         let user = self.user.material.as_deref_mut();
         self.elements.update(&mut self.dofs, &self.now, self.threads, user, self.timing.groups());
+        if self.thermal.is_some() {
+            self.conduct(fresh);
+        }
         self.dofs.nodes.begin_forces();
         self.release_faces();
         self.push_nodes()?;
@@ -288,6 +304,46 @@ impl<'a> Run<'a> {
         self.elements.check(&self.dofs.nodes).map_err(|collapsed| self.collapsed(collapsed))?;
         self.pass_on();
         Ok(())
+    }
+
+    /// Temperatures of nodes, where they are solved for.
+    pub(super) fn heat(&self) -> Option<&Heat> {
+        self.thermal.as_ref()?.heat.as_ref()
+    }
+
+    /// Gives elements their temperatures and takes their thermal strains off.
+    #[inline(never)]
+    fn warm(&mut self) {
+        let Some(thermal) = &mut self.thermal else { return };
+        let clock = self.timing.start();
+        thermal.before(&mut self.elements, &mut self.dofs, &Clock { now: self.now, told: &self.told });
+        if let Some(heat) = &thermal.heat {
+            self.timing.stop(clock, heat.id);
+        }
+    }
+
+    /// What plastic work made, and the flow of heat at this instant.
+    #[inline(never)]
+    fn conduct(&mut self, fresh: bool) {
+        let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) else { return };
+        let started = self.timing.start();
+        if fresh {
+            heat.take(&self.elements);
+        }
+        heat.evaluate(&self.elements, &self.dofs, &Clock { now: self.now, told: &self.told }, self.threads);
+        self.timing.stop(started, heat.id);
+    }
+
+    /// The energies now.
+    pub(super) fn energy(&self) -> Energy {
+        let heat = self.heat().map(Heat::energies);
+        Energy { heat: heat.map(|h| h.external), internal_heat: heat.map(|h| h.internal), ..self.balance.energy() }
+    }
+
+    /// Group and element that limit the increment.
+    fn limits(&self) -> (usize, usize) {
+        let slower = |h: &&Heat| h.stable_increment() < self.elements.stable_increment();
+        self.heat().filter(slower).map_or_else(|| self.elements.limiting(), Heat::limiting)
     }
 
     /// What constraints pass on from nodes to bodies.
@@ -320,6 +376,9 @@ impl<'a> Run<'a> {
         let gone = self.elements.newly_gone();
         if !gone.is_empty() {
             self.loads.iter_mut().for_each(|load| load.release(gone));
+            if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
+                heat.release(gone);
+            }
         }
     }
 
@@ -447,6 +506,9 @@ impl<'a> Run<'a> {
         for constraint in &mut self.constraints {
             constraint.motion(&mut self.dofs, &clock, dt);
         }
+        if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
+            heat.advance(&clock, dt);
+        }
         for body in &mut self.dofs.bodies {
             body.show(body.velocity_half + self.reach * dt * body.acceleration);
         }
@@ -496,12 +558,13 @@ impl<'a> Run<'a> {
 
     fn record(&mut self, length: f64) {
         self.outcome.increments = self.now.increment;
+        let limiting = (!self.elements.is_empty()).then(|| self.limits());
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.increments += 1;
             summary.time = self.now.step_time;
             if length < summary.smallest_increment {
                 summary.smallest_increment = length;
-                self.limiting = (!self.elements.is_empty()).then(|| self.elements.limiting());
+                self.limiting = limiting;
             }
             summary.largest_increment = summary.largest_increment.max(length);
         }

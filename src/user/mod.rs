@@ -290,7 +290,7 @@ pub struct MaterialCall<'a> {
     /// `relSpinInc`: spin against the frame, zero.
     pub spin: &'a [f64],
     /// `tempOld` and `tempNew`.
-    pub temperature: &'a [f64],
+    pub temperature: [&'a [f64]; 2],
     /// `stretchOld` and `stretchNew`.
     pub stretch: [&'a [f64]; 2],
     /// `defgradOld` and `defgradNew`: rr, zz, hoop, rz, zr.

@@ -66,7 +66,6 @@ const fn known(name: &'static str, place: Place, words: &'static str) -> Known {
 /// What decks for ABAQUS/Explicit ask for and nothing here has.
 pub const NOT_SIMULATED: &[Known] = &[
     known("CF", Place::Node, "concentrated forces"),
-    known("NT", Place::Node, "temperature at nodes"),
     known("UT", Place::Node, "translations apart from rotations"),
     known("VT", Place::Node, "translational velocities apart from rotations"),
     known("AT", Place::Node, "translational accelerations apart from rotations"),
@@ -110,8 +109,6 @@ pub const NOT_SIMULATED: &[Known] = &[
     known("ALLMW", Place::Energy, "work done in propelling mass added by mass scaling"),
     known("ALLPW", Place::Energy, "work of contact penalties"),
     known("ALLFC", Place::Energy, "fluid cavity energy"),
-    known("ALLHF", Place::Energy, "external heat energy through fluxes"),
-    known("ALLIHE", Place::Energy, "internal heat energy"),
     known("DMASS", Place::Increment, "change of mass by mass scaling"),
     known("CPRESS", Place::Node, "contact pressure"),
     known("CSHEAR", Place::Node, "frictional shear stress"),

@@ -60,6 +60,7 @@ fn by_default(variable: Variable) -> &'static str {
         (Place::Energy, _, true) | (_, Preselected::Deforming, _) => "where something deforms",
         (_, Preselected::Deleting, _) => "where elements can be deleted",
         (_, Preselected::Never, _) => "",
+        (_, Preselected::Conducting, _) => "preselected where temperatures are solved for",
     }
 }
 

@@ -40,6 +40,8 @@ pub enum Preselected {
     Deforming,
     /// Where elements can be deleted.
     Deleting,
+    /// Where temperatures of nodes are solved for; the variable exists only there.
+    Conducting,
 }
 
 /// One entry of the table.
@@ -106,6 +108,8 @@ variables! {
     Reaction: node("RF", &["RF1", "RF2"], "Reaction force of what is prescribed; of a rigid body at its reference node")
         .preselected(Preselected::Deforming),
     Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
+    NodalTemperature: node("NT", &["NT11"], "Temperature of a node, where it is solved for").conducting(),
+    ReactionFlux: node("RFL", &["RFL11"], "Heat a time that holding a temperature takes, positive into the body").conducting(),
     Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear").preselected(Preselected::Deforming),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(Preselected::Deforming)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
@@ -113,6 +117,7 @@ variables! {
         .preselected(Preselected::Deforming).by(|e, _| Some(stress::pressure(tensor(e, Variable::Stress)?))),
     PlasticStrain: point("PEEQ", &[], "Equivalent plastic strain").preselected(Preselected::Deforming),
     Temperature: point("TEMP", &[], "Temperature, where the material follows it"),
+    HeatFlux: point("HFL", &["HFL1", "HFL2"], "Heat flux along r and z, where temperatures are solved for").conducting(),
     LogarithmicStrain: point("LE", &["LE11", "LE22", "LE33", "LE12"], "Logarithmic strain; LE12 is the engineering shear")
         .preselected(Preselected::Deforming).followed(None),
     PlasticComponents: point("PE", &["PE11", "PE22", "PE33", "PE12"], "Plastic strain; PE12 is the engineering shear")
@@ -147,6 +152,8 @@ variables! {
     ArtificialEnergy: energy("ALLAE", "Artificial strain energy: taken by hourglass control").only_deforming(),
     ConstraintWork: energy("ALLCW", "Constraint work: lost where nodes meet analytical planes").only_deforming(),
     DistortionEnergy: energy("ALLDC", "Energy dissipated by distortion control").only_deforming(),
+    ExternalHeat: energy("ALLHF", "Heat from outside: through fluxes, films and temperatures that are held").conducting(),
+    InternalHeat: energy("ALLIHE", "Heat taken up: ALLHF and what plastic work makes").conducting(),
     TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK"),
     TimeIncrement: Row { place: Place::Increment, ..energy("DT", "Time increment") },
 }
@@ -207,6 +214,10 @@ impl Row {
 
     const fn ours(self) -> Row {
         Row { extension: true, ..self }
+    }
+
+    const fn conducting(self) -> Row {
+        Row { preselected: Preselected::Conducting, deforming: true, ..self }
     }
 
     const fn only_deforming(self) -> Row {

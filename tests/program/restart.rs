@@ -117,6 +117,19 @@ fn bare(cards: &str) -> String {
 const JOHNSON_COOK: &str = "*Plastic, hardening=JOHNSON COOK\n 90., 292., 0.31, 1.09, 1058., 25.\n\
      *Rate Dependent, type=JOHNSON COOK\n 0.025, 1.\n*Specific Heat\n 3.83e8,\n*Inelastic Heat Fraction\n 0.9,\n";
 
+/// Temperatures of nodes with all that gives heat and takes it, plastic heat and thermal strain.
+#[test]
+fn temperatures_of_nodes() {
+    let cards = format!("{JOHNSON_COOK}*Conductivity\n 5e4, 0.\n 9e4, 300.\n*Expansion\n 1.2e-5,\n");
+    let heat = "*Boundary\n J0, 11, 11, 30.\n*Film\n EI1, F2, 10., 1e4\n*Dflux\n EJ1, S3, 1e6\n SOLID, BF, 1e7\n*Cflux\n 5, 11, 1e3\n";
+    let text = bar(4, &steel(&cards), 2e5, 5e-6, heat)
+        .replace("CAX4R", "CAX4RT")
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
+        .replace("U, V, A, RF", "U, V, A, RF, NT, RFL");
+    let outcome = goes_on("heat", &text, Routines::none);
+    assert!(outcome.energy.heat.is_some_and(|heat| heat != 0.0), "{:?}", outcome.energy);
+}
+
 #[test]
 fn every_law_of_material() {
     let head = "*Density\n 2.785e-9,\n";

@@ -16,7 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["job", "explain"],
     &["solve"],
     &["plan"],
-    &["constraint", "load", "element", "material"],
+    &["constraint", "load", "heat", "element", "material"],
     &["user", "mesh"],
     &["model", "output"],
     &["variables", "state"],

@@ -20,7 +20,7 @@ pub const CARDS: &[Keyword] = &[
         "INC" refused "of SUBMODEL",
         "TIMESCALE" refused "of SUBMODEL",
         "PHANTOM" refused "of enriched elements",
-    }, [(rows ["node or set", "first degree of freedom" read "Or ENCASTRE, PINNED, XSYMM, YSYMM ...", "last degree of freedom", "value"])]),
+    }, [(rows ["node or set", "first degree of freedom" read "Or ENCASTRE, PINNED, XSYMM, YSYMM ...; 11 is the temperature", "last degree of freedom", "value"])]),
     row!("CLOAD", "Forces on nodes", (step), {
         "OP" read "MOD (default) or NEW",
         "AMPLITUDE" read "Amplitude of the values",
@@ -71,4 +71,31 @@ pub const CARDS: &[Keyword] = &[
         "TARGET" extension "Target whose resistance CAVITY loads meet",
         "FRICTION" extension "Coulomb coefficient of CAVITY loads",
     }, [(rows ["surface", "label" read "P, PNU or CAVITY", "magnitude"])]),
+    row!("CFLUX", "Heat into nodes", (step), {
+        "OP" read "MOD (default) or NEW",
+        "AMPLITUDE" read "Amplitude of the values",
+        "REGION TYPE" refused "meshes are not adaptive",
+    }, [(rows ["node or set", "degree of freedom" only ["11"] "11 is the temperature", "heat a time"])]),
+    row!("DFLUX", "Heat into elements: S1 ... S4 through their faces, BF into their volume", (step), {
+        "OP" read "MOD (default) or NEW",
+        "AMPLITUDE" read "Amplitude of the values",
+        "REGION TYPE" refused "meshes are not adaptive",
+    }, [(rows ["element or set", "label" read "S1 ... S4, BF", "heat flux" read "A time and area, or a time and volume"])]),
+    row!("DSFLUX", "Heat through surfaces", (step), {
+        "OP" read "MOD (default) or NEW",
+        "AMPLITUDE" read "Amplitude of the values",
+        "REGION TYPE" refused "meshes are not adaptive",
+    }, [(rows ["surface", "label" only ["S"] "uniform fluxes are", "heat flux"])]),
+    row!("FILM", "Exchange of heat between faces of elements and a fluid", (step), {
+        "OP" read "MOD (default) or NEW",
+        "AMPLITUDE" read "Amplitude of the temperature of the fluid",
+        "FILM AMPLITUDE" read "Amplitude of the film coefficient",
+        "REGION TYPE" refused "meshes are not adaptive",
+    }, [(rows ["element or set", "label" read "F1 ... F4", "temperature of the fluid", "film coefficient"])]),
+    row!("SFILM", "Exchange of heat between surfaces and a fluid", (step), {
+        "OP" read "MOD (default) or NEW",
+        "AMPLITUDE" read "Amplitude of the temperature of the fluid",
+        "FILM AMPLITUDE" read "Amplitude of the film coefficient",
+        "REGION TYPE" refused "meshes are not adaptive",
+    }, [(rows ["surface", "label" only ["F"] "uniform films are", "temperature of the fluid", "film coefficient"])]),
 ];

@@ -157,22 +157,28 @@ pub const CARDS: &[Keyword] = &[
     row!(extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
         "YIELD" read "Y, the strength that the law is scaled by",
     }, [(lines ["A", "B", "C"])]),
-    row!(inert "nothing here conducts heat", "CONDUCTIVITY", "Heat conduction"),
     row!("DAMPING", "Rayleigh damping of a material", (once below "MATERIAL"), {
         "ALPHA" only ["0"] "damping by masses is not simulated",
         "BETA" only ["0"] "damping by stiffness is not simulated: bulk viscosity damps waves",
         "COMPOSITE" only ["0"] "of modal analyses",
         "STRUCTURAL" only ["0"] "of implicit analyses",
     }, []),
+    row!("CONDUCTIVITY", "Heat conduction, in steps that solve for temperatures", (once below "MATERIAL"), {
+        "TYPE" only ["ISO"] "nothing here is anisotropic",
+        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "PORE FLUID" refused "pores are not simulated",
+    }, [(rows ["conductivity", "temperature"])]),
     row!(inert "nothing here is anisotropic", "ORIENTATION", "A local coordinate system"),
-    row!("EXPANSION", "Thermal expansion; inert, with a warning in an adiabatic step", (once below "MATERIAL"), {
-        "TYPE" inert "thermal strain is not simulated",
-        "ZERO" inert "thermal strain is not simulated",
-        "DEPENDENCIES" inert "thermal strain is not simulated",
+    row!("EXPANSION", "Thermal expansion, where temperatures change", (once below "MATERIAL"), {
+        "TYPE" only ["ISO"] "nothing here is anisotropic",
+        "ZERO" read "Reference temperature of the coefficients",
+        "DEPENDENCIES" refused "nothing here depends on field variables",
         "USER" refused "expansion of the user is not called",
+        "PROPERTIES" refused "expansion of the user is not called",
+        "DEFINITION" only ["SECANT"] "coefficients are those from the reference temperature",
         "PORE FLUID" refused "pores are not simulated",
         "FIELD" refused "nothing here depends on field variables",
-    }, [(rows ["coefficient" inert "thermal strain is not simulated", "temperature" inert "thermal strain is not simulated"])]),
+    }, [(rows ["coefficient", "temperature"])]),
     row!("SOLID SECTION", "Gives solid elements their material; an element has one section", (), {
         "ELSET" read "Elements",
         "MATERIAL" read "Material",

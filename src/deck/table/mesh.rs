@@ -86,7 +86,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines
         ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"])]),
     row!("ELEMENT", "Defines elements", (), {
-        "TYPE" read "RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
+        "TYPE" read "RAX2, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
         "ELSET" read "Element set to put them in",
         "INPUT" read "File with the data lines",
         "OFFSET" refused "it numbers the further nodes of CAXA and SAXA elements",
@@ -96,6 +96,8 @@ pub const CARDS: &[Keyword] = &[
     }, [
         (when "TYPE" = "CAX4R" wrapped 5 ["element number", "node"]),
         (when "TYPE" = "CAX3" wrapped 4 ["element number", "node"]),
+        (when "TYPE" = "CAX4RT" wrapped 5 ["element number", "node"]),
+        (when "TYPE" = "CAX3T" wrapped 4 ["element number", "node"]),
         (when "TYPE" = "RAX2" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "SPRINGA" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "DASHPOTA" wrapped 3 ["element number", "node"]),

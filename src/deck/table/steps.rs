@@ -79,6 +79,27 @@ pub const CARDS: &[Keyword] = &[
             "largest increment",
         ]),
     ]),
+    row!("DYNAMIC TEMPERATURE-DISPLACEMENT", "Explicit dynamics with conduction of heat", (once step), {
+        "EXPLICIT" read "Must be there",
+        "ELEMENT BY ELEMENT" read "Stable increment element by element",
+        "GLOBAL" inert "the default",
+        "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
+        "DIRECT USER CONTROL" read "The increment is given on the data line",
+        "SCALE FACTOR" read "Factor on the stable increment",
+        "IMPROVED DT METHOD" inert "of three-dimensional elements",
+    }, [
+        (when "DIRECT USER CONTROL" = "" lines [
+            "increment", "length of the step",
+            "third field" only ["0"] "the manual leaves it empty",
+            "largest of given increments" only ["0"] "the increment is given",
+        ]),
+        (lines [
+            "first field" only ["0"] "the increment is automatic: leave it empty, or give DIRECT USER CONTROL",
+            "length of the step",
+            "third field" only ["0"] "the manual leaves it empty",
+            "largest increment",
+        ]),
+    ]),
     row!("BULK VISCOSITY", "Linear and quadratic bulk viscosity", (once step), {}, [
         (lines ["linear factor" read "0.06 without it", "quadratic factor" read "1.2 without it"]),
     ]),

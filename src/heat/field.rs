@@ -1,0 +1,343 @@
+//! Temperatures of nodes over time: forward differences of lumped capacities.
+//! Never here: what a source is, stresses.
+
+use std::sync::Arc;
+
+use super::conductors::{Conductors, Largest, at};
+use super::sources::{Held, Source};
+use crate::element::elements::Elements;
+use crate::state::EffectId;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::Dofs;
+use crate::state::limit::Limit;
+use crate::state::magnitude::Clock;
+
+/// What gives and holds heat in a step.
+#[derive(Clone, Debug, Default)]
+pub struct Conditions {
+    /// Sources.
+    pub sources: Vec<Source>,
+    /// Temperatures that are held; a node once.
+    pub held: Vec<Held>,
+}
+
+/// Heat so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HeatEnergies {
+    /// Given from outside: by fluxes, films and temperatures that are held.
+    pub external: f64,
+    /// Taken up.
+    pub internal: f64,
+    /// Made by plastic work; the first and this are the second.
+    pub inelastic: f64,
+}
+
+/// Temperatures of nodes, with all that changes them.
+#[derive(Clone)]
+pub struct Heat {
+    /// Its row of the ledger.
+    pub id: EffectId,
+    conductors: Arc<Conductors>,
+    /// Conditions of each step.
+    steps: Arc<Vec<Conditions>>,
+    /// Those of this one.
+    now: Conditions,
+    /// Mass of each node by material, for capacities that depend on the temperature; empty where none does.
+    masses: Vec<Vec<f64>>,
+    /// Capacity of each node, where none depends on the temperature; 0 where nothing conducts.
+    capacity: Vec<f64>,
+    temperature: Vec<f64>,
+    /// Heat a time into each node, but for what holds it.
+    power: Vec<f64>,
+    /// The part of it from outside.
+    given: f64,
+    /// What films take a temperature; empty without any.
+    exchange: Vec<f64>,
+    /// Heat of corners, and the mean temperatures that elements were given.
+    corners: Vec<[f64; 4]>,
+    means: Vec<f64>,
+    warmed: Vec<f64>,
+    largest: Vec<Largest>,
+    /// Highest rate, and its element.
+    rate: Largest,
+    energies: HeatEnergies,
+}
+
+impl Heat {
+    /// Temperatures at the start, and the conditions of each step.
+    pub fn new(id: EffectId, conductors: Conductors, steps: Vec<Conditions>, temperature: Vec<f64>) -> Self {
+        let (nodes, count) = (temperature.len(), conductors.list.len());
+        let varies = conductors.parts.iter().any(|p| p.properties.capacity.rows.len() > 1);
+        let mut masses = vec![vec![0.0; nodes]; conductors.parts.len()];
+        for (part, masses) in conductors.parts.iter().zip(&mut masses) {
+            for conductor in &conductors.list[part.first..part.end] {
+                conductor.nodes.iter().zip(conductor.masses).for_each(|(&n, m)| masses[n as usize] += m);
+            }
+        }
+        let capacity = capacities(&conductors, &masses, &temperature);
+        let films = steps.iter().flat_map(|s| &s.sources).any(Source::exchanges);
+        Heat {
+            id,
+            now: Conditions::default(),
+            masses: if varies { masses } else { Vec::new() },
+            capacity,
+            power: vec![0.0; nodes],
+            given: 0.0,
+            exchange: if films { vec![0.0; nodes] } else { Vec::new() },
+            corners: vec![[0.0; 4]; count],
+            means: vec![0.0; count],
+            warmed: vec![0.0; count],
+            largest: vec![(0.0, 0); conductors.chunks()],
+            rate: (0.0, 0),
+            energies: HeatEnergies::default(),
+            temperature,
+            conductors: Arc::new(conductors),
+            steps: Arc::new(steps),
+        }
+    }
+
+    /// A step begins, counted from 0.
+    pub fn begin(&mut self, step: usize) {
+        self.now.clone_from(&self.steps[step]);
+    }
+
+    /// Capacity of a node at a temperature.
+    fn capacity(&self, node: usize, temperature: f64) -> f64 {
+        if self.masses.is_empty() {
+            return self.capacity[node];
+        }
+        let parts = self.conductors.parts.iter().zip(&self.masses);
+        parts.map(|(p, masses)| masses[node] * at(&p.properties.capacity, temperature)).sum()
+    }
+
+    /// By how much a heat warms a node; with the capacity of the middle, to second order.
+    fn rise(&self, node: usize, heat: f64) -> (f64, f64) {
+        let first = self.capacity(node, self.temperature[node]);
+        let capacity = if self.masses.is_empty() {
+            first
+        } else {
+            self.capacity(node, self.temperature[node] + 0.5 * heat / first)
+        };
+        (heat / capacity, capacity)
+    }
+
+    /// Puts nodes whose temperature is held there; what that takes beyond increments is heat from outside.
+    pub(super) fn hold(&mut self, clock: &Clock<'_>) {
+        for held in &self.now.held {
+            let value = held.magnitude.at(clock);
+            for node in held.nodes.iter().map(|n| n.node) {
+                let change = value - self.temperature[node];
+                let heat = change * self.capacity(node, 0.5 * (value + self.temperature[node]));
+                self.temperature[node] = value;
+                self.energies.external += heat;
+                self.energies.internal += heat;
+            }
+        }
+    }
+
+    /// Gives elements their mean temperatures.
+    pub(super) fn warm(&mut self, elements: &mut Elements) {
+        for (mean, conductor) in self.means.iter_mut().zip(&self.conductors.list) {
+            *mean = conductor.mean(&self.temperature);
+        }
+        for part in &self.conductors.parts {
+            elements.groups[part.group].warm(&self.means[part.first..part.end]);
+        }
+    }
+
+    /// After elements are updated: takes the heat that plastic work made in them out to their nodes.
+    pub fn take(&mut self, elements: &Elements) {
+        self.warmed.copy_from_slice(&self.means);
+        let mut any = false;
+        for part in &self.conductors.parts {
+            let range = part.first..part.end;
+            elements.groups[part.group].temperatures(&mut self.warmed[range.clone()]);
+            for e in range {
+                let (rise, conductor) = (self.warmed[e] - self.means[e], &self.conductors.list[e]);
+                any |= rise != 0.0;
+                let heat = rise * at(&part.properties.capacity, self.means[e] + 0.5 * rise);
+                self.corners[e] = conductor.masses.map(|mass| mass * heat);
+            }
+        }
+        if !any {
+            return;
+        }
+        self.power.fill(0.0);
+        self.conductors.gather(&self.corners, &mut self.power);
+        self.now.held.iter_mut().flat_map(|h| &mut h.nodes).for_each(|n| {
+            n.made += self.power[n.node];
+            self.energies.inelastic += self.power[n.node];
+            self.power[n.node] = 0.0;
+        });
+        for node in 0..self.power.len() {
+            let heat = self.power[node];
+            if heat != 0.0 {
+                self.temperature[node] += self.rise(node, heat).0;
+                self.energies.internal += heat;
+                self.energies.inelastic += heat;
+            }
+        }
+    }
+
+    /// Heat a time into nodes at this instant, and the rate that bounds the increment.
+    pub fn evaluate(&mut self, elements: &Elements, dofs: &Dofs, clock: &Clock<'_>, threads: bool) {
+        self.hold(clock);
+        let Heat { conductors, temperature, corners, largest, power, exchange, .. } = self;
+        self.rate = conductors.conduct(temperature, elements, &dofs.nodes, corners, largest, threads);
+        power.fill(0.0);
+        conductors.gather(corners, power);
+        exchange.fill(0.0);
+        self.given = 0.0;
+        for source in &self.now.sources {
+            self.given += source.give((conductors, dofs, temperature), clock, power, exchange);
+        }
+        let exchange = std::mem::take(&mut self.exchange);
+        let rates = exchange.iter().enumerate().filter(|(_, e)| **e > 0.0);
+        let most = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
+        self.exchange = exchange;
+        // No eigenvalue of a sum is above the sum of the highest.
+        self.rate.0 += most;
+    }
+
+    /// Carries temperatures over an increment; the clock stands at its start.
+    pub fn advance(&mut self, clock: &Clock<'_>, dt: f64) {
+        let later = clock.later(dt);
+        self.energies.external += dt * self.given;
+        let mut held = std::mem::take(&mut self.now.held);
+        for held in &mut held {
+            let value = held.magnitude.at(&later);
+            for held in &mut held.nodes {
+                let n = held.node;
+                let change = value - self.temperature[n];
+                let heat = change * self.capacity(n, 0.5 * (value + self.temperature[n]));
+                let reaction = heat - std::mem::take(&mut held.made) - dt * self.power[n];
+                held.reaction = reaction / dt;
+                self.energies.external += reaction;
+                self.energies.internal += heat;
+                self.temperature[n] = value;
+                self.power[n] = 0.0;
+            }
+        }
+        self.now.held = held;
+        for n in 0..self.power.len() {
+            let heat = dt * self.power[n];
+            if heat != 0.0 {
+                self.temperature[n] += self.rise(n, heat).0;
+                self.energies.internal += heat;
+            }
+        }
+    }
+
+    /// The largest increment that is stable; infinite where nothing flows.
+    pub fn stable_increment(&self) -> f64 {
+        2.0 / self.rate.0
+    }
+
+    /// Group and element with the highest rate.
+    pub fn limiting(&self) -> (usize, usize) {
+        self.conductors.place(self.rate.1)
+    }
+
+    /// How far the next increment may go.
+    pub fn limit(&self, clock: &Clock<'_>) -> Limit {
+        let sources = self.now.sources.iter().map(|s| s.limit(clock));
+        sources.chain(self.now.held.iter().map(|h| h.magnitude.limit(clock))).fold(Limit::NONE, Limit::nearer)
+    }
+
+    /// Elements with these corner nodes are no more.
+    pub fn release(&mut self, gone: &[[u32; 4]]) {
+        self.now.sources.iter_mut().for_each(|s| s.release(gone));
+    }
+
+    /// Temperature of a node; not a number where nothing conducts.
+    pub fn temperature(&self, node: usize) -> f64 {
+        if self.capacity[node] > 0.0 { self.temperature[node] } else { f64::NAN }
+    }
+
+    /// Temperatures of all nodes.
+    pub fn temperatures(&self) -> &[f64] {
+        &self.temperature
+    }
+
+    /// Heat a time that holding a temperature took in the increment behind; 0 where none is held.
+    pub fn reaction(&self, node: usize) -> f64 {
+        let own = self.now.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node);
+        own.map_or(0.0, |n| n.reaction)
+    }
+
+    /// Mean temperature of an element now; `None` where it does not conduct.
+    pub fn of_element(&self, group: usize, element: usize) -> Option<f64> {
+        Some(self.conductors.find(group, element)?.0.mean(&self.temperature))
+    }
+
+    /// The temperatures that elements of a group were given last.
+    pub(super) fn given_to(&self, group: usize) -> Option<&[f64]> {
+        let part = self.conductors.parts.iter().find(|p| p.group == group)?;
+        Some(&self.means[part.first..part.end])
+    }
+
+    /// Heat flux along r and z in the middle of an element.
+    pub fn flux(&self, group: usize, element: usize, dofs: &Dofs) -> Option<[f64; 2]> {
+        let (conductor, part) = self.conductors.find(group, element)?;
+        Some(conductor.flux(&self.temperature, &dofs.nodes, &part.properties))
+    }
+
+    /// Heat so far.
+    pub fn energies(&self) -> HeatEnergies {
+        self.energies
+    }
+
+    /// Bytes of it.
+    pub fn bytes(&self) -> usize {
+        let Heat { masses, capacity, temperature, power, exchange, corners, means, warmed, largest, .. } = self;
+        let singles = [capacity, temperature, power, exchange, means, warmed];
+        let singles = singles.into_iter().chain(masses).map(|list| size_of::<f64>() * list.capacity()).sum::<usize>();
+        let conditions = self.steps.iter().chain([&self.now]);
+        let sources: usize = conditions.clone().flat_map(|s| &s.sources).map(|s| size_of_val(s) + s.bytes()).sum();
+        let held: usize = conditions.flat_map(|s| &s.held).map(|h| size_of_val(&*h.nodes) + h.magnitude.bytes()).sum();
+        singles + size_of_val(&**corners) + size_of_val(&**largest) + self.conductors.bytes() + sources + held
+    }
+}
+
+/// Capacities of nodes at temperatures.
+fn capacities(conductors: &Conductors, masses: &[Vec<f64>], temperature: &[f64]) -> Vec<f64> {
+    let of = |(n, t): (usize, &f64)| {
+        conductors.parts.iter().zip(masses).map(|(p, m)| m[n] * at(&p.properties.capacity, *t)).sum()
+    };
+    temperature.iter().enumerate().map(of).collect()
+}
+
+impl Persist for HeatEnergies {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let HeatEnergies { external, internal, inelastic } = self;
+        persist_fields!(archive; external, internal, inelastic);
+    }
+}
+
+impl Persist for Heat {
+    /// In a step that has begun: it has the step's conditions.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Heat {
+            id: _,
+            conductors: _,
+            steps: _,
+            now,
+            masses: _,
+            capacity: _,
+            temperature,
+            power,
+            given,
+            exchange: _,
+            corners: _,
+            means,
+            warmed: _,
+            largest: _,
+            rate,
+            energies,
+        } = self;
+        archive.mark("heat");
+        let Conditions { sources, held } = now;
+        persist_fields!(archive; sources.as_mut_slice(), held.as_mut_slice(), temperature.as_mut_slice());
+        persist_fields!(archive; power.as_mut_slice(), given, means.as_mut_slice(), rate, energies);
+    }
+}

@@ -1,0 +1,93 @@
+//! Heat given and taken: `*CFLUX`, `*DFLUX`, `*DSFLUX`, `*FILM`, `*SFILM`.
+//! Never here: their effect.
+
+use super::builder::Builder;
+use super::loads::load_family;
+use super::names::upper;
+use super::types::{Load, LoadKind, Sides};
+use crate::deck::{Card, DataLine, Diagnostic, Word};
+
+impl Builder<'_> {
+    pub(super) fn heat_card(&mut self, card: &Card) {
+        if self.step.is_none() {
+            self.outside_step(card);
+            return;
+        }
+        let Ok(amplitude) = self.amplitude_of(card) else { return };
+        let Ok(of_film) = self.film_amplitude(card) else { return };
+        let family = card.keyword.name;
+        if self.operation(card, family) {
+            self.state().history.loads.retain(|l| load_family(&l.kind) != family);
+        }
+        for line in &card.lines {
+            let parsed = match family {
+                "CFLUX" => self.nodal_heat(line),
+                "DFLUX" => self.element_heat(line),
+                "DSFLUX" => self.surface_sides(line).and_then(|sides| {
+                    Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat a time and area")?))
+                }),
+                _ => self.film(line, family, of_film),
+            };
+            if let Some((kind, magnitude)) = parsed {
+                let magnitude = self.scaled(magnitude, amplitude);
+                self.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
+            }
+        }
+    }
+
+    fn nodal_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
+        let set = self.region(line)?;
+        let nodes = self.node_members(set)?;
+        Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, self.number(line, 2, "the heat a time")?))
+    }
+
+    fn element_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
+        if line.field(1).is_some_and(|label| label.is("BF")) {
+            let set = self.region(line)?;
+            let elements = self.element_members(set)?;
+            let magnitude = self.number(line, 2, "the heat a time and volume")?;
+            return Some((LoadKind::BodyHeat { elements, set: set.text.clone() }, magnitude));
+        }
+        let sides = self.element_sides(line, 'S', "S1 to S4 and BF")?;
+        Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat a time and area")?))
+    }
+
+    fn film(&mut self, line: &DataLine, family: &str, amplitude: Option<usize>) -> Option<(LoadKind, f64)> {
+        let sides =
+            if family == "FILM" { self.element_sides(line, 'F', "F1 to F4")? } else { self.surface_sides(line)? };
+        let fluid = self.number(line, 2, "the temperature of the fluid")?;
+        let coefficient = self.number(line, 3, "the film coefficient")?;
+        if coefficient < 0.0 {
+            self.out_of_range(line.span, format!("a film coefficient must not be below zero, not {coefficient}"));
+            return None;
+        }
+        Some((LoadKind::Film { sides, coefficient: self.scaled(coefficient, amplitude), amplitude }, fluid))
+    }
+
+    /// Faces of elements by a label of one letter and their number.
+    fn element_sides(&mut self, line: &DataLine, letter: char, known: &str) -> Option<Sides> {
+        let set = self.region(line)?;
+        let elements = self.element_members(set)?;
+        let Some(label) = line.field(1) else {
+            let finding = Diagnostic::error("M102", "a label is missing").at(line.span, "second field");
+            self.diagnostics.push(finding.help(format!("known are {known}")));
+            return None;
+        };
+        let number = upper(&label.text).strip_prefix(letter).and_then(|n| n.parse::<u8>().ok());
+        let Some(number) = number.filter(|n| (1..=4).contains(n)) else {
+            let message = format!("load label {} is not supported", label.text);
+            let finding = Diagnostic::error("M132", message).at(label.span, "this label");
+            self.diagnostics.push(finding.help(format!("known are {known}")));
+            return None;
+        };
+        let word = Word { text: format!("S{number}"), ..label.clone() };
+        Some(Sides { name: set.text.clone(), surface: false, faces: self.sides(&elements, &word) })
+    }
+
+    fn surface_sides(&mut self, line: &DataLine) -> Option<Sides> {
+        let word = self.region(line)?;
+        let key = self.surface_key(word)?;
+        let faces = self.model.surfaces[&key].faces.clone();
+        Some(Sides { name: word.text.clone(), surface: true, faces })
+    }
+}
