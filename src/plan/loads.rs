@@ -59,6 +59,13 @@ impl Compiler<'_> {
     }
 
     fn concentrated(&mut self, load: &Load, nodes: &[usize], dof: u8, set: &str) -> Option<Box<dyn Effect>> {
+        let turning: Vec<usize> = nodes.iter().filter_map(|n| self.places.rotations.get(n).copied()).collect();
+        if dof == 6 && !turning.is_empty() {
+            let detail = format!("M = {}{}", load.magnitude, self.amplitude_name(load));
+            let id = self.cause(load.span, "concentrated moment", turning.len(), "nodes", detail);
+            let magnitude = self.magnitude(load.magnitude, load.amplitude);
+            return Some(Box::new(Concentrated { id, bodies: Vec::new(), nodes: turning, axis: 0, magnitude }));
+        }
         let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
         for node in nodes {
             match (self.places.free_node(*node), self.body_of_node.get(node)) {
@@ -108,7 +115,11 @@ impl Compiler<'_> {
             .map(|b| (b, if elements.is_none() { self.bodies[b].mass() } else { self.bodies[b].own_mass() }))
             .collect();
         let nodes: Vec<(usize, f64)> = match elements {
-            None => state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0).collect(),
+            None => {
+                let masses = state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0);
+                // Rotations come behind all nodes, and have inertia instead.
+                masses.take_while(|(n, _)| *n < self.places.nodes.len()).collect()
+            }
             Some(list) => self.masses_of(list),
         };
         if bodies.is_empty() && nodes.is_empty() {
@@ -137,6 +148,7 @@ impl Compiler<'_> {
                 }
             }
         }
+        self.add_masses_of_shells(elements, &mut masses);
         masses.into_iter().collect()
     }
 

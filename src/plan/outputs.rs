@@ -226,13 +226,18 @@ impl Compiler<'_> {
         let Some(members) = model.node_sets.get(set).map(|s| &s.members) else { return };
         let parts = self.parts(asked, Variable::is_of_nodes);
         for &node in members {
+            let place = if members.len() == 1 { set } else { &model.mesh.node_names[node] };
+            if let Some(&rotation) = self.places.rotations.get(&node) {
+                let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
+                columns.extend(turning.map(|&part| column(part, place, Source::Node(rotation))));
+            }
             let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
                 (Some(node), _) => Source::Node(node),
                 (_, Some(&body)) => Source::Body { body, node },
                 _ => continue,
             };
-            let place = if members.len() == 1 { set } else { &model.mesh.node_names[node] };
-            columns.extend(parts.iter().map(|&part| column(part, place, source)));
+            let moving = parts.iter().filter(|p| !p.variable.is_of_rotations());
+            columns.extend(moving.map(|&part| column(part, place, source)));
         }
     }
 
@@ -302,7 +307,11 @@ impl Compiler<'_> {
         let (groups, nodes) = (&state.elements.groups, state.dofs.nodes.as_slice());
         let somewhere = |part: &Part| groups.iter().any(|g| (0..g.len()).any(|e| values::has(&**g, nodes, e, *part)));
         let mut fields = Vec::new();
+        let turns = !self.places.rotations.is_empty();
         for &variable in Variable::ALL {
+            if variable.is_of_rotations() && !turns {
+                continue;
+            }
             let parts = self.parts_of(variable);
             match variable.place() {
                 Place::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),

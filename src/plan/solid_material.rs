@@ -246,6 +246,8 @@ impl Compiler<'_> {
             Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
         } else if model.sections.iter().any(|s| !self.is_by_area(s)) {
             Some("WEIGHTING=AREA in one section needs it in all")
+        } else if !model.shell_sections.is_empty() {
+            Some("WEIGHTING=AREA beside shells is not supported")
         } else if !self.places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
             Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
         } else {
@@ -392,7 +394,7 @@ impl Compiler<'_> {
         })
     }
 
-    fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<Box<dyn YieldStress>> {
+    pub(super) fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<Box<dyn YieldStress>> {
         let factor = rate_factor(material.rate.as_ref());
         match plastic {
             // It has a law of its own.
@@ -493,7 +495,7 @@ fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &Material) {
 }
 
 /// Rise of temperature by plastic work; none where a card for it is missing.
-fn heating(material: &Material, density: f64) -> Heating {
+pub(super) fn heating(material: &Material, density: f64) -> Heating {
     match (material.inelastic_heat_fraction, material.specific_heat.as_deref()) {
         (Some(fraction), Some(&[[heat, _]])) if fraction != 0.0 => Heating::Constant(fraction / (density * heat)),
         (Some(fraction), Some(rows)) if fraction != 0.0 => {

@@ -17,7 +17,11 @@ impl Compiler<'_> {
         let mut stray = None;
         for &(element, side) in &sides.faces {
             if self.places.elements.contains_key(&element) {
-                if let Some(ends) = self.model.mesh.ends(element, side) {
+                if let Some(mut ends) = self.model.mesh.ends(element, side) {
+                    // The body lies to the left of the way; seen from the side of its normal a shell lies to the right.
+                    if side == Side::Positive {
+                        ends.reverse();
+                    }
                     faces.push(ends.map(|n| self.places.nodes[&n]));
                     behind.push(element);
                 }

@@ -25,9 +25,9 @@ pub const CARDS: &[Keyword] = &[
     }, [(rows [
         "node number", "r", "z",
         "third coordinate" only ["0"] "an axisymmetric model lies in the r-z plane",
-        "first cosine" refused "normals serve shells and beams",
-        "second cosine" refused "normals serve shells and beams",
-        "third cosine" refused "normals serve shells and beams",
+        "first cosine" refused "normals of shells are those of their elements",
+        "second cosine" refused "normals of shells are those of their elements",
+        "third cosine" refused "normals of shells are those of their elements",
     ])]),
     row!("NGEN", "Generates nodes between two nodes", (), {
         "NSET" read "Node set to put them in",
@@ -50,7 +50,7 @@ pub const CARDS: &[Keyword] = &[
         "TWO STEP" read "BIAS holds between pairs of intervals; the two of a pair are equally long",
     }, [(rows ["first set", "second set", "number of intervals", "increment"])]),
     row!("ELEMENT", "Defines elements", (), {
-        "TYPE" read "RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
+        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
         "ELSET" read "Element set to put them in",
         "INPUT" read "File with the data lines",
         "OFFSET" refused "it numbers the further nodes of CAXA and SAXA elements",
@@ -61,6 +61,7 @@ pub const CARDS: &[Keyword] = &[
         (when "TYPE" = "CAX4R" wrapped 5 ["element number", "node"]),
         (when "TYPE" = "CAX3" wrapped 4 ["element number", "node"]),
         (when "TYPE" = "RAX2" wrapped 3 ["element number", "node"]),
+        (when "TYPE" = "SAX1" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "SPRINGA" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "DASHPOTA" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "MASS" wrapped 2 ["element number", "node"]),

@@ -173,7 +173,6 @@ pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "RIGID SURFACE", "Analytical rigid surface of an older form"),
     row!(UnsupportedPhysics, "ROTARY INERTIA", "Rotary inertia of points"),
     row!(UnsupportedPhysics, "SFILM", "Heat exchange with a fluid"),
-    row!(UnsupportedPhysics, "SHELL SECTION", "Shells"),
     row!(UnsupportedPhysics, "SHELL GENERAL SECTION", "Shells"),
     row!(UnsupportedPhysics, "SHELL TO SOLID COUPLING", "Shells"),
     row!(UnsupportedPhysics, "SOILS", "Soils procedure"),
