@@ -82,28 +82,23 @@ impl Frame {
         ]
     }
 
-    /// Lumped masses of both nodes by row sums, and their rotary inertias, of a mass an area (`masses`), the thickness at the
-    /// start and the stiffness against transverse shear.
+    /// Lumped masses of both nodes, each of its half of the meridian, and their rotary inertias, of a mass an area and the thickness at the
+    /// start.
     ///
     /// Inertias are scaled on the geometry at the start, so that the frequency of transverse shear stays below that of the
     /// membrane (ABAQUS Theory Guide 3.6.5, "Rotary inertia scaling for explicit dynamics"): with the modulus E' and a mass m
     /// at each node, shear has the frequency squared K (4/l^2 + m/J) / (E' h) of the membrane's 4/l^2.
     pub fn masses(&self, [a, b]: [f64; 2], per_area: f64, thickness: f64, elastic: &PlaneElastic) -> [f64; 4] {
-        let third = PI / 3.0 * self.length * per_area;
-        let masses = [third * (2.0 * a + b), third * (a + 2.0 * b)];
-        let stiffness = self.shear_stiffness(thickness, elastic);
-        let slack = elastic.modulus() * thickness / stiffness - 1.0;
+        let quarter = 0.25 * PI * self.length * per_area;
+        let masses = [quarter * (3.0 * a + b), quarter * (a + 3.0 * b)];
+        let slack = elastic.modulus() * thickness / Frame::shear_stiffness(thickness, elastic) - 1.0;
         let arm = (thickness * thickness / 12.0).max(0.25 * self.length * self.length / slack);
         [masses[0], masses[1], arm * masses[0], arm * masses[1]]
     }
 
-    /// Force a length over the angle of transverse shear: the shear of the section in series with the bending that straight
-    /// elements do not have, l^2/(12 D) (MacNeal 1978, Computers and Structures 8, 175, "residual bending flexibility"). It
-    /// vanishes as meshes are refined.
-    pub fn shear_stiffness(&self, thickness: f64, elastic: &PlaneElastic) -> f64 {
-        let shear = SHEAR_SHARE * elastic.shear() * thickness;
-        let bending = elastic.modulus() * thickness * thickness * thickness / (self.length * self.length);
-        shear * bending / (shear + bending)
+    /// Force a length over the angle of transverse shear: elastic, of the section at the start.
+    pub fn shear_stiffness(thickness: f64, elastic: &PlaneElastic) -> f64 {
+        SHEAR_SHARE * elastic.shear() * thickness
     }
 
     /// A bound of the highest frequency of the element alone, angle over time: the eigenvalues of the five strains' operator
@@ -198,7 +193,7 @@ mod tests {
         ] {
             let frame = Frame::new(places);
             let masses = frame.masses([places[0][0], places[1][0]], 7800.0 * thickness, thickness, &STEEL);
-            let shear = frame.shear_stiffness(thickness, &STEEL);
+            let shear = Frame::shear_stiffness(thickness, &STEEL);
             let unit = |i: usize| {
                 let mut motion = [[0.0; 3]; 2];
                 motion[i / 3][i % 3] = 1.0;
@@ -207,7 +202,13 @@ mod tests {
             let c = STEEL.modulus() * thickness;
             let bend = c * thickness * thickness / 12.0;
             let resultants = |e: [f64; 5]| {
-                [c * (e[0] + 0.3 * e[1]), c * (e[1] + 0.3 * e[0]), bend * (e[2] + 0.3 * e[3]), bend * (e[3] + 0.3 * e[2]), shear * e[4]]
+                [
+                    c * (e[0] + 0.3 * e[1]),
+                    c * (e[1] + 0.3 * e[0]),
+                    bend * (e[2] + 0.3 * e[3]),
+                    bend * (e[3] + 0.3 * e[2]),
+                    shear * e[4],
+                ]
             };
             let mass = |i: usize| if i % 3 == 2 { masses[2 + i / 3] } else { masses[i / 3] };
             let matrix = Mat::from_fn(6, 6, |i, j| {

@@ -136,11 +136,7 @@ pub const CODES: &[Code] = &[
         "thermal strain left out",
         "Plastic work heats the material in an adiabatic step; its *EXPANSION is read, and its strain is not computed.",
     ),
-    code(
-        "M180",
-        "section of other elements",
-        "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1.",
-    ),
+    code("M180", "section of other elements", "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1."),
     code(
         "M150",
         "mesh file cannot be read",

@@ -40,7 +40,8 @@ impl Builder<'_> {
         for condition in all {
             let references = |n: &usize| self.model.rigid_bodies.iter().any(|b| b.reference == *n);
             let shells = |n: &usize| turning.binary_search(n).is_ok();
-            let turns = condition.dofs[1] == 6 && (condition.nodes.iter().all(references) || condition.nodes.iter().any(shells));
+            let turns = condition.dofs[1] == 6
+                && (condition.nodes.iter().all(references) || condition.nodes.iter().any(shells));
             if turns || told.contains(&condition.span) {
                 continue;
             }

@@ -182,7 +182,8 @@ impl Check<'_> {
     fn shell_section(&mut self, section: &ShellSection) {
         let good = above_zero(section.thickness) && section.points >= 3 && section.points % 2 == 1;
         self.value(good && not_below(section.per_area), section.span, || {
-            "a shell needs a thickness above zero, an odd number of points from 3 on, and no mass an area below zero".into()
+            "a shell needs a thickness above zero, an odd number of points from 3 on, and no mass an area below zero"
+                .into()
         });
         let ratio = |r: f64| r > -1.0 && r <= 0.5;
         let thins = !matches!(section.thinning, ShellThinning::Ratio(r) if !ratio(r));

@@ -204,7 +204,9 @@ impl Builder<'_> {
             .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
             .sum();
         match kind {
-            ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some("has no length: its nodes coincide"),
+            ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => {
+                Some("has no length: its nodes coincide")
+            }
             ElementKind::Cax3 | ElementKind::Cax4r if area < 0.0 => {
                 Some("runs clockwise: number its nodes the other way")
             }

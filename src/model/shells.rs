@@ -19,13 +19,24 @@ impl Builder<'_> {
             return;
         }
         if points < 3 || points % 2 == 0 || points > 1001 {
-            self.out_of_range(line.span, format!("Simpson's rule takes an odd number of points from 3 on, not {points}"));
+            self.out_of_range(
+                line.span,
+                format!("Simpson's rule takes an odd number of points from 3 on, not {points}"),
+            );
             return;
         }
         let per_area = card.value("DENSITY").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
         let (Some(per_area), Some(thinning)) = (per_area, self.thinning(card)) else { return };
         let (points, span) = (points as usize, card.span);
-        self.model.shell_sections.push(ShellSection { elements, material, thickness, points, per_area, thinning, span });
+        self.model.shell_sections.push(ShellSection {
+            elements,
+            material,
+            thickness,
+            points,
+            per_area,
+            thinning,
+            span,
+        });
     }
 
     /// `POISSON`: in explicit analyses MATERIAL by default.

@@ -264,7 +264,8 @@ impl Builder<'_> {
             None => self.outside_step(card),
             Some(step) => step.bulk_viscosity = Some([linear, quadratic]),
         }
-        let deformable = |kind| matches!(kind, super::ElementKind::Cax3 | super::ElementKind::Cax4r | super::ElementKind::Sax1);
+        let deformable =
+            |kind| matches!(kind, super::ElementKind::Cax3 | super::ElementKind::Cax4r | super::ElementKind::Sax1);
         if !self.model.mesh.elements.iter().any(|e| deformable(e.kind)) {
             self.inert(card, "nothing here deforms".into());
         }

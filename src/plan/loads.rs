@@ -169,6 +169,11 @@ impl Compiler<'_> {
         step: &Step,
     ) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
+        if !surface.skin.shells.is_empty() {
+            let message = "the resistance of a target on shells is not supported";
+            self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
+            return None;
+        }
         let target = &self.model.targets[target];
         let layers = self.layers(target)?;
         let detail = format!("{} into {}", sides.name, target.name);
@@ -208,7 +213,7 @@ impl Compiler<'_> {
     fn user_load(&mut self, load: &Load, sides: &Sides, load_type: i32, state: &State) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
         // The manual: normals point out of a surface element's loaded side, and into a solid.
-        let solid = |e: usize| self.model.mesh.elements[e].kind != ElementKind::Rax2;
+        let solid = |e: usize| !matches!(self.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
         let inward = sides.faces.first().is_some_and(|f| solid(f.0));
         let load = self.described(load, "user load", &sides.name, load_type, inward, surface.count())?;
         Some(Box::new(UserLoad::on_surface(load, &surface, &state.dofs.nodes)))

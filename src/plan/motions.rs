@@ -132,7 +132,8 @@ impl Compiler<'_> {
         let carried = |n: &usize| self.places.tied.contains_key(n);
         let turning: Vec<usize> =
             self.places.rotations.iter().filter(|(n, _)| on_axis(n) || carried(n)).map(|r| *r.1).collect();
-        let detail = if turning.is_empty() { "r = 0 held" } else { "r = 0 held; rotations there and on rigid bodies held" };
+        let detail =
+            if turning.is_empty() { "r = 0 held" } else { "r = 0 held; rotations there and on rigid bodies held" };
         let all = free.chain(turning);
         let dofs: Vec<Dof> = all.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
         if dofs.is_empty() {

@@ -80,7 +80,8 @@ impl<'a> Compiler<'a> {
         if let Some(message) = refusal(material) {
             let message = format!("material `{}`: {message}", material.name);
             let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
-            self.diagnostics.push(finding.help("shells take *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
+            self.diagnostics
+                .push(finding.help("shells take *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
             return None;
         }
         let ([young, ratio], density) = (material.elastic?, material.density?);
@@ -104,7 +105,7 @@ impl<'a> Compiler<'a> {
             ShellThinning::Ratio(ratio) => (Thinning::Ratio(ratio), format!("thins by {ratio}")),
         };
         let detail = format!(
-            "material {}, thickness {}, {} points, {thins}; rotary inertia and transverse shear scaled",
+            "material {}, thickness {}, {} points, {thins}; rotary inertia scaled",
             material.name, section.thickness, section.points
         );
         self.cause(section.span, "shells", count, "SAX1", detail);
@@ -136,8 +137,7 @@ impl<'a> Compiler<'a> {
                 let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
                 let places = ends.map(|n| mesh.points[n]);
                 let elastic = PlaneElastic { young, ratio };
-                let [a, b, ..] =
-                    Frame::new(places).masses(places.map(|p| p[0]), per_area, section.thickness, &elastic);
+                let [a, b, ..] = Frame::new(places).masses(places.map(|p| p[0]), per_area, section.thickness, &elastic);
                 *masses.entry(self.places.nodes[&ends[0]]).or_default() += a;
                 *masses.entry(self.places.nodes[&ends[1]]).or_default() += b;
             }

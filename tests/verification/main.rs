@@ -20,6 +20,7 @@ mod properties;
 mod rates;
 mod rigid;
 mod scene;
+mod shells;
 mod shock;
 mod solid;
 mod steps;

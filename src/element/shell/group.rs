@@ -41,8 +41,6 @@ pub struct Shells {
 struct Shell {
     /// Thickness now.
     thickness: f64,
-    /// Stiffness against transverse shear, of the geometry at the start.
-    shear_stiffness: f64,
     /// Transverse shear force a length.
     shear: f64,
 }
@@ -78,11 +76,6 @@ impl Shells {
     /// Elements by their nodes and rotations, at their places at the start.
     pub fn new(section: Section, ends: Vec<[u32; 4]>, nodes: &[Node]) -> Self {
         let frames: Vec<Frame> = ends.iter().map(|e| frame(e, nodes)).collect();
-        let shell = |frame: &Frame| Shell {
-            thickness: section.thickness,
-            shear_stiffness: frame.shear_stiffness(section.thickness, &section.elastic),
-            shear: 0.0,
-        };
         let masses = |(ends, frame): (&[u32; 4], &Frame)| {
             let radii = [ends[0], ends[1]].map(|n| nodes[n as usize].r);
             frame.masses(radii, section.per_area, section.thickness, &section.elastic)
@@ -90,7 +83,7 @@ impl Shells {
         let points = ends.len() * section.points.len();
         Shells {
             masses: ends.iter().zip(&frames).map(masses).collect(),
-            state: frames.iter().map(shell).collect(),
+            state: vec![Shell { thickness: section.thickness, shear: 0.0 }; ends.len()],
             stress: vec![[0.0; 2]; points],
             flow: if section.flowing.is_some() { vec![Flow::default(); points] } else { Vec::new() },
             section: Arc::new(section),
@@ -136,7 +129,7 @@ impl Shells {
         }
         let state = &mut self.state[element];
         state.thickness *= libm::exp(thinning);
-        state.shear += state.shear_stiffness * strains[4];
+        state.shear += self.section.shear_stiffness() * strains[4];
         plastic
     }
 
@@ -183,8 +176,7 @@ impl Shells {
             followed.section.iter_mut().zip(strains).for_each(|(sum, strain)| *sum += strain);
             followed.work = [followed.work[0] + (work - viscous), followed.work[1] + plastic];
         }
-        let Shell { shear_stiffness, .. } = self.state[element];
-        let own = self.section.rate(&frame, &masses, [thickness, shear_stiffness], per_dt * sums[0]);
+        let own = self.section.rate(&frame, &masses, thickness, per_dt * sums[0]);
         let change = per_dt * (strains[0].abs() + strains[1].abs()) / CHANGE;
         ([work - viscous, plastic, viscous], if is_larger(change, own) { change } else { own })
     }
@@ -277,8 +269,7 @@ impl ElementGroup for Shells {
     }
 
     fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
-        let Shell { thickness, shear_stiffness, .. } = self.state[element];
-        Some(self.section.rate(&self.frame(element, nodes), masses, [thickness, shear_stiffness], 0.0))
+        Some(self.section.rate(&self.frame(element, nodes), masses, self.state[element].thickness, 0.0))
     }
 
     fn corner_masses(&self, element: usize) -> [f64; 4] {
@@ -327,7 +318,7 @@ impl ElementGroup for Shells {
 
 impl Persist for Shell {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shell { thickness, shear_stiffness: _, shear } = self;
+        let Shell { thickness, shear } = self;
         persist_fields!(archive; thickness, shear);
     }
 }

@@ -46,14 +46,19 @@ impl Section {
     ///
     /// A fraction xi of critical damping makes it 2/w (sqrt(1 + xi^2) - xi) (ABAQUS Theory Guide 2.4.5). Viscosity acts on the
     /// sum of both strains: over elasticity at most by 2/(1 + nu) as much as along one of them.
-    pub fn rate(&self, frame: &Frame, masses: &[f64; 4], [thickness, shear]: [f64; 2], area_rate: f64) -> f64 {
-        let frequency = frame.frequency(masses, thickness, shear, &self.elastic);
+    pub fn rate(&self, frame: &Frame, masses: &[f64; 4], thickness: f64, area_rate: f64) -> f64 {
+        let frequency = frame.frequency(masses, thickness, self.shear_stiffness(), &self.elastic);
         let speed = self.wave_speed(frame, masses, thickness);
         let [linear, quadratic] = self.bulk_viscosity;
         let closing = (-area_rate).max(0.0) * frame.length / speed;
         let viscosity = (linear + quadratic * quadratic * closing) / (1.0 + self.elastic.ratio);
         let xi = viscosity * frame.length * frequency / speed;
         0.5 * frequency * (1.0 + xi * (1.0 + 0.5 * xi))
+    }
+
+    /// Force a length over the angle of transverse shear.
+    pub fn shear_stiffness(&self) -> f64 {
+        Frame::shear_stiffness(self.thickness, &self.elastic)
     }
 
     /// Speed of waves in the plane of the shell.
