@@ -103,12 +103,12 @@ variables! {
     Acceleration: node("A", &["A1", "A2"], "Acceleration along r and z").preselected(Preselected::Always),
     Reaction: node("RF", &["RF1", "RF2"], "Reaction force of what is prescribed; of a rigid body at its reference node")
         .preselected(Preselected::Deforming),
+    Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
     Rotation: node("UR", &["UR3"], "Rotation of nodes of shells in the r-z plane, counter-clockwise, radians")
         .preselected(Preselected::Always),
     RotationalVelocity: node("VR", &["VR3"], "Rotational velocity of nodes of shells"),
     RotationalAcceleration: node("AR", &["AR3"], "Rotational acceleration of nodes of shells"),
     ReactionMoment: node("RM", &["RM3"], "Reaction moment of rotations of shells that are prescribed"),
-    Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
     Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop").preselected(Preselected::Deforming),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(Preselected::Deforming)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
@@ -274,6 +274,12 @@ impl Variable {
                 | Variable::RotationalAcceleration
                 | Variable::ReactionMoment
         )
+    }
+
+    /// Whether only shells, or their nodes, have it.
+    pub fn is_of_shells(self) -> bool {
+        let first = Variable::BottomStress as usize;
+        self.is_of_rotations() || (first..=Variable::SectionCurvature as usize).contains(&(self as usize))
     }
 
     /// Whether it is one of elements.

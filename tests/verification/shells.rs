@@ -31,8 +31,10 @@ fn line(places: &[[f64; 2]], section: &str, material: &str) -> String {
         writeln!(text, " {i}, {i}, {}", i + 1).expect("text");
     }
     let last = places.len();
-    writeln!(text, "*Nset, nset=A\n 1\n*Nset, nset=B\n {last}\n*Elset, elset=E1\n 1\n*Elset, elset=E2\n 2")
-        .expect("text");
+    writeln!(text, "*Nset, nset=A\n 1\n*Nset, nset=B\n {last}\n*Elset, elset=E1\n 1").expect("text");
+    if last > 2 {
+        text += "*Elset, elset=E2\n 2\n";
+    }
     text + section + &format!("*Material, name=M\n*Density\n {DENSITY},\n*Elastic\n {YOUNG:e}, {RATIO}\n{material}")
 }
 
@@ -71,18 +73,21 @@ fn close(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found} and not {expected}");
 }
 
-/// Errors on meshes, each twice as fine: second order, and the last within half a per cent.
+/// Answers on meshes, each twice as fine: of second order until next to nothing changes, the last within half a per cent.
 #[track_caller]
-fn converges(what: &str, found: &[f64], expected: f64) {
-    let errors: Vec<f64> = found.iter().map(|f| (f / expected - 1.0).abs()).collect();
-    for pair in errors.windows(2) {
-        assert!(pair[1] < 0.4 * pair[0] || pair[1] < 2e-4, "{what}: {found:?} and not {expected} ({errors:?})");
-    }
-    assert!(errors[errors.len() - 1] < 5e-3, "{what}: {found:?} and not {expected} ({errors:?})");
+fn converges(what: &str, found: &[f64; 3], expected: f64) {
+    let [first, second] = [found[1] - found[0], found[2] - found[1]].map(|d| (d / expected).abs());
+    assert!(second < 0.4 * first || second < 2e-4, "{what}: {found:?} and not {expected}");
+    close(what, found[2], expected, 5e-3);
 }
 
 fn rigidity(thickness: f64) -> f64 {
     YOUNG * thickness.powi(3) / (12.0 * (1.0 - RATIO * RATIO))
+}
+
+/// Of the section against transverse shear.
+fn shear_stiffness(thickness: f64) -> f64 {
+    5.0 / 6.0 * YOUNG / (2.0 * (1.0 + RATIO)) * thickness
 }
 
 fn plate(n: usize, edge: &str) -> String {
@@ -91,7 +96,7 @@ fn plate(n: usize, edge: &str) -> String {
 }
 
 /// Clamped and supported under pressure that grows slowly: deflection of the middle, which is the worst place, and the moment
-/// there.
+/// there. Transverse shear adds p a^2/(4 K) to the deflection of thin plates, here 0.2 and 0.05 %.
 #[test]
 fn plates_bend() {
     let (a, p) = (0.1_f64, 100.0);
@@ -115,9 +120,11 @@ fn plates_bend() {
             ["U2@A", "SM1@E1"].map(|name| settled(&text, &memory, name))
         };
         let found = [10, 20, 40].map(of);
-        converges("deflection", &found.map(|f| f[0]), unit * factor);
-        // P acts along the normal, which points up: the side below is pressed, that above pulled.
-        close("moment", found[2][1], -moment, 1e-2);
+        let shear = p * a * a / (4.0 * shear_stiffness(2e-3));
+        converges("deflection", &found.map(|f| f[0]), unit * factor + shear);
+        close("thin plate", found[2][0], unit * factor, 5e-3);
+        // P acts along the normal, which points up: in the middle that side is stretched.
+        close("moment", found[2][1], moment, 1e-2);
     }
 }
 
@@ -166,7 +173,7 @@ fn plates_vibrate() {
 /// on its foundation, w'''' - k/S w'' + k/D w = 0, with no rotation at the load and half of it as shear.
 fn ring_load(radius: f64, thickness: f64, load: f64) -> [f64; 2] {
     let (d, k) = (rigidity(thickness), YOUNG * thickness / (radius * radius));
-    let s = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + RATIO)) * thickness;
+    let s = shear_stiffness(thickness);
     let (a, b2) = (0.5 * k / s, (0.25 * k / d).sqrt());
     let (alpha, gamma) = ((b2 + 0.5 * a).sqrt(), (b2 - 0.5 * a).sqrt());
     let slope = [-alpha, gamma];
@@ -204,7 +211,7 @@ fn a_ring_load_on_a_long_cylinder() {
     let [deflection, moment] = ring_load(0.1, 2e-3, load);
     close("the reference without shear", kirchhoff(2e-3, load), 11.361_500e-6, 1e-6);
     close("shear", deflection, kirchhoff(2e-3, load), 2e-2);
-    let found = [20, 40, 80].map(|n| of(n, 2e-3, 0.1));
+    let found = [40, 80, 160].map(|n| of(n, 2e-3, 0.1));
     converges("deflection", &found.map(|f| f[0]), deflection);
     // The normal of a cylinder that runs upward points inward. At the load, from the middles of two elements.
     converges("moment", &found.map(|f| 1.5 * f[1] - 0.5 * f[2]), -moment);
@@ -278,13 +285,13 @@ fn plates_have_their_limit_load() {
     for (edge, factor) in [("1, 2", 6.51), ("ENCASTRE", 12.5)] {
         let limit = factor * 0.25 * yields * t * t / (a * a);
         let rises = |share: f64| {
-            let places: Vec<[f64; 2]> = (0..=30).map(|i| [a * f64::from(i) / 30.0, 0.0]).collect();
+            let places: Vec<[f64; 2]> = (0..=40).map(|i| [a * f64::from(i) / 40.0, 0.0]).collect();
             let section = format!("*Shell section, elset=SHELL, material=M\n {t}, 9\n");
             let text = line(&places, &section, &format!("*Plastic\n {yields:e}, 0.\n"))
                 + &format!("*Boundary\n A, XSYMM\n B, {}\n", edge.replace("1, 2", "2, 2"))
-                + &slowly(0.02)
+                + &slowly(8e-3)
                 + &step(
-                    0.03,
+                    0.012,
                     &format!("*Dload, amplitude=SLOWLY\n SHELL, P, {:e}\n", share * limit),
                     "*Node output, nset=A\n U2, V2\n",
                 );
@@ -293,7 +300,7 @@ fn plates_have_their_limit_load() {
         };
         let elastic = limit * a.powi(4) / (64.0 * rigidity(t)) * if factor < 7.0 { 4.08 } else { 1.0 };
         let [below, above] = [0.97, 1.04].map(rises);
-        assert!(below < 6.0 * elastic && above > 4.0 * below, "{edge}: {below} {above} {elastic}");
+        assert!(below < 4.0 * elastic && above > 2.0 * below, "{edge}: {below} {above} {elastic}");
     }
 }
 
@@ -417,8 +424,8 @@ fn rotations_are_there_only_with_shells() {
     let shells =
         common::prepared(&(plate(4, "ENCASTRE") + &step(1e-6, "", "*Energy output\n ALLKE\n")), &[], &Routines::none());
     assert_eq!((shells.state.dofs.nodes.len(), shells.plan.places.rotations.len()), (10, 5));
-    let solid = crate::common::solid::grid(2, 2, false, |i, j| [i as f64, j as f64])
-        + &crate::common::solid::material(1e9, 0.3, 1e3, "")
+    let solid = common::solid::grid(2, 2, false, |i, j| [i as f64, j as f64])
+        + &common::solid::material(1e9, 0.3, 1e3, "")
         + &step(1e-6, "", "*Energy output\n ALLKE\n");
     let solid = common::prepared(&solid, &[], &Routines::none());
     assert_eq!((solid.state.dofs.nodes.len(), solid.plan.places.rotations.len()), (9, 0));
