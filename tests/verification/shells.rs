@@ -248,9 +248,9 @@ fn cylinders_and_spheres_breathe() {
             writeln!(text, " {}, 1, {:e}\n {}, 2, {:e}", i + 1, 1e-3 * angle(i).sin(), i + 1, 1e-3 * angle(i).cos())
                 .expect("text");
         }
-        breathe(&text, 13_622.4056).0
+        breathe(&text, 13_622.405_6).0
     };
-    converges("sphere", &[10, 20, 40].map(sphere), 13_622.4056);
+    converges("sphere", &[10, 20, 40].map(sphere), 13_622.405_6);
 }
 
 /// A closed sphere under pressure from within: u = p R^2 (1 - nu) / (2 E t) everywhere, at the pole too.

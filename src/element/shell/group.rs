@@ -141,9 +141,9 @@ impl Shells {
         let mut sums = [0.0, 0.0, 0.0, 0.0, shear];
         for ([place, weight], stress) in points {
             let (share, height) = (weight * thickness, 0.5 * place * thickness);
-            for i in 0..2 {
-                sums[i] += share * stress[i];
-                sums[2 + i] += share * height * stress[i];
+            for (i, stress) in stress.iter().enumerate() {
+                sums[i] += share * stress;
+                sums[2 + i] += share * height * stress;
             }
         }
         sums
@@ -191,12 +191,12 @@ fn frame(ends: &[u32; 4], nodes: &[Node]) -> Frame {
 /// the element gains.
 fn put(forces: &[[f64; 3]; 2], steps: &[[f64; 3]; 2], corners: &mut Corners, lane: usize) -> f64 {
     let mut work = 0.0;
-    for end in 0..2 {
-        for axis in 0..3 {
+    for (end, (forces, steps)) in forces.iter().zip(steps).enumerate() {
+        for (axis, (&force, step)) in forces.iter().zip(steps).enumerate() {
             let row = if axis < 2 { 2 * end + axis } else { 4 + 2 * end };
             let slot = &mut corners.0[row][lane];
-            work -= 0.5 * (*slot + forces[end][axis]) * steps[end][axis];
-            *slot = forces[end][axis];
+            work -= 0.5 * (*slot + force) * step;
+            *slot = force;
         }
     }
     work

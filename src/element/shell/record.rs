@@ -34,11 +34,9 @@ pub(super) struct Record {
 impl PointStrains {
     pub fn follow(&mut self, strain: [f64; 3], plastic: [f64; 2], dt: f64) {
         let plastic = [plastic[0], plastic[1], -(plastic[0] + plastic[1])];
-        for i in 0..3 {
-            self.total[i] += strain[i];
-            self.plastic[i] += plastic[i];
-            self.rate[i] = if dt > 0.0 { strain[i] / dt } else { 0.0 };
-        }
+        self.total.iter_mut().zip(strain).for_each(|(sum, strain)| *sum += strain);
+        self.plastic.iter_mut().zip(plastic).for_each(|(sum, strain)| *sum += strain);
+        self.rate = strain.map(|strain| if dt > 0.0 { strain / dt } else { 0.0 });
     }
 }
 
