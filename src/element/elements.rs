@@ -10,7 +10,6 @@ use super::mass_scaling::Masses;
 use super::quiescent::ActiveNodes;
 use super::rings::Rings;
 use crate::kernel::lanes::{Corners, LANES};
-use crate::kernel::quad;
 use crate::mesh::gather::Gather;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::dofs::Dofs;
@@ -197,8 +196,7 @@ impl Elements {
             return Ok(());
         }
         let element = totals.limiting;
-        let corners = self.groups[group].corners(element).map(|n| nodes[n as usize].place());
-        Err(Collapsed { group, element, volume: quad::volume(corners) })
+        Err(Collapsed { group, element, volume: self.groups[group].volume(element, nodes.as_slice()) })
     }
 
     /// Sums of corner forces of nodes from `first` on, brought from plane sections to rings under area weighting.

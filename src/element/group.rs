@@ -121,8 +121,16 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn is_quiescent(&self, _task: usize) -> bool {
         false
     }
-    /// Corner nodes of an element.
+    /// Corner nodes of an element; of a shell its nodes and their rotations.
     fn corners(&self, element: usize) -> [u32; 4];
+    /// Volume of an element on the present nodes.
+    fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
+        quad::volume(self.corners(element).map(|n| nodes[n as usize].place()))
+    }
+    /// Whether the corners of an element enclose its volume.
+    fn is_solid(&self) -> bool {
+        true
+    }
     /// Uses another instruction set from now on; the bits stay the same. What calls the user's routine has none.
     fn use_arch(&mut self, _arch: Arch) {}
     /// Bytes that the elements occupy.

@@ -21,6 +21,7 @@ mod rescale;
 pub mod rings;
 #[cfg(test)]
 mod same_bits;
+pub mod shell;
 mod user_chunk;
 pub mod user_quads;
 pub mod values;

@@ -17,8 +17,8 @@ impl ElementValues for Seen<'_> {
         self.group.value(self.element, Part { variable, component })
     }
 
-    fn corners(&self) -> [[f64; 2]; 4] {
-        self.group.corners(self.element).map(|n| self.nodes[n as usize].place())
+    fn volume(&self) -> f64 {
+        self.group.volume(self.element, self.nodes)
     }
 }
 

@@ -16,6 +16,10 @@ impl Elements {
     pub fn guard_start(&mut self, nodes: &Nodes) {
         let half = 0.5 * nodes.behind;
         for group in 0..self.groups.len() {
+            // Shells limit it by their own rates.
+            if !self.groups[group].is_solid() {
+                continue;
+            }
             for element in 0..self.groups[group].len() {
                 let corners = self.groups[group].corners(element).map(|n| n as usize);
                 let at = corners.map(|n| nodes[n]);

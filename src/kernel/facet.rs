@@ -74,6 +74,15 @@ pub fn ring_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
     [2.0 * a[0] + b[0], a[0] + 2.0 * b[0]].map(|weight| [-n_r * weight, -n_z * weight])
 }
 
+/// The same on a shell: each node takes its half of the meridian, -p n 2 pi L/2 (3 r1 + r2)/4 on the first. Shells of one point
+/// hold what lies between the middles of elements, so that these forces leave nothing over on the axis.
+#[inline]
+pub fn shell_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
+    let quarter = 0.25 * PI * pressure;
+    let (n_r, n_z) = (quarter * (b[1] - a[1]), -quarter * (b[0] - a[0]));
+    [3.0 * a[0] + b[0], a[0] + 3.0 * b[0]].map(|weight| [-n_r * weight, -n_z * weight])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

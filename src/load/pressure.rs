@@ -2,7 +2,7 @@
 //! Never here: pressures that depend on motion.
 
 use super::{Account, Load, Slot, View};
-use crate::kernel::facet::ring_pressure;
+use crate::kernel::facet::{ring_pressure, shell_pressure};
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
@@ -51,8 +51,8 @@ impl Load for Pressure {
 
     fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         self.current = self.magnitude.at(&view.clock);
-        for face in self.surface.skin.carrying() {
-            push(&Face::new(face, &view.dofs.nodes), self.current, forces);
+        for (face, shell) in self.surface.skin.carrying_shells() {
+            push(&Face::new(face, &view.dofs.nodes), shell, self.current, forces);
         }
         Ok(())
     }
@@ -86,10 +86,11 @@ impl Load for Pressure {
     }
 }
 
-/// Adds a pressure on a face.
+/// Adds a pressure on a face of a solid or of a shell.
 #[inline]
-pub(super) fn push(face: &Face, pressure: f64, forces: &mut [[f64; 2]]) {
-    for (node, force) in face.nodes.into_iter().zip(ring_pressure(face.ends, pressure)) {
+pub(super) fn push(face: &Face, shell: bool, pressure: f64, forces: &mut [[f64; 2]]) {
+    let on_ends = if shell { shell_pressure(face.ends, pressure) } else { ring_pressure(face.ends, pressure) };
+    for (node, force) in face.nodes.into_iter().zip(on_ends) {
         forces[node] = [forces[node][0] + force[0], forces[node][1] + force[1]];
     }
 }

@@ -32,6 +32,8 @@ pub struct Skin {
     pub elements: Vec<usize>,
     /// Whether that element is still there.
     pub carries: Vec<bool>,
+    /// Whether it is a shell; empty where none is.
+    pub shells: Vec<bool>,
 }
 
 /// A face as it is now.
@@ -98,12 +100,25 @@ impl Surface {
 impl Skin {
     /// Faces that all carry, with the elements behind them.
     pub fn new(faces: Vec<[usize; 2]>, elements: Vec<usize>) -> Self {
-        Skin { carries: vec![true; faces.len()], faces, elements }
+        Skin { carries: vec![true; faces.len()], faces, elements, shells: Vec::new() }
+    }
+
+    /// Some of its faces, all of which carry.
+    pub fn part(&self, first: usize, count: usize) -> Skin {
+        let range = first..self.faces.len().min(first + count);
+        let shells = self.shells.get(range.clone()).unwrap_or_default().to_vec();
+        Skin { shells, ..Skin::new(self.faces[range.clone()].to_vec(), self.elements[range].to_vec()) }
     }
 
     /// The faces behind which there is an element.
     pub fn carrying(&self) -> impl Iterator<Item = [usize; 2]> {
         self.faces.iter().zip(&self.carries).filter(|f| *f.1).map(|f| *f.0)
+    }
+
+    /// The faces behind which there is an element, with whether that is a shell.
+    pub fn carrying_shells(&self) -> impl Iterator<Item = ([usize; 2], bool)> {
+        let shell = |i: usize| self.shells.get(i).copied().unwrap_or(false);
+        self.faces.iter().zip(&self.carries).enumerate().filter(|f| *f.1.1).map(move |(i, f)| (*f.0, shell(i)))
     }
 
     /// Elements with these corner nodes are no more: their faces no longer carry.
@@ -118,6 +133,7 @@ impl Skin {
         size_of::<[usize; 2]>() * self.faces.capacity()
             + size_of::<usize>() * self.elements.capacity()
             + self.carries.capacity()
+            + self.shells.capacity()
     }
 }
 
@@ -129,7 +145,7 @@ fn is_of(face: [usize; 2], elements: &[[u32; 4]]) -> bool {
 
 impl Persist for Skin {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Skin { faces: _, elements: _, carries } = self;
+        let Skin { faces: _, elements: _, carries, shells: _ } = self;
         carries.as_mut_slice().persist(archive);
     }
 }

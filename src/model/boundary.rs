@@ -7,6 +7,20 @@ use super::names::upper;
 use super::types::{Boundary, Motion};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
+/// What a line of `*BOUNDARY` names.
+struct Degrees {
+    /// First and last degree of freedom.
+    range: [u8; 2],
+    /// The rotation besides, of a named symmetry.
+    rotation: Option<u8>,
+}
+
+impl Degrees {
+    fn range(first: u8, last: u8) -> Degrees {
+        Degrees { range: [first, last], rotation: None }
+    }
+}
+
 impl Builder<'_> {
     pub(super) fn boundary(&mut self, card: &Card) {
         let kind = match card.value("TYPE").map(|w| upper(&w.text)).as_deref() {
@@ -26,7 +40,8 @@ impl Builder<'_> {
         for line in &card.lines {
             let Some(set) = line.field(0) else { continue };
             let Some(nodes) = self.node_members(set) else { continue };
-            let Some(([first, last], value)) = self.boundary_dofs(line) else { continue };
+            let Some((degrees, value)) = self.boundary_dofs(line) else { continue };
+            let ([first, last], rotation) = (degrees.range, degrees.rotation);
             let value = self.scaled(value, amplitude);
             if first == 11 {
                 let line = (line, set.text.clone(), nodes, value);
@@ -48,7 +63,7 @@ impl Builder<'_> {
                 let (span, set, nodes) = (line.span, set.text.clone(), nodes.clone());
                 self.rotational.push(Rotational { span, set, dofs: [first, last], nodes, lost: "is held", value });
             }
-            for dof in first..=last {
+            for dof in (first..=last).chain(rotation) {
                 let boundary = Boundary {
                     nodes: nodes.clone(),
                     set: set.text.clone(),
@@ -115,7 +130,7 @@ impl Builder<'_> {
     }
 
     /// First and last degree of freedom, and the value.
-    fn boundary_dofs(&mut self, line: &DataLine) -> Option<([u8; 2], f64)> {
+    fn boundary_dofs(&mut self, line: &DataLine) -> Option<(Degrees, f64)> {
         let word: &Word = match line.field(1) {
             Some(word) => word,
             None => {
@@ -125,11 +140,13 @@ impl Builder<'_> {
             }
         };
         match upper(&word.text).as_str() {
-            "ENCASTRE" => return Some(([1, 6], 0.0)),
-            "PINNED" => return Some(([1, 3], 0.0)),
-            "XSYMM" => return Some(([1, 1], 0.0)),
-            "YSYMM" => return Some(([2, 2], 0.0)),
-            "ZSYMM" => return Some(([3, 3], 0.0)),
+            "ENCASTRE" => return Some((Degrees::range(1, 6), 0.0)),
+            "PINNED" => return Some((Degrees::range(1, 3), 0.0)),
+            // Symmetry about a plane holds the rotations in it as well: 5 and 6, 4 and 6, 4 and 5 (ABAQUS Analysis User's
+            // Guide 34.3.1, "Boundary conditions").
+            "XSYMM" => return Some((Degrees { rotation: self.shell_rotation(), ..Degrees::range(1, 1) }, 0.0)),
+            "YSYMM" => return Some((Degrees { rotation: self.shell_rotation(), ..Degrees::range(2, 2) }, 0.0)),
+            "ZSYMM" => return Some((Degrees::range(3, 3), 0.0)),
             other @ ("XASYMM" | "YASYMM" | "ZASYMM") => {
                 let message =
                     format!("antisymmetry ({other}) is not supported: ABAQUS has it in implicit analyses alone");
@@ -148,6 +165,12 @@ impl Builder<'_> {
             );
             return None;
         }
-        Some(([first as u8, last as u8], value))
+        Some((Degrees::range(first as u8, last as u8), value))
+    }
+
+    /// The rotation, where some nodes of the deck have one.
+    fn shell_rotation(&self) -> Option<u8> {
+        let shells = |c: &&Card| c.keyword.name == "ELEMENT" && c.value("TYPE").is_some_and(|w| w.is("SAX1"));
+        self.deck.cards.iter().find(shells).map(|_| 6)
     }
 }

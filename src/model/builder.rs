@@ -169,6 +169,7 @@ impl<'a> Builder<'a> {
             | "CAVITY EXPANSION" => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),
+            "SHELL SECTION" => self.shell_section(card),
             "SECTION CONTROLS" => self.section_controls(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),

@@ -35,7 +35,7 @@ pub const CODES: &[Code] = &[
     code(
         "M121",
         "element type not supported",
-        "The type is known, but this code is axisymmetric and supports RAX2, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1.",
+        "The type is known, but this code is axisymmetric and supports RAX2, SAX1, CAX3, CAX4R, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1.",
     ),
     code(
         "M122",
@@ -50,8 +50,8 @@ pub const CODES: &[Code] = &[
     code("M124", "label used twice", "Two elements have the same label."),
     code("M125", "too many", "The card would generate more than 20 million items; that is taken for a slip."),
     code("M126", "node off the plane or beyond the axis", "An axisymmetric model lies in the r-z plane with r >= 0."),
-    code("M130", "side of a surface is missing", "A RAX2 element has two sides: write SPOS or SNEG."),
-    code("M131", "no such side", "RAX2 has SPOS and SNEG, solids have S1 to S3 or S4."),
+    code("M130", "side of a surface is missing", "RAX2 and SAX1 elements have two sides: write SPOS or SNEG."),
+    code("M131", "no such side", "RAX2 and SAX1 have SPOS and SNEG, solids have S1 to S3 or S4."),
     code("M132", "unknown load", "The load label is not one of those that this code knows."),
     code(
         "M140",
@@ -142,6 +142,7 @@ pub const CODES: &[Code] = &[
         "arc that does not close",
         "The ends of an arc are not equally far from its centre. Up to a millionth of the radius this is rounding; up to a hundredth the nearest centre is taken that they are equally far from, with a warning; beyond, the arc is refused.",
     ),
+    code("M180", "section of other elements", "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1."),
     code(
         "M150",
         "mesh file cannot be read",

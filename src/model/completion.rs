@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::degrees::Rotational;
-use super::types::{InitialKind, LoadKind};
+use super::types::{ElementKind, InitialKind, LoadKind};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::hardening::Table;
 
@@ -39,18 +39,30 @@ impl Builder<'_> {
         let mut all: Vec<Rotational> = velocities.chain(forces).collect();
         all.append(&mut self.rotational);
         let mut told = Vec::new();
+        let turning = self.nodes_of_shells();
         for condition in all {
             let links = &self.model.links;
             let references = |n: &usize| {
                 self.model.rigid_bodies.iter().any(|b| b.reference == *n) || links.iter().any(|l| l.reference == *n)
             };
-            let turns = condition.dofs[1] == 6 && condition.nodes.iter().all(references);
+            let shells = |n: &usize| turning.binary_search(n).is_ok();
+            let turns = condition.dofs[1] == 6
+                && (condition.nodes.iter().all(references) || condition.nodes.iter().any(shells));
             if turns || told.contains(&condition.span) {
                 continue;
             }
             told.push(condition.span);
             self.diagnostics.push(missing(&condition));
         }
+    }
+
+    /// Nodes that turn because shells meet there, ascending.
+    fn nodes_of_shells(&self) -> Vec<usize> {
+        let shells = self.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
+        let mut nodes: Vec<usize> = shells.flat_map(|e| e.nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
     }
 
     /// A density over temperature is that of the initial temperature, and stays: mass does not change (ABAQUS Analysis User's
@@ -81,7 +93,9 @@ impl Builder<'_> {
             }
         }
         let sections = self.model.sections.iter().filter(|s| s.material == material);
-        let elements = sections.flat_map(|s| &s.elements).flat_map(|&e| &self.model.mesh.elements[e].nodes);
+        let shells = self.model.shell_sections.iter().filter(|s| s.material == material);
+        let elements = sections.flat_map(|s| &s.elements).chain(shells.flat_map(|s| &s.elements));
+        let elements = elements.flat_map(|&e| &self.model.mesh.elements[e].nodes);
         let mut temperatures = elements.map(|&n| nodes[n]);
         let first = temperatures.next().ok_or("a density over temperature needs elements that have a temperature")?;
         if temperatures.any(|t| t != first) {

@@ -5,7 +5,7 @@ use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
 use super::types::{
     Amplitude, AmplitudeDefinition, Boundary, Element, ElementKind, IncrementControl, InitialCondition, InitialKind,
     Interval, Load, LoadKind, LoadVelocity, Material, Model, Motion, OutputCard, OutputKind, OutputRequest, PointMass,
-    Position, Region, RigidBody, Set, Side, Sides, SolidSection, Step,
+    Position, Region, RigidBody, Set, ShellSection, ShellThinning, Side, Sides, SolidSection, Step,
 };
 use crate::deck::Span;
 use crate::variables::asked::Asked;
@@ -50,6 +50,22 @@ impl Model {
     pub fn section(&mut self, elements: &[usize], material: usize) {
         let elements = elements.to_vec();
         self.sections.push(SolidSection { elements, material, controls: None, span: Span::composed() });
+    }
+
+    /// Lets shells deform that are of a material, given by its index, and of a thickness, with five points through it.
+    #[track_caller]
+    pub fn shell_section(&mut self, elements: &[usize], material: usize, thickness: f64) -> &mut ShellSection {
+        self.shell_sections.push(ShellSection {
+            elements: elements.to_vec(),
+            material,
+            thickness,
+            points: 5,
+            per_area: 0.0,
+            thinning: ShellThinning::Material,
+            span: Span::composed(),
+        });
+        let last = self.shell_sections.len() - 1;
+        &mut self.shell_sections[last]
     }
 
     /// Makes elements one rigid body with a reference node. Mass comes from [`RigidBody::density`] and thickness, or from

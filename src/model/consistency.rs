@@ -4,7 +4,7 @@
 
 use super::types::{
     AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
-    Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, Side, Step, Target,
+    Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;
@@ -136,7 +136,7 @@ impl Check<'_> {
                 return;
             };
             let has = match side {
-                Side::Positive | Side::Negative => element.kind == ElementKind::Rax2,
+                Side::Positive | Side::Negative => matches!(element.kind, ElementKind::Rax2 | ElementKind::Sax1),
                 Side::Face(n) => element.nodes.len() > 2 && (1..=element.nodes.len()).contains(&usize::from(n)),
             };
             if !has {
@@ -152,6 +152,11 @@ impl Check<'_> {
         for section in &model.sections {
             self.elements(section.span, &section.elements);
             self.indices("M111", section.span, "material", &[section.material], model.materials.len());
+        }
+        for section in &model.shell_sections {
+            self.elements(section.span, &section.elements);
+            self.indices("M111", section.span, "material", &[section.material], model.materials.len());
+            self.shell_section(section);
         }
         for body in &model.rigid_bodies {
             self.nodes(body.span, &[body.reference]);
@@ -175,6 +180,17 @@ impl Check<'_> {
                 "an analytical surface needs segments with finite coordinates".into()
             });
         }
+    }
+
+    fn shell_section(&mut self, section: &ShellSection) {
+        let good = above_zero(section.thickness) && section.points >= 3 && section.points % 2 == 1;
+        self.value(good && not_below(section.per_area), section.span, || {
+            "a shell needs a thickness above zero, an odd number of points from 3 on, and no mass an area below zero"
+                .into()
+        });
+        let ratio = |r: f64| r > -1.0 && r <= 0.5;
+        let thins = !matches!(section.thinning, ShellThinning::Ratio(r) if !ratio(r));
+        self.value(thins, section.span, || "POISSON of a shell lies above -1 and is 0.5 at most".into());
     }
 
     fn amplitudes(&mut self) {

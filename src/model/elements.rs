@@ -14,6 +14,7 @@ use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 /// Types that are simulated.
 const SUPPORTED: &[(&str, ElementKind)] = &[
     ("RAX2", ElementKind::Rax2),
+    ("SAX1", ElementKind::Sax1),
     ("CAX3", ElementKind::Cax3),
     ("CAX4R", ElementKind::Cax4r),
     ("CAX3T", ElementKind::Cax3t),
@@ -38,8 +39,7 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("CAX8", "explicit dynamics uses linear elements: CAX4R"),
     ("CAX8R", "explicit dynamics uses linear elements: CAX4R"),
     ("CAX8RT", "explicit dynamics uses linear elements: CAX4RT"),
-    ("SAX1", "shells are not simulated"),
-    ("SAX2", "shells are not simulated"),
+    ("SAX2", "explicit dynamics uses linear elements: SAX1"),
     ("MAX1", "membranes are not simulated"),
     ("SFMAX1", "surface elements on solids are not simulated"),
     ("COHAX4", "cohesive elements are not simulated"),
@@ -81,7 +81,7 @@ impl ElementKind {
     pub fn node_count(self) -> usize {
         match self {
             ElementKind::Mass | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
-            ElementKind::Rax2 | ElementKind::SpringA | ElementKind::DashpotA => 2,
+            ElementKind::Rax2 | ElementKind::Sax1 | ElementKind::SpringA | ElementKind::DashpotA => 2,
             ElementKind::Cax3 | ElementKind::Cax3t => 3,
             ElementKind::Cax4r | ElementKind::Cax4rt => 4,
         }
@@ -140,7 +140,8 @@ impl Builder<'_> {
         if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
             return Some(found.1);
         }
-        let supported = "supported are RAX2, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
+        let supported =
+            "supported are RAX2, SAX1, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA and DASHPOT1";
         let finding = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
             Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
         } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
@@ -214,7 +215,7 @@ impl Builder<'_> {
             .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
             .sum();
         match kind {
-            ElementKind::Rax2 if points[0] == points[1] => Some(ShapeFault::NoLength),
+            ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
             kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
             kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
             ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(&points, area) => Some(ShapeFault::Concave),

@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{Load, LoadKind, Sides};
+use super::types::{ElementKind, Load, LoadKind, Side, Sides};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 /// Labels this code knows.
@@ -107,7 +107,9 @@ impl Builder<'_> {
             // P on RAX2: pressure against the positive side (ABAQUS Elements Guide, rigid element library).
             (Some(""), _) | (_, "CAVITY") => {
                 let spos = Word { text: "SPOS".into(), ..label.clone() };
-                self.sides(&elements, &spos)
+                let mut sides = self.sides(&elements, &spos);
+                self.push_along_normals(&mut sides);
+                sides
             }
             (Some(n), _) if n.parse::<u8>().is_ok_and(|n| (1..=4).contains(&n)) => {
                 let word = Word { text: format!("S{n}"), ..label.clone() };
@@ -122,6 +124,16 @@ impl Builder<'_> {
         // VDLOAD's codes: 20 PNU, 21 P1NU to 24 P4NU.
         let load_type = user.map(|_| 20 + number.and_then(|n| n.parse::<i32>().ok()).unwrap_or(0));
         self.distributed(card, line, sides, load_type, name == "CAVITY")
+    }
+
+    /// A positive pressure on the elements of shells acts along their normals (ABAQUS Analysis User's Guide 29.6.1, "Shell
+    /// elements: overview"), and so against their other side.
+    fn push_along_normals(&self, sides: &mut [(usize, Side)]) {
+        for (element, side) in sides {
+            if self.model.mesh.elements[*element].kind == ElementKind::Sax1 {
+                *side = Side::Negative;
+            }
+        }
     }
 
     fn surface_load(&mut self, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {

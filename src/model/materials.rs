@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{CavityExpansion, Expansion, Material, Plastic, RateDependence, SolidSection};
+use super::types::{CavityExpansion, Element, ElementKind, Expansion, Material, Plastic, RateDependence, SolidSection};
 use crate::deck::{Card, DataLine, Diagnostic};
 
 impl Builder<'_> {
@@ -319,8 +319,16 @@ impl Builder<'_> {
     }
 
     pub(super) fn solid_section(&mut self, card: &Card) {
+        let Some((elements, material)) = self.section_of(card, |kind| kind != ElementKind::Sax1) else { return };
+        let controls = card.value("CONTROLS").map(|w| upper(&w.text));
+        self.controls_used.extend(card.value("CONTROLS").cloned());
+        self.model.sections.push(SolidSection { elements, material, controls, span: card.span });
+    }
+
+    /// Elements of a section, which are of certain kinds, and the index of its material.
+    pub(super) fn section_of(&mut self, card: &Card, fits: fn(ElementKind) -> bool) -> Option<(Vec<usize>, usize)> {
         let (Some(set), Some(material)) = (self.required(card, "ELSET"), self.required(card, "MATERIAL")) else {
-            return;
+            return None;
         };
         // In a part the material follows later in the deck: it is looked up by name in the whole deck.
         let known = self.deck.cards.iter().any(|c| {
@@ -330,13 +338,20 @@ impl Builder<'_> {
         if !known {
             let names = self.material_names();
             self.unknown("M111", "material", material, &names);
-            return;
+            return None;
         }
         self.claim("section", &elements, card.span);
+        let mesh = &self.model.mesh;
+        if let Some(&other) = elements.iter().find(|e| !fits(mesh.elements[**e].kind)) {
+            let Element { name, kind, .. } = &mesh.elements[other];
+            let (kind, section) = (kind.name(), card.keyword.name);
+            let message = format!("element {name} is a {kind}, which no *{section} is for");
+            let help = "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1";
+            self.diagnostics.push(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
+            return None;
+        }
         let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
-        let controls = card.value("CONTROLS").map(|w| upper(&w.text));
-        self.controls_used.extend(card.value("CONTROLS").cloned());
-        self.model.sections.push(SolidSection { elements, material: index, controls, span: card.span });
+        Some((elements, index))
     }
 
     /// `*EXPANSION`: coefficients of any sign, over temperature.

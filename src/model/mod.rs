@@ -41,6 +41,7 @@ mod outputs;
 mod parts;
 pub mod scene;
 mod sets;
+mod shells;
 mod steps;
 mod surfaces;
 pub mod types;

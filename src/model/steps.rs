@@ -267,7 +267,7 @@ impl Builder<'_> {
             None => self.outside_step(card),
             Some(step) => step.bulk_viscosity = Some([linear, quadratic]),
         }
-        if !self.model.mesh.elements.iter().any(|e| e.kind.is_solid()) {
+        if !self.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
             self.inert(card, "nothing here deforms".into());
         }
     }

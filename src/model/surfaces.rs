@@ -50,7 +50,7 @@ impl Builder<'_> {
             let Some(side) = side(&name, kind) else {
                 let message = format!("{} has no side {}", kind.name(), word.text);
                 let finding = Diagnostic::error("M131", message).at(word.span, "no such side");
-                self.diagnostics.push(finding.help("RAX2 has SPOS and SNEG, CAX3 S1 to S3, CAX4R S1 to S4"));
+                self.diagnostics.push(finding.help("RAX2 and SAX1 have SPOS and SNEG, CAX3 S1 to S3, CAX4R S1 to S4"));
                 return faces;
             };
             faces.push((element, side));
@@ -61,7 +61,7 @@ impl Builder<'_> {
     /// The free faces of solids; a RAX2 has two sides, so one must be named.
     fn free_sides(&mut self, elements: &[usize], span: Span) -> Vec<(usize, Side)> {
         let mesh = &self.model.mesh;
-        if elements.iter().any(|&e| mesh.elements[e].kind == ElementKind::Rax2) {
+        if elements.iter().any(|&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1)) {
             let finding = Diagnostic::error("M130", "which side of these RAX2 elements?").at(span, "no side named");
             let help = "SPOS is first to second node turned 90 degrees counter-clockwise in (r, z), SNEG the other";
             self.diagnostics.push(finding.help(help));
@@ -97,8 +97,8 @@ fn edges(nodes: &[usize]) -> Vec<[usize; 2]> {
 /// The side a name means on a type of element.
 pub(super) fn side(name: &str, kind: ElementKind) -> Option<Side> {
     match (name, kind) {
-        ("SPOS", ElementKind::Rax2) => Some(Side::Positive),
-        ("SNEG", ElementKind::Rax2) => Some(Side::Negative),
+        ("SPOS", ElementKind::Rax2 | ElementKind::Sax1) => Some(Side::Positive),
+        ("SNEG", ElementKind::Rax2 | ElementKind::Sax1) => Some(Side::Negative),
         (_, kind) if kind.is_solid() => {
             let number: u8 = name.strip_prefix('S')?.parse().ok()?;
             (1..=kind.node_count() as u8).contains(&number).then_some(Side::Face(number))

@@ -52,6 +52,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// `*SOLID SECTION` assignments.
     pub sections: Vec<SolidSection>,
+    /// `*SHELL SECTION` assignments.
+    pub shell_sections: Vec<ShellSection>,
     /// `*SECTION CONTROLS`.
     pub controls: Vec<SectionControls>,
     /// Amplitudes in deck order.
@@ -136,6 +138,8 @@ impl Mesh {
 pub enum ElementKind {
     /// Two-node axisymmetric rigid surface element.
     Rax2,
+    /// Two-node axisymmetric shell.
+    Sax1,
     /// Three-node axisymmetric triangle.
     Cax3,
     /// Four-node axisymmetric quadrilateral, one integration point.
@@ -181,7 +185,7 @@ pub struct Set {
 /// A side of an element that faces outward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// The side of a RAX2's positive normal: first to second node turned 90 degrees counter-clockwise in (r, z).
+    /// The side of the positive normal of a RAX2 or a SAX1: first to second node turned 90 degrees counter-clockwise in (r, z).
     Positive,
     /// The other side.
     Negative,
@@ -381,6 +385,37 @@ pub struct SolidSection {
     pub controls: Option<String>,
     /// The card.
     pub span: Span,
+}
+
+/// `*SHELL SECTION`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShellSection {
+    /// Element indices.
+    pub elements: Vec<usize>,
+    /// Index into [`Model::materials`].
+    pub material: usize,
+    /// Thickness, length.
+    pub thickness: f64,
+    /// Points of Simpson's rule through it, odd and at least 3.
+    pub points: usize,
+    /// Mass per area beside that of the material (`DENSITY`).
+    pub per_area: f64,
+    /// How the thickness changes (`POISSON`).
+    pub thinning: ShellThinning,
+    /// The card.
+    pub span: Span,
+}
+
+/// `POISSON` of `*SHELL SECTION`: how the thickness follows from strains in the plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ShellThinning {
+    /// By the material at the points through the thickness (`MATERIAL`).
+    #[default]
+    Material,
+    /// By the Poisson's ratio of the material (`ELASTIC`).
+    Elastic,
+    /// By a ratio; 0 keeps the thickness.
+    Ratio(f64),
 }
 
 /// `*SECTION CONTROLS`.

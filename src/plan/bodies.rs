@@ -214,6 +214,8 @@ impl Compiler<'_> {
         let element = &mesh.elements[first];
         let (message, help) = if element.kind == ElementKind::Rax2 {
             ("RAX2 elements belong to no rigid body", "name their element set on *RIGID BODY, ELSET=")
+        } else if element.kind == ElementKind::Sax1 {
+            ("shells have no section", "name their element set on *SHELL SECTION, or on *RIGID BODY")
         } else {
             ("solid elements have no section", "name their element set on *SOLID SECTION, or on *RIGID BODY")
         };

@@ -121,6 +121,11 @@ pub const CODES: &[Code] = &[
         text: "Masses are scaled of deformable elements with *ELASTIC or a *USER MATERIAL. Where pressure follows from density or energy (*EOS) and of rubber the mass is part of the state; gravity on an element set takes masses once and would not follow. Nodes that a rigid body carries, and nodes of *EQUATION, *MPC, *COUPLING and *TIE, keep their mass.",
     },
     Code {
+        code: "P023",
+        title: "material that shells cannot have",
+        text: "Shells are in plane stress: they take *ELASTIC, and *PLASTIC with isotropic hardening (tables, Johnson-Cook), rates and temperatures. Equations of state, rubber, kinematic hardening, failure and user materials are of solids.",
+    },
+    Code {
         code: "P050",
         title: "area weighting that cannot be",
         text: "WEIGHTING=AREA of *SECTION CONTROLS takes elastic materials that may flow and fail, none of the user, in all sections of the model, with linear bulk viscosity: without it some modes grow. Rigid bodies that share nodes and mass scaling work on rings and are refused.",

@@ -66,6 +66,13 @@ impl Compiler<'_> {
     }
 
     fn concentrated(&mut self, load: &Load, nodes: &[usize], dof: u8, set: &str) -> Option<Box<dyn Effect>> {
+        let turning: Vec<usize> = nodes.iter().filter_map(|n| self.places.rotations.get(n).copied()).collect();
+        if dof == 6 && !turning.is_empty() {
+            let detail = format!("M = {}{}", load.magnitude, self.amplitude_name(load));
+            let id = self.cause(load.span, "concentrated moment", turning.len(), "nodes", detail);
+            let magnitude = self.magnitude(load.magnitude, load.amplitude);
+            return Some(Box::new(Concentrated { id, bodies: Vec::new(), nodes: turning, axis: 0, magnitude }));
+        }
         let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
         for node in nodes {
             match (self.places.free_node(*node), self.body_of_node.get(node)) {
@@ -120,7 +127,11 @@ impl Compiler<'_> {
         let bodies: Vec<(usize, f64)> =
             (0..self.bodies.len()).filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
         let nodes: Vec<(usize, f64)> = match elements {
-            None => state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0).collect(),
+            None => {
+                let masses = state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0);
+                // Rotations come behind all nodes, and have inertia instead.
+                masses.take_while(|(n, _)| *n < self.places.nodes.len()).collect()
+            }
             Some(list) => self.masses_of(list),
         };
         if bodies.is_empty() && nodes.is_empty() {
@@ -167,6 +178,7 @@ impl Compiler<'_> {
                 }
             }
         }
+        self.add_masses_of_shells(elements, &mut masses);
         masses.into_iter().collect()
     }
 
@@ -187,6 +199,11 @@ impl Compiler<'_> {
         step: &Step,
     ) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
+        if !surface.skin.shells.is_empty() {
+            let message = "the resistance of a target on shells is not supported";
+            self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
+            return None;
+        }
         let target = &self.model.targets[target];
         let layers = self.layers(target)?;
         let detail = format!("{} into {}", sides.name, target.name);
@@ -226,7 +243,7 @@ impl Compiler<'_> {
     fn user_load(&mut self, load: &Load, sides: &Sides, load_type: i32, state: &State) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
         // The manual: normals point out of a surface element's loaded side, and into a solid.
-        let solid = |e: usize| self.model.mesh.elements[e].kind != ElementKind::Rax2;
+        let solid = |e: usize| !matches!(self.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
         let inward = sides.faces.first().is_some_and(|f| solid(f.0));
         let load = self.described(load, "user load", &sides.name, load_type, inward, surface.count())?;
         Some(Box::new(UserLoad::on_surface(load, &surface, &state.dofs.nodes)))

@@ -15,6 +15,7 @@ mod mass_scaling;
 mod motions;
 mod outputs;
 mod overlaps;
+mod shells;
 mod solid;
 mod solid_material;
 mod surface_ties;
@@ -299,7 +300,7 @@ impl Compiler<'_> {
     fn integration_rows(&mut self, state: &State, shown: usize) -> Rows {
         let Some(step) = self.model.steps.first() else { return Rows::default() };
         let integration = self.causes.get(&(step.span, "central difference")).copied();
-        let nodes = state.dofs.nodes.len();
+        let nodes = state.dofs.nodes.len() - self.places.rotations.len();
         let detail = "corner forces, masses and motion of nodes";
         let gather = (nodes > 0).then(|| self.cause(step.span, "nodes", nodes, "nodes", detail.into()));
         let detail = "mesh, frames, histories";

@@ -36,6 +36,13 @@ impl Compiler<'_> {
         let (kind, value) = prescribed(boundary);
         let mut radial = false;
         for &node in &boundary.nodes {
+            if let Some(&place) = self.places.rotations.get(&node).filter(|_| boundary.dof == 6) {
+                let dof = Dof::Node(place, 0);
+                if nodes.insert(dof) {
+                    dofs.push((dof, node));
+                }
+                continue;
+            }
             if let Some(place) = self.places.free_node(node) {
                 let dof = Dof::Node(place, usize::from(boundary.dof).wrapping_sub(1));
                 if boundary.dof <= 2 && nodes.insert(dof) {
@@ -88,6 +95,11 @@ impl Compiler<'_> {
         dofs: Vec<(Dof, usize)>,
         asking: &mut Vec<UserMotion>,
     ) -> Option<Box<dyn Constraint>> {
+        if boundary.dof == 6 {
+            let message = "rotations of shells that a user's routine gives are not supported";
+            self.diagnostics.push(Diagnostic::error("P015", message).at(boundary.span, "here"));
+            return None;
+        }
         if self.routines.motion.is_none() {
             let asks = format!("the motion of `{}` is the user's (*BOUNDARY, USER)", boundary.set);
             self.no_routine(boundary.span, "motion", &asks, "vdisp");
@@ -116,11 +128,18 @@ impl Compiler<'_> {
         let mesh = &self.model.mesh;
         let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
         let free = self.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| self.places.free_node(*n));
-        let dofs: Vec<Dof> = free.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
+        // A shell that turned on the axis would have a kink there; one that a rigid body carries does not turn.
+        let carried = |n: &usize| self.places.tied.contains_key(n);
+        let turning: Vec<usize> =
+            self.places.rotations.iter().filter(|(n, _)| on_axis(n) || carried(n)).map(|r| *r.1).collect();
+        let detail =
+            if turning.is_empty() { "r = 0 held" } else { "r = 0 held; rotations there and on rigid bodies held" };
+        let all = free.chain(turning);
+        let dofs: Vec<Dof> = all.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
         if dofs.is_empty() {
             return None;
         }
-        let id = self.cause(step.span, "axis of symmetry", dofs.len(), "nodes", "r = 0 held".into());
+        let id = self.cause(step.span, "axis of symmetry", dofs.len(), "nodes", detail.into());
         Some(Box::new(PrescribedMotion::new(id, Prescribed::Velocity, Magnitude::constant(0.0), &dofs)))
     }
 
@@ -143,7 +162,7 @@ impl Compiler<'_> {
 }
 
 fn along(boundary: &Boundary) -> &'static str {
-    ["r", "z"][usize::from(boundary.dof) - 1]
+    if boundary.dof == 6 { "the rotation" } else { ["r", "z"][usize::from(boundary.dof) - 1] }
 }
 
 fn unit(dofs: &[(Dof, usize)]) -> &'static str {

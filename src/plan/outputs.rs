@@ -249,13 +249,18 @@ impl Compiler<'_> {
         let conducts = self.solves_for_temperatures();
         parts.retain(|p| conducts || p.variable.row().preselected != Preselected::Conducting);
         for &node in members {
+            let place = if members.len() == 1 { set } else { &model.mesh.node_names[node] };
+            if let Some(&rotation) = self.places.rotations.get(&node) {
+                let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
+                columns.extend(turning.map(|&part| column(part, place, Source::Node(rotation))));
+            }
             let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
                 (Some(node), _) => Source::Node(node),
                 (_, Some(&body)) => Source::Body { body, node },
                 _ => continue,
             };
-            let place = if members.len() == 1 { set } else { &model.mesh.node_names[node] };
-            columns.extend(parts.iter().map(|&part| column(part, place, source)));
+            let moving = parts.iter().filter(|p| !p.variable.is_of_rotations());
+            columns.extend(moving.map(|&part| column(part, place, source)));
         }
     }
 
@@ -366,7 +371,11 @@ impl Compiler<'_> {
             |part: &Part| groups.iter().enumerate().any(|(g, group)| (0..group.len()).any(|e| has(state, g, e, *part)));
         let conducts = self.solves_for_temperatures();
         let mut fields = Vec::new();
+        let turns = !self.places.rotations.is_empty();
         for &variable in Variable::ALL {
+            if variable.is_of_rotations() && !turns {
+                continue;
+            }
             let parts = self.parts_of(variable);
             match variable.place() {
                 Place::Node if variable.row().preselected == Preselected::Conducting && !conducts => {}

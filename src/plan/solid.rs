@@ -26,6 +26,8 @@ pub struct SolidPlaces {
     pub elements: IndexMap<usize, (usize, usize)>,
     /// Rigid body of the nodes of the mesh that move with one.
     pub tied: IndexMap<usize, usize>,
+    /// Rotation in the list of the solver's nodes, by node of the mesh; of nodes of shells alone.
+    pub rotations: IndexMap<usize, usize>,
 }
 
 /// Bytes of a map: its entries with their hashes, and a table of indices that is at most 7/8 full.
@@ -37,7 +39,7 @@ fn bytes_of<V>(map: &IndexMap<usize, V>) -> usize {
 impl SolidPlaces {
     /// Bytes of its maps.
     pub fn bytes(&self) -> usize {
-        bytes_of(&self.nodes) + bytes_of(&self.elements) + bytes_of(&self.tied)
+        bytes_of(&self.nodes) + bytes_of(&self.elements) + bytes_of(&self.tied) + bytes_of(&self.rotations)
     }
 
     /// Whether a node of the mesh deforms with a body and moves on its own.
@@ -57,10 +59,12 @@ impl Compiler<'_> {
         let model = self.model;
         let sections: Vec<(&SolidSection, Vec<usize>)> =
             model.sections.iter().map(|s| (s, self.free_elements(s))).filter(|s| !s.1.is_empty()).collect();
-        if sections.is_empty() {
+        let shells = self.free_shells();
+        if sections.is_empty() && shells.is_empty() {
             return State::default();
         }
-        let nodes = self.place_nodes(&sections);
+        let mut nodes = self.place_nodes(sections.iter().map(|s| &s.1).chain(shells.iter().map(|s| &s.1)));
+        self.place_rotations(&shells, &mut nodes);
         let mut mass = vec![0.0; nodes.len()];
         let (mut groups, mut ids, mut corners): (Vec<Box<dyn ElementGroup>>, Vec<_>, Vec<_>) = Default::default();
         let mut controlled = Vec::new();
@@ -72,6 +76,15 @@ impl Compiler<'_> {
             }
             ids.push(self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
+            groups.push(group);
+            corners.push(list);
+        }
+        for (section, elements) in &shells {
+            let Some((group, list)) = self.shells(section, elements, &nodes, &mut mass) else { continue };
+            for (i, &e) in elements.iter().enumerate() {
+                self.places.elements.insert(e, (groups.len(), i));
+            }
+            ids.push(self.causes.get(&(section.span, "shells")).copied().unwrap_or_default());
             groups.push(group);
             corners.push(list);
         }
@@ -95,9 +108,9 @@ impl Compiler<'_> {
     }
 
     /// Nodes of the solver for those of the mesh that deform or that rigid bodies share.
-    fn place_nodes(&mut self, sections: &[(&SolidSection, Vec<usize>)]) -> Vec<Node> {
+    fn place_nodes<'e>(&mut self, sections: impl Iterator<Item = &'e Vec<usize>>) -> Vec<Node> {
         let mesh = &self.model.mesh;
-        let corners = sections.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
+        let corners = sections.flatten().flat_map(|&e| mesh.elements[e].nodes.iter().copied());
         let mut used: Vec<usize> = corners.collect();
         used.extend(self.bare_nodes());
         used.sort_unstable();
@@ -135,7 +148,11 @@ impl Compiler<'_> {
             return;
         }
         let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {
-            let why = "a material is not linear elastic for small strains: element by element";
+            let why = if self.places.rotations.is_empty() {
+                "a material is not linear elastic for small strains: element by element"
+            } else {
+                "shells bound the increment element by element"
+            };
             self.unused(step.span, "global estimate of the stable increment", why);
             return;
         };
@@ -199,6 +216,11 @@ impl Compiler<'_> {
                 InitialKind::Velocity(dof, value) if *dof <= 2 => {
                     for n in condition.members.iter().filter_map(|n| self.places.free_node(*n)) {
                         *nodes[n].velocity(usize::from(*dof) - 1) = *value;
+                    }
+                }
+                InitialKind::Velocity(6, value) => {
+                    for n in condition.members.iter().filter_map(|n| self.places.rotations.get(n)) {
+                        *nodes[*n].velocity(0) = *value;
                     }
                 }
                 InitialKind::Velocity(..) => {}

@@ -243,6 +243,8 @@ impl Compiler<'_> {
             Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
         } else if model.sections.iter().any(|s| !self.is_by_area(s)) {
             Some("WEIGHTING=AREA in one section needs it in all")
+        } else if !model.shell_sections.is_empty() {
+            Some("WEIGHTING=AREA beside shells is not supported")
         } else if !self.places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
             Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
         } else {
@@ -397,7 +399,12 @@ impl Compiler<'_> {
         })
     }
 
-    fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<Box<dyn YieldStress>> {
+    pub(super) fn yield_stress(
+        &mut self,
+        plastic: &Plastic,
+        material: &Material,
+        span: Span,
+    ) -> Option<Box<dyn YieldStress>> {
         let factor = rate_factor(material.rate.as_ref());
         match plastic {
             // It has a law of its own.

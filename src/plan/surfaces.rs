@@ -7,19 +7,24 @@ use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
 use crate::mesh::surface::{Patch, Skin, Surface};
-use crate::model::{Side, Sides};
+use crate::model::{ElementKind, Side, Sides};
 
 impl Compiler<'_> {
     /// The surface of some sides. Elements of no body are an error.
     pub(super) fn surface(&mut self, sides: &Sides, span: Span) -> Surface {
         let mut by_body: BTreeMap<usize, Vec<(usize, Facet)>> = BTreeMap::new();
-        let (mut faces, mut behind) = (Vec::new(), Vec::new());
+        let (mut faces, mut behind, mut shells) = (Vec::new(), Vec::new(), Vec::new());
         let mut stray = None;
         for &(element, side) in &sides.faces {
             if self.places.elements.contains_key(&element) {
-                if let Some(ends) = self.model.mesh.ends(element, side) {
+                if let Some(mut ends) = self.model.mesh.ends(element, side) {
+                    // The body lies to the left of the way; seen from the side of its normal a shell lies to the right.
+                    if side == Side::Positive {
+                        ends.reverse();
+                    }
                     faces.push(ends.map(|n| self.places.nodes[&n]));
                     behind.push(element);
+                    shells.push(self.model.mesh.elements[element].kind == ElementKind::Sax1);
                 }
                 continue;
             }
@@ -35,7 +40,11 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error("P003", message).at(span, "this load needs facets of a body"));
         }
         let patches = by_body.into_iter().map(|(body, facets)| Patch { body, facets }).collect();
-        Surface { patches, skin: Skin::new(faces, behind) }
+        let mut skin = Skin::new(faces, behind);
+        if shells.contains(&true) {
+            skin.shells = shells;
+        }
+        Surface { patches, skin }
     }
 
     /// The facet of one side. A solid's face runs counter-clockwise, so its outward normal is the negative side.

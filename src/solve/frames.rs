@@ -22,6 +22,11 @@ pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize,
         Variable::Velocity => dofs.velocity(dof),
         Variable::Acceleration => dofs.acceleration(dof),
         Variable::Reaction => reaction(constraints, dofs, dof),
+        // Rotations are degrees of freedom of their own among the nodes.
+        Variable::Rotation => dofs.displacement(dof),
+        Variable::RotationalVelocity => dofs.velocity(dof),
+        Variable::RotationalAcceleration => dofs.acceleration(dof),
+        Variable::ReactionMoment => reaction(constraints, dofs, dof),
         Variable::Coordinate => dofs.nodes[node].place()[axis],
         _ => f64::NAN,
     }
@@ -130,7 +135,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     for (&node, &place) in &run.plan.places.nodes {
         point_of_node[node] = frame.points.len();
         frame.points.push(run.dofs.nodes[place].place());
-        of_point.push(Owner::Node(place));
+        of_point.push(Owner::Node(place, run.plan.places.rotations.get(&node).copied()));
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
     for (b, body) in run.plan.bodies.iter().enumerate() {
@@ -163,8 +168,8 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
 enum Owner {
     /// A rigid body, with the node of the mesh.
     Body(usize, usize),
-    /// Itself.
-    Node(usize),
+    /// Itself, with its rotation where it turns.
+    Node(usize, Option<usize>),
 }
 
 fn array(field: &FrameField, values: Vec<f64>) -> Field {
@@ -178,7 +183,10 @@ fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[Owner]) -> Vec<f64> {
     let value = |owner: &Owner, part: Part| match *owner {
         Owner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
         Owner::Body(b, node) => run.body_value(b, node, part),
-        Owner::Node(n) => run.node_value(n, part),
+        Owner::Node(_, rotation) if part.variable.is_of_rotations() => {
+            rotation.map_or(f64::NAN, |n| run.node_value(n, part))
+        }
+        Owner::Node(n, _) => run.node_value(n, part),
     };
     let value = &value;
     of_point.iter().flat_map(|owner| field.parts.iter().map(move |part| value(owner, *part))).collect()

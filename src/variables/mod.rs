@@ -8,7 +8,7 @@
 pub mod asked;
 pub mod manual;
 
-use crate::kernel::{quad, stress};
+use crate::kernel::stress;
 
 /// Where a variable lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,8 +80,8 @@ pub type Formula = fn(&dyn ElementValues, usize) -> Option<f64>;
 pub trait ElementValues {
     /// A component of a variable that the element holds; `None` where it does not have it.
     fn held(&self, variable: Variable, component: usize) -> Option<f64>;
-    /// Corners now, `[r, z]`.
-    fn corners(&self) -> [[f64; 2]; 4];
+    /// Volume now.
+    fn volume(&self) -> f64;
 }
 
 /// Declares the variables: an enumeration and the table, in one order. Frames and energies keep this order.
@@ -110,7 +110,12 @@ variables! {
     Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
     NodalTemperature: node("NT", &["NT11"], "Temperature of a node, where it is solved for").conducting(),
     ReactionFlux: node("RFL", &["RFL11"], "Heat a time that holding a temperature takes, positive into the body").conducting(),
-    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear").preselected(Preselected::Deforming),
+    Rotation: node("UR", &["UR3"], "Rotation of nodes of shells in the r-z plane, counter-clockwise, radians")
+        .preselected(Preselected::Always),
+    RotationalVelocity: node("VR", &["VR3"], "Rotational velocity of nodes of shells"),
+    RotationalAcceleration: node("AR", &["AR3"], "Rotational acceleration of nodes of shells"),
+    ReactionMoment: node("RM", &["RM3"], "Reaction moment of rotations of shells that are prescribed"),
+    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop").preselected(Preselected::Deforming),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(Preselected::Deforming)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
     Pressure: point("PRESS", &[], "Equivalent pressure stress, positive in compression")
@@ -128,6 +133,30 @@ variables! {
         .by(|e, _| Some(e.held(Variable::ElementStrainEnergy, 0)? / volume(e))),
     PlasticEnergy: point("PENER", &[], "Energy dissipated by plastic flow per unit of current volume").followed(None)
         .by(|e, _| Some(e.held(Variable::ElementPlasticEnergy, 0)? / volume(e))),
+    BottomStress: point("S_SNEG", &["S11_SNEG", "S22_SNEG"], "Stress of shells at section point 1, the side SNEG: meridian, hoop")
+        .preselected(Preselected::Deforming).ours(),
+    TopStress: point("S_SPOS", &["S11_SPOS", "S22_SPOS"], "Stress of shells at the last section point, the side SPOS: meridian, hoop")
+        .preselected(Preselected::Deforming).ours(),
+    BottomMises: point("MISES_SNEG", &[], "Mises equivalent stress of shells at the side SNEG").preselected(Preselected::Deforming)
+        .ours().by(|e, _| Some(stress::mises(tensor(e, Variable::BottomStress)?))),
+    TopMises: point("MISES_SPOS", &[], "Mises equivalent stress of shells at the side SPOS").preselected(Preselected::Deforming)
+        .ours().by(|e, _| Some(stress::mises(tensor(e, Variable::TopStress)?))),
+    BottomPlasticStrain: point("PEEQ_SNEG", &[], "Equivalent plastic strain of shells at the side SNEG")
+        .preselected(Preselected::Deforming).ours(),
+    TopPlasticStrain: point("PEEQ_SPOS", &[], "Equivalent plastic strain of shells at the side SPOS")
+        .preselected(Preselected::Deforming).ours(),
+    BottomStrain: point("LE_SNEG", &["LE11_SNEG", "LE22_SNEG", "LE33_SNEG"], "Logarithmic strain of shells at the side SNEG: meridian, hoop, thickness")
+        .preselected(Preselected::Deforming).followed(Some(Variable::Thickness)).ours(),
+    TopStrain: point("LE_SPOS", &["LE11_SPOS", "LE22_SPOS", "LE33_SPOS"], "Logarithmic strain of shells at the side SPOS: meridian, hoop, thickness")
+        .preselected(Preselected::Deforming).followed(Some(Variable::Thickness)).ours(),
+    BottomTemperature: point("TEMP_SNEG", &[], "Temperature of shells at the side SNEG").ours(),
+    TopTemperature: point("TEMP_SPOS", &[], "Temperature of shells at the side SPOS").ours(),
+    Thickness: point("STH", &[], "Thickness of shells").preselected(Preselected::Deforming),
+    SectionForce: point("SF", &["SF1", "SF2", "SF4"], "Section force of shells a length: meridian, hoop, transverse shear"),
+    SectionMoment: point("SM", &["SM1", "SM2"], "Section moment of shells a length: meridian, hoop; positive stretches the side SPOS"),
+    SectionStrain: point("SE", &["SE1", "SE2", "SE4"], "Section strain of shells: meridian, hoop, transverse shear")
+        .followed(Some(Variable::Thickness)),
+    SectionCurvature: point("SK", &["SK1", "SK2"], "Change of curvature of shells: meridian, hoop").followed(Some(Variable::Thickness)),
     Status: element("STATUS", "1 where an element carries, 0 where it is deleted").preselected(Preselected::Deleting),
     Volume: element("EVOL", "Current volume of an element").by(|e, _| Some(volume(e))),
     Density: point("DENSITY", &[], "Mass per unit of current volume").by(|e, _| Some(e.held(Variable::Mass, 0)? / volume(e))),
@@ -231,7 +260,7 @@ fn tensor(element: &dyn ElementValues, variable: Variable) -> Option<[f64; 4]> {
 }
 
 fn volume(element: &dyn ElementValues) -> f64 {
-    quad::volume(element.corners())
+    element.volume()
 }
 
 impl Variable {
@@ -253,6 +282,23 @@ impl Variable {
     /// Whether it is one of nodes.
     pub fn is_of_nodes(self) -> bool {
         self.place() == Place::Node
+    }
+
+    /// Whether it is one of nodes that turn.
+    pub fn is_of_rotations(self) -> bool {
+        matches!(
+            self,
+            Variable::Rotation
+                | Variable::RotationalVelocity
+                | Variable::RotationalAcceleration
+                | Variable::ReactionMoment
+        )
+    }
+
+    /// Whether only shells, or their nodes, have it.
+    pub fn is_of_shells(self) -> bool {
+        let first = Variable::BottomStress as usize;
+        self.is_of_rotations() || (first..=Variable::SectionCurvature as usize).contains(&(self as usize))
     }
 
     /// Whether it is one of elements.

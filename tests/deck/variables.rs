@@ -37,6 +37,19 @@ fn steel() -> String {
     )
 }
 
+/// What has a variable: the block, or a ring of shells that flies the same way.
+fn scene(variable: Variable, requests: &str) -> String {
+    let solid = block_with(variable, requests);
+    let Some((_, rest)) =
+        solid.split_once("*Solid Section, elset=SOLID, material=M").filter(|_| variable.is_of_shells())
+    else {
+        return solid;
+    };
+    let shell = "*Node, nset=ALL\n 1, 1., 0.\n 9, 2., 0.\n*Element, type=SAX1, elset=SOLID\n 1, 1, 9\n*Nset, nset=J0\n 1,\n\
+                 *Shell Section, elset=SOLID, material=M\n 0.1";
+    shell.to_owned() + rest
+}
+
 fn gas() -> String {
     "*Solid Section, elset=SOLID, material=GAS\n*Material, name=GAS\n*Density\n 1.,\n*Eos, type=IDEAL GAS\n 0.4, 0.\n\
      *Specific Heat\n 1.,\n*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 10.\n"
@@ -125,7 +138,7 @@ fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
         let whole = [(variable.name().to_owned(), all.clone())];
         for (name, expected) in whole.into_iter().chain(all.into_iter().map(|l| (l.clone(), vec![l]))) {
             let (request, place) = history(variable, &name);
-            let (columns, memory) = run(&block_with(variable, &request));
+            let (columns, memory) = run(&scene(variable, &request));
             let expected: Vec<String> = expected.iter().map(|l| format!("{l}{place}")).collect();
             assert_eq!(columns, expected, "{name}");
             let values = memory.rows.iter().flat_map(|row| &row.1);
@@ -136,7 +149,8 @@ fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
 
 #[test]
 fn a_rigid_body_has_the_histories_of_a_node() {
-    for &variable in Variable::ALL.iter().filter(|v| v.place() == Place::Node && !is_of_conduction(**v)) {
+    let plain = |v: &&Variable| v.place() == Place::Node && !is_of_conduction(**v) && !v.is_of_shells();
+    for &variable in Variable::ALL.iter().filter(plain) {
         let request = format!("*Output, history\n*Node Output, nset=REF\n {}\n*End Step", variable.name());
         let (columns, _) = run(&ogive().replace("*End Step", &request));
         for label in labels(variable) {
@@ -154,7 +168,7 @@ fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
     for &variable in Variable::ALL.iter().filter(|v| v.is_of_nodes() || v.is_of_elements()) {
         let card = if variable.is_of_nodes() { "*Node Output" } else { "*Element Output" };
         let request = format!("*Output, field, number interval=1\n{card}\n {}\n", variable.name());
-        let (_, memory) = run(&block_with(variable, &request));
+        let (_, memory) = run(&scene(variable, &request));
         let frame = memory.frames.last().expect("a frame");
         let fields = if variable.is_of_nodes() { &frame.point_fields } else { &frame.cell_fields };
         let all = labels(variable);
@@ -163,7 +177,8 @@ fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
             Variable::Coordinate => assert!(fields.is_empty()),
             Variable::State => assert!(all.iter().all(|l| field(fields, l).is_some_and(|f| f.components == 1))),
             _ => {
-                let name = if let [one] = all.as_slice() { one } else { variable.name() };
+                // A single component gives the field its label.
+                let name = if let [only] = &all[..] { only } else { variable.name() };
                 let shown = field(fields, name).expect("a field of its name");
                 assert_eq!(shown.components, all.len());
                 assert!(all.len() == 1 || shown.component_names == all, "{:?}", shown.component_names);

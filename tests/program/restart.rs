@@ -265,6 +265,20 @@ fn reference_nodes_that_pull() {
     assert!(outcome.energy.plastic > 0.0 && outcome.energy.drift < 5e-2, "{:?}", outcome.energy);
 }
 
+/// A plate of shells that flows and heats, with scaled masses.
+#[test]
+fn shells() {
+    let deck = "*Node, nset=ALL\n 1, 0., 0.\n 9, 4., 0.\n*Ngen, nset=ALL\n 1, 9\n*Element, type=SAX1, elset=E\n 1, 1, 2\n\
+                *Elgen, elset=E\n 1, 8\n*Shell Section, elset=E, material=M\n 0.2\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 1.e3, 0.3\n\
+                *Plastic, hardening=JOHNSON COOK\n 1., 2., 0.5, 1., 900., 20.\n*Rate Dependent, type=JOHNSON COOK\n 0.02, 1.\n\
+                *Specific Heat\n 0.01,\n*Inelastic Heat Fraction\n*Initial Conditions, type=TEMPERATURE\n ALL, 30.\n\
+                *Boundary\n 9, ENCASTRE\n*Step\n*Dynamic, Explicit, adiabatic\n , 2.\n*Fixed Mass Scaling, factor=1.2\n\
+                *Dload\n E, P, 0.3\n*Output, history, frequency=1\n*Energy Output\n ALLPD, ETOTAL\n*Output, field, number interval=4\n\
+                *Node Output\n U, UR\n*Element Output\n S, LE, S_SPOS, PEEQ_SNEG, STH\n*End Step\n";
+    let outcome = goes_on("shells", deck, Routines::none);
+    assert!(outcome.halt.is_none() && outcome.energy.plastic > 0.0, "{:?}", outcome.energy);
+}
+
 #[test]
 fn scaled_masses() {
     let cards =

@@ -22,6 +22,7 @@ mod rates;
 mod reference_nodes;
 mod rigid;
 mod scene;
+mod shells;
 mod shock;
 mod solid;
 mod steps;

@@ -25,9 +25,9 @@ pub const CARDS: &[Keyword] = &[
     }, [(rows [
         "node number", "r", "z",
         "third coordinate" only ["0"] "an axisymmetric model lies in the r-z plane",
-        "first cosine" refused "normals serve shells and beams",
-        "second cosine" refused "normals serve shells and beams",
-        "third cosine" refused "normals serve shells and beams",
+        "first cosine" refused "normals of shells are those of their elements",
+        "second cosine" refused "normals of shells are those of their elements",
+        "third cosine" refused "normals of shells are those of their elements",
     ])]),
     row!("NGEN", "Generates nodes between two nodes", (), {
         "NSET" read "Node set to put them in",
@@ -86,7 +86,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines
         ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"])]),
     row!("ELEMENT", "Defines elements", (), {
-        "TYPE" read "RAX2, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
+        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
         "ELSET" read "Element set to put them in",
         "INPUT" read "File with the data lines",
         "OFFSET" refused "it numbers the further nodes of CAXA and SAXA elements",
@@ -99,6 +99,7 @@ pub const CARDS: &[Keyword] = &[
         (when "TYPE" = "CAX4RT" wrapped 5 ["element number", "node"]),
         (when "TYPE" = "CAX3T" wrapped 4 ["element number", "node"]),
         (when "TYPE" = "RAX2" wrapped 3 ["element number", "node"]),
+        (when "TYPE" = "SAX1" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "SPRINGA" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "DASHPOTA" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "MASS" wrapped 2 ["element number", "node"]),
@@ -150,13 +151,13 @@ pub const CARDS: &[Keyword] = &[
         "CROP" refused "give the faces of the surface",
         "DEFINITION" refused "coordinates on analytical surfaces are r and z",
         "FILLET RADIUS" read "Rounds the corners between segments",
-        "MAX RATIO" refused "shells are not simulated",
+        "MAX RATIO" refused "of the contact of shells",
         "NO OFFSET" inert "of shells",
         "NO THICK" inert "of shells",
-        "PROPERTY" refused "shells are not simulated",
+        "PROPERTY" refused "of the contact of shells",
         "REGION TYPE" refused "meshes are not adaptive",
         "TRIM" refused "surfaces are not trimmed: give their faces",
-        "SCALE THICK" refused "shells are not simulated",
+        "SCALE THICK" refused "of the contact of shells",
         "DISCRETIZATION" inert "written by some preprocessors; no meaning",
     }, [
         (when "TYPE" = "NODE" rows ["node or set", "area" inert "areas serve contact stresses, which nothing here computes"]),

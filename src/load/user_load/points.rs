@@ -91,10 +91,10 @@ impl Block {
     }
 
     /// Faces of deformable elements.
-    pub(super) fn of_faces(faces: &[[usize; 2]], elements: &[usize], nodes: &Nodes) -> Block {
-        let start = faces.iter().map(|&f| Face::new(f, nodes).middle()).collect();
-        let skin = Skin::new(faces.to_vec(), elements.to_vec());
-        Block { carrier: Carrier::Faces { skin, start }, shown: Shown::new(faces.len()), pressure_before: Vec::new() }
+    pub(super) fn of_faces(skin: Skin, nodes: &Nodes) -> Block {
+        let start = skin.faces.iter().map(|&f| Face::new(f, nodes).middle()).collect();
+        let shown = Shown::new(skin.faces.len());
+        Block { carrier: Carrier::Faces { skin, start }, shown, pressure_before: Vec::new() }
     }
 
     /// Deformable elements.
@@ -187,9 +187,10 @@ impl Block {
         match &self.carrier {
             Carrier::Body { .. } => {}
             Carrier::Faces { skin, .. } => {
-                let loaded = skin.faces.iter().zip(self.shown.pressure()).zip(&skin.carries);
-                for ((&face, &pressure), _) in loaded.filter(|face| *face.1) {
-                    push(&Face::new(face, nodes), pressure, forces);
+                let shell = |i: usize| skin.shells.get(i).copied().unwrap_or(false);
+                let loaded = skin.faces.iter().zip(self.shown.pressure()).zip(&skin.carries).enumerate();
+                for (i, ((&face, &pressure), _)) in loaded.filter(|face| *face.1.1) {
+                    push(&Face::new(face, nodes), shell(i), pressure, forces);
                 }
             }
             Carrier::Elements { corners, axis, .. } => {

@@ -1,0 +1,72 @@
+//! What is followed of shells over increments only because some output asks for it: strains and energies.
+//! Never here: anything that stresses or forces need.
+
+use crate::kernel::shell::Five;
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Of one element.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Followed {
+    /// Section strains: membrane strains, curvatures, transverse shear.
+    pub section: Five,
+    /// Work of the stress, and the part of it that flow has dissipated.
+    pub work: [f64; 2],
+}
+
+/// Of one point: strains along meridian, hoop and thickness.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct PointStrains {
+    /// Logarithmic strain.
+    pub total: [f64; 3],
+    /// Plastic strain.
+    pub plastic: [f64; 3],
+    /// Strain rate of the increment behind.
+    pub rate: [f64; 3],
+}
+
+/// Of a group.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Record {
+    pub elements: Vec<Followed>,
+    pub points: Vec<PointStrains>,
+}
+
+impl PointStrains {
+    pub fn follow(&mut self, strain: [f64; 3], plastic: [f64; 2], dt: f64) {
+        let plastic = [plastic[0], plastic[1], -(plastic[0] + plastic[1])];
+        self.total.iter_mut().zip(strain).for_each(|(sum, strain)| *sum += strain);
+        self.plastic.iter_mut().zip(plastic).for_each(|(sum, strain)| *sum += strain);
+        self.rate = strain.map(|strain| if dt > 0.0 { strain / dt } else { 0.0 });
+    }
+}
+
+impl Record {
+    pub fn new(elements: usize, points: usize) -> Self {
+        Record { elements: vec![Followed::default(); elements], points: vec![PointStrains::default(); points] }
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.elements) + size_of_val(&*self.points)
+    }
+}
+
+impl Persist for Followed {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Followed { section, work } = self;
+        persist_fields!(archive; section, work);
+    }
+}
+
+impl Persist for PointStrains {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let PointStrains { total, plastic, rate } = self;
+        persist_fields!(archive; total, plastic, rate);
+    }
+}
+
+impl Persist for Record {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Record { elements, points } = self;
+        persist_fields!(archive; elements.as_mut_slice(), points.as_mut_slice());
+    }
+}

@@ -1,0 +1,162 @@
+//! Plane stress at a point of a shell: linear elasticity with isotropic von Mises plasticity, the stress through the thickness
+//! zero. Never here: integration through the thickness.
+//!
+//! In the directions of meridian and hoop there is no shear, so that with p = s1 + s2 and d = s1 - s2 the von Mises stress is
+//! q^2 = (p^2 + 3 d^2)/4, and the return is two scalings by one unknown (Simo and Taylor 1986, Int. J. Numer. Meth. Eng. 22,
+//! 649): p = p_trial / (1 + x E/(3 (1 - nu))), d = d_trial / (1 + 2 G x), with the plastic strain increment 2/3 x q.
+
+use super::hardening::YieldStress;
+
+/// Young's modulus and Poisson's ratio.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneElastic {
+    /// Young's modulus.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub ratio: f64,
+}
+
+/// What a return came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Returned {
+    /// Stress along the meridian and the hoop.
+    pub stress: [f64; 2],
+    /// Von Mises stress; 0 where nothing flows.
+    pub mises: f64,
+    /// Increment of the equivalent plastic strain.
+    pub flow: f64,
+    /// Increment of the plastic strain along the meridian and the hoop.
+    pub plastic: [f64; 2],
+}
+
+impl PlaneElastic {
+    /// Modulus of one strain with the other held, E/(1 - nu^2).
+    pub fn modulus(&self) -> f64 {
+        self.young / (1.0 - self.ratio * self.ratio)
+    }
+
+    /// Shear modulus.
+    pub fn shear(&self) -> f64 {
+        0.5 * self.young / (1.0 + self.ratio)
+    }
+
+    /// Stress after an elastic strain increment.
+    pub fn trial(&self, stress: [f64; 2], strain: [f64; 2]) -> [f64; 2] {
+        let modulus = self.modulus();
+        [
+            stress[0] + modulus * (strain[0] + self.ratio * strain[1]),
+            stress[1] + modulus * (strain[1] + self.ratio * strain[0]),
+        ]
+    }
+
+    /// Elastic strain through the thickness that a change of stress brings.
+    pub fn thinning(&self, change: [f64; 2]) -> f64 {
+        -self.ratio / self.young * (change[0] + change[1])
+    }
+
+    /// Brings a trial stress back to the yield stress at the strain and rate that the flow comes to.
+    pub fn returned(
+        &self,
+        law: &dyn YieldStress,
+        trial: [f64; 2],
+        [strain, temperature]: [f64; 2],
+        dt: f64,
+    ) -> Returned {
+        let elastic = Returned { stress: trial, ..Returned::default() };
+        let return_of = |x: f64| self.scaled(trial, x);
+        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        let residual = |x: f64| {
+            let flow = 2.0 / 3.0 * x * mises(return_of(x));
+            mises(return_of(x)) - law.at(strain + flow, flow * per_dt, temperature)
+        };
+        let at_zero = residual(0.0);
+        if at_zero <= 0.0 || at_zero.is_nan() {
+            return elastic;
+        }
+        let x = self.root(residual, at_zero, mises(trial));
+        let stress = return_of(x);
+        // Associated flow: dp_i = x (2 s_i - s_j)/3.
+        let plastic = [x / 3.0 * (2.0 * stress[0] - stress[1]), x / 3.0 * (2.0 * stress[1] - stress[0])];
+        let mises = mises(stress);
+        Returned { stress, mises, flow: 2.0 / 3.0 * x * mises, plastic }
+    }
+
+    /// The trial stress with p and d scaled by the unknown.
+    fn scaled(&self, trial: [f64; 2], x: f64) -> [f64; 2] {
+        let p = (trial[0] + trial[1]) / (1.0 + x * self.young / (3.0 * (1.0 - self.ratio)));
+        let d = (trial[0] - trial[1]) / (1.0 + 2.0 * self.shear() * x);
+        [0.5 * (p + d), 0.5 * (p - d)]
+    }
+
+    /// The zero of a residual that falls from above zero at 0: doubled until it has been passed, then by secants that a bracket
+    /// keeps.
+    fn root(&self, residual: impl Fn(f64) -> f64, at_zero: f64, trial: f64) -> f64 {
+        let (mut low, mut at_low) = (0.0, at_zero);
+        let mut high = at_zero / (trial * self.shear());
+        let mut at_high = residual(high);
+        for _ in 0..200 {
+            if at_high <= 0.0 {
+                break;
+            }
+            (low, at_low) = (high, at_high);
+            high *= 2.0;
+            at_high = residual(high);
+        }
+        let enough = 1e-12 * trial;
+        let (mut before, mut at_before) = (low, at_low);
+        let (mut x, mut value) = (high, at_high);
+        for _ in 0..100 {
+            if value.abs() <= enough || high - low <= 1e-15 * high {
+                break;
+            }
+            let secant = x - value * (x - before) / (value - at_before);
+            (before, at_before) = (x, value);
+            x = if secant > low && secant < high { secant } else { 0.5 * (low + high) };
+            value = residual(x);
+            if value > 0.0 { low = x } else { high = x }
+        }
+        x
+    }
+}
+
+/// Von Mises stress of two principal stresses.
+pub fn mises([a, b]: [f64; 2]) -> f64 {
+    (a * a - a * b + b * b).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PlaneElastic, mises};
+    use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, YieldStress};
+
+    const STEEL: PlaneElastic = PlaneElastic { young: 200e3, ratio: 0.3 };
+
+    /// Pulled along one direction with the other free, the strain splits into its elastic and its plastic part.
+    #[test]
+    fn a_bar_follows_its_hardening() {
+        let law = Table { rows: vec![[200.0, 0.0], [400.0, 0.2]] };
+        // Strains of a bar at the plastic strain 0.01: the stress is 210.
+        let (stress, plastic) = (210.0, 0.01);
+        let strain = [stress / STEEL.young + plastic, -0.3 * stress / STEEL.young - 0.5 * plastic];
+        let found = STEEL.returned(&law, STEEL.trial([0.0; 2], strain), [0.0; 2], 0.0);
+        assert!((found.stress[0] - stress).abs() < 1e-8 && found.stress[1].abs() < 1e-8, "{found:?}");
+        assert!((found.flow - plastic).abs() < 1e-13);
+        assert!((found.plastic[0] - plastic).abs() < 1e-13 && (found.plastic[1] + 0.5 * plastic).abs() < 1e-13);
+    }
+
+    #[test]
+    fn the_return_meets_the_yield_surface() {
+        let base = JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 };
+        let law = RateDependent { base, factor: RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 } };
+        for trial in [[5000.0, -300.0], [2500.0, 2500.0], [-2000.0, 1.0], [0.0, 1e5]] {
+            let found = STEEL.returned(&law, trial, [0.02, 300.0], 1e-6);
+            let yields = law.at(0.02 + found.flow, found.flow / 1e-6, 300.0);
+            assert!((found.mises / yields - 1.0).abs() < 1e-9, "{trial:?} {found:?}");
+            // The elastic strain that is left gives the stress again.
+            let back = STEEL.trial(trial, found.plastic.map(|p| -p));
+            assert!((0..2).all(|i| (back[i] - found.stress[i]).abs() < 1e-8 * mises(trial)), "{trial:?} {back:?}");
+        }
+        let melted = STEEL.returned(&law, [900.0, 0.0], [0.0, 1600.0], 1e-6);
+        assert!(melted.mises < 1e-6);
+    }
+}

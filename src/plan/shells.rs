@@ -1,0 +1,175 @@
+//! Shells of the plan: sections to groups, rotations of their nodes, masses.
+//! Never here: solids, arithmetic of elements.
+
+use indexmap::IndexMap;
+
+use super::Compiler;
+use super::solid_material::heating;
+use crate::deck::Diagnostic;
+use crate::element::group::ElementGroup;
+use crate::element::shell::Shells;
+use crate::element::shell::section::{Flowing, Section, Thinning};
+use crate::kernel::plane_stress::PlaneElastic;
+use crate::kernel::shell::{Frame, simpson};
+use crate::model::{Material, Plastic, ShellSection, ShellThinning};
+use crate::state::nodes::Node;
+
+/// A group and the corners of its elements: two nodes and their rotations.
+type Group = (Box<dyn ElementGroup>, Vec<[u32; 4]>);
+
+impl<'a> Compiler<'a> {
+    /// Sections with their elements that no rigid body has.
+    pub(super) fn free_shells(&self) -> Vec<(&'a ShellSection, Vec<usize>)> {
+        let free = |e: &usize| !self.body_of_element.contains_key(e);
+        let of = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
+        let model: &'a crate::model::Model = self.model;
+        let sections = model.shell_sections.iter().map(|s| (s, of(s)));
+        sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
+    }
+
+    /// Rotations of the nodes of shells, behind all nodes: at no angle.
+    pub(super) fn place_rotations(&mut self, shells: &[(&ShellSection, Vec<usize>)], nodes: &mut Vec<Node>) {
+        let mesh = &self.model.mesh;
+        let ends = shells.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
+        let mut turning: Vec<usize> = ends.collect();
+        turning.sort_unstable();
+        turning.dedup();
+        self.places.rotations = turning.iter().enumerate().map(|(i, &n)| (n, nodes.len() + i)).collect();
+        nodes.resize(nodes.len() + turning.len(), Node::default());
+        if let Some((section, _)) = shells.first() {
+            let detail = "rotations in the r-z plane; where solids meet shells nothing turns them: a hinge";
+            self.cause(section.span, "rotations", turning.len(), "nodes", detail.into());
+        }
+    }
+
+    /// The group of a section; its masses go to the nodes and their rotations.
+    pub(super) fn shells(
+        &mut self,
+        section: &ShellSection,
+        elements: &[usize],
+        nodes: &[Node],
+        mass: &mut [f64],
+    ) -> Option<Group> {
+        let model = self.model;
+        let material = &model.materials[section.material];
+        let section_of_group = self.shell(section, material, elements.len())?;
+        let corners = |&e: &usize| {
+            let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);
+            let [a, b] = ends.map(|n| self.places.nodes[&n] as u32);
+            let [x, y] = ends.map(|n| self.places.rotations[&n] as u32);
+            [a, b, x, y]
+        };
+        let list: Vec<[u32; 4]> = elements.iter().map(corners).collect();
+        if let Some(at) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
+            let element = &model.mesh.elements[elements[at]];
+            let message = format!("element {} lies on the axis, or has no length", element.name);
+            self.diagnostics.push(Diagnostic::error("P012", message).at(element.span, "this element"));
+            return None;
+        }
+        let group = Shells::new(section_of_group, list.clone(), nodes);
+        for (i, corners) in list.iter().enumerate() {
+            for (n, m) in corners.iter().zip(group.corner_masses(i)) {
+                mass[*n as usize] += m;
+            }
+        }
+        Some((Box::new(group), list))
+    }
+
+    /// What all shells of a section share; a material that shells cannot have is refused.
+    fn shell(&mut self, section: &ShellSection, material: &Material, count: usize) -> Option<Section> {
+        if let Some(message) = refusal(material) {
+            let message = format!("material `{}`: {message}", material.name);
+            let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
+            self.diagnostics
+                .push(finding.help("shells take *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
+            return None;
+        }
+        let ([young, ratio], density) = (material.elastic?, material.density?);
+        let flowing = match &material.plastic {
+            None => None,
+            Some(plastic) => {
+                let law = self.yield_stress(plastic, material, section.span)?;
+                let heats = self.adiabatic();
+                let heating = if heats { heating(material, density) } else { crate::kernel::heating::Heating::None };
+                let heat = if heating.is_none() { "" } else { ", heated by plastic work" };
+                let kind = if matches!(plastic, Plastic::Tabular(_)) { "tabular isotropic" } else { "Johnson-Cook" };
+                let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
+                let detail = format!("{kind}{rate}{heat}, plane stress");
+                self.cause(section.span, "plasticity", count * section.points, "points", detail);
+                Some(Flowing { law, heating })
+            }
+        };
+        let (thinning, thins) = match section.thinning {
+            ShellThinning::Material => (Thinning::Material, "thins by its material".into()),
+            ShellThinning::Elastic => (Thinning::Ratio(ratio), format!("thins by {ratio}")),
+            ShellThinning::Ratio(ratio) => (Thinning::Ratio(ratio), format!("thins by {ratio}")),
+        };
+        let detail = format!(
+            "material {}, thickness {}, {} points, {thins}; rotary inertia scaled",
+            material.name, section.thickness, section.points
+        );
+        self.cause(section.span, "shells", count, "SAX1", detail);
+        let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
+        let [linear, quadratic] = bulk_viscosity;
+        if linear != 0.0 || quadratic != 0.0 {
+            self.cause(section.span, "bulk viscosity", count, "elements", format!("{linear}, {quadratic}"));
+        }
+        Some(Section {
+            elastic: PlaneElastic { young, ratio },
+            thickness: section.thickness,
+            per_area: density * section.thickness + section.per_area,
+            points: simpson(section.points),
+            flowing,
+            thinning,
+            bulk_viscosity,
+        })
+    }
+
+    /// Adds the masses that some shells put on their nodes.
+    pub(super) fn add_masses_of_shells(&self, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
+        let mesh = &self.model.mesh;
+        for section in &self.model.shell_sections {
+            let material = &self.model.materials[section.material];
+            let (Some([young, ratio]), Some(density)) = (material.elastic, material.density) else { continue };
+            let per_area = density * section.thickness + section.per_area;
+            let own = |e: &&usize| section.elements.contains(e) && self.places.elements.contains_key(*e);
+            for &e in elements.iter().filter(own) {
+                let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
+                let places = ends.map(|n| mesh.points[n]);
+                let elastic = PlaneElastic { young, ratio };
+                let [a, b, ..] = Frame::new(places).masses(places.map(|p| p[0]), per_area, section.thickness, &elastic);
+                *masses.entry(self.places.nodes[&ends[0]]).or_default() += a;
+                *masses.entry(self.places.nodes[&ends[1]]).or_default() += b;
+            }
+        }
+    }
+}
+
+/// Whether an element has a length and some of it lies off the axis.
+fn lies_off_the_axis(corners: &[u32; 4], nodes: &[Node]) -> bool {
+    let area = Frame::new([corners[0], corners[1]].map(|n| nodes[n as usize].place())).area();
+    area > 0.0 && area.is_finite()
+}
+
+/// Why shells cannot be of a material; `None` where they can.
+fn refusal(material: &Material) -> Option<&'static str> {
+    if material.user.is_some() {
+        return Some("a *USER MATERIAL on shells is not supported");
+    }
+    if material.eos.is_some() || material.neo_hooke.is_some() || material.shear_modulus.is_some() {
+        return Some("shells need *ELASTIC with Young's modulus and Poisson's ratio");
+    }
+    if !material.failures.is_empty() || material.tensile_failure.is_some() {
+        return Some("failure of shells is not supported");
+    }
+    if matches!(material.plastic, Some(Plastic::Kinematic(_))) {
+        return Some("kinematic hardening of shells is not supported");
+    }
+    if material.density.is_none() {
+        return Some("it has no *DENSITY");
+    }
+    if material.elastic.is_none() {
+        return Some("it has no *ELASTIC");
+    }
+    None
+}
