@@ -22,6 +22,7 @@ pub mod rings;
 #[cfg(test)]
 mod same_bits;
 mod user_chunk;
+pub mod user_flow;
 pub mod user_quads;
 pub mod values;
 pub mod volume_guard;

@@ -45,6 +45,7 @@ impl Builder<'_> {
                 self.last_material().specific_heat = rows;
             }
             "USER MATERIAL" => self.user_material(card),
+            "USER DEFINED FIELD" => self.user_fields(card),
             "DEPVAR" => self.state_variables(card),
             _ => self.cavity_expansion(card),
         }
@@ -152,10 +153,11 @@ impl Builder<'_> {
                 }
             }
             "KINEMATIC" => self.kinematic(card),
+            "USER" => self.user_hardening(card),
             other => self.unsupported(
                 card.span,
                 format!("HARDENING={other} is not supported"),
-                "ISOTROPIC, KINEMATIC and JOHNSON COOK are",
+                "ISOTROPIC, KINEMATIC, JOHNSON COOK and USER are",
             ),
         }
     }

@@ -238,7 +238,7 @@ impl<'a> Run<'a> {
             return Ok(());
         }
         if self.now.step == 1 {
-            self.elements.probe(&self.dofs.nodes, &self.now, self.user.material.as_deref_mut())?;
+            self.elements.probe(&self.dofs.nodes, &self.now, self.user.at_points())?;
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
         let prescribed: Vec<_> = self.constraints.iter().flat_map(|c| c.prescribes()).collect();
@@ -279,7 +279,7 @@ impl<'a> Run<'a> {
     /// Stresses of elements, forces of loads and links on nodes, and what of them goes to bodies.
     fn evaluate_nodes(&mut self) -> Result<(), Halt> {
         self.scale_masses();
-        let user = self.user.material.as_deref_mut();
+        let user = self.user.at_points();
         self.elements.update(&mut self.dofs, &self.now, self.threads, user, self.timing.groups());
         self.dofs.nodes.begin_forces();
         self.release_faces();

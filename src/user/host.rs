@@ -105,6 +105,43 @@ pub(super) fn part_of(names: &[String], internal: i32) -> Option<(&str, i32)> {
     Some((part, local.parse().ok()?))
 }
 
+/// Principal values of a symmetric tensor with the direct components 11, 22, 33 and the shear components 12, 23, 31, and their
+/// directions, by Jacobi's rotations: the two in the plane of the first axes, the larger first, then the third, if nothing
+/// shears out of the plane; else the largest first.
+pub(super) fn principal(direct: [f64; 3], shear: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+    let [s12, s23, s31] = shear;
+    let mut a = [[direct[0], s12, s31], [s12, direct[1], s23], [s31, s23, direct[2]]];
+    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // Each sweep squares what is left; eight are far more than numbers have digits.
+    for (p, q) in [(0, 1), (1, 2), (0, 2)].into_iter().cycle().take(24) {
+        if a[p][q] == 0.0 {
+            continue;
+        }
+        let theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
+        let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+        let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+        let sine = tangent * cosine;
+        for row in &mut a {
+            (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
+        }
+        let (first, second) = (a[p], a[q]);
+        for k in 0..3 {
+            a[p][k] = cosine * first[k] - sine * second[k];
+            a[q][k] = sine * first[k] + cosine * second[k];
+        }
+        let (first, second) = (axes[p], axes[q]);
+        for k in 0..3 {
+            axes[p][k] = cosine * first[k] - sine * second[k];
+            axes[q][k] = sine * first[k] + cosine * second[k];
+        }
+    }
+    let values = [a[0][0], a[1][1], a[2][2]];
+    let mut order = [0, 1, 2];
+    let sorted = if s23 == 0.0 && s31 == 0.0 { &mut order[..2] } else { &mut order[..] };
+    sorted.sort_by(|i, j| values[*j].total_cmp(&values[*i]));
+    (order.map(|i| values[i]), order.map(|i| axes[i]))
+}
+
 /// Text of `xplb_abqerr` with its values in place of `%I`, `%R` and `%S`.
 pub(super) fn fill_in(
     text: &str,
@@ -145,7 +182,22 @@ fn count<T>(index: &mut usize, value: &mut impl FnMut(usize) -> Option<T>) -> Op
 
 #[cfg(test)]
 mod tests {
-    use super::{fill_in, internal_number, part_of};
+    use super::{fill_in, internal_number, part_of, principal};
+
+    #[test]
+    fn principal_values_by_hand() {
+        let (values, axes) = principal([5.0, 1.0, 9.0], [2.0, 0.0, 0.0]);
+        let root = 8.0_f64.sqrt();
+        for (value, expected) in values.into_iter().zip([3.0 + root, 3.0 - root, 9.0]) {
+            assert!((value - expected).abs() < 1e-14, "{values:?}");
+        }
+        // The tensor on an axis is the axis times its value.
+        assert!((5.0 * axes[0][0] + 2.0 * axes[0][1] - values[0] * axes[0][0]).abs() < 1e-14);
+        // Under all shears: 1 + 2 on the diagonal of ones, twice 1 - 1.
+        let (values, axes) = principal([1.0; 3], [1.0; 3]);
+        assert!((values[0] - 3.0).abs() < 1e-14 && values[1].abs() < 1e-14 && values[2].abs() < 1e-14, "{values:?}");
+        assert!(axes[0].iter().all(|x| (x.abs() - 1.0 / 3.0_f64.sqrt()).abs() < 1e-14));
+    }
 
     #[test]
     fn values_take_their_places() {

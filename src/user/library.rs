@@ -15,8 +15,9 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
 use super::host::{self, Level};
 use super::{
-    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Moment, MotionCall,
-    Routines, UserAmplitude, UserEvents, UserLoad, UserMaterial, UserMotion, Wish,
+    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
+    MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Moment, MotionCall, PointValues, Routines, UserAmplitude,
+    UserEvents, UserFields, UserHardening, UserLoad, UserMaterial, UserMotion, Wish,
 };
 use crate::deck::Diagnostic;
 use crate::output::whole::Scratch;
@@ -88,7 +89,7 @@ type Vdisp = unsafe extern "C-unwind" fn(
     *mut f64,
     usize,
 );
-/// `subroutine vumat(nblock, ndir, nshr, nstatev, nfieldv, nprops, lanneal, stepTime, totalTime, dt, cmname, coordMp,
+/// `subroutine vumat(jblock, ndir, nshr, nstatev, nfieldv, nprops, jInfoArray, stepTime, totalTime, dtArray, cmname, coordMp,
 /// charLength, props, density, strainInc, relSpinInc, tempOld, stretchOld, defgradOld, fieldOld, stressOld, stateOld,
 /// enerInternOld, enerInelasOld, tempNew, stretchNew, defgradNew, fieldNew, stressNew, stateNew, enerInternNew,
 /// enerInelasNew)`.
@@ -128,6 +129,63 @@ type Vumat = unsafe extern "C-unwind" fn(
     *mut f64,
     usize,
 );
+/// `subroutine vuhard(nblock, jElem, kIntPt, kLayer, kSecPt, lAnneal, stepTime, totalTime, dt, cmname, nstatev, nfieldv, nprops,
+/// props, tempOld, tempNew, fieldOld, fieldNew, stateOld, eqps, eqpsRate, yield, dyieldDtemp, dyieldDeqps, stateNew)`.
+type Vuhard = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const c_char,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    *mut f64,
+    *mut f64,
+    *mut f64,
+    usize,
+);
+/// `subroutine vusdfld(nblock, nstatev, nfieldv, nprops, ndir, nshr, jElem, kIntPt, kLayer, kSecPt, stepTime, totalTime, dt,
+/// cmname, coordMp, direct, T, charLength, props, stateOld, stateNew, field)`.
+type Vusdfld = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const c_char,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    *mut f64,
+    usize,
+);
 /// `subroutine vexternaldb(lOp, i_Array, niArray, r_Array, nrArray)`.
 type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32, *mut f64, *const i32);
 
@@ -162,8 +220,18 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
             known = true;
         }
         if let Some(call) = find::<Vumat>(&libraries, "vumat") {
+            let material = CompiledMaterial { call, numbers: Box::<Numbers>::default(), _keep: libraries.clone() };
+            routines = routines.with_material(material);
+            known = true;
+        }
+        if let Some(call) = find::<Vuhard>(&libraries, "vuhard") {
             let name = Padded::default();
-            routines = routines.with_material(CompiledMaterial { call, name, _keep: libraries.clone() });
+            routines = routines.with_hardening(CompiledHardening { call, name, _keep: libraries.clone() });
+            known = true;
+        }
+        if let Some(call) = find::<Vusdfld>(&libraries, "vusdfld") {
+            let (name, directions) = (Padded::default(), vec![0.0; 9 * MAX_MATERIAL_BLOCK]);
+            routines = routines.with_fields(CompiledFields { call, name, directions, _keep: libraries.clone() });
             known = true;
         }
         if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb") {
@@ -290,6 +358,15 @@ struct Call<'a> {
     name: &'a str,
     now: Instant,
     sensors: (&'a [String], &'a [f64]),
+    /// What the points of the call hold.
+    points: Option<(usize, &'a dyn PointValues)>,
+}
+
+impl<'a> Call<'a> {
+    /// Without sensors and points.
+    fn new(routine: &'static str, name: &'a str, now: Instant) -> Self {
+        Call { routine, name, now, sensors: (&[], &[]), points: None }
+    }
 }
 
 thread_local! {
@@ -344,7 +421,7 @@ impl UserLoad for CompiledLoad {
         let (count, dimensions) = (points.r.len() as i32, 2_i32);
         // An element load has no surface name.
         let name = self.name.set(if points.load_type == 0 { points.surface } else { "" });
-        let call = Call { routine: "vdload", name: points.surface, now: points.now, sensors: (&[], &[]) };
+        let call = Call::new("vdload", points.surface, points.now);
         if self.watch_invalid {
             // SAFETY: changes a flag of this thread alone.
             unsafe { feclearexcept(FE_INVALID) };
@@ -406,7 +483,7 @@ impl UserAmplitude for CompiledAmplitude {
         let mut define = [0_i32; 8];
         let (mut value, mut derivative, mut second, mut integral) = (f64::NAN, 0.0, 0.0, 0.0);
         let context =
-            Call { routine: "vuamp", name: call.name, now: call.now, sensors: (call.sensor_names, call.sensor_values) };
+            Call { sensors: (call.sensor_names, call.sensor_values), ..Call::new("vuamp", call.name, call.now) };
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -468,7 +545,7 @@ impl UserMotion for CompiledMotion {
         let [u, v, a, rf] = [0, 1, 2, 3].map(vector);
         let rotary = [0.0; 9];
         let mut values = [f64::NAN; DOFS];
-        let context = Call { routine: "vdisp", name: call.set, now: call.now, sensors: (&[], &[]) };
+        let context = Call::new("vdisp", call.set, call.now);
         enter(&context, || {
             // SAFETY: one node, three degrees of freedom, two coordinates; every array is of that size.
             unsafe {
@@ -506,51 +583,78 @@ impl UserMotion for CompiledMotion {
 
 struct CompiledMaterial {
     call: Vumat,
-    name: Padded,
+    numbers: Box<Numbers>,
     _keep: Arc<[Library]>,
+}
+
+/// What a VUMAT is told in numbers of a block. ABAQUS passes arrays where older routines declare one number: `jblock` begins
+/// with nblock, `jInfoArray` with lanneal, `dtArray` with dt (ABAQUS User Subroutines Reference, "VUMAT", "Variables passed in
+/// for information").
+struct Numbers {
+    name: Padded,
+    /// nblock, integration point, layer, section point, user's numbers of the elements.
+    block: [i32; 4 + MAX_MATERIAL_BLOCK],
+    /// Anneal flag, integration point, layer, section point, whether moduli are asked for, where the numbers of the elements
+    /// begin; then they.
+    info: [i32; 6 + MAX_MATERIAL_BLOCK],
+    /// Length of the increment; room for moduli that nobody asks for.
+    dt: [f64; 1 + 2 * MAX_MATERIAL_BLOCK],
+}
+
+impl Default for Box<Numbers> {
+    fn default() -> Self {
+        let (mut block, mut info) = ([0; 4 + MAX_MATERIAL_BLOCK], [0; 6 + MAX_MATERIAL_BLOCK]);
+        block[1..4].fill(1);
+        info[..6].copy_from_slice(&[0, 1, 1, 1, 0, 7]);
+        Box::new(Numbers { name: Padded::default(), block, info, dt: [0.0; 1 + 2 * MAX_MATERIAL_BLOCK] })
+    }
 }
 
 impl UserMaterial for CompiledMaterial {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
-        let name = self.name.set(call.name);
-        let [count, variables, properties] = [call.count, call.variables, call.properties.len()].map(|n| n as i32);
-        let (direct, shear, fields, anneal) = (3_i32, 1_i32, 0_i32, 0_i32);
-        // There are no field variables; a place to point at.
-        let none = [f64::NAN; 1];
-        let context = Call { routine: "vumat", name: call.name, now: call.now, sensors: (&[], &[]) };
+        let Numbers { name, block, info, dt } = &mut *self.numbers;
+        let name_given = name.set(call.name);
+        let [variables, fields, properties] =
+            [call.variables, call.fields, call.properties.len()].map(|n| n as i32);
+        let (direct, shear) = (3_i32, 1_i32);
+        block[0] = call.count as i32;
+        block[4..4 + call.count].copy_from_slice(call.elements);
+        info[6..6 + call.count].copy_from_slice(call.elements);
+        dt[0] = call.dt;
+        let context = Call::new("vumat", call.name, call.now);
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
                 (self.call)(
-                    &count,
+                    block.as_ptr(),
                     &direct,
                     &shear,
                     &variables,
                     &fields,
                     &properties,
-                    &anneal,
+                    info.as_ptr(),
                     &call.now.step_time,
                     &call.now.total_time,
-                    &call.dt,
-                    name,
+                    dt.as_ptr(),
+                    name_given,
                     call.coordinates.as_ptr(),
                     call.length.as_ptr(),
                     call.properties.as_ptr(),
                     call.density.as_ptr(),
                     call.strain.as_ptr(),
                     call.spin.as_ptr(),
-                    call.temperature.as_ptr(),
+                    call.temperature[0].as_ptr(),
                     call.stretch[0].as_ptr(),
                     call.gradient[0].as_ptr(),
-                    none.as_ptr(),
+                    call.field[0].as_ptr(),
                     call.stress.as_ptr(),
                     call.state.as_ptr(),
                     call.internal.as_ptr(),
                     call.inelastic.as_ptr(),
-                    call.temperature.as_ptr(),
+                    call.temperature[1].as_ptr(),
                     call.stretch[1].as_ptr(),
                     call.gradient[1].as_ptr(),
-                    none.as_ptr(),
+                    call.field[1].as_ptr(),
                     answer.stress.as_mut_ptr(),
                     answer.state.as_mut_ptr(),
                     answer.internal.as_mut_ptr(),
@@ -559,7 +663,114 @@ impl UserMaterial for CompiledMaterial {
                 );
             }
         })?;
-        guarded(self.name.untouched(), "vumat", "cmname")
+        guarded(name.untouched(), "vumat", "cmname")
+    }
+}
+
+struct CompiledHardening {
+    call: Vuhard,
+    name: Padded,
+    _keep: Arc<[Library]>,
+}
+
+impl UserHardening for CompiledHardening {
+    fn yield_stress(
+        &mut self,
+        call: &HardeningCall<'_>,
+        answer: &mut HardeningAnswer<'_>,
+    ) -> Result<(), LoadFailure> {
+        let name = self.name.set(call.name);
+        let [count, variables, fields, properties] =
+            [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
+        let (one, anneal) = (1_i32, 0_i32);
+        let context = Call::new("vuhard", call.name, call.now);
+        enter(&context, || {
+            // SAFETY: each argument has the length that the counts before it say.
+            unsafe {
+                (self.call)(
+                    &count,
+                    call.elements.as_ptr(),
+                    &one,
+                    &one,
+                    &one,
+                    &anneal,
+                    &call.now.step_time,
+                    &call.now.total_time,
+                    &call.dt,
+                    name,
+                    &variables,
+                    &fields,
+                    &properties,
+                    call.properties.as_ptr(),
+                    call.temperature[0].as_ptr(),
+                    call.temperature[1].as_ptr(),
+                    call.field[0].as_ptr(),
+                    call.field[1].as_ptr(),
+                    call.state.as_ptr(),
+                    call.strain.as_ptr(),
+                    call.rate.as_ptr(),
+                    answer.stress.as_mut_ptr(),
+                    answer.by_temperature.as_mut_ptr(),
+                    answer.slopes.as_mut_ptr(),
+                    answer.state.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vuhard", "cmname")
+    }
+}
+
+struct CompiledFields {
+    call: Vusdfld,
+    name: Padded,
+    /// `direct` and `T`: the axes of the material are those of the model.
+    directions: Vec<f64>,
+    _keep: Arc<[Library]>,
+}
+
+impl UserFields for CompiledFields {
+    fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
+        let name = self.name.set(call.name);
+        let [count, variables, fields, properties] =
+            [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
+        let (direct, shear, one) = (3_i32, 1_i32, 1_i32);
+        for (slab, list) in self.directions.chunks_mut(call.count).take(9).enumerate() {
+            list.fill(if slab % 4 == 0 { 1.0 } else { 0.0 });
+        }
+        let points = Some((call.count, call.values));
+        let context = Call { points, ..Call::new("vusdfld", call.name, call.now) };
+        enter(&context, || {
+            // SAFETY: each argument has the length that the counts before it say.
+            unsafe {
+                (self.call)(
+                    &count,
+                    &variables,
+                    &fields,
+                    &properties,
+                    &direct,
+                    &shear,
+                    call.elements.as_ptr(),
+                    &one,
+                    &one,
+                    &one,
+                    &call.now.step_time,
+                    &call.now.total_time,
+                    &call.dt,
+                    name,
+                    call.coordinates.as_ptr(),
+                    self.directions.as_ptr(),
+                    self.directions.as_ptr(),
+                    call.length.as_ptr(),
+                    call.properties.as_ptr(),
+                    call.state.as_ptr(),
+                    answer.state.as_mut_ptr(),
+                    answer.field.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vusdfld", "cmname")
     }
 }
 
@@ -580,7 +791,7 @@ impl UserEvents for CompiledEvents {
         self.restart = false;
         let mut reals = [now.total_time, now.step_time, increment, 0.0];
         let (integer_count, real_count) = (6_i32, 3_i32);
-        let call = Call { routine: "vexternaldb", name: "", now: *now, sensors: (&[], &[]) };
+        let call = Call::new("vexternaldb", "", *now);
         enter(&call, || {
             // SAFETY: both arrays are longer than the counts say.
             unsafe { (self.call)(&operation, integers.as_mut_ptr(), &integer_count, reals.as_mut_ptr(), &real_count) }
@@ -706,6 +917,9 @@ exported! {
     "vgetrank_" => vgetrank,
     "vgetinternal_" => vgetinternal,
     "vgetpartinfo_" => vgetpartinfo,
+    "vgetvrm_" => vgetvrm,
+    "vsprinc_" => vsprinc,
+    "vsprind_" => vsprind,
     "ivgetsensorid_" => sensor_id,
     "igetsensorid_" => sensor_id,
     "vgetsensorvalue_" => sensor_value,
@@ -852,6 +1066,86 @@ unsafe extern "C-unwind" fn vgetpartinfo(
             }
         }
     });
+}
+
+/// `call vgetvrm(var, rData, jData, cData, jStatus)`: what the points of a VUSDFLD hold at the beginning of the increment
+/// (ABAQUS User Subroutines Reference, 2.1.7 "Obtaining material point information in an Abaqus/Explicit analysis"): components
+/// one after the other, each with one value a point; jStatus is 0 if the variable is there.
+unsafe extern "C-unwind" fn vgetvrm(
+    variable: *const c_char,
+    reals: *mut f64,
+    integers: *mut i32,
+    flags: *mut c_char,
+    status: *mut i32,
+    length: usize,
+    flag: usize,
+) {
+    // SAFETY: a name of the length that the caller's compiler gives.
+    let variable = unsafe { words(variable, length) }.to_uppercase();
+    let given = current(|call| {
+        let (count, values) = call?.points?;
+        values.give(&variable, &mut |component, point, value| {
+            let at = component * count + point;
+            // SAFETY: the caller's arrays have room for every component of every point of its block.
+            unsafe {
+                *reals.add(at) = value;
+                if !integers.is_null() {
+                    *integers.add(at) = 0;
+                }
+                if !flags.is_null() && flag > 0 {
+                    std::slice::from_raw_parts_mut(flags.add(flag * at).cast::<u8>(), flag).fill(b' ');
+                    let word = &b"YES"[..flag.min(3)];
+                    std::ptr::copy_nonoverlapping(word.as_ptr(), flags.add(flag * at).cast::<u8>(), word.len());
+                }
+            }
+        })
+    });
+    // SAFETY: an integer of the caller.
+    unsafe { *status = i32::from(given.is_none()) }
+    if given.is_none() {
+        let known = "S, LE, PE, ER, PEEQ, TEMP and SDV are";
+        host::tell(Level::Warning, format!("vgetvrm: `{variable}` is not there; {known}, where the material has them"));
+    }
+}
+
+/// `call vsprinc(nblock, s, ps, ndi, nshr)`: principal values (ABAQUS User Subroutines Reference, 2.1.11 "Obtaining principal
+/// stress values and directions in an Abaqus/Explicit analysis").
+unsafe extern "C-unwind" fn vsprinc(
+    count: *const i32,
+    tensors: *const f64,
+    values: *mut f64,
+    direct: *const i32,
+    shear: *const i32,
+) {
+    // SAFETY: passed on as they came; no directions are wanted.
+    unsafe { vsprind(count, tensors, values, std::ptr::null_mut(), direct, shear) }
+}
+
+/// `call vsprind(nblock, s, ps, an, ndi, nshr)`: with their directions, `an(k, i, :)` of the i-th.
+unsafe extern "C-unwind" fn vsprind(
+    count: *const i32,
+    tensors: *const f64,
+    values: *mut f64,
+    directions: *mut f64,
+    direct: *const i32,
+    shear: *const i32,
+) {
+    // SAFETY: the caller's arrays have the lengths that its counts say.
+    unsafe {
+        let (n, direct, shear) = (*count as usize, *direct as usize, *shear as usize);
+        for k in 0..n {
+            let component = |c: usize| *tensors.add(c * n + k);
+            let part = |c: usize| if c < direct { component(c) } else { 0.0 };
+            let sheared = |c: usize| if c < shear { component(direct + c) } else { 0.0 };
+            let (list, axes) = host::principal([part(0), part(1), part(2)], [sheared(0), sheared(1), sheared(2)]);
+            for i in 0..3 {
+                *values.add(i * n + k) = list[i];
+                if !directions.is_null() {
+                    (0..3).for_each(|j| *directions.add((j * 3 + i) * n + k) = axes[i][j]);
+                }
+            }
+        }
+    }
 }
 
 /// `ivGetSensorID(sensorName, jSensorLookUpTable)`: place of the sensor from 1, 0 if there is none.
