@@ -96,12 +96,7 @@ impl Elements {
     ///
     /// # Errors
     /// Why it could not.
-    pub fn probe(
-        &mut self,
-        nodes: &Nodes,
-        now: &Instant,
-        mut user: AtPoints<'_>,
-    ) -> Result<(), Halt> {
+    pub fn probe(&mut self, nodes: &Nodes, now: &Instant, mut user: AtPoints<'_>) -> Result<(), Halt> {
         let mut groups = self.groups.iter_mut();
         groups.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }

@@ -64,12 +64,7 @@ pub trait ElementGroup: Persist + Send + Sync {
     ///
     /// # Errors
     /// The routine's, and an answer that is not elastic.
-    fn probe(
-        &mut self,
-        _nodes: &[Node],
-        _now: &Instant,
-        _user: AtPoints<'_>,
-    ) -> Result<(), Halt> {
+    fn probe(&mut self, _nodes: &[Node], _now: &Instant, _user: AtPoints<'_>) -> Result<(), Halt> {
         Ok(())
     }
     /// Stresses at the end of an increment, and forces on the corners.
@@ -587,7 +582,14 @@ mod tests {
             let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| {
                 let now = &Instant::default();
-                quads.update(Pass { nodes: &nodes, dt: 0.3, now, threads: false, user: AtPoints::default(), corners: &mut corners })
+                quads.update(Pass {
+                    nodes: &nodes,
+                    dt: 0.3,
+                    now,
+                    threads: false,
+                    user: AtPoints::default(),
+                    corners: &mut corners,
+                })
             });
             let totals = totals.last().expect("totals");
             let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();

@@ -5,8 +5,10 @@ use crate::element::user_quads::Description;
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
+use crate::user::{
+    FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial,
+};
 use crate::variables::{Part, Variable};
-use crate::user::{FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial};
 
 /// Entries behind each answer that a routine must leave alone.
 const GUARD: usize = 8;
@@ -316,10 +318,10 @@ impl Points {
         }
     }
 
-    /// Adds the heat of the inelastic work that a call added: rises of temperature by the energy a mass.
-    pub fn heat(&mut self, heating: &Heating, density: f64) {
+    /// Adds the heat of the inelastic work that a call added.
+    pub fn heat(&mut self, heating: &Heating) {
         for i in 0..self.count {
-            let (before, work) = (self.temperature[0][i], density * self.dissipated(i));
+            let (before, work) = (self.temperature[0][i], self.density[i] * self.dissipated(i));
             self.temperature[1][i] = before + heating.rise(before, [work]);
         }
     }

@@ -159,7 +159,7 @@ impl Chunk {
         self.points.carry_temperature();
         self.points.call(description, routine, now, dt)?;
         if !description.heating.is_none() {
-            self.points.heat(&description.heating, description.density);
+            self.points.heat(&description.heating);
         }
         Ok(())
     }

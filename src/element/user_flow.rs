@@ -186,8 +186,7 @@ impl Points {
         for i in 0..self.count {
             let (strain, temperature) = (self.plastic[0][i], self.temperature[0][i]);
             let shear3 = 3.0 * under.flow.shear;
-            returning.increment[i] =
-                plastic_increment(law, returning.trial[i], strain, temperature, shear3, under.dt);
+            returning.increment[i] = plastic_increment(law, returning.trial[i], strain, temperature, shear3, under.dt);
         }
     }
 
@@ -292,8 +291,11 @@ impl Points {
             state: &mut state[..m * n],
         };
         routine.yield_stress(&call, answer).map_err(|failure| self.of_chunk(failure, open))?;
-        let answers =
-            [("dyieldDtemp", &mut asked.by_temperature, 1), ("dyieldDeqps", &mut asked.slopes, 2), ("stateNew", &mut asked.state[1], m)];
+        let answers = [
+            ("dyieldDtemp", &mut asked.by_temperature, 1),
+            ("dyieldDeqps", &mut asked.slopes, 2),
+            ("stateNew", &mut asked.state[1], m),
+        ];
         answers.into_iter().try_for_each(|(name, list, components)| untouched(name, list, n, components))?;
         answered("stateNew", &mut asked.state[1], n, m).map_err(|failure| self.of_chunk(failure, open))?;
         untouched("yield", &mut asked.stress, n, 1)?;
@@ -315,12 +317,7 @@ impl Points {
     }
 
     /// Puts before the routine what it is asked for.
-    fn gather(
-        &self,
-        under: Under<'_>,
-        (open, trial, increment): (&[usize], &[f64], &[f64]),
-        asked: &mut Asked,
-    ) {
+    fn gather(&self, under: Under<'_>, (open, trial, increment): (&[usize], &[f64], &[f64]), asked: &mut Asked) {
         let per_dt = if under.dt > 0.0 { 1.0 / under.dt } else { 0.0 };
         let shear3 = 3.0 * under.flow.shear;
         let heated = |i: usize| {

@@ -201,12 +201,7 @@ impl ElementGroup for UserQuads {
         self.failure.clone()
     }
 
-    fn probe(
-        &mut self,
-        nodes: &[Node],
-        now: &Instant,
-        user: AtPoints<'_>,
-    ) -> Result<(), Halt> {
+    fn probe(&mut self, nodes: &[Node], now: &Instant, user: AtPoints<'_>) -> Result<(), Halt> {
         self.now = *now;
         let Some(routine) = user.material.filter(|_| self.description.flow.is_none()) else { return Ok(()) };
         let [bulk, shear] = self.moduli(nodes, routine).map_err(|failed| self.halt(&failed))?;

@@ -242,7 +242,9 @@ impl Check<'_> {
             self.value(finite, condition.span, || "an initial condition needs finite values".into());
             self.value(ascend(&condition.members), condition.span, || "members must ascend".into());
             match condition.kind {
-                InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::State(_) => self.elements(condition.span, &condition.members),
+                InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::State(_) => {
+                    self.elements(condition.span, &condition.members)
+                }
                 _ => self.nodes(condition.span, &condition.members),
             }
             if let InitialKind::Velocity(dof, _) = condition.kind {

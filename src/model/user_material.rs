@@ -53,7 +53,8 @@ impl Builder<'_> {
             return Some(constants);
         }
         let wanted = card.value(parameter).map_or(String::new(), |word| format!("{parameter}={}, but ", word.text));
-        let rows = if card.lines.len() > 1 { format!(" (each line but the last counts as {ROW})") } else { String::new() };
+        let rows =
+            if card.lines.len() > 1 { format!(" (each line but the last counts as {ROW})") } else { String::new() };
         self.out_of_range(card.span, format!("{wanted}{} constants follow{rows}", constants.len()));
         None
     }
@@ -118,7 +119,9 @@ impl Builder<'_> {
                 }
                 Some(values.len())
             };
-            let Some(mut count) = read(self, line, 1, if most > ROW - 1 { ROW } else { line.fields.len() }) else { continue };
+            let Some(mut count) = read(self, line, 1, if most > ROW - 1 { ROW } else { line.fields.len() }) else {
+                continue;
+            };
             while let Some(next) = lines.next_if(|next| count < most && goes_on(next)) {
                 match read(self, next, 0, ROW) {
                     Some(more) => count = more,

@@ -143,6 +143,8 @@ struct Compiler<'a> {
     told: usize,
     /// Nodes that each rigid body carries.
     ties: Vec<Tie>,
+    /// Routines of the user that something calls.
+    called: Vec<&'static str>,
 }
 
 /// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
@@ -160,6 +162,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         tellers: IndexMap::new(),
         told: 0,
         ties: Vec::new(),
+        called: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
         causes: IndexMap::new(),
@@ -179,6 +182,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.check_complete(!state.elements.is_empty());
     compiler.list_inert();
     compiler.events_row();
+    compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
     let Compiler { ledger, bodies, places, amplitudes, told, diagnostics: found, .. } = compiler;
     diagnostics.append(found);

@@ -394,7 +394,12 @@ impl Compiler<'_> {
         })
     }
 
-    pub(super) fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<Box<dyn YieldStress>> {
+    pub(super) fn yield_stress(
+        &mut self,
+        plastic: &Plastic,
+        material: &Material,
+        span: Span,
+    ) -> Option<Box<dyn YieldStress>> {
         let factor = rate_factor(material.rate.as_ref());
         match plastic {
             // They have laws of their own.

@@ -103,6 +103,7 @@ impl Compiler<'_> {
             self.no_routine(section.span, "section", &asks, "vumat");
             return None;
         } else {
+            self.called.push("vumat");
             // Fractions of a shear modulus that the routine's first call tells, as it does Poisson's ratio.
             return Some(Moduli { bulk: 1.0, shear: 1.0, ratio: 0.0 });
         };
@@ -136,6 +137,7 @@ impl Compiler<'_> {
                     self.no_routine(section.span, "section", &asks, "vuhard");
                     return None;
                 }
+                self.called.push("vuhard");
                 Yield::User(properties.clone())
             }
             Some(plastic) => Yield::Law(Arc::from(self.yield_stress(plastic, material, section.span)?)),
@@ -151,6 +153,7 @@ impl Compiler<'_> {
             self.no_routine(section.span, "section", &asks, "vusdfld");
             return None;
         }
+        self.called.push("vusdfld");
         let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.state.count);
         self.cause(*span, "user-defined fields", 1, "material", detail);
         Some(())
@@ -204,6 +207,15 @@ impl Compiler<'_> {
     /// The most variables that a material of this scene keeps for the user's routines.
     pub(super) fn state_variables(&self) -> usize {
         self.materials_present().filter(|m| asks_at_points(m)).map(|m| m.state.count).max().unwrap_or(0)
+    }
+
+    /// The name that *DEPVAR gives a state variable; `None` where materials of the scene call it otherwise.
+    pub(super) fn state_name(&self, variable: usize) -> Option<&str> {
+        let keeps = self.materials_present().filter(|m| asks_at_points(m) && m.state.count > variable);
+        let mut names =
+            keeps.map(|m| m.state_names.iter().find(|(v, _)| *v == variable).map(|(_, name)| name.as_str()));
+        let first = names.next()??;
+        names.all(|name| name == Some(first)).then_some(first)
     }
 
     /// Whether elements of the scene can be deleted.

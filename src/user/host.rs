@@ -3,6 +3,7 @@
 //! Never here: pointers.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -48,7 +49,11 @@ pub struct JobInfo {
 /// Different messages that are kept; a routine may give one every increment.
 const MOST: usize = 200;
 
+/// An array that outlives a call: its bytes in words, so that numbers are where they may be, and its entries.
+type Array = (Box<[u64]>, i32);
+
 thread_local! {
+    static ARRAYS: RefCell<BTreeMap<(u8, i32), Array>> = const { RefCell::new(BTreeMap::new()) };
     static JOB: RefCell<JobInfo> = RefCell::default();
     static MESSAGES: RefCell<Vec<Message>> = const { RefCell::new(Vec::new()) };
 }
@@ -56,6 +61,7 @@ thread_local! {
 /// Sets what routines called by this thread are told of their job, and forgets messages of the job before.
 pub fn announce(job: JobInfo) {
     JOB.with_borrow_mut(|j| *j = job);
+    ARRAYS.with_borrow_mut(BTreeMap::clear);
     MESSAGES.with_borrow_mut(Vec::clear);
 }
 
@@ -90,6 +96,33 @@ pub(super) fn tell(level: Level, text: String) {
             list.push(Message { level, text, times: 1 });
         }
     });
+}
+
+/// Makes an array of a kind and number with so many entries of so many bytes, all alike; where it is. One that is there keeps
+/// what it holds as far as it goes, and is where it was if its size does not change.
+pub(super) fn new_array(key: (u8, i32), count: i32, width: usize, value: &[u8]) -> *mut u64 {
+    let words = (usize::try_from(count).unwrap_or(0) * width).div_ceil(8).max(1);
+    let pattern: Vec<u8> = value.iter().copied().cycle().take(8).collect();
+    let word = u64::from_ne_bytes(pattern.try_into().unwrap_or_default());
+    ARRAYS.with_borrow_mut(|arrays| {
+        let array = arrays.entry(key).or_insert_with(|| (vec![word; words].into_boxed_slice(), count));
+        if array.1 != count {
+            let mut longer = std::mem::take(&mut array.0).into_vec();
+            longer.resize(words, word);
+            *array = (longer.into_boxed_slice(), count);
+        }
+        array.0.as_mut_ptr()
+    })
+}
+
+/// Where an array is, and its entries.
+pub(super) fn array(key: (u8, i32)) -> Option<(*mut u64, i32)> {
+    ARRAYS.with_borrow_mut(|arrays| arrays.get_mut(&key).map(|array| (array.0.as_mut_ptr(), array.1)))
+}
+
+/// Takes an array away.
+pub(super) fn delete_array(key: (u8, i32)) {
+    ARRAYS.with_borrow_mut(|arrays| arrays.remove(&key));
 }
 
 /// Number inside the program of what has this name in this instance; 0 if there is none.

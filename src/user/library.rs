@@ -9,6 +9,7 @@ use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Once, OnceLock};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
@@ -16,8 +17,8 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use super::host::{self, Level};
 use super::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
-    MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Moment, MotionCall, PointValues, Routines, UserAmplitude,
-    UserEvents, UserFields, UserHardening, UserLoad, UserMaterial, UserMotion, Wish,
+    MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, PointValues, ROUTINES, Routines,
+    UserAmplitude, UserEvents, UserFields, UserHardening, UserLoad, UserMaterial, UserMotion, Wish,
 };
 use crate::deck::Diagnostic;
 use crate::output::whole::Scratch;
@@ -193,16 +194,24 @@ type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32,
 /// sweep share nothing. `watch_invalid` halts a load that computes with what is no number.
 ///
 /// # Errors
-/// A library that cannot be loaded (with the loader's words), or none that defines a known routine.
-pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnostic> {
+/// A library that cannot be loaded (with the loader's words), or none that defines a routine that can be called; `given` are
+/// the user's own files.
+pub fn open(
+    files: &[PathBuf],
+    watch_invalid: bool,
+    misfits: &[Misfit],
+    given: &[PathBuf],
+) -> Result<Routines, Diagnostic> {
     watch_the_process();
     let libraries = files.iter().map(|f| open_copy(f)).collect::<Result<Vec<_>, _>>()?;
     let libraries: Arc<[Library]> = libraries.into();
-    let mut routines = Routines::none();
+    let strangers = STRANGERS.iter().copied().filter(|name| defines(&libraries, name)).collect();
+    let mut routines = Routines { misfits: misfits.to_vec(), strangers, ..Routines::none() };
     let mut known = false;
+    let fits = |name: &str| misfits.iter().all(|m| m.routine != name);
     // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
     unsafe {
-        if let Some(call) = find::<Vdload>(&libraries, "vdload") {
+        if let Some(call) = find::<Vdload>(&libraries, "vdload").filter(|_| fits("vdload")) {
             routines = routines.with_load(CompiledLoad {
                 call,
                 name: Padded::default(),
@@ -211,30 +220,30 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
             });
             known = true;
         }
-        if let Some(call) = find::<Vuamp>(&libraries, "vuamp") {
+        if let Some(call) = find::<Vuamp>(&libraries, "vuamp").filter(|_| fits("vuamp")) {
             routines = routines.with_amplitude(CompiledAmplitude { call, _keep: libraries.clone() });
             known = true;
         }
-        if let Some(call) = find::<Vdisp>(&libraries, "vdisp") {
+        if let Some(call) = find::<Vdisp>(&libraries, "vdisp").filter(|_| fits("vdisp")) {
             routines = routines.with_motion(CompiledMotion { call, name: Padded::default(), _keep: libraries.clone() });
             known = true;
         }
-        if let Some(call) = find::<Vumat>(&libraries, "vumat") {
+        if let Some(call) = find::<Vumat>(&libraries, "vumat").filter(|_| fits("vumat")) {
             let material = CompiledMaterial { call, numbers: Box::<Numbers>::default(), _keep: libraries.clone() };
             routines = routines.with_material(material);
             known = true;
         }
-        if let Some(call) = find::<Vuhard>(&libraries, "vuhard") {
+        if let Some(call) = find::<Vuhard>(&libraries, "vuhard").filter(|_| fits("vuhard")) {
             let name = Padded::default();
             routines = routines.with_hardening(CompiledHardening { call, name, _keep: libraries.clone() });
             known = true;
         }
-        if let Some(call) = find::<Vusdfld>(&libraries, "vusdfld") {
+        if let Some(call) = find::<Vusdfld>(&libraries, "vusdfld").filter(|_| fits("vusdfld")) {
             let (name, directions) = (Padded::default(), vec![0.0; 9 * MAX_MATERIAL_BLOCK]);
             routines = routines.with_fields(CompiledFields { call, name, directions, _keep: libraries.clone() });
             known = true;
         }
-        if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb") {
+        if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb").filter(|_| fits("vexternaldb")) {
             routines = routines.with_events(CompiledEvents { call, restart: false, _keep: libraries.clone() });
             known = true;
         }
@@ -242,9 +251,103 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
     if known {
         return Ok(routines);
     }
-    let names: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();
-    let message = format!("{} define none of vdload, vuamp, vdisp, vumat, vexternaldb", names.join(", "));
-    Err(Diagnostic::error("U006", message))
+    if let Some(misfit) = misfits.first() {
+        let code = if misfit.code == "U004" { "U004" } else { "U005" };
+        return Err(Diagnostic::error(code, misfit.message.clone()));
+    }
+    Err(nothing_to_call(&routines.strangers, given))
+}
+
+/// Says what the user's files hold where nothing of it can be called.
+fn nothing_to_call(strangers: &[&str], given: &[PathBuf]) -> Diagnostic {
+    let held: Vec<String> = given.iter().flat_map(|file| subroutines(file)).collect();
+    let names: Vec<_> = given.iter().map(|f| format!("`{}`", f.display())).collect();
+    let verb = if names.len() == 1 { "defines" } else { "define" };
+    let what = if held.is_empty() { String::new() } else { format!(" but {}", held.join(", ")) };
+    let none = format!("{} {verb} no routine that is called here{what}", names.join(", "));
+    let finding = Diagnostic::error("U006", format!("{none}; called are {}", ROUTINES.join(", ")));
+    match strangers.first() {
+        Some(name) => finding.help(format!("`{name}` is a routine of ABAQUS that nothing here calls")),
+        None => finding,
+    }
+}
+
+/// Subroutines and functions that a source defines, a few of them.
+fn subroutines(file: &Path) -> Vec<String> {
+    let text = std::fs::read(file).map(|bytes| String::from_utf8_lossy(&bytes).to_lowercase()).unwrap_or_default();
+    let name = |line: &str| {
+        let rest = line.trim_start().strip_prefix("subroutine ")?.trim_start();
+        let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        (!name.is_empty()).then_some(name)
+    };
+    text.lines().filter_map(name).take(12).collect()
+}
+
+/// Routines of ABAQUS that nothing here calls; a file that holds one is told so.
+const STRANGERS: &[&str] = &[
+    "vucharlength",
+    "vuanisohyper_inv",
+    "vuanisohyper_strain",
+    "vuel",
+    "vuinter",
+    "vuinteraction",
+    "vufield",
+    "vufluidexch",
+    "vuflux",
+    "vdflux",
+    "vfilm",
+    "vfric",
+    "vfriction",
+    "vfric_coef",
+    "vfabric",
+    "vhetval",
+    "vumatht",
+    "vumultiscale",
+    "vueos",
+    "vucreepnetwork",
+    "vuexpan",
+    "vuhyper",
+    "vuviscosity",
+    "vutrs",
+    "vwave",
+    "vuframe",
+    "vudispersion",
+    "umat",
+    "uhard",
+    "usdfld",
+    "uexternaldb",
+    "dload",
+    "disp",
+    "uamp",
+    "uel",
+    "dflux",
+    "film",
+    "fric",
+    "hetval",
+    "umatht",
+    "uhyper",
+    "uvarm",
+    "sdvini",
+    "sigini",
+    "orient",
+    "utrac",
+    "utemp",
+    "creep",
+    "uexpan",
+];
+
+fn defines(libraries: &[Library], name: &str) -> bool {
+    // SAFETY: the symbol is looked at, not called.
+    unsafe { find::<*const ()>(libraries, name) }.is_some()
+}
+
+/// What a library calls and nothing defines, if there is such a thing.
+pub fn missing(file: &Path) -> Option<String> {
+    // SAFETY: the user's library runs its initialisers here, as he asked for.
+    let error = unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) }.err()?;
+    let words = loaders_words(&error, file, file);
+    let symbol = words.split("undefined symbol: ").nth(1)?;
+    Some(symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
 }
 
 /// The loader opens a file once; a copy is another file, with SAVE and COMMON of its own.
@@ -256,10 +359,21 @@ fn open_copy(file: &Path) -> Result<Library, Diagnostic> {
     let scratch = Scratch::within(&std::env::temp_dir()).map_err(|e| fault(e.to_string()))?;
     let copy = scratch.path().join("user.so");
     std::fs::copy(file, &copy).map_err(|e| fault(e.to_string()))?;
-    let library = load(&copy).map_err(|e| fault(loaders_words(&e, &copy, file)))?;
+    let library = load(&copy).map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
     // Keeps the Fortran runtime from going and coming with every run of a sweep.
     KEEPER.get_or_init(|| load(file).ok());
     Ok(library)
+}
+
+/// The loader's words about a symbol that is not there, in plain ones.
+fn undefined(words: String) -> String {
+    match words.split("undefined symbol: ").nth(1) {
+        Some(symbol) => {
+            let symbol: String = symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            format!("it calls `{}`, which nothing defines ({words})", symbol.trim_end_matches('_'))
+        }
+        None => words,
+    }
 }
 
 fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String {
@@ -270,13 +384,7 @@ fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String 
         cause = inner.source();
     }
     let words = words.replace(&*copy.display().to_string(), &file.display().to_string());
-    match words.split("undefined symbol: ").nth(1) {
-        Some(symbol) => {
-            let symbol: String = symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            format!("it calls `{}`, which nothing defines ({words})", symbol.trim_end_matches('_'))
-        }
-        None => words,
-    }
+    words
 }
 
 /// The routine of this name, as Fortran or as plain C spells it.
@@ -614,8 +722,7 @@ impl UserMaterial for CompiledMaterial {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         let Numbers { name, block, info, dt } = &mut *self.numbers;
         let name_given = name.set(call.name);
-        let [variables, fields, properties] =
-            [call.variables, call.fields, call.properties.len()].map(|n| n as i32);
+        let [variables, fields, properties] = [call.variables, call.fields, call.properties.len()].map(|n| n as i32);
         let (direct, shear) = (3_i32, 1_i32);
         block[0] = call.count as i32;
         block[4..4 + call.count].copy_from_slice(call.elements);
@@ -674,11 +781,7 @@ struct CompiledHardening {
 }
 
 impl UserHardening for CompiledHardening {
-    fn yield_stress(
-        &mut self,
-        call: &HardeningCall<'_>,
-        answer: &mut HardeningAnswer<'_>,
-    ) -> Result<(), LoadFailure> {
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
         let name = self.name.set(call.name);
         let [count, variables, fields, properties] =
             [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
@@ -827,6 +930,25 @@ fn watch_the_process() {
     });
 }
 
+/// Whether a routine may have hurt memory: what happens from now on is its doing.
+static HURT: AtomicBool = AtomicBool::new(false);
+
+/// Leaves the process at once after a routine halted the run: it may have hurt memory that others would still tidy up. What
+/// Fortran keeps of its output comes first.
+pub fn leave(status: u8) -> ! {
+    HURT.store(true, Ordering::Relaxed);
+    let _ = std::io::Write::flush(&mut std::io::stdout());
+    // SAFETY: flushes all units of the Fortran runtime, if the process has one; then leaves.
+    unsafe {
+        let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
+        if !flush.is_null() {
+            let flush: extern "C" fn(*const i32) = std::mem::transmute(flush);
+            flush(std::ptr::null());
+        }
+        libc::_exit(status.into())
+    }
+}
+
 extern "C" fn at_exit() {
     if last_words("ended the process") {
         // SAFETY: leaves without running what the routine interrupted.
@@ -843,7 +965,7 @@ extern "C" fn on_signal(signal: c_int) {
     };
     // SAFETY: both calls are safe in a signal handler; the action is the default one again.
     unsafe {
-        if last_words(what) {
+        if last_words(what) || HURT.load(Ordering::Relaxed) {
             libc::_exit(1);
         }
         libc::raise(signal);
@@ -924,6 +1046,85 @@ exported! {
     "igetsensorid_" => sensor_id,
     "vgetsensorvalue_" => sensor_value,
     "getsensorvalue_" => sensor_value,
+    "stdb_abqerr_" => xplb_abqerr,
+    "xit_" => xit,
+    "rvmissing_" => missing_symbol,
+    "getjobname_" => vgetjobname,
+    "getoutdir_" => vgetoutdir,
+    "getnumcpus_" => vgetnumcpus,
+    "getrank_" => vgetrank,
+    "getnumthreads_" => one,
+    "get_thread_id_" => zero,
+    "getcommunicator_" => zero,
+    "mutexinit_" => nothing,
+    "mutexlock_" => nothing,
+    "mutexunlock_" => nothing,
+    "mutexdestroy_" => nothing,
+    "rvsma0n_" => array_of::<0>,
+    "rvsma1n_" => array_of::<1>,
+    "rvsma2n_" => array_of::<2>,
+    "rvsma3n_" => array_of::<3>,
+    "rvsma4n_" => array_of::<4>,
+    "rvsma5n_" => array_of::<5>,
+    "rvsma0i_" => integers_of::<0>,
+    "rvsma1i_" => integers_of::<1>,
+    "smaintarraycreate_" => integers_of::<0>,
+    "smalocalintarraycreate_" => integers_of::<1>,
+    "rvsma2r_" => reals_from_single::<2>,
+    "rvsma3r_" => reals_from_single::<3>,
+    "rvsma4r_" => reals_from_single::<4>,
+    "rvsma5r_" => reals_from_single::<5>,
+    "rvsma2d_" => reals_of::<2>,
+    "rvsma3d_" => reals_of::<3>,
+    "rvsma4d_" => reals_of::<4>,
+    "rvsma5d_" => reals_of::<5>,
+    "rvsma2e_" => reals_of::<2>,
+    "rvsma3e_" => reals_of::<3>,
+    "rvsma4e_" => reals_of::<4>,
+    "rvsma5e_" => reals_of::<5>,
+    "smafloatarraycreate_" => reals_of::<2>,
+    "smalocalfloatarraycreate_" => reals_of::<3>,
+    "smarealarraycreate_" => reals_of::<4>,
+    "smalocalrealarraycreate_" => reals_of::<5>,
+    "smafloatarraycreatedp_" => reals_of::<2>,
+    "smarealarraycreatedp_" => reals_of::<4>,
+    "rvsma2s_" => singles_of::<2>,
+    "rvsma3s_" => singles_of::<3>,
+    "rvsma4s_" => singles_of::<4>,
+    "rvsma5s_" => singles_of::<5>,
+    "smafloatarraycreatesp_" => singles_of::<2>,
+    "smarealarraycreatesp_" => singles_of::<4>,
+    "smaintarrayaccess_" => access::<0>,
+    "smalocalintarrayaccess_" => access::<1>,
+    "smafloatarrayaccess_" => access::<2>,
+    "smalocalfloatarrayaccess_" => access::<3>,
+    "smarealarrayaccess_" => access::<4>,
+    "smalocalrealarrayaccess_" => access::<5>,
+    "smaintarraysize_" => size::<0>,
+    "smalocalintarraysize_" => size::<1>,
+    "smafloatarraysize_" => size::<2>,
+    "smalocalfloatarraysize_" => size::<3>,
+    "smarealarraysize_" => size::<4>,
+    "smalocalrealarraysize_" => size::<5>,
+    "smaintarraydelete_" => delete::<0>,
+    "smalocalintarraydelete_" => delete::<1>,
+    "smafloatarraydelete_" => delete::<2>,
+    "smalocalfloatarraydelete_" => delete::<3>,
+    "smarealarraydelete_" => delete::<4>,
+    "smalocalrealarraydelete_" => delete::<5>,
+    "mpi_init_" => mpi_done,
+    "mpi_finalize_" => mpi_done,
+    "mpi_barrier_" => mpi_barrier,
+    "mpi_initialized_" => mpi_initialized,
+    "mpi_comm_rank_" => mpi_rank,
+    "mpi_comm_size_" => mpi_size,
+    "mpi_bcast_" => mpi_bcast,
+    "mpi_allreduce_" => mpi_allreduce,
+    "mpi_reduce_" => mpi_reduce,
+    "mpi_allgather_" => mpi_allgather,
+    "mpi_gather_" => mpi_gather,
+    "mpi_abort_" => xit,
+    "mpi_wtime_" => mpi_wtime,
     "_gfortran_stop_string" => stop_string,
     "_gfortran_error_stop_string" => error_stop_string,
     "_gfortran_stop_numeric" => stop_numeric,
@@ -969,6 +1170,212 @@ unsafe fn give(text: &str, to: *mut c_char, length: *mut i32, room: usize) {
 /// `call xplb_exit`: ends the analysis (ABAQUS User Subroutines Reference, 2.1.15 "Terminating an analysis").
 extern "C-unwind" fn xplb_exit() -> ! {
     end("it called xplb_exit".into())
+}
+
+/// `call xit`, as in ABAQUS/Standard.
+extern "C-unwind" fn xit() -> ! {
+    end("it called xit".into())
+}
+
+/// What stands for a routine that nothing defines.
+unsafe extern "C-unwind" fn missing_symbol(name: *const c_char, length: usize) -> ! {
+    // SAFETY: text of the length given.
+    end(format!("it calls `{}`, which nothing defines", unsafe { words(name, length) }))
+}
+
+/// Number of threads.
+extern "C-unwind" fn one() -> i32 {
+    1
+}
+
+/// Number of the thread, and of the communicator.
+extern "C-unwind" fn zero() -> i32 {
+    0
+}
+
+/// Locks: one thread calls all routines.
+extern "C-unwind" fn nothing() {}
+
+/// Arrays that outlive a call (ABAQUS 6.14 User Subroutines Reference, 2.1.23 "Allocatable arrays"), of zeros.
+unsafe extern "C-unwind" fn array_of<const KIND: u8>(id: *const i32, count: *const i32) -> i64 {
+    // SAFETY: integers of the caller.
+    let (id, count) = unsafe { (*id, *count) };
+    let width = if KIND < 2 { 4 } else { 8 };
+    host::new_array((KIND, id), count, width, &[0; 8][..width]) as i64
+}
+
+/// The same of integers.
+unsafe extern "C-unwind" fn integers_of<const KIND: u8>(id: *const i32, count: *const i32, value: *const i32) -> i64 {
+    // SAFETY: integers of the caller.
+    let (id, count, value) = unsafe { (*id, *count, *value) };
+    host::new_array((KIND, id), count, 4, &value.to_ne_bytes()) as i64
+}
+
+/// The same of reals of eight bytes.
+unsafe extern "C-unwind" fn reals_of<const KIND: u8>(id: *const i32, count: *const i32, value: *const f64) -> i64 {
+    // SAFETY: integers and a real of the caller.
+    let (id, count, value) = unsafe { (*id, *count, *value) };
+    host::new_array((KIND, id), count, 8, &value.to_ne_bytes()) as i64
+}
+
+/// The same, their first value of four.
+unsafe extern "C-unwind" fn reals_from_single<const KIND: u8>(
+    id: *const i32,
+    count: *const i32,
+    value: *const f32,
+) -> i64 {
+    // SAFETY: integers and a real of the caller.
+    let (id, count, value) = unsafe { (*id, *count, f64::from(*value)) };
+    host::new_array((KIND, id), count, 8, &value.to_ne_bytes()) as i64
+}
+
+/// The same of reals of four bytes.
+unsafe extern "C-unwind" fn singles_of<const KIND: u8>(id: *const i32, count: *const i32, value: *const f32) -> i64 {
+    // SAFETY: integers and a real of the caller.
+    let (id, count, value) = unsafe { (*id, *count, *value) };
+    host::new_array((KIND, id), count, 4, &value.to_ne_bytes()) as i64
+}
+
+/// Where an array is; a routine that asks for one that nobody made ends the analysis.
+unsafe extern "C-unwind" fn access<const KIND: u8>(id: *const i32) -> i64 {
+    // SAFETY: an integer of the caller.
+    let id = unsafe { *id };
+    match host::array((KIND, id)) {
+        Some((place, _)) => place as i64,
+        None => end(format!("it asked for the array {id}, which nobody has created")),
+    }
+}
+
+/// How many entries an array has; 0 if it is not there.
+unsafe extern "C-unwind" fn size<const KIND: u8>(id: *const i32) -> i32 {
+    // SAFETY: an integer of the caller.
+    host::array((KIND, unsafe { *id })).map_or(0, |array| array.1)
+}
+
+unsafe extern "C-unwind" fn delete<const KIND: u8>(id: *const i32) {
+    // SAFETY: an integer of the caller.
+    host::delete_array((KIND, unsafe { *id }));
+}
+
+/// `call mpi_init(ierr)`, `call mpi_finalize(ierr)`: one process, the first.
+unsafe extern "C-unwind" fn mpi_done(error: *mut i32) {
+    // SAFETY: an integer of the caller.
+    unsafe { *error = 0 }
+}
+
+unsafe extern "C-unwind" fn mpi_barrier(_world: *const i32, error: *mut i32) {
+    // SAFETY: an integer of the caller.
+    unsafe { *error = 0 }
+}
+
+unsafe extern "C-unwind" fn mpi_initialized(flag: *mut i32, error: *mut i32) {
+    // SAFETY: a logical and an integer of the caller.
+    unsafe { (*flag, *error) = (1, 0) }
+}
+
+unsafe extern "C-unwind" fn mpi_rank(_world: *const i32, rank: *mut i32, error: *mut i32) {
+    // SAFETY: integers of the caller.
+    unsafe { (*rank, *error) = (0, 0) }
+}
+
+unsafe extern "C-unwind" fn mpi_size(_world: *const i32, size: *mut i32, error: *mut i32) {
+    // SAFETY: integers of the caller.
+    unsafe { (*size, *error) = (1, 0) }
+}
+
+unsafe extern "C-unwind" fn mpi_bcast(
+    _buffer: *mut u8,
+    _count: *const i32,
+    _kind: *const i32,
+    _root: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: an integer of the caller.
+    unsafe { *error = 0 }
+}
+
+/// Copies so many values of a type, whose last two digits are its bytes.
+///
+/// # Safety
+/// Both places hold as much.
+unsafe fn copy(from: *const u8, to: *mut u8, count: i32, kind: i32) {
+    let bytes = usize::try_from(count).unwrap_or(0) * (kind % 100) as usize;
+    // SAFETY: as this function's own; the places may be one.
+    unsafe { std::ptr::copy(from, to, bytes) }
+}
+
+/// Any reduction over one process is its own value.
+unsafe extern "C-unwind" fn mpi_allreduce(
+    from: *const u8,
+    to: *mut u8,
+    count: *const i32,
+    kind: *const i32,
+    _operation: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+unsafe extern "C-unwind" fn mpi_reduce(
+    from: *const u8,
+    to: *mut u8,
+    count: *const i32,
+    kind: *const i32,
+    _operation: *const i32,
+    _root: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+unsafe extern "C-unwind" fn mpi_allgather(
+    from: *const u8,
+    count: *const i32,
+    kind: *const i32,
+    to: *mut u8,
+    _to_count: *const i32,
+    _to_kind: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+unsafe extern "C-unwind" fn mpi_gather(
+    from: *const u8,
+    count: *const i32,
+    kind: *const i32,
+    to: *mut u8,
+    _to_count: *const i32,
+    _to_kind: *const i32,
+    _root: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+extern "C-unwind" fn mpi_wtime() -> f64 {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
 }
 
 /// `call xplb_abqerr(lop, string, intv, realv, charv)` (ABAQUS User Subroutines Reference, "Printing messages to the

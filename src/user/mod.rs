@@ -6,6 +6,7 @@ pub mod compile;
 pub mod host;
 pub mod library;
 mod prototype;
+mod source;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -387,11 +388,7 @@ pub trait UserHardening: Send {
     ///
     /// # Errors
     /// Any reason; the run halts.
-    fn yield_stress(
-        &mut self,
-        call: &HardeningCall<'_>,
-        answer: &mut HardeningAnswer<'_>,
-    ) -> Result<(), LoadFailure>;
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
 /// What material points hold at the beginning of an increment, by output variable: what `vgetvrm` gives.
@@ -480,6 +477,20 @@ pub type SharedMotion = Shared<dyn UserMotion>;
 /// A routine told of events, shared.
 pub type SharedEvents = Shared<dyn UserEvents>;
 
+/// Names of the routines that can be called.
+pub const ROUTINES: &[&str] = &["vdload", "vuamp", "vdisp", "vumat", "vuhard", "vusdfld", "vexternaldb"];
+
+/// A routine of the user's files that cannot be called as it is.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Misfit {
+    /// Its name.
+    pub routine: String,
+    /// Code of the finding (`U…`).
+    pub code: String,
+    /// Why.
+    pub message: String,
+}
+
 /// The routines of a job; each at most once, as in ABAQUS.
 #[derive(Clone, Default)]
 pub struct Routines {
@@ -497,6 +508,10 @@ pub struct Routines {
     pub fields: Option<SharedFields>,
     /// VEXTERNALDB.
     pub events: Option<SharedEvents>,
+    /// What the user's files hold beside these: routines that cannot be called as they are.
+    pub misfits: Vec<Misfit>,
+    /// What they hold beside these: routines of ABAQUS that nothing here calls.
+    pub strangers: Vec<&'static str>,
 }
 
 /// The routines of a job while a run holds them.

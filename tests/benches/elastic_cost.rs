@@ -38,7 +38,14 @@ impl Hardening for Bare {
 fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], best: &mut f64) {
     let begin = Stopwatch::now();
     for _ in 0..4 {
-        group.update(Pass { nodes, dt: 1e-9, now: &Instant::default(), threads: false, user: AtPoints::default(), corners });
+        group.update(Pass {
+            nodes,
+            dt: 1e-9,
+            now: &Instant::default(),
+            threads: false,
+            user: AtPoints::default(),
+            corners,
+        });
     }
     *best = best.min(begin.elapsed().as_secs_f64() * 1e9 / (4 * group.len()) as f64);
 }
