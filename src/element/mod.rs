@@ -22,7 +22,8 @@ pub mod rings;
 #[cfg(test)]
 mod same_bits;
 mod user_chunk;
-pub mod user_flow;
+mod user_flow;
+pub mod user_law;
 pub mod user_quads;
 pub mod values;
 pub mod volume_guard;

@@ -1,7 +1,7 @@
 //! Material points as the user's routine is shown them, and what it answers.
 //! Never here: geometry of elements.
 
-use crate::element::user_quads::Description;
+use crate::element::user_law::Description;
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};

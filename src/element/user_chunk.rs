@@ -8,7 +8,7 @@ use crate::element::constants::Constants;
 use crate::element::points::{Points, Tells};
 use crate::element::record::{Followed, spin};
 use crate::element::user_flow::{Returning, Under};
-use crate::element::user_quads::Description;
+use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes};
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::{of_spin, turned};

@@ -3,46 +3,12 @@
 //! that still look for their plastic strain.
 //! Never here: geometry of elements, laws of yield stresses.
 
-use std::sync::Arc;
-
 use crate::element::points::{Points, answered, marks, untouched};
-use crate::element::user_quads::Description;
+use crate::element::user_law::{Description, Flow, Yield};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::user::{HardeningAnswer, HardeningCall, LoadFailure, MAX_MATERIAL_BLOCK, UserHardening};
-
-/// Who gives the yield stress.
-#[derive(Clone)]
-pub enum Yield {
-    /// Nobody: the material is elastic.
-    Never,
-    /// A law that is built in.
-    Law(Arc<dyn YieldStress>),
-    /// The user's routine, with these constants.
-    User(Vec<f64>),
-}
-
-impl std::fmt::Debug for Yield {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Yield::Never => f.write_str("Never"),
-            Yield::Law(_) => f.write_str("Law"),
-            Yield::User(properties) => f.debug_tuple("User").field(properties).finish(),
-        }
-    }
-}
-
-/// Isotropic elasticity and von Mises plasticity.
-#[derive(Clone, Debug)]
-pub struct Flow {
-    /// Bulk modulus.
-    pub bulk: f64,
-    /// Shear modulus.
-    pub shear: f64,
-    /// Yield stress.
-    pub yields: Yield,
-}
 
 /// Calls of the routine for one increment after which what has not converged is told.
 const ITERATIONS: usize = 80;
@@ -191,8 +157,8 @@ impl Points {
     }
 
     /// The plastic strain of each point by the routine: Newton's method with its slopes over all points at once, each kept
-    /// between bounds that enclose it. The trial stress less 3 G dp falls with dp, and meets the yield stress at p + dp, dp/dt
-    /// and the temperature that the plastic work brings.
+    /// between bounds that enclose it. The trial stress less 3 G dp falls with dp, and meets the yield stress at p + dp and
+    /// dp/dt.
     fn search(
         &mut self,
         properties: &[f64],
@@ -208,8 +174,8 @@ impl Points {
             if open.is_empty() {
                 return Ok(());
             }
-            self.ask(properties, under, routine, (&*open, &*trial, &*increment), asked)?;
-            let (stress, slopes, by_temperature) = (&asked.stress, &asked.slopes, &asked.by_temperature);
+            self.ask(properties, under, routine, (&*open, &*increment), asked)?;
+            let (stress, slopes) = (&asked.stress, &asked.slopes);
             let count = open.len();
             let mut kept = 0;
             for at in 0..count {
@@ -228,8 +194,7 @@ impl Points {
                 } else {
                     high[i] = dp;
                 }
-                let heat = under.heating.rise(self.temperature[0][i], [returned - shear3 * dp]);
-                let mut hardening = slopes[at] + by_temperature[at] * heat;
+                let mut hardening = slopes[at];
                 // At the beginning the rate is none, where slopes over its logarithm have no meaning.
                 if iteration > 0 && under.dt > 0.0 {
                     hardening += slopes[count + at] / under.dt;
@@ -263,11 +228,11 @@ impl Points {
         properties: &[f64],
         under: Under<'_>,
         routine: &mut dyn UserHardening,
-        (open, trial, increment): (&[usize], &[f64], &[f64]),
+        (open, increment): (&[usize], &[f64]),
         asked: &mut Asked,
     ) -> Result<(), LoadFailure> {
         let (n, m, f) = (open.len(), under.material.variables, under.material.fields);
-        self.gather(under, (open, trial, increment), asked);
+        self.gather(under, (open, increment), asked);
         let [state_before, state] = &mut asked.state;
         let call = HardeningCall {
             name: &under.material.name,
@@ -317,16 +282,11 @@ impl Points {
     }
 
     /// Puts before the routine what it is asked for.
-    fn gather(&self, under: Under<'_>, (open, trial, increment): (&[usize], &[f64], &[f64]), asked: &mut Asked) {
+    fn gather(&self, under: Under<'_>, (open, increment): (&[usize], &[f64]), asked: &mut Asked) {
         let per_dt = if under.dt > 0.0 { 1.0 / under.dt } else { 0.0 };
-        let shear3 = 3.0 * under.flow.shear;
-        let heated = |i: usize| {
-            let (before, dp) = (self.temperature[0][i], increment[i]);
-            before + under.heating.rise(before, [trial[i] - shear3 * dp, dp])
-        };
         refill(&mut asked.elements, open.iter().map(|&i| self.elements[i]));
-        refill(&mut asked.temperature[0], open.iter().map(|&i| self.temperature[0][i]));
-        refill(&mut asked.temperature[1], open.iter().map(|&i| heated(i)));
+        // As laws that are built in take it: at the beginning of the increment.
+        asked.temperature.iter_mut().for_each(|list| refill(list, open.iter().map(|&i| self.temperature[0][i])));
         refill(&mut asked.strain, open.iter().map(|&i| self.plastic[0][i] + increment[i]));
         refill(&mut asked.rate, open.iter().map(|&i| increment[i] * per_dt));
         let n = open.len();

@@ -9,8 +9,8 @@ use super::group::{ElementGroup, PARALLEL, Pass, Totals, tell_deleted, totals};
 use crate::element::constants::Constants;
 use crate::element::record::{Followed, Record};
 use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch, Tally};
-use crate::element::user_flow::{Flow, Returning};
-use crate::kernel::heating::Heating;
+use crate::element::user_flow::Returning;
+use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -21,31 +21,6 @@ use crate::variables::{Part, Variable};
 
 /// Chunks between whose phases the routine is called for all of them, where threads share them.
 const BATCH: usize = 16;
-
-/// What a deck says of a user material.
-#[derive(Clone, Debug)]
-pub struct Description {
-    /// Name, upper case (`cmname`).
-    pub name: String,
-    /// Constants.
-    pub properties: Vec<f64>,
-    /// Variables that each element keeps.
-    pub variables: usize,
-    /// The one of them, counted from 0, that deletes an element when it becomes zero.
-    pub delete: Option<usize>,
-    /// Field variables.
-    pub fields: usize,
-    /// Constants of the routine of fields, where there is one (`*USER DEFINED FIELD`).
-    pub asks_fields: Option<Vec<f64>>,
-    /// Elasticity and plasticity, where the routine does not give the stress itself.
-    pub flow: Option<Flow>,
-    /// Rise of temperature by inelastic work.
-    pub heating: Heating,
-    /// Mass a volume at the start.
-    pub density: f64,
-    /// Whether the hourglass stiffness is times 1 + Poisson's ratio (HOURGLASS=ENHANCED), which the routine's moduli tell.
-    pub enhanced: bool,
-}
 
 /// Quadrilaterals of a user material.
 #[derive(Clone)]

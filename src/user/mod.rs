@@ -355,7 +355,7 @@ pub struct HardeningCall<'a> {
     pub properties: &'a [f64],
     /// User's numbers of the elements (`jElem`).
     pub elements: &'a [i32],
-    /// `tempOld` and `tempNew`: at the beginning of the increment, and with the heat of the plastic work tried.
+    /// `tempOld` and `tempNew`: both at the beginning of the increment, as laws that are built in take it.
     pub temperature: [&'a [f64]; 2],
     /// `fieldOld` and `fieldNew`.
     pub field: [&'a [f64]; 2],

@@ -6,7 +6,6 @@
 
 use std::sync::{Arc, Mutex};
 
-use revolve::job;
 use revolve::solve::Instant;
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Moment, Routines, UserEvents, UserMaterial, Wish};
 

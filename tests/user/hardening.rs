@@ -41,13 +41,12 @@ fn a_vuhard_in_fortran_is_the_built_in_johnson_cook_bar() {
     let ((expected, there), (outcome, here)) =
         (common::run(&built_in, &[], &none), common::run(&by_user, &[], &routines));
     assert_eq!((&expected.halt, &outcome.halt), (&None, &None));
-    // The built-in law takes the temperature at the beginning of an increment, the routine that with the heat of the
-    // increment: of first order in increments that are 1/1600 of the run.
+    // Both meet the yield stress to 1e-11 of the trial's; a wave of plastic flow carries that on over 1000 increments.
     for name in ["U1@CORNER", "U2@TIP", "ALLIE", "ALLPD", "PEEQ@FOOT", "TEMP@FOOT"] {
         let expected = last(&built_in, &none, &there, name);
         let ratio = last(&by_user, &routines, &here, name) / expected;
         println!("{name}: {expected:e}, ratio - 1 = {:e}", ratio - 1.0);
-        assert!((ratio - 1.0).abs() < 1e-4, "{name}: {expected:e}, ratio {ratio:.9}");
+        assert!((ratio - 1.0).abs() < 1e-7, "{name}: {expected:e}, ratio {ratio:.12}");
     }
     let heated = last(&by_user, &routines, &here, "TEMP@FOOT");
     assert!(heated > 40.0 && outcome.energy.drift < 2e-3, "{heated} {:?}", outcome.energy);

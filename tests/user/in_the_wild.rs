@@ -10,7 +10,7 @@ use revolve::job;
 use revolve::user::Routines;
 use revolve::user::compile::compile;
 
-use crate::common;
+use crate::common::{self, Memory};
 use crate::material::{last, moving, taylor};
 
 /// Files of a user in a folder of their own; the first is compiled.
@@ -56,7 +56,8 @@ fn tube(outputs: &str) -> String {
 fn state(files: &[(&str, &str)]) -> f64 {
     let routines = opened(files).unwrap_or_else(|said| panic!("{said}\n{}", files[0].1));
     let text = tube(" S, SDV\n");
-    let (outcome, memory) = common::run(&text, &[], &routines);
+    let mut memory = Memory::default();
+    let (outcome, _) = job::run_into(&common::prepared(&text, &[], &routines), &mut memory);
     assert_eq!(outcome.halt, None, "{}", files[0].1);
     last(&text, &routines, &memory, "SDV1@ONE")
 }

@@ -59,8 +59,7 @@ impl UserLoad {
     pub fn on_surface(load: Description, surface: &Surface, nodes: &Nodes) -> Self {
         let skin = &surface.skin;
         let parts = skin.faces.chunks(MAX_BLOCK).zip(skin.elements.chunks(MAX_BLOCK));
-        let mut blocks: Vec<Block> =
-            parts.map(|(faces, elements)| Block::of_faces(faces, elements, nodes)).collect();
+        let mut blocks: Vec<Block> = parts.map(|(faces, elements)| Block::of_faces(faces, elements, nodes)).collect();
         let on_nodes = blocks.len();
         for (slot, patch) in surface.patches.iter().enumerate() {
             blocks.extend(patch.facets.chunks(MAX_BLOCK).map(|part| Block::of_facets(&load, slot, patch.body, part)));
