@@ -2,6 +2,7 @@
 //! the user's routines change: radial return of von Mises plasticity over the points of a chunk, with one call for all points
 //! that still look for their plastic strain.
 //! Never here: geometry of elements, laws of yield stresses.
+#![allow(clippy::needless_range_loop)] // Loops over points, of which several lists hold something.
 
 use crate::element::points::{Points, answered, marks, untouched};
 use crate::element::user_law::{Description, Flow, Yield};

@@ -157,16 +157,11 @@ pub(super) fn principal(direct: [f64; 3], shear: [f64; 3]) -> ([f64; 3], [[f64; 
         for row in &mut a {
             (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
         }
-        let (first, second) = (a[p], a[q]);
-        for k in 0..3 {
-            a[p][k] = cosine * first[k] - sine * second[k];
-            a[q][k] = sine * first[k] + cosine * second[k];
-        }
-        let (first, second) = (axes[p], axes[q]);
-        for k in 0..3 {
-            axes[p][k] = cosine * first[k] - sine * second[k];
-            axes[q][k] = sine * first[k] + cosine * second[k];
-        }
+        let turned = |x: [f64; 3], y: [f64; 3]| {
+            ([0, 1, 2].map(|k| cosine * x[k] - sine * y[k]), [0, 1, 2].map(|k| sine * x[k] + cosine * y[k]))
+        };
+        (a[p], a[q]) = turned(a[p], a[q]);
+        (axes[p], axes[q]) = turned(axes[p], axes[q]);
     }
     let values = [a[0][0], a[1][1], a[2][2]];
     let mut order = [0, 1, 2];

@@ -942,7 +942,7 @@ pub fn leave(status: u8) -> ! {
     unsafe {
         let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
         if !flush.is_null() {
-            let flush: extern "C" fn(*const i32) = std::mem::transmute(flush);
+            let flush = std::mem::transmute::<*mut libc::c_void, extern "C" fn(*const i32)>(flush);
             flush(std::ptr::null());
         }
         libc::_exit(status.into())
@@ -1322,6 +1322,7 @@ unsafe extern "C-unwind" fn mpi_allreduce(
     }
 }
 
+#[allow(clippy::too_many_arguments)] // As MPI has them.
 unsafe extern "C-unwind" fn mpi_reduce(
     from: *const u8,
     to: *mut u8,
@@ -1356,6 +1357,7 @@ unsafe extern "C-unwind" fn mpi_allgather(
     }
 }
 
+#[allow(clippy::too_many_arguments)] // As MPI has them.
 unsafe extern "C-unwind" fn mpi_gather(
     from: *const u8,
     count: *const i32,
@@ -1545,10 +1547,10 @@ unsafe extern "C-unwind" fn vsprind(
             let part = |c: usize| if c < direct { component(c) } else { 0.0 };
             let sheared = |c: usize| if c < shear { component(direct + c) } else { 0.0 };
             let (list, axes) = host::principal([part(0), part(1), part(2)], [sheared(0), sheared(1), sheared(2)]);
-            for i in 0..3 {
-                *values.add(i * n + k) = list[i];
+            for (i, (value, axis)) in list.into_iter().zip(axes).enumerate() {
+                *values.add(i * n + k) = value;
                 if !directions.is_null() {
-                    (0..3).for_each(|j| *directions.add((j * 3 + i) * n + k) = axes[i][j]);
+                    axis.into_iter().enumerate().for_each(|(j, x)| *directions.add((j * 3 + i) * n + k) = x);
                 }
             }
         }

@@ -137,8 +137,7 @@ impl UserFields for Softening {
 fn fields_reach_the_hardening_and_what_they_are_told_is_what_outputs_show() {
     let fields = "*User Defined Field, properties=1\n 0.8,\n*Depvar, delete=4\n 4,\n 2, AXIAL, \"stress before\"\n";
     let text = pulled(&(SOFT.to_owned() + fields), " S22, MISES, PEEQ, SDV, LE22\n")
-        .replace("number interval=10", "frequency=1")
-        + "";
+        .replace("number interval=10", "frequency=1");
     let text = text.replace("*End Step", "*Output, field, number interval=1\n*Element Output\n SDV\n*End Step");
     let routines =
         || Routines::none().with_hardening(Line { slopes: true }).with_fields(Softening { limit: f64::INFINITY });
