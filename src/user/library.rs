@@ -383,8 +383,7 @@ fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String 
         words = format!("{words}: {inner}");
         cause = inner.source();
     }
-    let words = words.replace(&*copy.display().to_string(), &file.display().to_string());
-    words
+    words.replace(&*copy.display().to_string(), &file.display().to_string())
 }
 
 /// The routine of this name, as Fortran or as plain C spells it.
