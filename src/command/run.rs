@@ -125,7 +125,11 @@ impl Run {
             print_outcome(&summary, &job);
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
-        Ok(print_end(&summary, &job, signal))
+        let end = print_end(&summary, &job, signal);
+        if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
+            revolve::user::library::leave(HALTED);
+        }
+        Ok(end)
     }
 
     /// The checkpoint to go on from, if there is one and it is asked for; notes are printed.

@@ -17,7 +17,7 @@ use crate::state::energies::Energies;
 use crate::state::halt::Halt;
 use crate::state::nodes::Nodes;
 use crate::state::{EffectId, Instant};
-use crate::user::UserMaterial;
+use crate::user::AtPoints;
 
 /// Everything that deforms, but for its nodes.
 #[derive(Clone, Default)]
@@ -95,14 +95,9 @@ impl Elements {
     ///
     /// # Errors
     /// Why it could not.
-    pub fn probe(
-        &mut self,
-        nodes: &Nodes,
-        now: &Instant,
-        mut user: Option<&mut (dyn UserMaterial + 'static)>,
-    ) -> Result<(), Halt> {
+    pub fn probe(&mut self, nodes: &Nodes, now: &Instant, mut user: AtPoints<'_>) -> Result<(), Halt> {
         let mut groups = self.groups.iter_mut();
-        groups.try_for_each(|group| group.probe(nodes.as_slice(), now, user.as_deref_mut()))
+        groups.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }
 
     /// A step begins; `moved_otherwise` says whether constraints move nodes behind the passes over them.
@@ -134,7 +129,7 @@ impl Elements {
         dofs: &mut Dofs,
         now: &Instant,
         threads: bool,
-        mut user: Option<&mut (dyn UserMaterial + 'static)>,
+        mut user: AtPoints<'_>,
         timed: Option<&mut [f64]>,
     ) {
         if !std::mem::take(&mut self.pending) {
@@ -149,7 +144,7 @@ impl Elements {
             let blocks = group.len().div_ceil(LANES);
             let corners = &mut self.corners[first..first + blocks];
             let nodes = dofs.nodes.as_slice();
-            let user = user.as_deref_mut();
+            let user = user.lend();
             let totals = group.update(Pass { nodes, dt: dofs.nodes.behind, now, threads, user, corners });
             first += blocks;
             group.deleted(&mut self.gone.0);

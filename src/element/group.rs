@@ -21,7 +21,7 @@ use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
-use crate::user::UserMaterial;
+use crate::user::AtPoints;
 use crate::variables::{Part, Variable};
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
@@ -64,12 +64,7 @@ pub trait ElementGroup: Persist + Send + Sync {
     ///
     /// # Errors
     /// The routine's, and an answer that is not elastic.
-    fn probe(
-        &mut self,
-        _nodes: &[Node],
-        _now: &Instant,
-        _user: Option<&mut (dyn UserMaterial + 'static)>,
-    ) -> Result<(), Halt> {
+    fn probe(&mut self, _nodes: &[Node], _now: &Instant, _user: AtPoints<'_>) -> Result<(), Halt> {
         Ok(())
     }
     /// Stresses at the end of an increment, and forces on the corners.
@@ -80,6 +75,12 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn is_deleted(&self, element: usize) -> bool {
         self.value(element, Variable::Status.into()) == Some(0.0)
     }
+    /// Sets a state variable of the user's of an element at the start, counted from 0; whether the element keeps it.
+    fn set_state(&mut self, _element: usize, _variable: usize, _value: f64) -> bool {
+        false
+    }
+    /// Sets a field variable of an element at the start, counted from 0.
+    fn set_field(&mut self, _element: usize, _variable: usize, _value: f64) {}
     /// Sets stress and temperature of an element at the start.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
     /// Gives elements the temperatures that nodes have.
@@ -149,8 +150,8 @@ pub struct Pass<'a> {
     pub now: &'a Instant,
     /// Whether other threads may take part.
     pub threads: bool,
-    /// The user's material, where there is one.
-    pub user: Option<&'a mut (dyn UserMaterial + 'static)>,
+    /// The user's routines that are asked at points, where there are some.
+    pub user: AtPoints<'a>,
     /// Where the corner forces of the group's blocks go.
     pub corners: &'a mut [Corners],
 }
@@ -597,6 +598,7 @@ mod tests {
     use crate::material::volumetric::Linear;
     use crate::state::Instant;
     use crate::state::nodes::Node;
+    use crate::user::AtPoints;
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
@@ -625,7 +627,14 @@ mod tests {
             let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| {
                 let now = &Instant::default();
-                quads.update(Pass { nodes: &nodes, dt: 0.3, now, threads: false, user: None, corners: &mut corners })
+                quads.update(Pass {
+                    nodes: &nodes,
+                    dt: 0.3,
+                    now,
+                    threads: false,
+                    user: AtPoints::default(),
+                    corners: &mut corners,
+                })
             });
             let totals = totals.last().expect("totals");
             let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();

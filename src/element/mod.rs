@@ -23,6 +23,8 @@ pub mod rings;
 mod same_bits;
 pub mod shell;
 mod user_chunk;
+mod user_flow;
+pub mod user_law;
 pub mod user_quads;
 pub mod values;
 pub mod volume_guard;

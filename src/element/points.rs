@@ -1,14 +1,20 @@
 //! Material points as the user's routine is shown them, and what it answers.
 //! Never here: geometry of elements.
 
-use crate::element::user_quads::Description;
+use crate::element::user_law::Description;
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
-use crate::user::{LoadFailure, MaterialAnswer, MaterialCall, UserMaterial};
+use crate::user::{
+    FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial,
+};
+use crate::variables::{Part, Variable};
 
 /// Entries behind each answer that a routine must leave alone.
 const GUARD: usize = 8;
+/// Components of a symmetric tensor in three dimensions that an axisymmetric solid does not have: a routine that is written
+/// for those alone shall find room, and be told.
+const SPARE: usize = 2;
 /// What they hold: a number that is none, with a mark of its own.
 const MARK: u64 = 0x7ff8_5afe_0000_5afe;
 /// Fictitious strains of the call at time zero: dilation and shear at once, far below any yield.
@@ -20,22 +26,29 @@ type Pair = [Vec<f64>; 2];
 /// The points of one call, components one after the other as Fortran has them.
 #[derive(Clone, Debug)]
 pub struct Points {
-    count: usize,
+    pub(super) count: usize,
     variables: usize,
+    fields: usize,
+    /// User's numbers of the elements.
+    pub(super) elements: Vec<i32>,
     coordinates: Vec<f64>,
     length: Vec<f64>,
-    density: Vec<f64>,
-    strain: Vec<f64>,
+    pub(super) density: Vec<f64>,
+    pub(super) strain: Vec<f64>,
     spin: Vec<f64>,
-    temperature: Vec<f64>,
-    /// Before the increment, where it changes in it; else empty.
-    temperature_before: Vec<f64>,
+    pub(super) temperature: Pair,
+    /// Whether this increment has been given its temperatures, as nodes have them.
+    warmed: bool,
     stretch: Pair,
     gradient: Pair,
-    stress: Pair,
-    state: Pair,
+    pub(super) stress: Pair,
+    pub(super) state: Pair,
+    /// Field variables.
+    pub(super) field: Pair,
     internal: Pair,
-    inelastic: Pair,
+    pub(super) inelastic: Pair,
+    /// Equivalent plastic strain, where it is not the routine's affair; else empty.
+    pub(super) plastic: Pair,
 }
 
 /// Room for so many numbers with the guard behind.
@@ -50,29 +63,35 @@ fn pair(length: usize) -> Pair {
 }
 
 impl Points {
-    /// Points at rest, without stress; the variable that deletes is 1.
-    pub fn new(count: usize, variables: usize, delete: Option<usize>) -> Self {
+    /// Points at rest, without stress, of elements with these numbers; the variable that deletes is 1.
+    pub fn new(material: &Description, elements: Vec<i32>) -> Self {
+        let (count, variables, fields) = (elements.len(), material.variables, material.fields);
+        let flows = if material.flow.is_some() { count } else { 0 };
         let mut points = Points {
             count,
             variables,
+            fields,
+            elements,
             coordinates: vec![f64::NAN; 3 * count],
             length: vec![0.0; count],
             density: vec![0.0; count],
-            strain: vec![0.0; 4 * count],
+            strain: vec![0.0; (4 + SPARE) * count],
             spin: vec![0.0; count],
-            temperature: vec![0.0; count],
-            temperature_before: Vec::new(),
+            temperature: [vec![0.0; count], vec![0.0; count]],
+            warmed: false,
             stretch: pair(4 * count),
             gradient: pair(5 * count),
-            stress: pair(4 * count),
+            stress: pair((4 + SPARE) * count),
             state: pair(variables * count),
+            field: pair(fields * count),
             internal: pair(count),
             inelastic: pair(count),
+            plastic: [vec![0.0; flows], vec![0.0; flows]],
         };
         for list in points.stretch.iter_mut().chain(&mut points.gradient) {
             list[..3 * count].fill(1.0);
         }
-        if let Some(variable) = delete {
+        if let Some(variable) = material.delete {
             points.state.iter_mut().for_each(|s| s[variable * count..(variable + 1) * count].fill(1.0));
         }
         points
@@ -84,21 +103,29 @@ impl Points {
             self.stress[0][k * self.count + point] = value;
         }
         if let Some(temperature) = temperature {
-            self.temperature[point] = temperature;
+            self.temperature.iter_mut().for_each(|list| list[point] = temperature);
         }
     }
 
-    /// Gives points the temperatures at the end of the increment; those that they have become those before it.
+    /// State variable of a point at the start; whether it keeps it.
+    pub fn start_state(&mut self, point: usize, variable: usize, value: f64) -> bool {
+        if variable < self.variables {
+            self.state[0][variable * self.count + point] = value;
+        }
+        variable < self.variables
+    }
+
+    /// Field variable of a point at the start, where its material has it.
+    pub fn start_field(&mut self, point: usize, variable: usize, value: f64) {
+        if variable < self.fields {
+            self.field.iter_mut().for_each(|list| list[variable * self.count + point] = value);
+        }
+    }
+
+    /// Gives points the temperatures at the end of the increment; those that they have are those before it.
     pub fn warm(&mut self, temperatures: &[f64]) {
-        self.temperature_before.clone_from(&self.temperature);
-        self.temperature.copy_from_slice(temperatures);
-    }
-
-    /// Warms points by the inelastic energy that the call added.
-    pub fn heat(&mut self, heating: &Heating) {
-        for i in 0..self.count {
-            self.temperature[i] += heating.rise(self.temperature[i], [self.dissipated(i)]);
-        }
+        self.temperature[1].copy_from_slice(temperatures);
+        self.warmed = true;
     }
 
     /// Strain increment of a point in the frame of its stress.
@@ -190,8 +217,11 @@ impl Points {
         let [internal_old, internal] = &mut self.internal;
         let [inelastic_old, inelastic] = &mut self.inelastic;
         stress[..4 * n].fill(f64::NAN);
-        state[..m * n].fill(f64::NAN);
-        // Energies may be left alone.
+        // What an axisymmetric solid does not have reads as zero; that a routine answers it is seen.
+        stress_old[4 * n..(4 + SPARE) * n].fill(0.0);
+        stress[4 * n..(4 + SPARE) * n].fill(f64::from_bits(MARK));
+        // State variables and energies may be left alone.
+        state.copy_from_slice(state_old);
         internal.copy_from_slice(internal_old);
         inelastic.copy_from_slice(inelastic_old);
         let call = MaterialCall {
@@ -206,10 +236,10 @@ impl Points {
             density: &self.density,
             strain: &self.strain,
             spin: &self.spin,
-            temperature: [
-                if self.temperature_before.is_empty() { &self.temperature } else { &self.temperature_before },
-                &self.temperature,
-            ],
+            elements: &self.elements,
+            temperature: [&self.temperature[0], &self.temperature[1]],
+            fields: self.fields,
+            field: [&self.field[0][..self.fields * n], &self.field[1][..self.fields * n]],
             stretch: [&self.stretch[0][..4 * n], &self.stretch[1][..4 * n]],
             gradient: [&self.gradient[0][..5 * n], &self.gradient[1][..5 * n]],
             stress: &stress_old[..4 * n],
@@ -227,41 +257,98 @@ impl Points {
         self.accept()
     }
 
+    /// Asks the routine of user-defined fields, whose state variables are the old ones from now on. `tells` gives what the
+    /// points hold besides what is here.
+    ///
+    /// # Errors
+    /// Its own, and where it wrote past its points or gave what is not finite.
+    pub fn call_fields(
+        &mut self,
+        material: &Description,
+        properties: &[f64],
+        routine: &mut dyn UserFields,
+        tells: &dyn Tells,
+        (now, dt): (&Instant, f64),
+    ) -> Result<(), LoadFailure> {
+        let (n, m, f) = (self.count, self.variables, self.fields);
+        let [state_old, state] = &mut self.state;
+        let [field_old, field] = &mut self.field;
+        state.copy_from_slice(state_old);
+        field.copy_from_slice(field_old);
+        let held = Held {
+            tells,
+            count: n,
+            variables: m,
+            state: state_old,
+            temperature: &self.temperature[0],
+            plastic: &self.plastic[0],
+        };
+        let call = FieldCall {
+            name: &material.name,
+            now: *now,
+            dt,
+            count: n,
+            variables: m,
+            fields: f,
+            properties,
+            elements: &self.elements,
+            coordinates: &self.coordinates,
+            length: &self.length,
+            state: &state_old[..m * n],
+            values: &held,
+        };
+        let answer = &mut FieldAnswer { state: &mut state[..m * n], field: &mut field[..f * n] };
+        routine.fields(&call, answer)?;
+        answered("stateNew", state, n, m)?;
+        answered("field", field, n, f)?;
+        std::mem::swap(state_old, state);
+        Ok(())
+    }
+
     fn accept(&mut self) -> Result<(), LoadFailure> {
         let (n, m) = (self.count, self.variables);
-        let answers = [
-            ("stressNew", &mut self.stress[1], 4),
-            ("stateNew", &mut self.state[1], m),
-            ("enerInternNew", &mut self.internal[1], 1),
-            ("enerInelasNew", &mut self.inelastic[1], 1),
-        ];
-        for (name, list, components) in answers {
-            let (values, guard) = list.split_at_mut(components * n);
-            if guard.iter().any(|g| g.to_bits() != MARK) {
-                guard.fill(f64::from_bits(MARK));
-                return Err(LoadFailure::new(format!("it wrote past the nblock = {n} points of its argument {name}")));
-            }
-            if let Some(at) = values.iter().position(|v| !v.is_finite()) {
-                let hint = if values[at].is_nan() { "; a component that is left out keeps NaN" } else { "" };
-                let (point, component) = (at % n, at / n + 1);
-                let reason = format!("it gave {name}(k, {component}) = {}{hint}", values[at]);
-                return Err(LoadFailure { point: Some(point), reason });
-            }
+        let touched = self.stress[1][4 * n..(4 + SPARE) * n].iter().filter(|g| g.to_bits() != MARK).count();
+        if touched >= n {
+            let reason = "it gave stressNew(k, 5): this routine uses 6 components, an axisymmetric solid has 4 (rr, zz, hoop, \
+                          rz); what belongs to the others stands behind `if (nshr .gt. 1)`";
+            return Err(LoadFailure::new(reason));
         }
-        Ok(())
+        answered("stressNew", &mut self.stress[1], n, 4)?;
+        answered("stateNew", &mut self.state[1], n, m)?;
+        answered("enerInternNew", &mut self.internal[1], n, 1)?;
+        answered("enerInelasNew", &mut self.inelastic[1], n, 1)
     }
 
     /// An increment of no length: all stays as it is.
     pub fn keep(&mut self) {
-        for [old, new] in [&mut self.stress, &mut self.state, &mut self.internal, &mut self.inelastic] {
+        self.carry_temperature();
+        let Points { stress, state, internal, inelastic, field, plastic, .. } = self;
+        for [old, new] in [stress, state, internal, inelastic, field, plastic] {
+            new.copy_from_slice(old);
+        }
+    }
+
+    /// Adds the heat of the inelastic work that a call added.
+    pub fn heat(&mut self, heating: &Heating) {
+        for i in 0..self.count {
+            let (without, work) = (self.temperature[1][i], self.density[i] * self.dissipated(i));
+            self.temperature[1][i] = without + heating.rise(without, [work]);
+        }
+    }
+
+    /// Temperatures at the end of the increment, before its heat is known: those that nodes gave, or as they were.
+    pub fn carry_temperature(&mut self) {
+        let [old, new] = &mut self.temperature;
+        if !self.warmed {
             new.copy_from_slice(old);
         }
     }
 
     /// What was new is old.
     pub fn swap(&mut self) {
-        let pairs = [&mut self.stress, &mut self.state, &mut self.internal, &mut self.inelastic];
-        for [old, new] in pairs.into_iter().chain([&mut self.stretch, &mut self.gradient]) {
+        self.warmed = false;
+        let Points { stress, state, internal, inelastic, temperature, field, plastic, stretch, gradient, .. } = self;
+        for [old, new] in [stress, state, internal, inelastic, temperature, field, plastic, stretch, gradient] {
             std::mem::swap(old, new);
         }
     }
@@ -301,17 +388,110 @@ impl Points {
 
     /// Temperature of a point.
     pub fn temperature(&self, point: usize) -> f64 {
-        self.temperature[point]
+        self.temperature[0][point]
+    }
+
+    /// Equivalent plastic strain of a point, where it is not the routine's affair.
+    pub fn plastic(&self, point: usize) -> Option<f64> {
+        self.plastic[0].get(point).copied()
+    }
+
+    /// What the increment has added to it.
+    pub fn flowed(&self, point: usize) -> f64 {
+        self.plastic[1][point] - self.plastic[0][point]
     }
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
-        let Points { coordinates, length, density, strain, spin, temperature, temperature_before, .. } = self;
-        let Points { stretch, gradient, stress, state, internal, inelastic, .. } = self;
-        let single = [coordinates, length, density, strain, spin, temperature, temperature_before];
-        let pairs = [stretch, gradient, stress, state, internal, inelastic];
-        single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity()).sum()
+        let Points { coordinates, length, density, strain, spin, elements, .. } = self;
+        let Points { temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic, .. } = self;
+        let single = [coordinates, length, density, strain, spin];
+        let pairs = [temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
+        let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
+        numbers.sum::<usize>() + 4 * elements.capacity()
     }
+}
+
+/// What elements know of their points beside what [`Points`] hold.
+pub trait Tells {
+    /// Component of an output variable of a point; `None` if it is not followed.
+    fn component(&self, point: usize, part: Part) -> Option<f64>;
+}
+
+/// What points hold at the beginning of an increment.
+struct Held<'a> {
+    tells: &'a dyn Tells,
+    count: usize,
+    variables: usize,
+    state: &'a [f64],
+    temperature: &'a [f64],
+    plastic: &'a [f64],
+}
+
+impl PointValues for Held<'_> {
+    fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize> {
+        let lists: &[f64] = match variable {
+            "TEMP" => self.temperature,
+            "SDV" => &self.state[..self.variables * self.count],
+            "PEEQ" => self.plastic,
+            _ => return self.tensor(variable, to),
+        };
+        if self.count == 0 || lists.is_empty() {
+            return None;
+        }
+        lists.iter().enumerate().for_each(|(i, value)| to(i / self.count, i % self.count, *value));
+        Some(lists.len() / self.count)
+    }
+}
+
+impl Held<'_> {
+    /// Components of a tensor in the axes of the model: rr, zz, hoop, rz; of strains the engineering shear, as output shows
+    /// them.
+    fn tensor(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize> {
+        let variable = match variable {
+            "S" => Variable::Stress,
+            "LE" | "E" => Variable::LogarithmicStrain,
+            "PE" => Variable::PlasticComponents,
+            "ER" => Variable::StrainRate,
+            _ => return None,
+        };
+        for point in 0..self.count {
+            for component in 0..4 {
+                to(component, point, self.tells.component(point, Part { variable, component })?);
+            }
+        }
+        Some(4)
+    }
+}
+
+/// What stands behind an answer.
+pub(super) fn marks() -> impl Iterator<Item = f64> {
+    std::iter::repeat_n(f64::from_bits(MARK), GUARD)
+}
+
+/// Whether a routine left alone what stands behind its answer.
+pub(super) fn untouched(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
+    let guard = &mut list[components * n..];
+    if guard.iter().any(|g| g.to_bits() != MARK) {
+        guard.fill(f64::from_bits(MARK));
+        let more = match name {
+            "stateNew" => format!("; *DEPVAR gives it nstatev = {components} state variables"),
+            "field" => format!("; there are nfieldv = {components} field variables"),
+            _ => String::new(),
+        };
+        return Err(LoadFailure::new(format!("it wrote past the nblock = {n} points of its argument {name}{more}")));
+    }
+    Ok(())
+}
+
+/// The same, and whether it gave all of it, finite.
+pub(super) fn answered(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
+    untouched(name, list, n, components)?;
+    let values = &list[..components * n];
+    let Some(at) = values.iter().position(|v| !v.is_finite()) else { return Ok(()) };
+    let hint = if values[at].is_nan() && name == "stressNew" { "; a component that is left out keeps NaN" } else { "" };
+    let reason = format!("it gave {name}(k, {}) = {}{hint}", at / n + 1, values[at]);
+    Err(LoadFailure { point: Some(at % n), reason })
 }
 
 impl Persist for Points {
@@ -320,25 +500,29 @@ impl Persist for Points {
         let Points {
             count: _,
             variables: _,
+            fields: _,
+            elements: _,
             coordinates,
             length,
             density,
             strain,
             spin,
             temperature,
-            temperature_before,
+            // Set and used within an increment.
+            warmed: _,
             stretch,
             gradient,
             stress,
             state,
+            field,
             internal,
             inelastic,
+            plastic,
         } = self;
-        temperature_before.persist(archive);
-        for list in [coordinates, length, density, strain, spin, temperature] {
+        for list in [coordinates, length, density, strain, spin] {
             list.as_mut_slice().persist(archive);
         }
-        for pair in [stretch, gradient, stress, state, internal, inelastic] {
+        for pair in [temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic] {
             pair.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
         }
     }

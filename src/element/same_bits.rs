@@ -18,6 +18,7 @@ use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::volumetric::{Linear, Volumetric};
 use crate::state::Instant;
 use crate::state::nodes::Node;
+use crate::user::AtPoints;
 use crate::variables::Variable;
 
 const COLUMNS: usize = 5;
@@ -72,7 +73,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
             dt: DT,
             now: &Instant::default(),
             threads: false,
-            user: None,
+            user: AtPoints::default(),
             corners: &mut corners,
         });
         plastic += totals.plastic;

@@ -5,9 +5,10 @@
 use super::group::block;
 use crate::element::block::{Block, Nodes, Sums, Workspace, column, dot, larger};
 use crate::element::constants::Constants;
-use crate::element::points::Points;
-use crate::element::record::spin;
-use crate::element::user_quads::Description;
+use crate::element::points::{Points, Tells};
+use crate::element::record::{Followed, spin};
+use crate::element::user_flow::{Returning, Under};
+use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes};
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::{of_spin, turned};
@@ -16,7 +17,8 @@ use crate::material::volumetric::Linear;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
-use crate::user::{LoadFailure, MAX_MATERIAL_BLOCK, UserMaterial};
+use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK, UserMaterial};
+use crate::variables::{Part, Variable};
 
 /// Blocks of elements that one call shows, and its elements.
 pub(super) const BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
@@ -81,12 +83,12 @@ pub(super) struct Place {
 }
 
 impl Chunk {
-    /// Elements by their corner nodes, at their places now.
-    pub fn new(description: &Description, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
-        let fresh = |part: &[[u32; 4]]| block(((), (), ()), density, part, nodes);
+    /// Elements by their corner nodes, at their places now, with the user's numbers.
+    pub fn new(description: &Description, elements: &[[u32; 4]], nodes: &[Node], numbers: Vec<i32>) -> Self {
+        let fresh = |part: &[[u32; 4]]| block(((), (), ()), description.density, part, nodes);
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         Chunk {
-            points: Points::new(elements.len(), description.variables, description.delete),
+            points: Points::new(description, numbers),
             mass: (0..elements.len()).map(|i| blocks[i / LANES].mass[i % LANES]).collect(),
             start: elements.iter().map(|e| start(*e, nodes)).collect(),
             turn: vec![[1.0, 0.0]; elements.len()],
@@ -142,21 +144,36 @@ impl Chunk {
         self.thermal.iter_mut().zip(strains).for_each(|(thermal, strain)| *thermal += strain);
     }
 
-    /// Calls the routine. An increment of no length leaves all as it is.
+    /// Calls the routines. An increment of no length leaves all as it is.
     ///
     /// # Errors
-    /// Those of [`Points::call`].
+    /// Those of [`Points::call_fields`], [`Points::call`] and [`Points::flow`].
     pub fn call(
         &mut self,
         description: &Description,
-        routine: &mut dyn UserMaterial,
-        now: &Instant,
-        dt: f64,
+        user: AtPoints<'_>,
+        (now, dt): (&Instant, f64),
+        (scratch, turn): (&Scratch, usize),
+        returning: &mut Returning,
     ) -> Result<(), LoadFailure> {
-        if dt > 0.0 {
-            return self.points.call(description, routine, now, dt);
+        if dt == 0.0 {
+            self.points.keep();
+            return Ok(());
         }
-        self.points.keep();
+        if let (Some(properties), Some(routine)) = (&description.asks_fields, user.fields) {
+            let tells = &Told { blocks: &self.blocks, workspaces: &scratch.workspaces, turn };
+            self.points.call_fields(description, properties, routine, tells, (now, dt))?;
+        }
+        if let Some(flow) = &description.flow {
+            let under = Under { material: description, flow, heating: &description.heating, now, dt };
+            return self.points.flow(under, user.hardening, returning);
+        }
+        let Some(routine) = user.material else { return Ok(()) };
+        self.points.carry_temperature();
+        self.points.call(description, routine, now, dt)?;
+        if !description.heating.is_none() {
+            self.points.heat(&description.heating);
+        }
         Ok(())
     }
 
@@ -178,8 +195,9 @@ impl Chunk {
     /// The routine's stresses, the work done on the way to them, and the corner forces that follow.
     pub fn respond(&mut self, common: &Common<'_>, place: Place, scratch: &mut Scratch, corners: &mut [Corners]) {
         (0..self.deleted.len()).for_each(|i| self.take_stress(i, common.description.delete, scratch));
-        if !common.description.heating.is_none() {
-            self.points.heat(&common.description.heating);
+        let flows = common.description.flow.is_some();
+        if flows {
+            (0..self.deleted.len()).for_each(|i| self.take_flow(i, scratch));
         }
         self.points.swap();
         for (s, (block, forces)) in self.blocks.iter_mut().zip(corners).enumerate() {
@@ -197,7 +215,7 @@ impl Chunk {
                 }
             }
             if !workspace.records.is_empty() {
-                workspace.follow(place.turn, block, false, &scratch.nodes[s], common.dt);
+                workspace.follow(place.turn, block, flows, &scratch.nodes[s], common.dt);
             }
         }
     }
@@ -220,6 +238,14 @@ impl Chunk {
         }
     }
 
+    /// The plastic strain of the increment and the trial that it came from, for what outputs follow.
+    fn take_flow(&self, i: usize, scratch: &mut Scratch) {
+        let (workspace, l) = (&mut scratch.workspaces[i / LANES], i % LANES);
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| workspace.deviator[k][l] * workspace.deviator[k][l]);
+        workspace.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+        workspace.flow[l] = if self.deleted[i] { 0.0 } else { self.points.flowed(i) };
+    }
+
     /// Stress and temperature of an element at the start.
     pub fn set(&mut self, i: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         self.points.start(i, stress, temperature);
@@ -238,6 +264,29 @@ impl Chunk {
             + size_of_val(&*self.turn)
             + size_of_val(&*self.deleted)
             + size_of::<f64>() * self.thermal.capacity()
+    }
+}
+
+/// What elements of a chunk know of their points: stresses, and what outputs follow.
+struct Told<'a> {
+    blocks: &'a [Block<(), (), ()>],
+    workspaces: &'a [Workspace],
+    /// Place of the chunk among those that share the workspaces.
+    turn: usize,
+}
+
+impl Told<'_> {
+    fn followed(&self, point: usize) -> Option<Followed> {
+        Some(self.workspaces[point / LANES].records.get(self.turn)?.of(point % LANES))
+    }
+}
+
+impl Tells for Told<'_> {
+    fn component(&self, point: usize, part: Part) -> Option<f64> {
+        match part.variable {
+            Variable::Stress => Some(self.blocks[point / LANES].stress[part.component][point % LANES]),
+            _ => self.followed(point)?.value(part),
+        }
     }
 }
 

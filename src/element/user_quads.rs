@@ -1,4 +1,4 @@
-//! Elements whose stress the user's routine gives (`*USER MATERIAL`): geometry, hourglass control and bulk viscosity as of
+//! Elements whose stress the user's routine gives (`*USER MATERIAL`), or its yield stress, or fields: geometry, hourglass control and bulk viscosity as of
 //! other elements, and between them a call for each chunk of material points. Threads share the chunks; the calls, whose
 //! routine may keep state of its own, are made by one thread in the order of the chunks.
 //! Never here: how the routine was made or loaded.
@@ -9,34 +9,18 @@ use super::group::{ElementGroup, PARALLEL, Pass, Totals, tell_deleted, totals};
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::record::{Followed, Record};
 use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch, Tally};
-use crate::kernel::heating::Heating;
+use crate::element::user_flow::Returning;
+use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
-use crate::user::{LoadFailure, UserMaterial};
+use crate::user::{AtPoints, LoadFailure, UserMaterial};
 use crate::variables::{Part, Variable};
 
 /// Chunks between whose phases the routine is called for all of them, where threads share them.
 const BATCH: usize = 16;
-
-/// What a deck says of a user material.
-#[derive(Clone, Debug)]
-pub struct Description {
-    /// Name, upper case (`cmname`).
-    pub name: String,
-    /// Constants.
-    pub properties: Vec<f64>,
-    /// Variables that each element keeps.
-    pub variables: usize,
-    /// The one of them, counted from 0, that deletes an element when it becomes zero.
-    pub delete: Option<usize>,
-    /// Rise of temperature by inelastic energy a mass.
-    pub heating: Heating,
-    /// Whether the hourglass stiffness is times 1 + Poisson's ratio (HOURGLASS=ENHANCED), which the routine's moduli tell.
-    pub enhanced: bool,
-}
 
 /// Quadrilaterals of a user material.
 #[derive(Clone)]
@@ -49,6 +33,8 @@ pub struct UserQuads {
     chunks: Vec<Chunk>,
     /// Scratch memory of a batch.
     scratch: Vec<Scratch>,
+    /// Scratch memory of the calls.
+    returning: Returning,
     tallies: [Tally; BLOCKS],
     now: Instant,
     failure: Option<Halt>,
@@ -67,19 +53,21 @@ impl UserQuads {
     pub fn new(
         description: Description,
         constants: Constants,
-        density: f64,
         elements: &[[u32; 4]],
         nodes: &[Node],
         names: Vec<String>,
     ) -> Self {
-        let chunk = |part: &[[u32; 4]]| Chunk::new(&description, density, part, nodes);
-        let chunks: Vec<Chunk> = elements.chunks(ELEMENTS).map(chunk).collect();
+        let chunk = |(part, names): (&[[u32; 4]], &[String])| {
+            Chunk::new(&description, part, nodes, names.iter().map(|n| user_number(n)).collect())
+        };
+        let chunks: Vec<Chunk> = elements.chunks(ELEMENTS).zip(names.chunks(ELEMENTS)).map(chunk).collect();
         // What no other thread shares is best done chunk by chunk.
         let batch = if elements.len() < PARALLEL { 1 } else { BATCH.min(chunks.len()) };
         let turns = |slot: usize| (chunks.len() - slot).div_ceil(batch);
         UserQuads {
             scratch: (0..batch).map(|slot| Scratch::new(&constants, turns(slot))).collect(),
             chunks,
+            returning: Returning::new(&description),
             description,
             constants,
             count: elements.len(),
@@ -107,9 +95,8 @@ impl UserQuads {
     }
 
     fn pass(&mut self, pass: Pass<'_>) -> Result<(), Failed> {
-        let Pass { nodes, dt, now, threads, user, corners } = pass;
-        let Some(routine) = user else { return Ok(()) };
-        let UserQuads { description, constants, count, chunks, scratch, tallies, cap, .. } = self;
+        let Pass { nodes, dt, now, threads, mut user, corners } = pass;
+        let UserQuads { description, constants, count, chunks, scratch, returning, tallies, cap, .. } = self;
         let common = &Common { description, constants, count: *count, nodes, dt, cap: *cap };
         let (threads, batch) = (threads && *count >= PARALLEL, scratch.len());
         *tallies = [Tally::default(); BLOCKS];
@@ -119,8 +106,9 @@ impl UserQuads {
             spread(threads, (chunks, scratch, corners), |slot, chunk, scratch, _| {
                 chunk.strain(common, place(slot), scratch);
             });
-            for (slot, chunk) in chunks.iter_mut().enumerate() {
-                chunk.call(description, routine, now, dt).map_err(|failure| (place(slot).chunk, failure))?;
+            for (slot, (chunk, scratch)) in chunks.iter_mut().zip(&*scratch).enumerate() {
+                let called = chunk.call(description, user.lend(), (now, dt), (scratch, turn), returning);
+                called.map_err(|failure| (place(slot).chunk, failure))?;
             }
             spread(threads, (chunks, scratch, corners), |slot, chunk, scratch, corners| {
                 chunk.respond(common, place(slot), scratch, corners);
@@ -147,6 +135,9 @@ impl UserQuads {
         let (slot, turn) = (index % self.scratch.len(), index / self.scratch.len());
         let followed = self.scratch[slot].workspaces[i / LANES].records.get(turn)?.of(i % LANES);
         let chunk = &self.chunks[index];
+        if self.description.flow.is_some() {
+            return Some(followed);
+        }
         let dissipated = chunk.mass[i] * chunk.points.inelastic(i);
         Some(Followed { energy: [followed.energy[0] - dissipated, dissipated], ..followed })
     }
@@ -154,6 +145,11 @@ impl UserQuads {
     fn chunk(&self, element: usize) -> (&Chunk, usize) {
         (&self.chunks[element / ELEMENTS], element % ELEMENTS)
     }
+}
+
+/// The user's number of an element, by its name.
+fn user_number(name: &str) -> i32 {
+    name.rsplit('.').next().and_then(|number| number.parse().ok()).unwrap_or(0)
 }
 
 /// Does a phase of each chunk of a batch, with its scratch memory and its corner forces.
@@ -180,14 +176,9 @@ impl ElementGroup for UserQuads {
         self.failure.clone()
     }
 
-    fn probe(
-        &mut self,
-        nodes: &[Node],
-        now: &Instant,
-        user: Option<&mut (dyn UserMaterial + 'static)>,
-    ) -> Result<(), Halt> {
+    fn probe(&mut self, nodes: &[Node], now: &Instant, user: AtPoints<'_>) -> Result<(), Halt> {
         self.now = *now;
-        let Some(routine) = user else { return Ok(()) };
+        let Some(routine) = user.material.filter(|_| self.description.flow.is_none()) else { return Ok(()) };
         let [bulk, shear] = self.moduli(nodes, routine).map_err(|failed| self.halt(&failed))?;
         (self.constants.bulk, self.constants.shear) = (bulk, shear);
         if self.description.enhanced {
@@ -217,10 +208,19 @@ impl ElementGroup for UserQuads {
             }
             Variable::Mass => Some(block.mass[lane]),
             Variable::Status => Some(if chunk.deleted[i] { 0.0 } else { 1.0 }),
+            Variable::PlasticStrain => chunk.points.plastic(i),
             // Only the routine would know it.
-            Variable::PlasticComponents => None,
+            Variable::PlasticComponents if self.description.flow.is_none() => None,
             _ => self.followed(element)?.value(part),
         }
+    }
+
+    fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
+        self.chunks[element / ELEMENTS].points.start_state(element % ELEMENTS, variable, value)
+    }
+
+    fn set_field(&mut self, element: usize, variable: usize, value: f64) {
+        self.chunks[element / ELEMENTS].points.start_field(element % ELEMENTS, variable, value);
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
@@ -310,7 +310,8 @@ impl ElementGroup for UserQuads {
     fn bytes(&self) -> usize {
         let names: usize = self.names.iter().map(|n| size_of_val(n) + n.capacity()).sum();
         let chunks: usize = self.chunks.iter().map(Chunk::bytes).sum();
-        chunks + self.scratch.iter().map(Scratch::bytes).sum::<usize>() + names + self.told.capacity()
+        let scratch: usize = self.scratch.iter().map(Scratch::bytes).sum();
+        chunks + scratch + self.returning.bytes() + names + self.told.capacity()
     }
 }
 
@@ -323,6 +324,7 @@ impl Persist for UserQuads {
             names: _,
             chunks,
             scratch,
+            returning: _,
             tallies: _,
             now: _,
             failure: _,

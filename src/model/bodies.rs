@@ -6,6 +6,9 @@ use super::names::{qualified, upper};
 use super::types::{ElementKind, InitialCondition, InitialKind, Layer, PointMass, RigidBody, Target};
 use crate::deck::{Card, Diagnostic};
 
+/// Field variables that a deck may give.
+const MOST_FIELDS: usize = 100;
+
 impl Builder<'_> {
     pub(super) fn rigid_body(&mut self, card: &Card) {
         let Some(reference) = self.required(card, "REF NODE") else { return };
@@ -124,6 +127,11 @@ impl Builder<'_> {
     pub(super) fn initial_conditions(&mut self, card: &Card) {
         let Some(kind) = self.required(card, "TYPE") else { return };
         let name = upper(&kind.text);
+        if name == "SOLUTION" {
+            self.initial_state(card);
+            return;
+        }
+        let Some(variable) = self.field_variable(card, &name) else { return };
         for line in &card.lines {
             let Some(set) = line.field(0) else { continue };
             let found = match name.as_str() {
@@ -152,8 +160,12 @@ impl Builder<'_> {
                     let Some(value) = self.number(line, 1, "the energy a mass") else { continue };
                     self.element_members(set).map(|m| (InitialKind::Energy(value), m))
                 }
+                "FIELD" => {
+                    let Some(value) = self.number(line, 1, "the value of the field") else { continue };
+                    self.node_members(set).map(|m| (InitialKind::Field(variable, value), m))
+                }
                 other => {
-                    let help = "VELOCITY, TEMPERATURE, STRESS and SPECIFIC ENERGY are";
+                    let help = "VELOCITY, TEMPERATURE, STRESS, SPECIFIC ENERGY, SOLUTION and FIELD are";
                     self.unsupported(kind.span, format!("TYPE={other} is not supported"), help);
                     return;
                 }
@@ -162,6 +174,21 @@ impl Builder<'_> {
                 self.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
             }
         }
+    }
+
+    /// VARIABLE of `*INITIAL CONDITIONS, TYPE=FIELD`, counted from 0; the first without it.
+    fn field_variable(&mut self, card: &Card, kind: &str) -> Option<usize> {
+        let Some(word) = card.value("VARIABLE") else { return Some(0) };
+        if kind != "FIELD" {
+            self.unsupported(word.span, "VARIABLE is one of TYPE=FIELD", "take it away");
+            return None;
+        }
+        let number = word.integer(&mut self.diagnostics)?;
+        let variable = usize::try_from(number).ok().filter(|n| (1..=MOST_FIELDS).contains(n));
+        if variable.is_none() {
+            self.out_of_range(word.span, format!("VARIABLE={number} must lie between 1 and {MOST_FIELDS}"));
+        }
+        variable.map(|n| n - 1)
     }
 
     /// Surface index by name.

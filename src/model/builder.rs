@@ -165,6 +165,7 @@ impl<'a> Builder<'a> {
             | "DAMAGE INITIATION"
             | "DAMAGE EVOLUTION"
             | "USER MATERIAL"
+            | "USER DEFINED FIELD"
             | "DEPVAR"
             | "CAVITY EXPANSION" => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),

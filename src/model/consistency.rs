@@ -269,13 +269,18 @@ impl Check<'_> {
         }
         for condition in &model.initial_conditions {
             let finite = match &condition.kind {
-                InitialKind::Stress(values) => values.iter().all(|v| v.is_finite()),
-                InitialKind::Velocity(_, v) | InitialKind::Temperature(v) | InitialKind::Energy(v) => v.is_finite(),
+                InitialKind::Stress(values) | InitialKind::State(values) => values.iter().all(|v| v.is_finite()),
+                InitialKind::Velocity(_, v)
+                | InitialKind::Temperature(v)
+                | InitialKind::Energy(v)
+                | InitialKind::Field(_, v) => v.is_finite(),
             };
             self.value(finite, condition.span, || "an initial condition needs finite values".into());
             self.value(ascend(&condition.members), condition.span, || "members must ascend".into());
             match condition.kind {
-                InitialKind::Stress(_) | InitialKind::Energy(_) => self.elements(condition.span, &condition.members),
+                InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::State(_) => {
+                    self.elements(condition.span, &condition.members)
+                }
                 _ => self.nodes(condition.span, &condition.members),
             }
             if let InitialKind::Velocity(dof, _) = condition.kind {

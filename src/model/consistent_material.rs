@@ -41,7 +41,9 @@ impl Check<'_> {
         let resists =
             material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
         need(resists, "a resistance needs YIELD above zero and A, B, C not below zero");
-        need(material.user.iter().flatten().all(|c| c.is_finite()), "constants of the user must be finite");
+        let of_fields = material.fields.iter().flat_map(|f| &f.0);
+        let constants = material.user.iter().flatten().chain(of_fields);
+        need(constants.into_iter().all(|c| c.is_finite()), "constants of the user must be finite");
         let state = material.state;
         need(state.count <= 10_000 && state.delete.is_none_or(|d| d < state.count), "state variables out of range");
     }
@@ -59,6 +61,7 @@ fn yields(plastic: &Plastic) -> bool {
     match plastic {
         Plastic::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
         Plastic::Tabular(rows) => rows.iter().all(|r| r[0].is_finite() && r[1].is_finite()),
+        Plastic::User(constants) => constants.iter().all(|c| c.is_finite()),
         Plastic::Kinematic(lines) => by_temperature(lines) && lines.iter().all(|l| above_zero(l[0]) && not_below(l[1])),
     }
 }

@@ -50,6 +50,7 @@ impl Builder<'_> {
             }
             "EXPANSION" => self.expansion(card),
             "USER MATERIAL" => self.user_material(card),
+            "USER DEFINED FIELD" => self.user_fields(card),
             "DEPVAR" => self.state_variables(card),
             _ => self.cavity_expansion(card),
         }
@@ -162,10 +163,11 @@ impl Builder<'_> {
                 }
             }
             "KINEMATIC" => self.kinematic(card),
+            "USER" => self.user_hardening(card),
             other => self.unsupported(
                 card.span,
                 format!("HARDENING={other} is not supported"),
-                "ISOTROPIC, KINEMATIC and JOHNSON COOK are",
+                "ISOTROPIC, KINEMATIC, JOHNSON COOK and USER are",
             ),
         }
     }

@@ -246,8 +246,12 @@ pub struct Material {
     pub cavity: Option<CavityExpansion>,
     /// `*USER MATERIAL`: its constants.
     pub user: Option<Vec<f64>>,
+    /// `*USER DEFINED FIELD`: constants of its routine, and the card.
+    pub fields: Option<(Vec<f64>, Span)>,
     /// `*DEPVAR`.
     pub state: StateVariables,
+    /// Names that `*DEPVAR` gives variables, which are counted from 0.
+    pub state_names: Vec<(usize, String)>,
 }
 
 /// `*EXPANSION`: thermal strain from a reference temperature.
@@ -261,7 +265,7 @@ pub struct Expansion {
     pub span: Span,
 }
 
-/// `*DEPVAR`: what a user material keeps.
+/// `*DEPVAR`: what the user's routines keep at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StateVariables {
     /// How many variables.
@@ -346,6 +350,8 @@ pub enum Plastic {
     JohnsonCook([f64; 6]),
     /// Linear kinematic: yield stress without plastic strain, slope of the stress over it, temperature (NaN where absent).
     Kinematic(Vec<[f64; 3]>),
+    /// The routine of the user gives the yield stress, with these constants.
+    User(Vec<f64>),
 }
 
 /// `*RATE DEPENDENT`.
@@ -653,6 +659,10 @@ pub enum InitialKind {
     Stress(Vec<f64>),
     /// Energy a mass.
     Energy(f64),
+    /// State variables of the user's, from the first.
+    State(Vec<f64>),
+    /// A field variable, counted from 0, and its value.
+    Field(usize, f64),
 }
 
 /// A target that is not meshed: layers of material, one behind the other (extension).

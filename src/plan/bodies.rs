@@ -184,7 +184,7 @@ impl Compiler<'_> {
     }
 
     fn is_of_solid(&self, condition: &InitialCondition) -> bool {
-        matches!(condition.kind, InitialKind::Stress(_) | InitialKind::Energy(_))
+        matches!(condition.kind, InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::State(_))
             && condition.members.iter().any(|e| self.places.elements.contains_key(e))
     }
 

@@ -304,6 +304,7 @@ impl Compiler<'_> {
             self.no_routine(load.span, "load", &format!("`{name}` asks for a user load (PNU)"), "vdload");
             return None;
         };
+        self.called.push("vdload");
         let detail = format!("on {name}{}", self.amplitude_name(load));
         let id = self.cause(load.span, effect, count, "points", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);

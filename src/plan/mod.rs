@@ -165,6 +165,8 @@ struct Compiler<'a> {
     kept: links::Kept,
     /// Degrees of freedom of nodes without mass that nothing keeps.
     idle: HashSet<(usize, usize)>,
+    /// Routines of the user that something calls.
+    called: Vec<&'static str>,
 }
 
 /// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
@@ -189,6 +191,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         surface_ties,
         kept: links::Kept::default(),
         idle: HashSet::new(),
+        called: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
         causes: IndexMap::new(),
@@ -212,6 +215,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.list_inert();
     compiler.doubts(&state);
     compiler.events_row();
+    compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
     let Compiler { ledger, bodies, places, amplitudes, told, sections, diagnostics: found, .. } = compiler;
     diagnostics.append(found);

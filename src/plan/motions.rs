@@ -105,6 +105,7 @@ impl Compiler<'_> {
             self.no_routine(boundary.span, "motion", &asks, "vdisp");
             return None;
         }
+        self.called.push("vdisp");
         let (kind, _) = prescribed(boundary);
         let detail = format!("{}: {kind:?} along {} by the user", boundary.set, along(boundary)).to_lowercase();
         let id = self.cause(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);

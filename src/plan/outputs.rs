@@ -381,7 +381,12 @@ impl Compiler<'_> {
                 Place::Node if variable.row().preselected == Preselected::Conducting && !conducts => {}
                 Place::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
                 Place::Point | Place::Element if variable.row().numbered => {
-                    fields.extend(parts.into_iter().filter(somewhere).map(|p| FrameField::new(vec![p])));
+                    let field = |p: Part| {
+                        let field = FrameField::new(vec![p]);
+                        let name = self.state_name(p.component).map(|name| format!("SDV_{name}"));
+                        FrameField { name: name.unwrap_or(field.name.clone()), ..field }
+                    };
+                    fields.extend(parts.into_iter().filter(somewhere).map(field));
                 }
                 Place::Point | Place::Element if parts.iter().any(somewhere) => fields.push(FrameField::new(parts)),
                 _ => {}

@@ -242,6 +242,28 @@ impl Compiler<'_> {
                         groups[*group].set_energy(*i, *value);
                     }
                 }
+                InitialKind::State(values) => {
+                    for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
+                        let kept = |(v, value): (usize, &f64)| groups[*group].set_state(*i, v, *value) || *value == 0.0;
+                        if !values.iter().enumerate().all(kept) {
+                            let message = format!(
+                                "{} state variables are given, and the material of some of these elements keeps fewer \
+                                 (*DEPVAR)",
+                                values.len()
+                            );
+                            self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
+                            break;
+                        }
+                    }
+                }
+                InitialKind::Field(variable, value) => {
+                    let mesh = &self.model.mesh;
+                    for (&e, &(group, i)) in &self.places.elements {
+                        if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
+                            groups[group].set_field(i, *variable, *value);
+                        }
+                    }
+                }
                 InitialKind::Stress(values) => {
                     let eos = |&&(group, _): &&(usize, usize)| groups[group].holds_state();
                     if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {

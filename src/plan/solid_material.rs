@@ -3,6 +3,7 @@
 
 use super::Compiler;
 use super::solid::add_masses;
+use super::user_material::asks_at_points;
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Quads};
@@ -85,13 +86,13 @@ impl Compiler<'_> {
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
         let material = &self.model.materials[section.material];
-        if let Some(properties) = &material.user {
+        if asks_at_points(material) {
             if self.is_by_area(section) {
-                let message = "WEIGHTING=AREA with a *USER MATERIAL is not supported";
+                let message = "WEIGHTING=AREA with routines of the user at points is not supported";
                 self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
                 return None;
             }
-            return self.user_group(section, material, properties, elements, corners, nodes, mass);
+            return self.user_group(section, material, elements, corners, nodes, mass);
         }
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
@@ -116,7 +117,7 @@ impl Compiler<'_> {
     }
 
     /// Elastic moduli of a material; a missing or contradictory card is an error.
-    fn moduli(&mut self, material: &Material, span: Span) -> Option<Moduli> {
+    pub(super) fn moduli(&mut self, material: &Material, span: Span) -> Option<Moduli> {
         let refusal = match material {
             Material { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
             Material {
@@ -305,6 +306,7 @@ impl Compiler<'_> {
                 Plastic::Tabular(_) => "tabular isotropic",
                 Plastic::JohnsonCook(_) => "Johnson-Cook",
                 Plastic::Kinematic(_) => "linear kinematic",
+                Plastic::User(_) => "by the user",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
             let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
@@ -407,8 +409,8 @@ impl Compiler<'_> {
     ) -> Option<Box<dyn YieldStress>> {
         let factor = rate_factor(material.rate.as_ref());
         match plastic {
-            // It has a law of its own.
-            Plastic::Kinematic(_) => None,
+            // They have laws of their own.
+            Plastic::Kinematic(_) | Plastic::User(_) => None,
             Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
                 let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
                 Some(with_rate(law, factor))

@@ -10,10 +10,41 @@ use crate::variables::asked::Asked;
 use crate::variables::{Part, Variable};
 
 impl Compiler<'_> {
-    pub(super) fn no_routine(&mut self, span: Span, label: &str, asks: &str, name: &str) {
-        let message = format!("{asks}, but no routine was given");
-        let finding = Diagnostic::error("P004", message).at(span, format!("this {label} calls the user's routine"));
+    /// Says that a routine that the deck asks for is not there, or why it cannot be called.
+    pub(super) fn no_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
+        self.called.push(name);
+        if let Some(misfit) = self.routines.misfits.iter().find(|m| m.routine == name) {
+            let code = if misfit.code == "U004" { "U004" } else { "U005" };
+            let finding = Diagnostic::error(code, format!("{asks}: {}", misfit.message));
+            self.diagnostics.push(finding.at(span, format!("this {label} calls the user's routine")));
+            return;
+        }
+        let given =
+            if self.routines.any() { "the files that were given do not define it" } else { "no routine was given" };
+        let finding = Diagnostic::error("P004", format!("{asks}, but {given}"));
+        let finding = finding.at(span, format!("this {label} calls the user's routine"));
         self.diagnostics.push(finding.help(format!("give a file that defines {name} with --user FILE")));
+    }
+
+    /// Notes routines of the user's files that nothing calls.
+    pub(super) fn note_uncalled(&mut self) {
+        let routines = self.routines;
+        let there = [
+            ("vdload", routines.load.is_some(), "no load PNU, BRNU or BZNU"),
+            ("vuamp", routines.amplitude.is_some(), "no *AMPLITUDE, DEFINITION=USER is in use"),
+            ("vdisp", routines.motion.is_some(), "no *BOUNDARY, USER"),
+            ("vumat", routines.material.is_some(), "no element has a *USER MATERIAL"),
+            ("vuhard", routines.hardening.is_some(), "no element has *PLASTIC, HARDENING=USER"),
+            ("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
+        ];
+        let uncalled: Vec<(&str, &str)> =
+            there.into_iter().filter(|r| r.1 && !self.called.contains(&r.0)).map(|r| (r.0, r.2)).collect();
+        let strangers = routines.strangers.iter().map(|name| (*name, "Revolve does not have it"));
+        for (name, why) in uncalled.into_iter().chain(strangers) {
+            self.unused(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));
+            let message = format!("the user's files define `{name}`, which is never called: {why}");
+            self.diagnostics.push(Diagnostic::note("U009", message));
+        }
     }
 
     /// Which function of time a user amplitude tells; its routine is asked once an increment, however many loads it scales.
@@ -31,6 +62,7 @@ impl Compiler<'_> {
             self.no_routine(amplitude.span, "amplitude", &asks, "vuamp");
             return told;
         }
+        self.called.push("vuamp");
         let (sensor_names, sensors): (Vec<_>, Vec<_>) = self.sensors().into_iter().unzip();
         let detail = format!("{} ({} sensors)", amplitude.name, sensors.len());
         let id = self.cause(amplitude.span, "user amplitude", 1, "amplitude", detail);

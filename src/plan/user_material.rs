@@ -1,5 +1,8 @@
-//! Elements of a user material: `*USER MATERIAL` with its state variables, as a group that calls the routine.
-//! Never here: calling it.
+//! Elements that ask the user's routines at their points: `*USER MATERIAL`, `*PLASTIC, HARDENING=USER` and `*USER DEFINED FIELD`,
+//! with state and field variables, as a group that calls them.
+//! Never here: calling them.
+
+use std::sync::Arc;
 
 use super::Compiler;
 use super::solid::add_masses;
@@ -7,74 +10,186 @@ use super::solid_material::{Moduli, heating};
 use crate::deck::Diagnostic;
 use crate::element::constants::Constants;
 use crate::element::group::ElementGroup;
-use crate::element::user_quads::{Description, UserQuads};
+use crate::element::user_law::{Description, Flow, Yield};
+use crate::element::user_quads::UserQuads;
 use crate::kernel::heating::Heating;
-use crate::model::{Hourglass, Material, SolidSection, StateVariables};
+use crate::model::{Hourglass, InitialKind, Material, Plastic, SolidSection, StateVariables};
 use crate::state::nodes::Node;
 
+/// Whether elements of a material ask routines of the user at their points.
+pub(super) fn asks_at_points(material: &Material) -> bool {
+    material.user.is_some() || material.fields.is_some() || matches!(material.plastic, Some(Plastic::User(_)))
+}
+
+/// What the user's routines give of a law.
+enum UserLaw<'m> {
+    /// The stress, with these constants.
+    Stress(&'m Vec<f64>),
+    /// The yield stress, or nothing of it.
+    Flow(Yield),
+}
+
 impl Compiler<'_> {
-    /// The group of a section whose material is the user's.
-    #[allow(clippy::too_many_arguments)] // What a group is made of.
+    /// The group of a section whose material asks routines of the user.
     pub(super) fn user_group(
         &mut self,
         section: &SolidSection,
         material: &Material,
-        properties: &[f64],
         elements: &[usize],
         corners: &[[u32; 4]],
         nodes: &[Node],
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
-        let density = self.user_density(section, material)?;
-        if self.routines.material.is_none() {
-            let asks = format!("the material `{}` is the user's (*USER MATERIAL)", material.name);
-            self.no_routine(section.span, "section", &asks, "vumat");
-            return None;
-        }
+        let (law, moduli) = match &material.user {
+            Some(properties) => (UserLaw::Stress(properties), self.user_moduli(section, material)?),
+            None => self.user_flow(section, material)?,
+        };
+        let density = material.density?;
+        self.ask_fields(section, material)?;
         add_masses(corners, nodes, density, mass);
-        self.tell_of_heat(material);
-        let enhanced = self.is_enhanced(section);
-        // Fractions of a shear modulus that the routine's first call tells, as it does Poisson's ratio.
-        let unit = Moduli { bulk: 1.0, shear: 1.0, ratio: 0.0 };
-        let hourglass = self.hourglass(section, unit)?;
+        let hourglass = self.hourglass(section, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
-        // The moduli come from the routine.
-        let constants = Constants { bulk: 0.0, shear: 0.0, hourglass, bulk_viscosity };
+        // The moduli of a routine's stress come from its first answer.
+        let told = matches!(law, UserLaw::Stress(_));
+        let [bulk, shear] = if told { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
+        let constants = Constants { bulk, shear, hourglass, bulk_viscosity };
+        let enhanced = told && self.is_enhanced(section);
+        let heating = if self.adiabatic() || self.conducts(section) { heating(material, density) } else { Heating::None };
+        self.user_rows(section, material, &law, (elements.len(), &constants, enhanced), &heating);
         let StateVariables { count, delete } = material.state;
-        let detail = format!("material {}, by the user, Jaumann rate", material.name);
-        self.cause(section.span, "deformable elements", elements.len(), "CAX4R", detail);
-        let ratio = if enhanced { ", hourglass stiffness times 1 + Poisson's ratio" } else { "" };
-        let detail = format!("vumat: {} constants, {count} state variables{ratio}", properties.len());
-        self.cause(section.span, "user material", elements.len(), "points", detail);
-        self.control_rows(section, elements.len(), &constants);
-        let (name, properties) = (material.name.clone(), properties.to_vec());
-        let heating = if self.conducts(section) { heating(material, 1.0) } else { Heating::None };
-        let description = Description { name, properties, variables: count, delete, heating, enhanced };
+        let (properties, flow) = match law {
+            UserLaw::Stress(properties) => (properties.clone(), None),
+            UserLaw::Flow(yields) => (Vec::new(), Some(Flow { bulk, shear, yields })),
+        };
+        let description = Description {
+            name: material.name.clone(),
+            properties,
+            variables: count,
+            delete,
+            fields: self.field_variables(material),
+            asks_fields: material.fields.as_ref().map(|f| f.0.clone()),
+            flow,
+            heating,
+            density,
+            enhanced,
+        };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect();
-        Some(Box::new(UserQuads::new(description, constants, density, corners, nodes, names)))
+        let mut group = UserQuads::new(description, constants, corners, nodes, names);
+        if material.fields.is_some() {
+            // The routine may ask for strains.
+            group.follow();
+        }
+        Some(Box::new(group))
     }
 
-    /// Density of a user material; `None` if it lacks one or stands beside what it cannot (reported).
-    fn user_density(&mut self, section: &SolidSection, material: &Material) -> Option<f64> {
+    /// Field variables of a material: those that the deck gives, and one at least where a routine defines them.
+    fn field_variables(&self, material: &Material) -> usize {
+        let given = self.model.initial_conditions.iter().map(|c| match c.kind {
+            InitialKind::Field(variable, _) => variable + 1,
+            _ => 0,
+        });
+        given.max().unwrap_or(0).max(usize::from(material.fields.is_some()))
+    }
+
+    /// The moduli that stand for those of a routine's stress until it tells them; `None` if the material lacks a card or has
+    /// one too many (reported), or if there is no routine.
+    fn user_moduli(&mut self, section: &SolidSection, material: &Material) -> Option<Moduli> {
         let (code, message) = if material.density.is_none() {
             ("P013", format!("material `{}` has no *DENSITY", material.name))
         } else if material.elastic.is_some() || material.plastic.is_some() {
             ("P041", format!("material `{}` has *ELASTIC or *PLASTIC beside *USER MATERIAL", material.name))
+        } else if self.routines.material.is_none() {
+            let asks = format!("the material `{}` is the user's (*USER MATERIAL)", material.name);
+            self.no_routine(section.span, "section", &asks, "vumat");
+            return None;
         } else {
-            return material.density;
+            self.called.push("vumat");
+            // Fractions of a shear modulus that the routine's first call tells, as it does Poisson's ratio.
+            return Some(Moduli { bulk: 1.0, shear: 1.0, ratio: 0.0 });
         };
         self.diagnostics.push(Diagnostic::error(code, message).at(section.span, "these elements deform"));
         None
     }
 
-    /// A routine stores temperatures and integrates them itself, as state variables (ABAQUS User Subroutines Reference Manual,
-    /// VUMAT, "Overview").
-    fn tell_of_heat(&mut self, material: &Material) {
-        let Some(step) = self.model.steps.first().filter(|s| s.adiabatic) else { return };
-        if material.inelastic_heat_fraction.is_some() {
-            let what = format!("heating of material `{}`", material.name);
-            self.unused(step.span, what, "its routine integrates the temperature itself, as a state variable");
+    /// Elasticity and yield stress of a material whose yield stress or fields are the user's; `None` if it lacks something or
+    /// has what does not go with that (reported).
+    fn user_flow<'m>(&mut self, section: &SolidSection, material: &'m Material) -> Option<(UserLaw<'m>, Moduli)> {
+        let moduli = self.moduli(material, section.span)?;
+        let cause = if material.fields.is_some() { "*USER DEFINED FIELD" } else { "*PLASTIC, HARDENING=USER" };
+        let beside = [
+            (material.eos.is_some(), "*EOS"),
+            (material.neo_hooke.is_some(), "*HYPERELASTIC"),
+            (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
+            (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
+            (matches!(material.plastic, Some(Plastic::Kinematic(_))), "HARDENING=KINEMATIC"),
+            (material.rate.is_some() && matches!(material.plastic, Some(Plastic::User(_))), "*RATE DEPENDENT"),
+        ];
+        if let Some((_, other)) = beside.iter().find(|(there, _)| *there) {
+            let message = format!("material `{}` has {cause} beside {other}, which is not supported", material.name);
+            self.diagnostics.push(Diagnostic::error("P041", message).at(material.span, "this material"));
+            return None;
         }
+        let yields = match &material.plastic {
+            None => Yield::Never,
+            Some(Plastic::User(properties)) => {
+                if self.routines.hardening.is_none() {
+                    let asks = format!("the hardening of `{}` is the user's (*PLASTIC, HARDENING=USER)", material.name);
+                    self.no_routine(section.span, "section", &asks, "vuhard");
+                    return None;
+                }
+                self.called.push("vuhard");
+                Yield::User(properties.clone())
+            }
+            Some(plastic) => Yield::Law(Arc::from(self.yield_stress(plastic, material, section.span)?)),
+        };
+        Some((UserLaw::Flow(yields), moduli))
+    }
+
+    /// Whether the routine of fields is there, where one is asked for; `None` if not (reported).
+    fn ask_fields(&mut self, section: &SolidSection, material: &Material) -> Option<()> {
+        let Some((properties, span)) = &material.fields else { return Some(()) };
+        if self.routines.fields.is_none() {
+            let asks = format!("fields of `{}` are the user's (*USER DEFINED FIELD)", material.name);
+            self.no_routine(section.span, "section", &asks, "vusdfld");
+            return None;
+        }
+        self.called.push("vusdfld");
+        let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.state.count);
+        self.cause(*span, "user-defined fields", 1, "material", detail);
+        Some(())
+    }
+
+    fn user_rows(
+        &mut self,
+        section: &SolidSection,
+        material: &Material,
+        law: &UserLaw<'_>,
+        (count, constants, enhanced): (usize, &Constants, bool),
+        heating: &Heating,
+    ) {
+        let name = &material.name;
+        let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
+        let variables = material.state.count;
+        let by = if matches!(law, UserLaw::Stress(_)) { "by the user" } else { "elastic" };
+        self.cause(section.span, "deformable elements", count, "CAX4R", format!("material {name}, {by}, Jaumann rate"));
+        match law {
+            UserLaw::Stress(properties) => {
+                let ratio = if enhanced { ", hourglass stiffness times 1 + Poisson's ratio" } else { "" };
+                let detail =
+                    format!("vumat: {} constants, {variables} state variables{ratio}{heated}", properties.len());
+                self.cause(section.span, "user material", count, "points", detail);
+            }
+            UserLaw::Flow(Yield::User(properties)) => {
+                let detail = format!("vuhard: {} constants, {variables} state variables{heated}", properties.len());
+                self.cause(section.span, "plasticity", count, "elements", detail);
+            }
+            UserLaw::Flow(Yield::Law(_)) => {
+                let detail = format!("built-in yield stress, point by point{heated}");
+                self.cause(section.span, "plasticity", count, "elements", detail);
+            }
+            UserLaw::Flow(Yield::Never) => {}
+        }
+        self.control_rows(section, count, constants);
     }
 
     fn is_enhanced(&self, section: &SolidSection) -> bool {
@@ -89,9 +204,18 @@ impl Compiler<'_> {
         self.model.sections.iter().filter(deforms).map(|s| &self.model.materials[s.material])
     }
 
-    /// The most variables that a user material of this scene keeps.
+    /// The most variables that a material of this scene keeps for the user's routines.
     pub(super) fn state_variables(&self) -> usize {
-        self.materials_present().filter(|m| m.user.is_some()).map(|m| m.state.count).max().unwrap_or(0)
+        self.materials_present().filter(|m| asks_at_points(m)).map(|m| m.state.count).max().unwrap_or(0)
+    }
+
+    /// The name that *DEPVAR gives a state variable; `None` where materials of the scene call it otherwise.
+    pub(super) fn state_name(&self, variable: usize) -> Option<&str> {
+        let keeps = self.materials_present().filter(|m| asks_at_points(m) && m.state.count > variable);
+        let mut names =
+            keeps.map(|m| m.state_names.iter().find(|(v, _)| *v == variable).map(|(_, name)| name.as_str()));
+        let first = names.next()??;
+        names.all(|name| name == Some(first)).then_some(first)
     }
 
     /// Whether elements of the scene can be deleted.

@@ -173,6 +173,7 @@ mod tests {
     use crate::state::Instant;
     use crate::state::dofs::Dofs;
     use crate::state::nodes::{Node, Nodes};
+    use crate::user::AtPoints;
 
     /// A rectangle of elements, nodes row by row, with one node more of no element.
     struct Mesh {
@@ -227,7 +228,7 @@ mod tests {
 
     impl Free {
         fn evaluate(&mut self) {
-            self.elements.update(&mut self.dofs, &Instant::default(), false, None, None);
+            self.elements.update(&mut self.dofs, &Instant::default(), false, AtPoints::default(), None);
             self.elements.link(&mut self.dofs);
             accelerate_nodes(&self.elements, &mut self.dofs, &mut self.parts, false);
             self.dofs.nodes.moved = false;

@@ -247,7 +247,7 @@ impl<'a> Run<'a> {
             return Ok(());
         }
         if self.now.step == 1 {
-            self.elements.probe(&self.dofs.nodes, &self.now, self.user.material.as_deref_mut())?;
+            self.elements.probe(&self.dofs.nodes, &self.now, self.user.at_points())?;
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
         let prescribed: Vec<_> = self.constraints.iter().flat_map(|c| c.prescribes()).collect();
@@ -292,7 +292,7 @@ impl<'a> Run<'a> {
         if fresh {
             self.warm();
         }
-        let user = self.user.material.as_deref_mut();
+        let user = self.user.at_points();
         self.elements.update(&mut self.dofs, &self.now, self.threads, user, self.timing.groups());
         if self.thermal.is_some() {
             self.conduct(fresh);

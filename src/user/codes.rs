@@ -28,12 +28,17 @@ pub const CODES: &[Code] = &[
     Code {
         code: "U005",
         title: "shared library cannot be loaded",
-        text: "Most often it calls a routine that nothing defines. Revolve itself provides xplb_exit, xplb_abqerr, vgetjobname, vgetoutdir, vgetnumcpus, vgetrank, vgetinternal, vgetpartinfo and the sensor functions.",
+        text: "Most often it calls a routine that nothing defines. Revolve itself provides xplb_exit, xplb_abqerr, vgetjobname, vgetoutdir, vgetnumcpus, vgetrank, vgetinternal, vgetpartinfo, vgetvrm, vsprinc, vsprind, the sensor functions, the arrays of SMAAspUserSubroutines.hdr, mutexes, and MPI of one process; LAPACK is linked where the machine has it. What only an uncalled routine calls may be missing.",
     },
     Code {
         code: "U006",
         title: "no known user routine",
-        text: "The files define none of vdload, vuamp, vdisp, vumat, vexternaldb.",
+        text: "The files define none of vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vexternaldb.",
+    },
+    Code {
+        code: "U009",
+        title: "routine that is never called",
+        text: "The files hold a routine that nothing in this scene calls: the card that asks for it is missing, or it is one that Revolve does not have.",
     },
     Code {
         code: "U007",

@@ -3,6 +3,7 @@
 //! Never here: pointers.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -48,7 +49,11 @@ pub struct JobInfo {
 /// Different messages that are kept; a routine may give one every increment.
 const MOST: usize = 200;
 
+/// An array that outlives a call: its bytes in words, so that numbers are where they may be, and its entries.
+type Array = (Box<[u64]>, i32);
+
 thread_local! {
+    static ARRAYS: RefCell<BTreeMap<(u8, i32), Array>> = const { RefCell::new(BTreeMap::new()) };
     static JOB: RefCell<JobInfo> = RefCell::default();
     static MESSAGES: RefCell<Vec<Message>> = const { RefCell::new(Vec::new()) };
 }
@@ -56,6 +61,7 @@ thread_local! {
 /// Sets what routines called by this thread are told of their job, and forgets messages of the job before.
 pub fn announce(job: JobInfo) {
     JOB.with_borrow_mut(|j| *j = job);
+    ARRAYS.with_borrow_mut(BTreeMap::clear);
     MESSAGES.with_borrow_mut(Vec::clear);
 }
 
@@ -92,6 +98,33 @@ pub(super) fn tell(level: Level, text: String) {
     });
 }
 
+/// Makes an array of a kind and number with so many entries of so many bytes, all alike; where it is. One that is there keeps
+/// what it holds as far as it goes, and is where it was if its size does not change.
+pub(super) fn new_array(key: (u8, i32), count: i32, width: usize, value: &[u8]) -> *mut u64 {
+    let words = (usize::try_from(count).unwrap_or(0) * width).div_ceil(8).max(1);
+    let pattern: Vec<u8> = value.iter().copied().cycle().take(8).collect();
+    let word = u64::from_ne_bytes(pattern.try_into().unwrap_or_default());
+    ARRAYS.with_borrow_mut(|arrays| {
+        let array = arrays.entry(key).or_insert_with(|| (vec![word; words].into_boxed_slice(), count));
+        if array.1 != count {
+            let mut longer = std::mem::take(&mut array.0).into_vec();
+            longer.resize(words, word);
+            *array = (longer.into_boxed_slice(), count);
+        }
+        array.0.as_mut_ptr()
+    })
+}
+
+/// Where an array is, and its entries.
+pub(super) fn array(key: (u8, i32)) -> Option<(*mut u64, i32)> {
+    ARRAYS.with_borrow_mut(|arrays| arrays.get_mut(&key).map(|array| (array.0.as_mut_ptr(), array.1)))
+}
+
+/// Takes an array away.
+pub(super) fn delete_array(key: (u8, i32)) {
+    ARRAYS.with_borrow_mut(|arrays| arrays.remove(&key));
+}
+
 /// Number inside the program of what has this name in this instance; 0 if there is none.
 pub(super) fn internal_number(names: &[String], part: &str, local: i32) -> i32 {
     let wanted = if part.is_empty() { local.to_string() } else { format!("{part}.{local}") };
@@ -103,6 +136,38 @@ pub(super) fn part_of(names: &[String], internal: i32) -> Option<(&str, i32)> {
     let name = names.get(usize::try_from(internal).ok()?.checked_sub(1)?)?;
     let (part, local) = name.rsplit_once('.').unwrap_or(("", name));
     Some((part, local.parse().ok()?))
+}
+
+/// Principal values of a symmetric tensor with the direct components 11, 22, 33 and the shear components 12, 23, 31, and their
+/// directions, by Jacobi's rotations: the two in the plane of the first axes, the larger first, then the third, if nothing
+/// shears out of the plane; else the largest first.
+pub(super) fn principal(direct: [f64; 3], shear: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+    let [s12, s23, s31] = shear;
+    let mut a = [[direct[0], s12, s31], [s12, direct[1], s23], [s31, s23, direct[2]]];
+    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // Each sweep squares what is left; eight are far more than numbers have digits.
+    for (p, q) in [(0, 1), (1, 2), (0, 2)].into_iter().cycle().take(24) {
+        if a[p][q] == 0.0 {
+            continue;
+        }
+        let theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
+        let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+        let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+        let sine = tangent * cosine;
+        for row in &mut a {
+            (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
+        }
+        let turned = |x: [f64; 3], y: [f64; 3]| {
+            ([0, 1, 2].map(|k| cosine * x[k] - sine * y[k]), [0, 1, 2].map(|k| sine * x[k] + cosine * y[k]))
+        };
+        (a[p], a[q]) = turned(a[p], a[q]);
+        (axes[p], axes[q]) = turned(axes[p], axes[q]);
+    }
+    let values = [a[0][0], a[1][1], a[2][2]];
+    let mut order = [0, 1, 2];
+    let sorted = if s23 == 0.0 && s31 == 0.0 { &mut order[..2] } else { &mut order[..] };
+    sorted.sort_by(|i, j| values[*j].total_cmp(&values[*i]));
+    (order.map(|i| values[i]), order.map(|i| axes[i]))
 }
 
 /// Text of `xplb_abqerr` with its values in place of `%I`, `%R` and `%S`.
@@ -145,7 +210,22 @@ fn count<T>(index: &mut usize, value: &mut impl FnMut(usize) -> Option<T>) -> Op
 
 #[cfg(test)]
 mod tests {
-    use super::{fill_in, internal_number, part_of};
+    use super::{fill_in, internal_number, part_of, principal};
+
+    #[test]
+    fn principal_values_by_hand() {
+        let (values, axes) = principal([5.0, 1.0, 9.0], [2.0, 0.0, 0.0]);
+        let root = 8.0_f64.sqrt();
+        for (value, expected) in values.into_iter().zip([3.0 + root, 3.0 - root, 9.0]) {
+            assert!((value - expected).abs() < 1e-14, "{values:?}");
+        }
+        // The tensor on an axis is the axis times its value.
+        assert!((5.0 * axes[0][0] + 2.0 * axes[0][1] - values[0] * axes[0][0]).abs() < 1e-14);
+        // Under all shears: 1 + 2 on the diagonal of ones, twice 1 - 1.
+        let (values, axes) = principal([1.0; 3], [1.0; 3]);
+        assert!((values[0] - 3.0).abs() < 1e-14 && values[1].abs() < 1e-14 && values[2].abs() < 1e-14, "{values:?}");
+        assert!(axes[0].iter().all(|x| (x.abs() - 1.0 / 3.0_f64.sqrt()).abs() < 1e-14));
+    }
 
     #[test]
     fn values_take_their_places() {

@@ -9,14 +9,16 @@ use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Once, OnceLock};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
 use super::host::{self, Level};
 use super::{
-    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Moment, MotionCall,
-    Routines, UserAmplitude, UserEvents, UserLoad, UserMaterial, UserMotion, Wish,
+    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
+    MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, PointValues, ROUTINES, Routines,
+    UserAmplitude, UserEvents, UserFields, UserHardening, UserLoad, UserMaterial, UserMotion, Wish,
 };
 use crate::deck::Diagnostic;
 use crate::output::whole::Scratch;
@@ -88,7 +90,7 @@ type Vdisp = unsafe extern "C-unwind" fn(
     *mut f64,
     usize,
 );
-/// `subroutine vumat(nblock, ndir, nshr, nstatev, nfieldv, nprops, lanneal, stepTime, totalTime, dt, cmname, coordMp,
+/// `subroutine vumat(jblock, ndir, nshr, nstatev, nfieldv, nprops, jInfoArray, stepTime, totalTime, dtArray, cmname, coordMp,
 /// charLength, props, density, strainInc, relSpinInc, tempOld, stretchOld, defgradOld, fieldOld, stressOld, stateOld,
 /// enerInternOld, enerInelasOld, tempNew, stretchNew, defgradNew, fieldNew, stressNew, stateNew, enerInternNew,
 /// enerInelasNew)`.
@@ -128,6 +130,63 @@ type Vumat = unsafe extern "C-unwind" fn(
     *mut f64,
     usize,
 );
+/// `subroutine vuhard(nblock, jElem, kIntPt, kLayer, kSecPt, lAnneal, stepTime, totalTime, dt, cmname, nstatev, nfieldv, nprops,
+/// props, tempOld, tempNew, fieldOld, fieldNew, stateOld, eqps, eqpsRate, yield, dyieldDtemp, dyieldDeqps, stateNew)`.
+type Vuhard = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const c_char,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    *mut f64,
+    *mut f64,
+    *mut f64,
+    usize,
+);
+/// `subroutine vusdfld(nblock, nstatev, nfieldv, nprops, ndir, nshr, jElem, kIntPt, kLayer, kSecPt, stepTime, totalTime, dt,
+/// cmname, coordMp, direct, T, charLength, props, stateOld, stateNew, field)`.
+type Vusdfld = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const c_char,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    *mut f64,
+    usize,
+);
 /// `subroutine vexternaldb(lOp, i_Array, niArray, r_Array, nrArray)`.
 type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32, *mut f64, *const i32);
 
@@ -135,16 +194,24 @@ type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32,
 /// sweep share nothing. `watch_invalid` halts a load that computes with what is no number.
 ///
 /// # Errors
-/// A library that cannot be loaded (with the loader's words), or none that defines a known routine.
-pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnostic> {
+/// A library that cannot be loaded (with the loader's words), or none that defines a routine that can be called; `given` are
+/// the user's own files.
+pub fn open(
+    files: &[PathBuf],
+    watch_invalid: bool,
+    misfits: &[Misfit],
+    given: &[PathBuf],
+) -> Result<Routines, Diagnostic> {
     watch_the_process();
     let libraries = files.iter().map(|f| open_copy(f)).collect::<Result<Vec<_>, _>>()?;
     let libraries: Arc<[Library]> = libraries.into();
-    let mut routines = Routines::none();
+    let strangers = STRANGERS.iter().copied().filter(|name| defines(&libraries, name)).collect();
+    let mut routines = Routines { misfits: misfits.to_vec(), strangers, ..Routines::none() };
     let mut known = false;
+    let fits = |name: &str| misfits.iter().all(|m| m.routine != name);
     // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
     unsafe {
-        if let Some(call) = find::<Vdload>(&libraries, "vdload") {
+        if let Some(call) = find::<Vdload>(&libraries, "vdload").filter(|_| fits("vdload")) {
             routines = routines.with_load(CompiledLoad {
                 call,
                 name: Padded::default(),
@@ -153,20 +220,30 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
             });
             known = true;
         }
-        if let Some(call) = find::<Vuamp>(&libraries, "vuamp") {
+        if let Some(call) = find::<Vuamp>(&libraries, "vuamp").filter(|_| fits("vuamp")) {
             routines = routines.with_amplitude(CompiledAmplitude { call, _keep: libraries.clone() });
             known = true;
         }
-        if let Some(call) = find::<Vdisp>(&libraries, "vdisp") {
+        if let Some(call) = find::<Vdisp>(&libraries, "vdisp").filter(|_| fits("vdisp")) {
             routines = routines.with_motion(CompiledMotion { call, name: Padded::default(), _keep: libraries.clone() });
             known = true;
         }
-        if let Some(call) = find::<Vumat>(&libraries, "vumat") {
-            let name = Padded::default();
-            routines = routines.with_material(CompiledMaterial { call, name, _keep: libraries.clone() });
+        if let Some(call) = find::<Vumat>(&libraries, "vumat").filter(|_| fits("vumat")) {
+            let material = CompiledMaterial { call, numbers: Box::<Numbers>::default(), _keep: libraries.clone() };
+            routines = routines.with_material(material);
             known = true;
         }
-        if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb") {
+        if let Some(call) = find::<Vuhard>(&libraries, "vuhard").filter(|_| fits("vuhard")) {
+            let name = Padded::default();
+            routines = routines.with_hardening(CompiledHardening { call, name, _keep: libraries.clone() });
+            known = true;
+        }
+        if let Some(call) = find::<Vusdfld>(&libraries, "vusdfld").filter(|_| fits("vusdfld")) {
+            let (name, directions) = (Padded::default(), vec![0.0; 9 * MAX_MATERIAL_BLOCK]);
+            routines = routines.with_fields(CompiledFields { call, name, directions, _keep: libraries.clone() });
+            known = true;
+        }
+        if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb").filter(|_| fits("vexternaldb")) {
             routines = routines.with_events(CompiledEvents { call, restart: false, _keep: libraries.clone() });
             known = true;
         }
@@ -174,9 +251,103 @@ pub fn open(files: &[PathBuf], watch_invalid: bool) -> Result<Routines, Diagnost
     if known {
         return Ok(routines);
     }
-    let names: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();
-    let message = format!("{} define none of vdload, vuamp, vdisp, vumat, vexternaldb", names.join(", "));
-    Err(Diagnostic::error("U006", message))
+    if let Some(misfit) = misfits.first() {
+        let code = if misfit.code == "U004" { "U004" } else { "U005" };
+        return Err(Diagnostic::error(code, misfit.message.clone()));
+    }
+    Err(nothing_to_call(&routines.strangers, given))
+}
+
+/// Says what the user's files hold where nothing of it can be called.
+fn nothing_to_call(strangers: &[&str], given: &[PathBuf]) -> Diagnostic {
+    let held: Vec<String> = given.iter().flat_map(|file| subroutines(file)).collect();
+    let names: Vec<_> = given.iter().map(|f| format!("`{}`", f.display())).collect();
+    let verb = if names.len() == 1 { "defines" } else { "define" };
+    let what = if held.is_empty() { String::new() } else { format!(" but {}", held.join(", ")) };
+    let none = format!("{} {verb} no routine that is called here{what}", names.join(", "));
+    let finding = Diagnostic::error("U006", format!("{none}; called are {}", ROUTINES.join(", ")));
+    match strangers.first() {
+        Some(name) => finding.help(format!("`{name}` is a routine of ABAQUS that nothing here calls")),
+        None => finding,
+    }
+}
+
+/// Subroutines and functions that a source defines, a few of them.
+fn subroutines(file: &Path) -> Vec<String> {
+    let text = std::fs::read(file).map(|bytes| String::from_utf8_lossy(&bytes).to_lowercase()).unwrap_or_default();
+    let name = |line: &str| {
+        let rest = line.trim_start().strip_prefix("subroutine ")?.trim_start();
+        let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        (!name.is_empty()).then_some(name)
+    };
+    text.lines().filter_map(name).take(12).collect()
+}
+
+/// Routines of ABAQUS that nothing here calls; a file that holds one is told so.
+const STRANGERS: &[&str] = &[
+    "vucharlength",
+    "vuanisohyper_inv",
+    "vuanisohyper_strain",
+    "vuel",
+    "vuinter",
+    "vuinteraction",
+    "vufield",
+    "vufluidexch",
+    "vuflux",
+    "vdflux",
+    "vfilm",
+    "vfric",
+    "vfriction",
+    "vfric_coef",
+    "vfabric",
+    "vhetval",
+    "vumatht",
+    "vumultiscale",
+    "vueos",
+    "vucreepnetwork",
+    "vuexpan",
+    "vuhyper",
+    "vuviscosity",
+    "vutrs",
+    "vwave",
+    "vuframe",
+    "vudispersion",
+    "umat",
+    "uhard",
+    "usdfld",
+    "uexternaldb",
+    "dload",
+    "disp",
+    "uamp",
+    "uel",
+    "dflux",
+    "film",
+    "fric",
+    "hetval",
+    "umatht",
+    "uhyper",
+    "uvarm",
+    "sdvini",
+    "sigini",
+    "orient",
+    "utrac",
+    "utemp",
+    "creep",
+    "uexpan",
+];
+
+fn defines(libraries: &[Library], name: &str) -> bool {
+    // SAFETY: the symbol is looked at, not called.
+    unsafe { find::<*const ()>(libraries, name) }.is_some()
+}
+
+/// What a library calls and nothing defines, if there is such a thing.
+pub fn missing(file: &Path) -> Option<String> {
+    // SAFETY: the user's library runs its initialisers here, as he asked for.
+    let error = unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) }.err()?;
+    let words = loaders_words(&error, file, file);
+    let symbol = words.split("undefined symbol: ").nth(1)?;
+    Some(symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
 }
 
 /// The loader opens a file once; a copy is another file, with SAVE and COMMON of its own.
@@ -188,10 +359,21 @@ fn open_copy(file: &Path) -> Result<Library, Diagnostic> {
     let scratch = Scratch::within(&std::env::temp_dir()).map_err(|e| fault(e.to_string()))?;
     let copy = scratch.path().join("user.so");
     std::fs::copy(file, &copy).map_err(|e| fault(e.to_string()))?;
-    let library = load(&copy).map_err(|e| fault(loaders_words(&e, &copy, file)))?;
+    let library = load(&copy).map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
     // Keeps the Fortran runtime from going and coming with every run of a sweep.
     KEEPER.get_or_init(|| load(file).ok());
     Ok(library)
+}
+
+/// The loader's words about a symbol that is not there, in plain ones.
+fn undefined(words: String) -> String {
+    match words.split("undefined symbol: ").nth(1) {
+        Some(symbol) => {
+            let symbol: String = symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            format!("it calls `{}`, which nothing defines ({words})", symbol.trim_end_matches('_'))
+        }
+        None => words,
+    }
 }
 
 fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String {
@@ -201,14 +383,7 @@ fn loaders_words(error: &libloading::Error, copy: &Path, file: &Path) -> String 
         words = format!("{words}: {inner}");
         cause = inner.source();
     }
-    let words = words.replace(&*copy.display().to_string(), &file.display().to_string());
-    match words.split("undefined symbol: ").nth(1) {
-        Some(symbol) => {
-            let symbol: String = symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            format!("it calls `{}`, which nothing defines ({words})", symbol.trim_end_matches('_'))
-        }
-        None => words,
-    }
+    words.replace(&*copy.display().to_string(), &file.display().to_string())
 }
 
 /// The routine of this name, as Fortran or as plain C spells it.
@@ -290,6 +465,15 @@ struct Call<'a> {
     name: &'a str,
     now: Instant,
     sensors: (&'a [String], &'a [f64]),
+    /// What the points of the call hold.
+    points: Option<(usize, &'a dyn PointValues)>,
+}
+
+impl<'a> Call<'a> {
+    /// Without sensors and points.
+    fn new(routine: &'static str, name: &'a str, now: Instant) -> Self {
+        Call { routine, name, now, sensors: (&[], &[]), points: None }
+    }
 }
 
 thread_local! {
@@ -344,7 +528,7 @@ impl UserLoad for CompiledLoad {
         let (count, dimensions) = (points.r.len() as i32, 2_i32);
         // An element load has no surface name.
         let name = self.name.set(if points.load_type == 0 { points.surface } else { "" });
-        let call = Call { routine: "vdload", name: points.surface, now: points.now, sensors: (&[], &[]) };
+        let call = Call::new("vdload", points.surface, points.now);
         if self.watch_invalid {
             // SAFETY: changes a flag of this thread alone.
             unsafe { feclearexcept(FE_INVALID) };
@@ -406,7 +590,7 @@ impl UserAmplitude for CompiledAmplitude {
         let mut define = [0_i32; 8];
         let (mut value, mut derivative, mut second, mut integral) = (f64::NAN, 0.0, 0.0, 0.0);
         let context =
-            Call { routine: "vuamp", name: call.name, now: call.now, sensors: (call.sensor_names, call.sensor_values) };
+            Call { sensors: (call.sensor_names, call.sensor_values), ..Call::new("vuamp", call.name, call.now) };
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -468,7 +652,7 @@ impl UserMotion for CompiledMotion {
         let [u, v, a, rf] = [0, 1, 2, 3].map(vector);
         let rotary = [0.0; 9];
         let mut values = [f64::NAN; DOFS];
-        let context = Call { routine: "vdisp", name: call.set, now: call.now, sensors: (&[], &[]) };
+        let context = Call::new("vdisp", call.set, call.now);
         enter(&context, || {
             // SAFETY: one node, three degrees of freedom, two coordinates; every array is of that size.
             unsafe {
@@ -506,33 +690,59 @@ impl UserMotion for CompiledMotion {
 
 struct CompiledMaterial {
     call: Vumat,
-    name: Padded,
+    numbers: Box<Numbers>,
     _keep: Arc<[Library]>,
+}
+
+/// What a VUMAT is told in numbers of a block. ABAQUS passes arrays where older routines declare one number: `jblock` begins
+/// with nblock, `jInfoArray` with lanneal, `dtArray` with dt (ABAQUS User Subroutines Reference, "VUMAT", "Variables passed in
+/// for information").
+struct Numbers {
+    name: Padded,
+    /// nblock, integration point, layer, section point, user's numbers of the elements.
+    block: [i32; 4 + MAX_MATERIAL_BLOCK],
+    /// Anneal flag, integration point, layer, section point, whether moduli are asked for, where the numbers of the elements
+    /// begin; then they.
+    info: [i32; 6 + MAX_MATERIAL_BLOCK],
+    /// Length of the increment; room for moduli that nobody asks for.
+    dt: [f64; 1 + 2 * MAX_MATERIAL_BLOCK],
+}
+
+impl Default for Box<Numbers> {
+    fn default() -> Self {
+        let (mut block, mut info) = ([0; 4 + MAX_MATERIAL_BLOCK], [0; 6 + MAX_MATERIAL_BLOCK]);
+        block[1..4].fill(1);
+        info[..6].copy_from_slice(&[0, 1, 1, 1, 0, 7]);
+        Box::new(Numbers { name: Padded::default(), block, info, dt: [0.0; 1 + 2 * MAX_MATERIAL_BLOCK] })
+    }
 }
 
 impl UserMaterial for CompiledMaterial {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
-        let name = self.name.set(call.name);
-        let [count, variables, properties] = [call.count, call.variables, call.properties.len()].map(|n| n as i32);
-        let (direct, shear, fields, anneal) = (3_i32, 1_i32, 0_i32, 0_i32);
-        // There are no field variables; a place to point at.
-        let none = [f64::NAN; 1];
-        let context = Call { routine: "vumat", name: call.name, now: call.now, sensors: (&[], &[]) };
+        let Numbers { name, block, info, dt } = &mut *self.numbers;
+        let name_given = name.set(call.name);
+        let [variables, fields, properties] = [call.variables, call.fields, call.properties.len()].map(|n| n as i32);
+        let (direct, shear) = (3_i32, 1_i32);
+        block[0] = call.count as i32;
+        block[4..4 + call.count].copy_from_slice(call.elements);
+        info[6..6 + call.count].copy_from_slice(call.elements);
+        dt[0] = call.dt;
+        let context = Call::new("vumat", call.name, call.now);
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
                 (self.call)(
-                    &count,
+                    block.as_ptr(),
                     &direct,
                     &shear,
                     &variables,
                     &fields,
                     &properties,
-                    &anneal,
+                    info.as_ptr(),
                     &call.now.step_time,
                     &call.now.total_time,
-                    &call.dt,
-                    name,
+                    dt.as_ptr(),
+                    name_given,
                     call.coordinates.as_ptr(),
                     call.length.as_ptr(),
                     call.properties.as_ptr(),
@@ -542,7 +752,7 @@ impl UserMaterial for CompiledMaterial {
                     call.temperature[0].as_ptr(),
                     call.stretch[0].as_ptr(),
                     call.gradient[0].as_ptr(),
-                    none.as_ptr(),
+                    call.field[0].as_ptr(),
                     call.stress.as_ptr(),
                     call.state.as_ptr(),
                     call.internal.as_ptr(),
@@ -550,7 +760,7 @@ impl UserMaterial for CompiledMaterial {
                     call.temperature[1].as_ptr(),
                     call.stretch[1].as_ptr(),
                     call.gradient[1].as_ptr(),
-                    none.as_ptr(),
+                    call.field[1].as_ptr(),
                     answer.stress.as_mut_ptr(),
                     answer.state.as_mut_ptr(),
                     answer.internal.as_mut_ptr(),
@@ -559,7 +769,110 @@ impl UserMaterial for CompiledMaterial {
                 );
             }
         })?;
-        guarded(self.name.untouched(), "vumat", "cmname")
+        guarded(name.untouched(), "vumat", "cmname")
+    }
+}
+
+struct CompiledHardening {
+    call: Vuhard,
+    name: Padded,
+    _keep: Arc<[Library]>,
+}
+
+impl UserHardening for CompiledHardening {
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
+        let name = self.name.set(call.name);
+        let [count, variables, fields, properties] =
+            [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
+        let (one, anneal) = (1_i32, 0_i32);
+        let context = Call::new("vuhard", call.name, call.now);
+        enter(&context, || {
+            // SAFETY: each argument has the length that the counts before it say.
+            unsafe {
+                (self.call)(
+                    &count,
+                    call.elements.as_ptr(),
+                    &one,
+                    &one,
+                    &one,
+                    &anneal,
+                    &call.now.step_time,
+                    &call.now.total_time,
+                    &call.dt,
+                    name,
+                    &variables,
+                    &fields,
+                    &properties,
+                    call.properties.as_ptr(),
+                    call.temperature[0].as_ptr(),
+                    call.temperature[1].as_ptr(),
+                    call.field[0].as_ptr(),
+                    call.field[1].as_ptr(),
+                    call.state.as_ptr(),
+                    call.strain.as_ptr(),
+                    call.rate.as_ptr(),
+                    answer.stress.as_mut_ptr(),
+                    answer.by_temperature.as_mut_ptr(),
+                    answer.slopes.as_mut_ptr(),
+                    answer.state.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vuhard", "cmname")
+    }
+}
+
+struct CompiledFields {
+    call: Vusdfld,
+    name: Padded,
+    /// `direct` and `T`: the axes of the material are those of the model.
+    directions: Vec<f64>,
+    _keep: Arc<[Library]>,
+}
+
+impl UserFields for CompiledFields {
+    fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
+        let name = self.name.set(call.name);
+        let [count, variables, fields, properties] =
+            [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
+        let (direct, shear, one) = (3_i32, 1_i32, 1_i32);
+        for (slab, list) in self.directions.chunks_mut(call.count).take(9).enumerate() {
+            list.fill(if slab % 4 == 0 { 1.0 } else { 0.0 });
+        }
+        let points = Some((call.count, call.values));
+        let context = Call { points, ..Call::new("vusdfld", call.name, call.now) };
+        enter(&context, || {
+            // SAFETY: each argument has the length that the counts before it say.
+            unsafe {
+                (self.call)(
+                    &count,
+                    &variables,
+                    &fields,
+                    &properties,
+                    &direct,
+                    &shear,
+                    call.elements.as_ptr(),
+                    &one,
+                    &one,
+                    &one,
+                    &call.now.step_time,
+                    &call.now.total_time,
+                    &call.dt,
+                    name,
+                    call.coordinates.as_ptr(),
+                    self.directions.as_ptr(),
+                    self.directions.as_ptr(),
+                    call.length.as_ptr(),
+                    call.properties.as_ptr(),
+                    call.state.as_ptr(),
+                    answer.state.as_mut_ptr(),
+                    answer.field.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vusdfld", "cmname")
     }
 }
 
@@ -580,7 +893,7 @@ impl UserEvents for CompiledEvents {
         self.restart = false;
         let mut reals = [now.total_time, now.step_time, increment, 0.0];
         let (integer_count, real_count) = (6_i32, 3_i32);
-        let call = Call { routine: "vexternaldb", name: "", now: *now, sensors: (&[], &[]) };
+        let call = Call::new("vexternaldb", "", *now);
         enter(&call, || {
             // SAFETY: both arrays are longer than the counts say.
             unsafe { (self.call)(&operation, integers.as_mut_ptr(), &integer_count, reals.as_mut_ptr(), &real_count) }
@@ -616,6 +929,25 @@ fn watch_the_process() {
     });
 }
 
+/// Whether a routine may have hurt memory: what happens from now on is its doing.
+static HURT: AtomicBool = AtomicBool::new(false);
+
+/// Leaves the process at once after a routine halted the run: it may have hurt memory that others would still tidy up. What
+/// Fortran keeps of its output comes first.
+pub fn leave(status: u8) -> ! {
+    HURT.store(true, Ordering::Relaxed);
+    let _ = std::io::Write::flush(&mut std::io::stdout());
+    // SAFETY: flushes all units of the Fortran runtime, if the process has one; then leaves.
+    unsafe {
+        let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
+        if !flush.is_null() {
+            let flush = std::mem::transmute::<*mut libc::c_void, extern "C" fn(*const i32)>(flush);
+            flush(std::ptr::null());
+        }
+        libc::_exit(status.into())
+    }
+}
+
 extern "C" fn at_exit() {
     if last_words("ended the process") {
         // SAFETY: leaves without running what the routine interrupted.
@@ -632,7 +964,7 @@ extern "C" fn on_signal(signal: c_int) {
     };
     // SAFETY: both calls are safe in a signal handler; the action is the default one again.
     unsafe {
-        if last_words(what) {
+        if last_words(what) || HURT.load(Ordering::Relaxed) {
             libc::_exit(1);
         }
         libc::raise(signal);
@@ -706,10 +1038,92 @@ exported! {
     "vgetrank_" => vgetrank,
     "vgetinternal_" => vgetinternal,
     "vgetpartinfo_" => vgetpartinfo,
+    "vgetvrm_" => vgetvrm,
+    "vsprinc_" => vsprinc,
+    "vsprind_" => vsprind,
     "ivgetsensorid_" => sensor_id,
     "igetsensorid_" => sensor_id,
     "vgetsensorvalue_" => sensor_value,
     "getsensorvalue_" => sensor_value,
+    "stdb_abqerr_" => xplb_abqerr,
+    "xit_" => xit,
+    "rvmissing_" => missing_symbol,
+    "getjobname_" => vgetjobname,
+    "getoutdir_" => vgetoutdir,
+    "getnumcpus_" => vgetnumcpus,
+    "getrank_" => vgetrank,
+    "getnumthreads_" => one,
+    "get_thread_id_" => zero,
+    "getcommunicator_" => zero,
+    "mutexinit_" => nothing,
+    "mutexlock_" => nothing,
+    "mutexunlock_" => nothing,
+    "mutexdestroy_" => nothing,
+    "rvsma0n_" => array_of::<0>,
+    "rvsma1n_" => array_of::<1>,
+    "rvsma2n_" => array_of::<2>,
+    "rvsma3n_" => array_of::<3>,
+    "rvsma4n_" => array_of::<4>,
+    "rvsma5n_" => array_of::<5>,
+    "rvsma0i_" => integers_of::<0>,
+    "rvsma1i_" => integers_of::<1>,
+    "smaintarraycreate_" => integers_of::<0>,
+    "smalocalintarraycreate_" => integers_of::<1>,
+    "rvsma2r_" => reals_from_single::<2>,
+    "rvsma3r_" => reals_from_single::<3>,
+    "rvsma4r_" => reals_from_single::<4>,
+    "rvsma5r_" => reals_from_single::<5>,
+    "rvsma2d_" => reals_of::<2>,
+    "rvsma3d_" => reals_of::<3>,
+    "rvsma4d_" => reals_of::<4>,
+    "rvsma5d_" => reals_of::<5>,
+    "rvsma2e_" => reals_of::<2>,
+    "rvsma3e_" => reals_of::<3>,
+    "rvsma4e_" => reals_of::<4>,
+    "rvsma5e_" => reals_of::<5>,
+    "smafloatarraycreate_" => reals_of::<2>,
+    "smalocalfloatarraycreate_" => reals_of::<3>,
+    "smarealarraycreate_" => reals_of::<4>,
+    "smalocalrealarraycreate_" => reals_of::<5>,
+    "smafloatarraycreatedp_" => reals_of::<2>,
+    "smarealarraycreatedp_" => reals_of::<4>,
+    "rvsma2s_" => singles_of::<2>,
+    "rvsma3s_" => singles_of::<3>,
+    "rvsma4s_" => singles_of::<4>,
+    "rvsma5s_" => singles_of::<5>,
+    "smafloatarraycreatesp_" => singles_of::<2>,
+    "smarealarraycreatesp_" => singles_of::<4>,
+    "smaintarrayaccess_" => access::<0>,
+    "smalocalintarrayaccess_" => access::<1>,
+    "smafloatarrayaccess_" => access::<2>,
+    "smalocalfloatarrayaccess_" => access::<3>,
+    "smarealarrayaccess_" => access::<4>,
+    "smalocalrealarrayaccess_" => access::<5>,
+    "smaintarraysize_" => size::<0>,
+    "smalocalintarraysize_" => size::<1>,
+    "smafloatarraysize_" => size::<2>,
+    "smalocalfloatarraysize_" => size::<3>,
+    "smarealarraysize_" => size::<4>,
+    "smalocalrealarraysize_" => size::<5>,
+    "smaintarraydelete_" => delete::<0>,
+    "smalocalintarraydelete_" => delete::<1>,
+    "smafloatarraydelete_" => delete::<2>,
+    "smalocalfloatarraydelete_" => delete::<3>,
+    "smarealarraydelete_" => delete::<4>,
+    "smalocalrealarraydelete_" => delete::<5>,
+    "mpi_init_" => mpi_done,
+    "mpi_finalize_" => mpi_done,
+    "mpi_barrier_" => mpi_barrier,
+    "mpi_initialized_" => mpi_initialized,
+    "mpi_comm_rank_" => mpi_rank,
+    "mpi_comm_size_" => mpi_size,
+    "mpi_bcast_" => mpi_bcast,
+    "mpi_allreduce_" => mpi_allreduce,
+    "mpi_reduce_" => mpi_reduce,
+    "mpi_allgather_" => mpi_allgather,
+    "mpi_gather_" => mpi_gather,
+    "mpi_abort_" => xit,
+    "mpi_wtime_" => mpi_wtime,
     "_gfortran_stop_string" => stop_string,
     "_gfortran_error_stop_string" => error_stop_string,
     "_gfortran_stop_numeric" => stop_numeric,
@@ -755,6 +1169,214 @@ unsafe fn give(text: &str, to: *mut c_char, length: *mut i32, room: usize) {
 /// `call xplb_exit`: ends the analysis (ABAQUS User Subroutines Reference, 2.1.15 "Terminating an analysis").
 extern "C-unwind" fn xplb_exit() -> ! {
     end("it called xplb_exit".into())
+}
+
+/// `call xit`, as in ABAQUS/Standard.
+extern "C-unwind" fn xit() -> ! {
+    end("it called xit".into())
+}
+
+/// What stands for a routine that nothing defines.
+unsafe extern "C-unwind" fn missing_symbol(name: *const c_char, length: usize) -> ! {
+    // SAFETY: text of the length given.
+    end(format!("it calls `{}`, which nothing defines", unsafe { words(name, length) }))
+}
+
+/// Number of threads.
+extern "C-unwind" fn one() -> i32 {
+    1
+}
+
+/// Number of the thread, and of the communicator.
+extern "C-unwind" fn zero() -> i32 {
+    0
+}
+
+/// Locks: one thread calls all routines.
+extern "C-unwind" fn nothing() {}
+
+/// Arrays that outlive a call (ABAQUS 6.14 User Subroutines Reference, 2.1.23 "Allocatable arrays"), of zeros.
+unsafe extern "C-unwind" fn array_of<const KIND: u8>(id: *const i32, count: *const i32) -> i64 {
+    // SAFETY: integers of the caller.
+    let (id, count) = unsafe { (*id, *count) };
+    let width = if KIND < 2 { 4 } else { 8 };
+    host::new_array((KIND, id), count, width, &[0; 8][..width]) as i64
+}
+
+/// The same of integers.
+unsafe extern "C-unwind" fn integers_of<const KIND: u8>(id: *const i32, count: *const i32, value: *const i32) -> i64 {
+    // SAFETY: integers of the caller.
+    let (id, count, value) = unsafe { (*id, *count, *value) };
+    host::new_array((KIND, id), count, 4, &value.to_ne_bytes()) as i64
+}
+
+/// The same of reals of eight bytes.
+unsafe extern "C-unwind" fn reals_of<const KIND: u8>(id: *const i32, count: *const i32, value: *const f64) -> i64 {
+    // SAFETY: integers and a real of the caller.
+    let (id, count, value) = unsafe { (*id, *count, *value) };
+    host::new_array((KIND, id), count, 8, &value.to_ne_bytes()) as i64
+}
+
+/// The same, their first value of four.
+unsafe extern "C-unwind" fn reals_from_single<const KIND: u8>(
+    id: *const i32,
+    count: *const i32,
+    value: *const f32,
+) -> i64 {
+    // SAFETY: integers and a real of the caller.
+    let (id, count, value) = unsafe { (*id, *count, f64::from(*value)) };
+    host::new_array((KIND, id), count, 8, &value.to_ne_bytes()) as i64
+}
+
+/// The same of reals of four bytes.
+unsafe extern "C-unwind" fn singles_of<const KIND: u8>(id: *const i32, count: *const i32, value: *const f32) -> i64 {
+    // SAFETY: integers and a real of the caller.
+    let (id, count, value) = unsafe { (*id, *count, *value) };
+    host::new_array((KIND, id), count, 4, &value.to_ne_bytes()) as i64
+}
+
+/// Where an array is; a routine that asks for one that nobody made ends the analysis.
+unsafe extern "C-unwind" fn access<const KIND: u8>(id: *const i32) -> i64 {
+    // SAFETY: an integer of the caller.
+    let id = unsafe { *id };
+    match host::array((KIND, id)) {
+        Some((place, _)) => place as i64,
+        None => end(format!("it asked for the array {id}, which nobody has created")),
+    }
+}
+
+/// How many entries an array has; 0 if it is not there.
+unsafe extern "C-unwind" fn size<const KIND: u8>(id: *const i32) -> i32 {
+    // SAFETY: an integer of the caller.
+    host::array((KIND, unsafe { *id })).map_or(0, |array| array.1)
+}
+
+unsafe extern "C-unwind" fn delete<const KIND: u8>(id: *const i32) {
+    // SAFETY: an integer of the caller.
+    host::delete_array((KIND, unsafe { *id }));
+}
+
+/// `call mpi_init(ierr)`, `call mpi_finalize(ierr)`: one process, the first.
+unsafe extern "C-unwind" fn mpi_done(error: *mut i32) {
+    // SAFETY: an integer of the caller.
+    unsafe { *error = 0 }
+}
+
+unsafe extern "C-unwind" fn mpi_barrier(_world: *const i32, error: *mut i32) {
+    // SAFETY: an integer of the caller.
+    unsafe { *error = 0 }
+}
+
+unsafe extern "C-unwind" fn mpi_initialized(flag: *mut i32, error: *mut i32) {
+    // SAFETY: a logical and an integer of the caller.
+    unsafe { (*flag, *error) = (1, 0) }
+}
+
+unsafe extern "C-unwind" fn mpi_rank(_world: *const i32, rank: *mut i32, error: *mut i32) {
+    // SAFETY: integers of the caller.
+    unsafe { (*rank, *error) = (0, 0) }
+}
+
+unsafe extern "C-unwind" fn mpi_size(_world: *const i32, size: *mut i32, error: *mut i32) {
+    // SAFETY: integers of the caller.
+    unsafe { (*size, *error) = (1, 0) }
+}
+
+unsafe extern "C-unwind" fn mpi_bcast(
+    _buffer: *mut u8,
+    _count: *const i32,
+    _kind: *const i32,
+    _root: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: an integer of the caller.
+    unsafe { *error = 0 }
+}
+
+/// Copies so many values of a type, whose last two digits are its bytes.
+///
+/// # Safety
+/// Both places hold as much.
+unsafe fn copy(from: *const u8, to: *mut u8, count: i32, kind: i32) {
+    let bytes = usize::try_from(count).unwrap_or(0) * (kind % 100) as usize;
+    // SAFETY: as this function's own; the places may be one.
+    unsafe { std::ptr::copy(from, to, bytes) }
+}
+
+/// Any reduction over one process is its own value.
+unsafe extern "C-unwind" fn mpi_allreduce(
+    from: *const u8,
+    to: *mut u8,
+    count: *const i32,
+    kind: *const i32,
+    _operation: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+#[allow(clippy::too_many_arguments)] // As MPI has them.
+unsafe extern "C-unwind" fn mpi_reduce(
+    from: *const u8,
+    to: *mut u8,
+    count: *const i32,
+    kind: *const i32,
+    _operation: *const i32,
+    _root: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+unsafe extern "C-unwind" fn mpi_allgather(
+    from: *const u8,
+    count: *const i32,
+    kind: *const i32,
+    to: *mut u8,
+    _to_count: *const i32,
+    _to_kind: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+#[allow(clippy::too_many_arguments)] // As MPI has them.
+unsafe extern "C-unwind" fn mpi_gather(
+    from: *const u8,
+    count: *const i32,
+    kind: *const i32,
+    to: *mut u8,
+    _to_count: *const i32,
+    _to_kind: *const i32,
+    _root: *const i32,
+    _world: *const i32,
+    error: *mut i32,
+) {
+    // SAFETY: both places of the caller hold so many values.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
+extern "C-unwind" fn mpi_wtime() -> f64 {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
 }
 
 /// `call xplb_abqerr(lop, string, intv, realv, charv)` (ABAQUS User Subroutines Reference, "Printing messages to the
@@ -852,6 +1474,86 @@ unsafe extern "C-unwind" fn vgetpartinfo(
             }
         }
     });
+}
+
+/// `call vgetvrm(var, rData, jData, cData, jStatus)`: what the points of a VUSDFLD hold at the beginning of the increment
+/// (ABAQUS User Subroutines Reference, 2.1.7 "Obtaining material point information in an Abaqus/Explicit analysis"): components
+/// one after the other, each with one value a point; jStatus is 0 if the variable is there.
+unsafe extern "C-unwind" fn vgetvrm(
+    variable: *const c_char,
+    reals: *mut f64,
+    integers: *mut i32,
+    flags: *mut c_char,
+    status: *mut i32,
+    length: usize,
+    flag: usize,
+) {
+    // SAFETY: a name of the length that the caller's compiler gives.
+    let variable = unsafe { words(variable, length) }.to_uppercase();
+    let given = current(|call| {
+        let (count, values) = call?.points?;
+        values.give(&variable, &mut |component, point, value| {
+            let at = component * count + point;
+            // SAFETY: the caller's arrays have room for every component of every point of its block.
+            unsafe {
+                *reals.add(at) = value;
+                if !integers.is_null() {
+                    *integers.add(at) = 0;
+                }
+                if !flags.is_null() && flag > 0 {
+                    std::slice::from_raw_parts_mut(flags.add(flag * at).cast::<u8>(), flag).fill(b' ');
+                    let word = &b"YES"[..flag.min(3)];
+                    std::ptr::copy_nonoverlapping(word.as_ptr(), flags.add(flag * at).cast::<u8>(), word.len());
+                }
+            }
+        })
+    });
+    // SAFETY: an integer of the caller.
+    unsafe { *status = i32::from(given.is_none()) }
+    if given.is_none() {
+        let known = "S, LE, PE, ER, PEEQ, TEMP and SDV are";
+        host::tell(Level::Warning, format!("vgetvrm: `{variable}` is not there; {known}, where the material has them"));
+    }
+}
+
+/// `call vsprinc(nblock, s, ps, ndi, nshr)`: principal values (ABAQUS User Subroutines Reference, 2.1.11 "Obtaining principal
+/// stress values and directions in an Abaqus/Explicit analysis").
+unsafe extern "C-unwind" fn vsprinc(
+    count: *const i32,
+    tensors: *const f64,
+    values: *mut f64,
+    direct: *const i32,
+    shear: *const i32,
+) {
+    // SAFETY: passed on as they came; no directions are wanted.
+    unsafe { vsprind(count, tensors, values, std::ptr::null_mut(), direct, shear) }
+}
+
+/// `call vsprind(nblock, s, ps, an, ndi, nshr)`: with their directions, `an(k, i, :)` of the i-th.
+unsafe extern "C-unwind" fn vsprind(
+    count: *const i32,
+    tensors: *const f64,
+    values: *mut f64,
+    directions: *mut f64,
+    direct: *const i32,
+    shear: *const i32,
+) {
+    // SAFETY: the caller's arrays have the lengths that its counts say.
+    unsafe {
+        let (n, direct, shear) = (*count as usize, *direct as usize, *shear as usize);
+        for k in 0..n {
+            let component = |c: usize| *tensors.add(c * n + k);
+            let part = |c: usize| if c < direct { component(c) } else { 0.0 };
+            let sheared = |c: usize| if c < shear { component(direct + c) } else { 0.0 };
+            let (list, axes) = host::principal([part(0), part(1), part(2)], [sheared(0), sheared(1), sheared(2)]);
+            for (i, (value, axis)) in list.into_iter().zip(axes).enumerate() {
+                *values.add(i * n + k) = value;
+                if !directions.is_null() {
+                    axis.into_iter().enumerate().for_each(|(j, x)| *directions.add((j * 3 + i) * n + k) = x);
+                }
+            }
+        }
+    }
 }
 
 /// `ivGetSensorID(sensorName, jSensorLookUpTable)`: place of the sensor from 1, 0 if there is none.

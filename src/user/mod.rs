@@ -6,6 +6,7 @@ pub mod compile;
 pub mod host;
 pub mod library;
 mod prototype;
+mod source;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -289,8 +290,14 @@ pub struct MaterialCall<'a> {
     pub strain: &'a [f64],
     /// `relSpinInc`: spin against the frame, zero.
     pub spin: &'a [f64],
+    /// User's numbers of the elements.
+    pub elements: &'a [i32],
     /// `tempOld` and `tempNew`.
     pub temperature: [&'a [f64]; 2],
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// `fieldOld` and `fieldNew`.
+    pub field: [&'a [f64]; 2],
     /// `stretchOld` and `stretchNew`.
     pub stretch: [&'a [f64]; 2],
     /// `defgradOld` and `defgradNew`: rr, zz, hoop, rz, zr.
@@ -305,7 +312,7 @@ pub struct MaterialCall<'a> {
     pub inelastic: &'a [f64],
 }
 
-/// What a user material answers; stresses and state variables are NaN on entry, energies those before.
+/// What a user material answers; stresses are NaN on entry, state variables and energies those before.
 #[derive(Debug)]
 pub struct MaterialAnswer<'a> {
     /// `stressNew`.
@@ -326,6 +333,116 @@ pub trait UserMaterial: Send {
     /// # Errors
     /// Any reason; the run halts.
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
+/// What a hardening of the user is told, for a block of points: VUHARD's arguments (ABAQUS 6.14 User Subroutines Reference,
+/// 1.2.15 "VUHARD").
+#[derive(Debug)]
+pub struct HardeningCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Clock, step and increment at the end of the increment.
+    pub now: Instant,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// Constants of the hardening (`props`).
+    pub properties: &'a [f64],
+    /// User's numbers of the elements (`jElem`).
+    pub elements: &'a [i32],
+    /// `tempOld` and `tempNew`: both at the beginning of the increment, as laws that are built in take it.
+    pub temperature: [&'a [f64]; 2],
+    /// `fieldOld` and `fieldNew`.
+    pub field: [&'a [f64]; 2],
+    /// `stateOld`.
+    pub state: &'a [f64],
+    /// Equivalent plastic strain tried (`eqps`).
+    pub strain: &'a [f64],
+    /// Its rate, 1/time (`eqpsRate`).
+    pub rate: &'a [f64],
+}
+
+/// What a hardening of the user answers; yield stresses are NaN on entry, slopes zero, state variables those before.
+#[derive(Debug)]
+pub struct HardeningAnswer<'a> {
+    /// `yield`.
+    pub stress: &'a mut [f64],
+    /// `dyieldDtemp`.
+    pub by_temperature: &'a mut [f64],
+    /// `dyieldDeqps`: derivatives by the plastic strain of all points, then by its rate.
+    pub slopes: &'a mut [f64],
+    /// `stateNew`.
+    pub state: &'a mut [f64],
+}
+
+/// An isotropic hardening of the user (`*PLASTIC, HARDENING=USER`): yield stress over plastic strain, rate and temperature.
+/// Asked several times an increment and block, first of all for points that do not flow, then for those that do until their
+/// stress meets the yield stress; what the last question for a point gave as its state variables is kept.
+pub trait UserHardening: Send {
+    /// Yield stresses and their slopes.
+    ///
+    /// # Errors
+    /// Any reason; the run halts.
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
+/// What material points hold at the beginning of an increment, by output variable: what `vgetvrm` gives.
+pub trait PointValues {
+    /// Gives each component of each point: its component, point and value. How many components there are; `None` if the
+    /// points do not hold the variable.
+    fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize>;
+}
+
+/// What a routine of user-defined fields is told, for a block of points: VUSDFLD's arguments (ABAQUS 6.14 User Subroutines
+/// Reference, 1.2.20 "VUSDFLD").
+pub struct FieldCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Clock, step and increment at the end of the increment that begins.
+    pub now: Instant,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// Constants (`props`).
+    pub properties: &'a [f64],
+    /// User's numbers of the elements (`jElem`).
+    pub elements: &'a [i32],
+    /// `coordMp`: r, z, and behind them NaN for a routine that reads a third coordinate.
+    pub coordinates: &'a [f64],
+    /// `charLength`: root of the element's area in the (r, z) plane, length.
+    pub length: &'a [f64],
+    /// `stateOld`.
+    pub state: &'a [f64],
+    /// What the points hold (`vgetvrm`).
+    pub values: &'a dyn PointValues,
+}
+
+/// What a routine of user-defined fields answers; both are those before on entry.
+#[derive(Debug)]
+pub struct FieldAnswer<'a> {
+    /// `stateNew`: what other routines are given as their old state.
+    pub state: &'a mut [f64],
+    /// `field`.
+    pub field: &'a mut [f64],
+}
+
+/// Fields of the user (`*USER DEFINED FIELD`), asked for at the beginning of each increment.
+pub trait UserFields: Send {
+    /// Field and state variables.
+    ///
+    /// # Errors
+    /// Any reason; the run halts.
+    fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
 /// A routine shared by all that calls it, as one VDLOAD serves a whole ABAQUS job: its state is common to them. A run holds
@@ -351,10 +468,28 @@ pub type SharedLoad = Shared<dyn UserLoad>;
 pub type SharedAmplitude = Shared<dyn UserAmplitude>;
 /// A user material, shared.
 pub type SharedMaterial = Shared<dyn UserMaterial>;
+/// A hardening of the user, shared.
+pub type SharedHardening = Shared<dyn UserHardening>;
+/// Fields of the user, shared.
+pub type SharedFields = Shared<dyn UserFields>;
 /// A user motion, shared.
 pub type SharedMotion = Shared<dyn UserMotion>;
 /// A routine told of events, shared.
 pub type SharedEvents = Shared<dyn UserEvents>;
+
+/// Names of the routines that can be called.
+pub const ROUTINES: &[&str] = &["vdload", "vuamp", "vdisp", "vumat", "vuhard", "vusdfld", "vexternaldb"];
+
+/// A routine of the user's files that cannot be called as it is.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Misfit {
+    /// Its name.
+    pub routine: String,
+    /// Code of the finding (`U…`).
+    pub code: String,
+    /// Why.
+    pub message: String,
+}
 
 /// The routines of a job; each at most once, as in ABAQUS.
 #[derive(Clone, Default)]
@@ -367,8 +502,16 @@ pub struct Routines {
     pub motion: Option<SharedMotion>,
     /// `*USER MATERIAL` (VUMAT).
     pub material: Option<SharedMaterial>,
+    /// `*PLASTIC, HARDENING=USER` (VUHARD).
+    pub hardening: Option<SharedHardening>,
+    /// `*USER DEFINED FIELD` (VUSDFLD).
+    pub fields: Option<SharedFields>,
     /// VEXTERNALDB.
     pub events: Option<SharedEvents>,
+    /// What the user's files hold beside these: routines that cannot be called as they are.
+    pub misfits: Vec<Misfit>,
+    /// What they hold beside these: routines of ABAQUS that nothing here calls.
+    pub strangers: Vec<&'static str>,
 }
 
 /// The routines of a job while a run holds them.
@@ -381,8 +524,45 @@ pub struct Locked<'a> {
     pub motion: Option<MutexGuard<'a, dyn UserMotion + 'static>>,
     /// As [`Routines::material`].
     pub material: Option<MutexGuard<'a, dyn UserMaterial + 'static>>,
+    /// As [`Routines::hardening`].
+    pub hardening: Option<MutexGuard<'a, dyn UserHardening + 'static>>,
+    /// As [`Routines::fields`].
+    pub fields: Option<MutexGuard<'a, dyn UserFields + 'static>>,
     /// As [`Routines::events`].
     pub events: Option<MutexGuard<'a, dyn UserEvents + 'static>>,
+}
+
+impl Locked<'_> {
+    /// Those that elements ask at their points.
+    pub fn at_points(&mut self) -> AtPoints<'_> {
+        AtPoints {
+            material: self.material.as_deref_mut(),
+            hardening: self.hardening.as_deref_mut(),
+            fields: self.fields.as_deref_mut(),
+        }
+    }
+}
+
+/// The routines that elements ask at their points, while a run holds them.
+#[derive(Default)]
+pub struct AtPoints<'a> {
+    /// As [`Routines::material`].
+    pub material: Option<&'a mut (dyn UserMaterial + 'static)>,
+    /// As [`Routines::hardening`].
+    pub hardening: Option<&'a mut (dyn UserHardening + 'static)>,
+    /// As [`Routines::fields`].
+    pub fields: Option<&'a mut (dyn UserFields + 'static)>,
+}
+
+impl AtPoints<'_> {
+    /// The same for a shorter time.
+    pub fn lend(&mut self) -> AtPoints<'_> {
+        AtPoints {
+            material: self.material.as_deref_mut(),
+            hardening: self.hardening.as_deref_mut(),
+            fields: self.fields.as_deref_mut(),
+        }
+    }
 }
 
 impl Routines {
@@ -398,6 +578,8 @@ impl Routines {
             amplitude: self.amplitude.as_ref().map(Shared::lock),
             motion: self.motion.as_ref().map(Shared::lock),
             material: self.material.as_ref().map(Shared::lock),
+            hardening: self.hardening.as_ref().map(Shared::lock),
+            fields: self.fields.as_ref().map(Shared::lock),
             events: self.events.as_ref().map(Shared::lock),
         }
     }
@@ -409,6 +591,8 @@ impl Routines {
             || self.motion.is_some()
             || self.events.is_some()
             || self.material.is_some()
+            || self.hardening.is_some()
+            || self.fields.is_some()
     }
 
     /// With a load.
@@ -442,6 +626,20 @@ impl Routines {
     #[must_use]
     pub fn with_material(mut self, routine: impl UserMaterial + 'static) -> Self {
         self.material = Some(Shared(Arc::new(Mutex::new(routine))));
+        self
+    }
+
+    /// With a hardening.
+    #[must_use]
+    pub fn with_hardening(mut self, routine: impl UserHardening + 'static) -> Self {
+        self.hardening = Some(Shared(Arc::new(Mutex::new(routine))));
+        self
+    }
+
+    /// With fields.
+    #[must_use]
+    pub fn with_fields(mut self, routine: impl UserFields + 'static) -> Self {
+        self.fields = Some(Shared(Arc::new(Mutex::new(routine))));
         self
     }
 

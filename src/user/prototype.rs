@@ -17,7 +17,8 @@ struct Interface {
     arguments: &'static [(&'static str, Kind)],
 }
 
-/// ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VEXTERNALDB" (6.14).
+/// ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
+/// "VEXTERNALDB" (6.14).
 const INTERFACES: &[Interface] = &[
     Interface {
         name: "vdload",
@@ -88,16 +89,16 @@ const INTERFACES: &[Interface] = &[
     Interface {
         name: "vumat",
         arguments: &[
-            ("nblock", Integer),
+            ("jblock", Integer),
             ("ndir", Integer),
             ("nshr", Integer),
             ("nstatev", Integer),
             ("nfieldv", Integer),
             ("nprops", Integer),
-            ("lanneal", Integer),
+            ("jInfoArray", Integer),
             ("stepTime", Real),
             ("totalTime", Real),
-            ("dt", Real),
+            ("dtArray", Real),
             ("cmname", Character),
             ("coordMp", Real),
             ("charLength", Real),
@@ -124,6 +125,63 @@ const INTERFACES: &[Interface] = &[
         ],
     },
     Interface {
+        name: "vuhard",
+        arguments: &[
+            ("nblock", Integer),
+            ("jElem", Integer),
+            ("kIntPt", Integer),
+            ("kLayer", Integer),
+            ("kSecPt", Integer),
+            ("lAnneal", Integer),
+            ("stepTime", Real),
+            ("totalTime", Real),
+            ("dt", Real),
+            ("cmname", Character),
+            ("nstatev", Integer),
+            ("nfieldv", Integer),
+            ("nprops", Integer),
+            ("props", Real),
+            ("tempOld", Real),
+            ("tempNew", Real),
+            ("fieldOld", Real),
+            ("fieldNew", Real),
+            ("stateOld", Real),
+            ("eqps", Real),
+            ("eqpsRate", Real),
+            ("yield", Real),
+            ("dyieldDtemp", Real),
+            ("dyieldDeqps", Real),
+            ("stateNew", Real),
+        ],
+    },
+    Interface {
+        name: "vusdfld",
+        arguments: &[
+            ("nblock", Integer),
+            ("nstatev", Integer),
+            ("nfieldv", Integer),
+            ("nprops", Integer),
+            ("ndir", Integer),
+            ("nshr", Integer),
+            ("jElem", Integer),
+            ("kIntPt", Integer),
+            ("kLayer", Integer),
+            ("kSecPt", Integer),
+            ("stepTime", Real),
+            ("totalTime", Real),
+            ("dt", Real),
+            ("cmname", Character),
+            ("coordMp", Real),
+            ("direct", Real),
+            ("T", Real),
+            ("charLength", Real),
+            ("props", Real),
+            ("stateOld", Real),
+            ("stateNew", Real),
+            ("field", Real),
+        ],
+    },
+    Interface {
         name: "vexternaldb",
         arguments: &[
             ("lOp", Integer),
@@ -135,9 +193,10 @@ const INTERFACES: &[Interface] = &[
     },
 ];
 
-/// Checks the prototypes that `gfortran -fc-prototypes-external` prints; one message for each routine that differs.
-pub fn check(prototypes: &str) -> Vec<String> {
-    prototypes.lines().filter_map(prototype).filter_map(|(name, list)| check_one(&name, &list)).collect()
+/// Checks the prototypes that `gfortran -fc-prototypes-external` prints; each routine that differs, and what is to be said.
+pub fn check(prototypes: &str) -> Vec<(String, String)> {
+    let told = |(name, list): (String, Vec<String>)| check_one(&name, &list).map(|told| (name, told));
+    prototypes.lines().filter_map(prototype).filter_map(told).collect()
 }
 
 /// Name and argument list of a line `void name_ (int *a, ...);`, without the hidden lengths at the end.
@@ -234,27 +293,31 @@ mod tests {
     const GOOD: &str = "void vdload_ (const int *nblock, int *ndim, double *steptime, double *totaltime, double *amplitude, \
                         double *curcoords, double *velocity, double *dircos, int *jltyp, char *sname, double *value, size_t sname_len);";
 
+    fn told(prototypes: &str) -> Vec<String> {
+        check(prototypes).into_iter().map(|(_, told)| told).collect()
+    }
+
     #[test]
     fn the_manuals_prototype_passes() {
-        assert_eq!(check(GOOD), Vec::<String>::new());
-        assert_eq!(check("void helper_ (float *x);"), Vec::<String>::new());
+        assert_eq!(check(GOOD), []);
+        assert_eq!(check("void helper_ (float *x);"), []);
     }
 
     #[test]
     fn a_missing_argument_is_named() {
-        let told = check(&GOOD.replace("int *jltyp, ", ""));
+        let told = told(&GOOD.replace("int *jltyp, ", ""));
         assert!(told[0].contains("10 arguments") && told[0].ends_with("missing: jltyp"), "{}", told[0]);
     }
 
     #[test]
     fn single_precision_is_named() {
-        let told = check(&GOOD.replace("double *amplitude", "float *amplitude"));
+        let told = told(&GOOD.replace("double *amplitude", "float *amplitude"));
         assert!(told[0].contains("argument 5") && told[0].contains("single precision"), "{}", told[0]);
     }
 
     #[test]
     fn arguments_out_of_order_are_named() {
-        let told = check(&GOOD.replace("int *jltyp, char *sname", "char *sname, int *jltyp"));
+        let told = told(&GOOD.replace("int *jltyp, char *sname", "char *sname, int *jltyp"));
         assert!(told[0].contains("argument 9") && told[0].contains("character"), "{}", told[0]);
     }
 }

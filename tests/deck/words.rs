@@ -14,8 +14,9 @@ use revolve::deck::{self, Card, Deck};
 use revolve::job;
 use revolve::solve;
 use revolve::user::{
-    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, Routines,
-    UserAmplitude, UserLoad, UserMaterial, UserMotion,
+    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
+    MaterialAnswer, MaterialCall, MotionCall, Routines, UserAmplitude, UserFields, UserHardening, UserLoad,
+    UserMaterial, UserMotion,
 };
 
 /// Every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
@@ -123,9 +124,32 @@ impl UserMaterial for Asked {
     }
 }
 
+/// A yield stress of two constants, the number of constants, and the state and field variables that there are.
+impl UserHardening for Asked {
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
+        let (first, second) = (call.properties.first().unwrap_or(&1.0), call.properties.get(1).unwrap_or(&1.0));
+        for i in 0..call.count {
+            let more = call.state.get(i).unwrap_or(&0.0)
+                + call.field[1].get((call.fields.max(1) - 1) * call.count + i).unwrap_or(&0.0);
+            answer.stress[i] = first + second * call.strain[i] + 0.1 * call.properties.len() as f64 + 0.1 * more;
+        }
+        Ok(())
+    }
+}
+
+/// The first field variable is the first constant.
+impl UserFields for Asked {
+    fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
+        let value = call.properties.first().unwrap_or(&1.0) + call.properties.len() as f64;
+        answer.field[..call.count].fill(value);
+        Ok(())
+    }
+}
+
 /// All that a deck comes to, without the places that findings and rows name.
 fn results(folder: &Path, text: &str) -> String {
     let routines = Routines::none().with_load(Asked).with_motion(Asked).with_amplitude(Asked).with_material(Asked);
+    let routines = routines.with_hardening(Asked).with_fields(Asked);
     let name = folder.join("pair.inp");
     let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
     let mut told = String::new();

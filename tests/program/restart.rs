@@ -13,8 +13,8 @@ use revolve::solve::Instant;
 use revolve::solve::{self, Control, Every, Outcome, Sink, SinkError};
 use revolve::user::compile::compile;
 use revolve::user::{
-    AmplitudeAnswer, AmplitudeCall, LoadFailure, LoadPoints, Moment, MotionCall, Routines, UserAmplitude, UserEvents,
-    UserLoad, UserMotion, Wish,
+    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
+    Moment, MotionCall, Routines, UserAmplitude, UserEvents, UserFields, UserHardening, UserLoad, UserMotion, Wish,
 };
 
 use crate::common;
@@ -396,6 +396,43 @@ fn a_user_material_under_the_global_estimate() {
     let compiled = compile(&[project("input/vumat_hardening.f90")], false).expect("a library");
     let outcome = goes_on("taylor_vumat", &text, || compiled.open().expect("routines"));
     assert!(outcome.halt.is_none() && outcome.steps[0].global_estimates > Some(1), "{outcome:?}");
+}
+
+/// A yield stress that hardens, softens with heat and with the first field variable, and counts.
+struct Line;
+
+impl UserHardening for Line {
+    fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
+        for i in 0..call.count {
+            let factor = call.field[1][i] * (1.0 - 1e-3 * call.temperature[1][i]);
+            answer.stress[i] = factor * (400.0 + 1000.0 * call.strain[i]);
+            answer.slopes[i] = factor * 1000.0;
+            answer.state[call.count + i] = call.state[call.count + i] + 1.0;
+        }
+        Ok(())
+    }
+}
+
+/// Keeps the plastic strain as it was, lets the field fall, and deletes.
+impl UserFields for Line {
+    fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure> {
+        let n = call.count;
+        call.values.give("PEEQ", &mut |_, i, strain| {
+            answer.state[2 * n + i] = if strain < 0.2 { 1.0 } else { 0.0 };
+            answer.state[i] = strain;
+            answer.field[i] = 1.0 - 0.5 * strain;
+        });
+        Ok(())
+    }
+}
+
+#[test]
+fn hardening_and_fields_of_the_user() {
+    let cards = "*Plastic, hardening=USER\n*User Defined Field\n*Depvar, delete=3\n 3,\n*Specific Heat\n 3.83e8,\n*Inelastic \
+                 Heat Fraction\n 0.9,\n";
+    let text = bar(3, &steel(cards), 2e5, 5e-6, "").replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
+    let outcome = goes_on("hardening", &text, || Routines::none().with_hardening(Line).with_fields(Line));
+    assert!(outcome.halt.is_none() && outcome.energy.plastic > 0.0, "{outcome:?}");
 }
 
 /// Where a deformable body fails, the last frame is that of the last complete instant: as a run shows it that writes every

@@ -6,7 +6,6 @@
 
 use std::sync::{Arc, Mutex};
 
-use revolve::job;
 use revolve::solve::Instant;
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Moment, Routines, UserEvents, UserMaterial, Wish};
 
@@ -188,14 +187,24 @@ fn the_moduli_are_asked_for_when_the_analysis_begins() {
     assert_eq!(told.iter().filter(|line| line.contains("time zero")).count(), 2);
 }
 
-/// The routine of a material whose heat the deck asks for integrates the temperature itself, and the deck is told so.
+/// The heat of the inelastic work that a routine tells is the built-in material's, and its temperature is told to it.
 #[test]
-fn heat_is_the_affair_of_the_routine() {
-    let heated = BY_USER.to_owned() + "*Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 385.,\n";
-    let text = bar([2, 4], "", &heated, 1e-7, "").replace("Explicit\n", "Explicit, adiabatic\n");
+fn heat_follows_the_inelastic_work() {
+    let heat = "*Inelastic Heat Fraction\n 0.9,\n*Specific Heat\n 385.,\n";
+    let [built_in, by_user] = [BUILT_IN, BY_USER].map(|material| {
+        let text =
+            bar([5, 25], "", &(material.to_owned() + heat), 10e-6, "").replace("Explicit\n", "Explicit, adiabatic\n");
+        text.replace(" S, LE, ", " TEMP, S, LE, ")
+    });
     let routines = Routines::none().with_material(Yielding);
-    let prepared = job::prepare_text("test.inp", &text, &[], &routines);
-    assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-    let unused = &prepared.plan.ledger.unused;
-    assert!(unused.iter().any(|u| u.what.contains("COPPER") && u.why.contains("state variable")), "{unused:?}");
+    let temperature = |text: &str, routines: &Routines| {
+        let (outcome, memory) = common::run(text, &[], routines);
+        assert_eq!(outcome.halt, None);
+        let prepared = common::prepared(text, &[], routines);
+        let at = prepared.plan.columns.iter().position(|c| c.name == "TEMP@FOOT").expect("a column");
+        memory.rows.last().expect("a row").1[at]
+    };
+    let (expected, got) = (temperature(&built_in, &Routines::none()), temperature(&by_user, &routines));
+    // Rounding of sums in another order over some 200 increments.
+    assert!(expected > 10.0 && (got / expected - 1.0).abs() < 1e-9, "{got} {expected}");
 }

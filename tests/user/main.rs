@@ -5,6 +5,8 @@ mod common;
 
 mod built_in_twin;
 mod deformable;
+mod hardening;
+mod in_the_wild;
 mod load;
 mod material;
 mod subroutines;

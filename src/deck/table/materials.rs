@@ -113,17 +113,18 @@ pub const CARDS: &[Keyword] = &[
         "UNIVERSAL GAS CONSTANT" inert "*EOS gives the constant of its gas",
     }, []),
     row!("PLASTIC", "Metal plasticity", (once below "MATERIAL"), {
-        "HARDENING" read "ISOTROPIC (default), KINEMATIC (two rows, at each temperature) or JOHNSON COOK",
+        "HARDENING" read "ISOTROPIC (default), KINEMATIC (two rows, at each temperature), JOHNSON COOK, or USER (subroutine vuhard)",
         "RATE" refused "give *RATE DEPENDENT",
         "DEPENDENCIES" refused "nothing here depends on field variables",
         "DATA TYPE" refused "of cyclic hardening",
         "EXTRAPOLATION" read "Beyond the last plastic strain of a table: CONSTANT (default) or LINEAR",
         "NUMBER BACKSTRESSES" refused "of combined hardening",
-        "PROPERTIES" refused "hardening of the user is not called",
+        "PROPERTIES" read "Number of constants of HARDENING=USER",
         "SCALESTRESS" refused "give the yield stresses scaled",
         "STATIC RECOVERY" refused "of combined hardening",
-        "USER" refused "hardening of the user is not called",
+        "USER" refused "give HARDENING=USER",
     }, [
+        (when "HARDENING" = "USER" list "constant of the hardening" read "Eight a line"),
         (when "HARDENING" = "JOHNSON COOK" lines ["A", "B", "n", "m", "melting temperature", "transition temperature"]),
         (rows ["yield stress", "plastic strain", "temperature"]),
     ]),
@@ -145,15 +146,18 @@ pub const CARDS: &[Keyword] = &[
     }, [(rows ["specific heat", "temperature"])]),
     row!("USER MATERIAL", "Material of a user routine", (once below "MATERIAL"), {
         "CONSTANTS" read "Number of constants",
-        "TYPE" only ["MECHANICAL"] "temperatures come from plastic work alone",
+        "TYPE" only ["MECHANICAL"] "temperatures come from inelastic work alone",
         "UNSYMM" inert "of implicit analyses",
         "EFFMOD" refused "moduli come from the call at time zero",
         "HYBRID FORMULATION" refused "of implicit analyses",
     }, [(list "constant" read "Eight a line")]),
-    row!("DEPVAR", "Number of state variables of a user material", (once below "MATERIAL"), {
+    row!("USER DEFINED FIELD", "Fields of a user routine (subroutine vusdfld)", (once below "MATERIAL"), {
+        "PROPERTIES" read "Number of constants",
+    }, [(list "constant of the fields" read "Eight a line")]),
+    row!("DEPVAR", "Number of state variables that the user's routines keep at a point", (once below "MATERIAL"), {
         "DELETE" read "State variable that deletes the element",
         "CONVERT" refused "elements do not turn into particles",
-    }, [(rows ["number of state variables"] ["number" inert "for people", "name" inert "for people", "description" inert "for people"])]),
+    }, [(rows ["number of state variables"] ["number" read "Of the variable that is named", "name" read "Frames show the variable as SDV_name", "description" inert "for people"])]),
     row!(extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
         "YIELD" read "Y, the strength that the law is scaled by",
     }, [(lines ["A", "B", "C"])]),

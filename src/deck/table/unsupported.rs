@@ -171,7 +171,6 @@ pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "TRIAXIAL TEST DATA", "Soil tests"),
     row!(UnsupportedPhysics, "TRS", "Temperature shift of viscoelasticity"),
     row!(UnsupportedPhysics, "UEL PROPERTY", "User elements"),
-    row!(UnsupportedPhysics, "USER DEFINED FIELD", "Fields of a user routine"),
     row!(UnsupportedPhysics, "USER ELEMENT", "User elements"),
     row!(UnsupportedPhysics, "VISCO", "Creep procedure"),
     row!(UnsupportedPhysics, "VISCOELASTIC", "Viscoelasticity"),

@@ -1,0 +1,251 @@
+//! User files as other Fortran compilers take them, made ready for gfortran: includes found whatever their case and folder,
+//! `#include '…'`, empty arguments of `xplb_abqerr`. Lines keep their numbers and files their names in messages.
+//! Never here: running a compiler.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A user file and those that it includes, as they are to be compiled.
+pub struct Source {
+    /// Texts that differ from their files, by the name under which they are included; the file itself under an empty name.
+    changed: BTreeMap<String, String>,
+}
+
+impl Source {
+    /// Reads a file and what it includes; `known` are the includes that the program brings along.
+    pub fn read(file: &Path, known: &[String]) -> Source {
+        let mut source = Source { changed: BTreeMap::new() };
+        source.take(file, "", known, 0);
+        source
+    }
+
+    fn take(&mut self, file: &Path, name: &str, known: &[String], depth: usize) {
+        let Ok(bytes) = std::fs::read(file) else { return };
+        let text = String::from_utf8_lossy(&bytes);
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let new = ready(&text, file, folder, known);
+        for inner in new.lines().filter_map(included).filter(|_| depth < 9) {
+            if !Path::new(inner).is_absolute() && folder.join(inner).is_file() && !self.changed.contains_key(inner) {
+                self.take(&folder.join(inner), inner, known, depth + 1);
+            }
+        }
+        if new != text {
+            self.changed.insert(name.to_owned(), format!("# 1 \"{}\"\n{new}", file.display()));
+        }
+    }
+
+    /// The file to compile: the user's own, or one written into `folder` that stands for it.
+    ///
+    /// # Errors
+    /// Where the folder cannot be written.
+    pub fn write(&self, file: &Path, folder: &Path) -> std::io::Result<PathBuf> {
+        if self.changed.is_empty() {
+            return Ok(file.to_owned());
+        }
+        std::fs::create_dir_all(folder)?;
+        for (name, text) in self.changed.iter().filter(|(name, _)| !name.is_empty() && !name.contains("..")) {
+            let path = folder.join(name);
+            std::fs::create_dir_all(path.parent().unwrap_or(folder))?;
+            std::fs::write(path, text)?;
+        }
+        let own = match self.changed.get("") {
+            Some(text) => text.clone(),
+            None => format!("# 1 \"{}\"\n{}", file.display(), String::from_utf8_lossy(&std::fs::read(file)?)),
+        };
+        let path = folder.join(file.file_name().unwrap_or_default());
+        std::fs::write(&path, own)?;
+        Ok(path)
+    }
+}
+
+/// The file that an `include 'name'` or `#include "name"` line names.
+pub fn included(line: &str) -> Option<&str> {
+    let line = line.trim().trim_start_matches('#').trim_start();
+    let rest = line.get(..7).filter(|w| w.eq_ignore_ascii_case("include")).map(|_| line[7..].trim_start())?;
+    let quote = rest.chars().next().filter(|c| matches!(c, '\'' | '"' | '<'))?;
+    let end = if quote == '<' { '>' } else { quote };
+    rest[1..].split(end).next()
+}
+
+/// A text made ready.
+fn ready(text: &str, file: &Path, folder: &Path, known: &[String]) -> String {
+    let mut lines: Vec<String> = text.lines().map(|line| include_line(line, folder, known)).collect();
+    bring_header_inside(&mut lines, file);
+    let mut new = lines.join("\n");
+    if text.ends_with('\n') {
+        new.push('\n');
+    }
+    let same = new == text || text.contains("\r\n") && new == text.replace("\r\n", "\n");
+    fill_arguments(if same { text.to_owned() } else { new })
+}
+
+/// The name of the header that declares the functions of arrays and threads.
+pub const HEADER: &str = "SMAAspUserSubroutines.hdr";
+
+/// A header above the first subroutine declares nothing inside one: it goes behind the includes that each of them has.
+fn bring_header_inside(lines: &mut Vec<String>, file: &Path) {
+    let lower = |line: &String| line.trim_start().to_lowercase();
+    let begins = |line: &String| {
+        let line = lower(line);
+        ["subroutine ", "function ", "module ", "program ", "recursive "].iter().any(|w| line.starts_with(w))
+            || line.contains(" function ") && !line.starts_with(['!', 'c', '*'])
+    };
+    let end = lines.iter().position(begins).unwrap_or(0);
+    let is_header = |line: &String| line.starts_with('#') && included(line).is_some_and(|n| n.starts_with("SMAAsp"));
+    if !lines[..end].iter().any(is_header) {
+        return;
+    }
+    let taken = lines[..end].iter_mut().filter(|line| is_header(line));
+    taken.for_each(String::clear);
+    let mut new = Vec::with_capacity(lines.len() + 8);
+    for (i, line) in lines.drain(..).enumerate() {
+        let inside = included(&line).is_some_and(|n| n.to_lowercase().contains("aba_param"));
+        new.push(line);
+        if inside {
+            new.push(format!("#include \"{HEADER}\""));
+            new.push(format!("# {} \"{}\"", i + 2, file.display()));
+        }
+    }
+    *lines = new;
+}
+
+/// An include line that names a file which is there; others as they are.
+fn include_line(line: &str, folder: &Path, known: &[String]) -> String {
+    let line = line.strip_suffix('\r').unwrap_or(line);
+    let Some(name) = included(line) else { return line.to_owned() };
+    let found = found(name, folder, known).unwrap_or_else(|| name.to_owned());
+    if line.trim_start().starts_with('#') {
+        // Behind the preprocessor's `#include` only double quotes and angles stand.
+        let angle = line.contains('<');
+        let (open, close) = if angle { ('<', '>') } else { ('"', '"') };
+        return format!("#include {open}{found}{close}");
+    }
+    line.replacen(name, &found, 1)
+}
+
+/// The name under which an include is there: as it is written, beside the file in another case, among the known ones by its
+/// last part.
+fn found(name: &str, folder: &Path, known: &[String]) -> Option<String> {
+    if folder.join(name).is_file() || known.iter().any(|k| k == name) {
+        return None;
+    }
+    let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let beside = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder }).ok()?;
+    let names = beside.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut alike: Vec<String> = names.chain(known.iter().cloned()).filter(|n| n.eq_ignore_ascii_case(last)).collect();
+    alike.sort();
+    alike.pop()
+}
+
+/// What stands for each argument of `xplb_abqerr` that is left out.
+const FILLERS: [&str; 5] = ["-1", "' '", "0", "0.d0", "' '"];
+
+/// `call xplb_abqerr(lop, text, , , )` with all its arguments: gfortran takes no empty ones.
+fn fill_arguments(text: String) -> String {
+    let lower = text.to_ascii_lowercase();
+    let mut new = String::with_capacity(text.len());
+    let mut from = 0;
+    for (at, word) in lower.match_indices("xplb_abqerr") {
+        let open = at + word.len() + lower[at + word.len()..].len() - lower[at + word.len()..].trim_start().len();
+        if at < from || !lower[open..].starts_with('(') {
+            continue;
+        }
+        let Some(filled) = filled(&text[open + 1..]) else { continue };
+        new += &text[from..=open];
+        new += &filled.0;
+        from = open + 1 + filled.1;
+    }
+    if from == 0 {
+        return text;
+    }
+    new + &text[from..]
+}
+
+/// Arguments up to the closing bracket, each there, and how many bytes they took.
+fn filled(text: &str) -> Option<(String, usize)> {
+    let mut new = String::new();
+    let (mut depth, mut quote, mut count, mut empty, mut column) = (0, None, 0, true, 0);
+    for (at, c) in text.char_indices() {
+        let continues = column == 5 && quote.is_none() && text[..at].ends_with("     ");
+        match (quote, c) {
+            (Some(q), _) if c == q => quote = None,
+            (Some(_), '\n') => return None,
+            (Some(_), _) => {}
+            (None, '\'' | '"') => (quote, empty) = (Some(c), false),
+            (None, '(') => (depth, empty) = (depth + 1, false),
+            (None, ')') if depth > 0 => depth -= 1,
+            (None, ',' | ')') if depth == 0 => {
+                if empty {
+                    new += FILLERS.get(count)?;
+                }
+                count += 1;
+                if c == ')' {
+                    for filler in FILLERS.iter().skip(count) {
+                        new.push(',');
+                        new += filler;
+                    }
+                    return Some((new, at));
+                }
+                empty = true;
+            }
+            (None, '&') => {}
+            (None, c) if !c.is_whitespace() && !continues => empty = false,
+            _ => {}
+        }
+        new.push(c);
+        column = if c == '\n' { 0 } else { column + 1 };
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{fill_arguments, include_line, included, ready};
+
+    #[test]
+    fn includes_are_found_in_both_styles() {
+        assert_eq!(included("      include 'vaba_param.inc'"), Some("vaba_param.inc"));
+        assert_eq!(included("#include \"law.h\""), Some("law.h"));
+        assert_eq!(included("      INCLUDE \"Law.Inc\" ! x"), Some("Law.Inc"));
+        assert_eq!(included("      includes = 1"), None);
+    }
+
+    #[test]
+    fn includes_take_the_case_and_place_that_are_there() {
+        let known = ["vaba_param.inc".to_owned(), "vaba_param_dp.inc".to_owned()];
+        let line = |text: &str| include_line(text, Path::new("/nowhere"), &known);
+        assert_eq!(line("      INCLUDE '../vaba_param_dp.INC'"), "      INCLUDE 'vaba_param_dp.inc'");
+        assert_eq!(line("#include 'Vaba_Param.inc'"), "#include \"vaba_param.inc\"");
+        assert_eq!(line("      include 'vaba_param.inc'"), "      include 'vaba_param.inc'");
+        assert_eq!(line("      x = 1"), "      x = 1");
+    }
+
+    #[test]
+    fn arguments_left_out_are_filled() {
+        let filled = |text: &str| fill_arguments(text.to_owned());
+        assert_eq!(
+            filled("      call xplb_abqerr(-3,'a (b), c',,,)\n"),
+            "      call xplb_abqerr(-3,'a (b), c',0,0.d0,' ')\n"
+        );
+        assert_eq!(
+            filled("      call XPLB_ABQERR(1,'a',\n     *  , r(1),)"),
+            "      call XPLB_ABQERR(1,'a',\n     *  0, r(1),' ')"
+        );
+        assert_eq!(filled("call xplb_abqerr(-2, 'a')"), "call xplb_abqerr(-2, 'a',0,0.d0,' ')");
+        let whole = "      call xplb_abqerr(1,'%I',i,r,c)\n";
+        assert_eq!(filled(whole), whole);
+    }
+
+    #[test]
+    fn a_header_above_all_goes_into_each_subroutine() {
+        let text =
+            "#include <SMAAspUserSubroutines.hdr>\n      subroutine a\n      include 'vaba_param.inc'\n      end\n";
+        let known = ["vaba_param.inc".to_owned(), "SMAAspUserSubroutines.hdr".to_owned()];
+        let new = ready(text, Path::new("a.f"), Path::new("/nowhere"), &known);
+        let lines: Vec<&str> = new.lines().collect();
+        assert_eq!(lines[0], "");
+        assert_eq!(lines[3..5], ["#include \"SMAAspUserSubroutines.hdr\"", "# 4 \"a.f\""]);
+    }
+}

@@ -1,0 +1,213 @@
+//! User files in the styles that are about: headers, Cray pointers, arrays that outlive a call, mutexes, MPI of one process,
+//! helpers of any name, routines for three dimensions, uncalled routines with holes.
+//!
+//! Goal: what ABAQUS's compile command takes is taken, and what cannot be called is told by its own name.
+//! Needs gfortran; without it these tests say so and pass, except in CI.
+
+use std::path::PathBuf;
+
+use revolve::job;
+use revolve::user::Routines;
+use revolve::user::compile::compile;
+
+use crate::common::{self, Memory};
+use crate::material::{last, moving, taylor};
+
+/// Files of a user in a folder of their own; the first is compiled.
+fn opened(files: &[(&str, &str)]) -> Result<Routines, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
+    for (path, (_, text)) in paths.iter().zip(files) {
+        std::fs::write(path, text).expect("a file");
+    }
+    let said = |found: revolve::deck::Diagnostics| found.render(&revolve::deck::Sources::default());
+    let compiled = compile(&paths[..1], false).map_err(said)?;
+    compiled.open().map_err(|d| format!("{} {} {}", d.code, d.message, d.help.unwrap_or_default()))
+}
+
+/// A VUMAT in fixed form, elastic, with these lines before its loop and behind it; `info` names its seventh, `step` its tenth
+/// argument.
+fn vumat((block, info, step): (&str, &str, &str), head: &str, declared: &str, inside: &str) -> String {
+    format!(
+        "{head}      subroutine vumat({block}, ndir, nshr, nstatev, nfieldv,\n     1 nprops, {info}, stepTime, totalTime, {step}, \
+         cmname, coordMp,\n     2 charLength, props, density, strainInc, relSpinInc, tempOld,\n     3 stretchOld, defgradOld, \
+         fieldOld, stressOld, stateOld,\n     4 enerInternOld, enerInelasOld, tempNew, stretchNew,\n     5 defgradNew, fieldNew, \
+         stressNew, stateNew, enerInternNew,\n     6 enerInelasNew)\n{declared}      do k = 1, nblock\n        tr = \
+         strainInc(k,1) + strainInc(k,2) + strainInc(k,3)\n        do j = 1, ndir + nshr\n          stressNew(k,j) = \
+         stressOld(k,j) + props(2)*strainInc(k,j)\n        end do\n        do j = 1, ndir\n          stressNew(k,j) = \
+         stressNew(k,j) + props(1)*tr\n        end do\n{inside}      end do\n      return\n      end\n"
+    )
+}
+
+const PLAIN: (&str, &str, &str) = ("nblock", "lanneal", "dt");
+
+const DECLARED: &str = "      include 'vaba_param.inc'\n      character*80 cmname\n      dimension props(nprops), \
+                        stressOld(nblock,ndir+nshr),\n     1 stressNew(nblock,ndir+nshr), strainInc(nblock,ndir+nshr),\n     \
+                        2 stateOld(nblock,nstatev), stateNew(nblock,nstatev),\n     3 density(nblock)\n";
+
+const LAW: &str = "*User Material, constants=2\n 500., 800.\n*Depvar\n 2,\n";
+
+/// A tube sheared, with the material's elements numbered 1 to 4.
+fn tube(outputs: &str) -> String {
+    moving(|[r, z]| [0.1 * z, 0.1 * r], LAW, outputs)
+}
+
+/// Runs the tube with these files; value of the first state variable of element 1 at the end, and the routine's messages.
+fn state(files: &[(&str, &str)]) -> f64 {
+    let routines = opened(files).unwrap_or_else(|said| panic!("{said}\n{}", files[0].1));
+    let text = tube(" S, SDV\n");
+    let mut memory = Memory::default();
+    let (outcome, _) = job::run_into(&common::prepared(&text, &[], &routines), &mut memory);
+    assert_eq!(outcome.halt, None, "{}", files[0].1);
+    last(&text, &routines, &memory, "SDV1@ONE")
+}
+
+fn fortran() -> bool {
+    common::fortran("user files as they are about")
+}
+
+#[test]
+fn element_numbers_come_with_the_block_and_by_pointer() {
+    if !fortran() {
+        return;
+    }
+    let arrays =
+        DECLARED.replace("      character", "      dimension jblock(*), jInfoArray(*), dtArray(*)\n      character");
+    let arrays = arrays.replace("cmname\n", "cmname\n      pointer (ptr, jElem)\n      dimension jElem(*)\n");
+    let declared = arrays.replace("(nblock", "(jblock(1)")
+        + "      nblock = jblock(1)\n      ptr = loc(jInfoArray(jInfoArray(6)))\n      dt = dtArray(1)\n";
+    let inside = "        stateNew(k,1) = 100*jblock(4+k) + jElem(k) + jInfoArray(1)\n";
+    let text = vumat(("jblock", "jInfoArray", "dtArray"), "", &declared, inside);
+    assert_eq!(state(&[("law.f", &text)]), 101.0);
+}
+
+#[test]
+fn what_is_left_out_of_the_state_stays_as_it_was() {
+    if !fortran() {
+        return;
+    }
+    let text = vumat(PLAIN, "", DECLARED, "        if (stepTime .gt. 0.) stateNew(k,1) = stateOld(k,1) + 1.\n");
+    assert_eq!(state(&[("law.for", &text)]), 1000.0);
+}
+
+#[test]
+fn arrays_mutexes_and_mpi_are_there() {
+    if !fortran() {
+        return;
+    }
+    let declared = DECLARED.to_owned()
+        + "#include <SMAAspUserSubroutines.hdr>\n      include 'mpif.h'\n      integer numbers(10)\n      real*8 reals(10)\n      \
+           pointer (ptrn, numbers)\n      pointer (ptrr, reals)\n      if (stepTime .eq. 0.) then\n        ptrn = \
+           SMAIntArrayCreate(1, 10, 5)\n        ptrr = SMAFloatArrayCreate(7, 10, 0.25)\n      end if\n      call MutexInit(1)\n      \
+           call MutexLock(1)\n      ptrn = SMAIntArrayAccess(1)\n      ptrr = SMAFloatArrayAccess(7)\n      numbers(2) = \
+           numbers(2) + 1\n      call MutexUnlock(1)\n      call MPI_Comm_size(MPI_COMM_WORLD, isize, ierr)\n      call \
+           MPI_Allreduce(reals(3), total, 1, MPI_DOUBLE_PRECISION,\n     1 MPI_SUM, MPI_COMM_WORLD, ierr)\n";
+    let inside = "        stateNew(k,1) = numbers(2) + total + isize\n     1 + SMAIntArraySize(1) + getNumThreads() + \
+                  get_thread_id()\n";
+    let text = vumat(PLAIN, "", &declared, inside);
+    // Called once at time zero and in each of 1000 increments: 5 + 1001 + 0.25 + 1 + 10 + 1 + 0.
+    assert_eq!(state(&[("law.f", &text)]), 1018.25);
+    // The header above all, as many write it.
+    let below = text.replace("#include <SMAAspUserSubroutines.hdr>\n", "");
+    assert_eq!(state(&[("law.f", &("#include <SMAAspUserSubroutines.hdr>\n".to_owned() + &below))]), 1018.25);
+}
+
+#[test]
+fn includes_of_any_case_and_empty_arguments_are_taken() {
+    if !fortran() {
+        return;
+    }
+    let declared = DECLARED.replace("'vaba_param.inc'", "'..\\Vaba_Param_DP.INC'");
+    let inside = "        stateNew(k,1) = seven()\n        if (tr .gt. 1.) call xplb_abqerr(-3,'too far (%I)',k,,)\n        if (tr \
+                  .gt. 1.) call xplb_abqerr(1,'far',\n     1  ,,)\n";
+    let text = vumat(PLAIN, "#include 'Helper.f'\n", &declared, inside);
+    let helper = "      real*8 function seven()\n      seven = 7.d0\n      end\n";
+    // The function's type is that of implicit reals.
+    assert_eq!(state(&[("law.f", &text), ("helper.f", helper)]), 7.0);
+    let told = text.replace(".gt. 1.) call xplb_abqerr(-3", ".gt. -1.) call xplb_abqerr(-3");
+    let routines = opened(&[("law.f", &told), ("helper.f", helper)]).expect("it compiles");
+    let halt = common::run(&tube(" S\n"), &[], &routines).0.halt.expect("a halt");
+    assert!(halt.reason.contains("too far (1)"), "{halt:?}");
+}
+
+#[test]
+fn free_form_modules_saved_data_and_own_helpers_run() {
+    if !fortran() {
+        return;
+    }
+    // A helper that bears the name of another routine of ABAQUS, with arguments of its own.
+    let helper = "      subroutine vuhard(syield, hard, eqplas, table, n)\n      include 'vaba_param.inc'\n      dimension \
+                  table(2,n)\n      syield = table(1,n)\n      hard = 0.d0\n      end\n      subroutine vsprinc(a)\n      real*8 a\n      \
+                  a = 3.d0\n      end\n";
+    let declared = DECLARED.to_owned()
+        + "      dimension table(2,1)\n      integer calls\n      save calls\n      data calls /0/\n      table(1,1) = 2.d0\n      calls = \
+           calls + 1\n      call vuhard(syield, hard, 0.d0, table, 1)\n      call vsprinc(three)\n";
+    let inside = "        stateNew(k,1) = calls + syield + three\n";
+    assert_eq!(state(&[("law.f", &(vumat(PLAIN, "", &declared, inside) + helper))]), 1001.0 + 2.0 + 3.0);
+    let free = "module constants\n  implicit none\n  real(8), parameter :: one = 1.d0\nend module\n\
+        subroutine vumat(nblock, ndir, nshr, nstatev, nfieldv, nprops, lanneal, stepTime, totalTime, dt, cmname, coordMp, &\n\
+        charLength, props, density, strainInc, relSpinInc, tempOld, stretchOld, defgradOld, fieldOld, stressOld, stateOld, &\n\
+        enerInternOld, enerInelasOld, tempNew, stretchNew, defgradNew, fieldNew, stressNew, stateNew, enerInternNew, \
+        enerInelasNew)\n  use constants\n  implicit none\n  integer, intent(in) :: nblock, ndir, nshr, nstatev, nfieldv, nprops, \
+        lanneal\n  real(8), intent(in) :: stepTime, totalTime, dt\n  character(len=80), intent(in) :: cmname\n  real(8) :: \
+        coordMp(nblock,*), charLength(nblock), props(nprops), density(nblock), strainInc(nblock,ndir+nshr), &\n    \
+        relSpinInc(nblock,nshr), tempOld(nblock), stretchOld(nblock,ndir+nshr), defgradOld(nblock,ndir+nshr+nshr), &\n    \
+        fieldOld(nblock,nfieldv), stressOld(nblock,ndir+nshr), stateOld(nblock,nstatev), enerInternOld(nblock), &\n    \
+        enerInelasOld(nblock), tempNew(nblock), stretchNew(nblock,ndir+nshr), defgradNew(nblock,ndir+nshr+nshr), &\n    \
+        fieldNew(nblock,nfieldv), stressNew(nblock,ndir+nshr), stateNew(nblock,nstatev), enerInternNew(nblock), \
+        enerInelasNew(nblock)\n  stressNew = stressOld + props(2)*strainInc\n  stressNew(:,1:3) = stressNew(:,1:3) + \
+        props(1)*spread(sum(strainInc(:,1:3), 2), 2, 3)\n  stateNew(:,1) = one + len_trim(cmname)\nend subroutine\n";
+    assert_eq!(state(&[("law.f90", free)]), 2.0);
+}
+
+#[test]
+fn a_routine_for_three_dimensions_is_told() {
+    if !fortran() {
+        return;
+    }
+    let three = vumat(PLAIN, "", DECLARED, "").replace("do j = 1, ndir + nshr", "do j = 1, 6");
+    for text in [tube(" S\n"), taylor(LAW, "S")] {
+        let routines = opened(&[("law.f", &three)]).expect("it compiles");
+        let halt = common::run(&text, &[], &routines).0.halt.expect("a halt");
+        assert!(halt.reason.contains("uses 6 components, an axisymmetric solid has 4"), "{halt:?}");
+    }
+}
+
+#[test]
+fn holes_of_uncalled_routines_do_not_matter() {
+    if !fortran() {
+        return;
+    }
+    let inside = "        stateNew(k,1) = 1.\n";
+    let hole = "      subroutine vusdfld(a)\n      real*8 a\n      call nowhere(a)\n      end\n";
+    let text = vumat(PLAIN, "", DECLARED, inside) + hole;
+    assert_eq!(state(&[("law.f", &text)]), 1.0);
+    let called = vumat(PLAIN, "", DECLARED, "        call nowhere(tr)\n");
+    let said = opened(&[("law.f", &called)]).err().expect("it is refused");
+    assert!(said.contains("U005") && said.contains("vumat calls `nowhere`, which nothing defines"), "{said}");
+}
+
+#[test]
+fn what_is_never_called_is_told_by_its_name() {
+    if !fortran() {
+        return;
+    }
+    let more = "      subroutine vufield\n      end\n";
+    let routines = opened(&[("law.f", &(vumat(PLAIN, "", DECLARED, "") + more))]).expect("it compiles");
+    let plain = moving(|[_, z]| [0.0, z], "*Elastic\n 1., 0.3\n", " S\n");
+    let prepared = job::prepare_text("test.inp", &plain, &[], &routines);
+    let notes: Vec<&str> =
+        prepared.diagnostics.iter().filter(|d| d.code == "U009").map(|d| d.message.as_str()).collect();
+    assert!(notes[0].contains("`vumat`") && notes[0].contains("*USER MATERIAL"), "{notes:?}");
+    assert!(notes[1].contains("`vufield`") && notes[1].contains("does not have it"), "{notes:?}");
+    // A file that holds something else is named as the user named it.
+    let said = opened(&[("other.f", "      subroutine umat(a)\n      end\n")]).err().expect("it is refused");
+    assert!(said.contains("U006") && said.contains("other.f") && said.contains("umat"), "{said}");
+    assert!(!said.contains(".cache") && !said.contains(".so"), "{said}");
+    // One that holds a routine beside the one that is asked for.
+    let routines = opened(&[("law.f", &vumat(PLAIN, "", DECLARED, ""))]).expect("it compiles");
+    let loaded = plain.replace("*End Step", "*Dsload\n I1, PNU\n*End Step");
+    let prepared = job::prepare_text("test.inp", &loaded, &[], &routines);
+    let said = prepared.diagnostics.render(&prepared.deck.sources);
+    assert!(said.contains("P004") && said.contains("do not define it"), "{said}");
+}
