@@ -6,7 +6,7 @@ use super::group::block;
 use crate::element::block::{Block, Nodes, Sums, Workspace, dot, larger};
 use crate::element::constants::Constants;
 use crate::element::points::Points;
-use crate::element::record::spin;
+use crate::element::record::{Flows, spin};
 use crate::element::user_quads::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes};
 use crate::kernel::quad::{Gradient, gradient};
@@ -178,7 +178,7 @@ impl Chunk {
                 }
             }
             if !workspace.records.is_empty() {
-                workspace.follow(place.turn, block, false, &scratch.nodes[s], common.dt);
+                workspace.follow(place.turn, block, Flows::Not, &scratch.nodes[s], common.dt);
             }
         }
     }

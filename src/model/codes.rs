@@ -132,6 +132,12 @@ pub const CODES: &[Code] = &[
         "Some of the labels that GENERATE counts are not defined, or the last one is not reached in the increments given; the set holds those that are there.",
     ),
     code(
+        "M168",
+        "energy of an explosive",
+        "The detonation energy of *EOS, TYPE=JWL is an energy a mass; one above the square of the detonation wave speed is likely \
+         an energy a volume, which the density divides.",
+    ),
+    code(
         "M167",
         "thermal strain left out",
         "Plastic work heats the material in an adiabatic step; its *EXPANSION is read, and its strain is not computed.",

@@ -30,6 +30,7 @@ mod names;
 mod nodes;
 mod outputs;
 mod parts;
+mod rubber;
 pub mod scene;
 mod sets;
 mod steps;

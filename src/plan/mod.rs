@@ -11,6 +11,7 @@ mod loads;
 mod mass_scaling;
 mod motions;
 mod outputs;
+mod soft_material;
 mod solid;
 mod solid_material;
 mod surfaces;

@@ -21,6 +21,7 @@ mod rates;
 mod rigid;
 mod scene;
 mod shock;
+mod soft;
 mod solid;
 mod steps;
 mod taylor;
