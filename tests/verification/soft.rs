@@ -177,7 +177,7 @@ fn a_thick_sphere_is_blown_up_by_its_quadrature() {
     println!("sphere: inner radius {radii:.5?}, limit {limit:.5}, quadrature {low:.5}");
     assert!(low > 1.2, "{low}");
     assert!((radii[1] - low).abs() < (radii[0] - low).abs(), "{radii:?} {low}");
-    assert!((limit / low - 1.0).abs() < 5e-3, "{limit} {low}");
+    assert!((limit / low - 1.0).abs() < 1e-3, "{limit} {low}");
 }
 
 /// E = 150, no lateral strain; the surface of the transport cask's foam.
@@ -349,7 +349,8 @@ fn the_detonation_comes_as_programmed() {
         + " 0., 0.\n 0., 0.02, 0., 1.e-6\n*Step\n*Dynamic, Explicit\n , 1.7e-6\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n J1, 2, 2\n\
            *Output, field, number interval=1\n*Element Output\n BURNF, PRESS\n*End Step\n";
     let (outcome, memory) = run(&deck);
-    whole("detonation", &outcome, 2e-3);
+    // Two dozen increments: the trapezoid of the work is coarse.
+    whole("detonation", &outcome, 2e-2);
     let frame = memory.frames.last().expect("a frame");
     let burnt = &frame.cell_fields.iter().find(|f| f.name == "BURNF").expect("BURNF").values;
     let mut seen = [0; 3];
