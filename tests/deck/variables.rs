@@ -66,11 +66,30 @@ fn kept() -> String {
     "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n*User Material, constants=1\n 1.,\n*Depvar\n 2,\n".into()
 }
 
+fn damaged() -> String {
+    let ductile =
+        "*Damage Initiation, criterion=DUCTILE\n 0.5, 0.\n 0.4, 1.\n*Damage Evolution, type=DISPLACEMENT\n 0.1,\n";
+    let johnson_cook = "*Damage Initiation, criterion=JOHNSON COOK\n 0.5, 0., 0., 0., 0., 0., 0., 1.\n\
+                        *Damage Evolution, type=DISPLACEMENT\n 0.1,\n";
+    steel().replace("*Initial Conditions", &format!("{ductile}{johnson_cook}*Initial Conditions"))
+}
+
+fn explosive() -> String {
+    "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.,\n*Eos, type=JWL\n 5., 10., 1., 0.3, 4., 1., 1.\n\
+     *Detonation Point\n 1., 0.\n"
+        .into()
+}
+
 /// The material of a block whose elements have a variable.
 fn material_with(variable: Variable) -> String {
     match variable {
         Variable::State => kept(),
         Variable::SpecificEnergy => gas(),
+        Variable::Degradation
+        | Variable::DamageInitiation
+        | Variable::DuctileInitiation
+        | Variable::JohnsonCookInitiation => damaged(),
+        Variable::BurnFraction => explosive(),
         _ => steel(),
     }
 }

@@ -146,7 +146,7 @@ fn every_law_of_material() {
                 "*Density\n 1.63e-9,\n*Eos, type=JWL\n 6.93e6, 3.712e5, 3231., 0.3, 4.15, 0.95, 4.29e12\n*Detonation Point\n 0., 0.\n",
             ),
             1e4,
-            5e-7,
+            2e-6,
         ),
         ("linear Us-Up", bare(&format!("{head}*Eos, type=USUP\n 5.328e6, 1.338, 2.\n")), 1e5, 3e-6),
         ("ideal gas", bare(gas), 1e4, 3e-5),
