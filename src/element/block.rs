@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::constants::{CHANGE, Constants};
-use crate::element::record::Record;
+use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
@@ -124,7 +124,8 @@ pub struct Workspace {
     pub(super) trial: Lanes,
     pub(super) flow: Lanes,
     pub(super) weight: Lanes,
-    /// Spin increment, and of a yield surface that moves the back stress that it carried along.
+    /// Spin increment, and of a yield surface that moves the back stress that it carried along; of foam, the plastic strain
+    /// increments, while `flow` holds what they dissipate a volume.
     pub(super) spin: Lanes,
     pub(super) back: [Lanes; 4],
     /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
@@ -200,7 +201,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             hardening.follow(&mut self.state, &scratch.back, &scratch.deviator, &scratch.trial, &scratch.flow);
         }
         if V::EOS {
-            self.respond::<H, V, AREA>(volumetric, 3.0 * constants.shear, nodes, scratch);
+            self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), nodes, scratch);
         }
         self.stress::<H>(constants, &mut kept, scratch);
         if F::FAILS {
@@ -511,7 +512,7 @@ impl Workspace {
         &mut self,
         index: usize,
         block: &Block<S, Q, X>,
-        flows: bool,
+        flows: Flows,
         nodes: &Nodes,
         dt: f64,
     ) {

@@ -3,6 +3,7 @@
 
 use super::block::is_larger;
 use super::connector::Connectors;
+use super::damping::Damping;
 use super::distortion::DistortionControl;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
@@ -38,6 +39,8 @@ pub struct Elements {
     pub rings: Option<Box<Rings>>,
     /// Springs and dashpots; `None` without any.
     pub connectors: Option<Box<Connectors>>,
+    /// Mass proportional damping; `None` without any.
+    pub damping: Option<Box<Damping>>,
     /// Elements under distortion control; `None` without any.
     pub distortion: Option<Box<DistortionControl>>,
     /// Masses without scaling; `None` unless the deck scales masses.
@@ -110,7 +113,7 @@ impl Elements {
 
     /// Whether links between nodes push them, beside loads.
     pub fn has_links(&self) -> bool {
-        self.connectors.is_some() || self.distortion.is_some()
+        self.connectors.is_some() || self.damping.is_some() || self.distortion.is_some()
     }
 
     /// An increment has been made: its strains are to come.
@@ -173,6 +176,9 @@ impl Elements {
     pub fn link(&mut self, dofs: &mut Dofs) {
         if let Some(connectors) = &mut self.connectors {
             connectors.add_forces(dofs);
+        }
+        if let Some(damping) = &mut self.damping {
+            damping.add_forces(dofs);
         }
         if let Some(distortion) = &mut self.distortion {
             let alive = |(group, element): (usize, usize)| !self.groups[group].is_deleted(element);
@@ -240,7 +246,8 @@ impl Elements {
     /// The largest increment that is stable.
     pub fn stable_increment(&self) -> f64 {
         let elements = self.limit.0.rate;
-        1.0 / self.connectors.as_ref().map_or(elements, |c| c.rate(elements))
+        let linked = self.connectors.as_ref().map_or(elements, |c| c.rate(elements));
+        1.0 / self.damping.as_ref().map_or(linked, |d| d.rate(linked))
     }
 
     /// Bytes of what mass scaling remembers.
@@ -274,6 +281,7 @@ impl Persist for Elements {
             frequency_asked,
             rings,
             connectors,
+            damping,
             distortion,
             masses,
             corners,
@@ -286,6 +294,9 @@ impl Persist for Elements {
         persist_fields!(archive; limit, awake, pending, gone, frequency_asked);
         if let Some(connectors) = connectors {
             connectors.persist(archive);
+        }
+        if let Some(damping) = damping {
+            damping.persist(archive);
         }
         if let Some(distortion) = distortion {
             distortion.persist(archive);

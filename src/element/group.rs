@@ -9,12 +9,12 @@ use rayon::prelude::*;
 use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
 use crate::element::constants::Constants;
 use crate::element::quiescent::Quiescence;
-use crate::element::record::{Followed, Record};
+use crate::element::record::{Flows, Followed, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad;
-use crate::material::failure::Failure;
+use crate::material::failure::{Failure, Initiation};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
 use crate::state::Instant;
@@ -207,6 +207,11 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
             let [area, volume] = sizes(part, nodes);
             let states = (hardening.fresh(), volumetric.fresh(), failure.fresh(&area, &volume));
             let mut block = block(states, density, part, nodes);
+            for (l, corners) in part.iter().enumerate() {
+                let [a, b, c, d] = corners.map(|n| nodes[n as usize].place());
+                let middle = [0, 1].map(|i| 0.25 * ((a[i] + b[i]) + (c[i] + d[i])));
+                volumetric.place(&mut block.volumetric, l, middle, area[l].sqrt());
+            }
             if AREA {
                 block.inverse_mass = [block.mass.map(|mass| 4.0 / mass); 4];
             }
@@ -311,8 +316,16 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
-        let Pass { nodes, dt, threads, corners, .. } = pass;
-        let pass = Common { laws: &self.laws, constants: &self.constants, count: self.count, nodes, dt, cap: self.cap };
+        let Pass { nodes, dt, now, threads, corners, .. } = pass;
+        let pass = Common {
+            laws: &self.laws,
+            constants: &self.constants,
+            count: self.count,
+            nodes,
+            dt,
+            time: now.total_time,
+            cap: self.cap,
+        };
         let arch = self.arch;
         let run = |index,
                    blocks: &mut [Block<_, _, _>],
@@ -369,7 +382,13 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         match part.variable {
             Variable::Stress => Some(block.stress.get(part.component)?[lane]),
+            Variable::PlasticStrain if V::FLOWS => self.laws.1.plastic_strain(&block.volumetric, lane),
             Variable::PlasticStrain => H::PLASTIC.then(|| self.laws.0.plastic_strain(&block.state, lane)),
+            Variable::Degradation => self.laws.2.damage(&block.failure, lane),
+            Variable::DamageInitiation => self.laws.2.initiation(&block.failure, lane, Initiation::Any),
+            Variable::DuctileInitiation => self.laws.2.initiation(&block.failure, lane, Initiation::Ductile),
+            Variable::JohnsonCookInitiation => self.laws.2.initiation(&block.failure, lane, Initiation::JohnsonCook),
+            Variable::BurnFraction => self.laws.1.burnt(&block.volumetric, lane),
             Variable::Temperature => {
                 let by_energy = self.laws.1.temperature(&block.volumetric, lane);
                 by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
@@ -380,7 +399,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
                 let alive = self.laws.2.alive(&block.failure, lane);
                 Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
             }
-            Variable::PlasticComponents if !H::PLASTIC => None,
+            Variable::PlasticComponents if !H::PLASTIC && !V::FLOWS => None,
             _ => self.followed(element)?.value(part),
         }
     }
@@ -433,7 +452,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
 
     fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
         // Where the pressure follows from density or energy a mass, the mass is part of the state.
-        if V::EOS || AREA {
+        if V::EOS && !V::FLOWS || AREA {
             return None;
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -441,7 +460,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
-        if V::EOS || V::TOTAL || AREA {
+        if V::EOS && !V::FLOWS || AREA {
             return None;
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
@@ -480,7 +499,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn holds_state(&self) -> bool {
-        V::EOS
+        V::EOS && !V::FLOWS
     }
 
     fn set_energy(&mut self, element: usize, energy: f64) {
@@ -499,6 +518,7 @@ struct Common<'a, H, V, F> {
     count: usize,
     nodes: &'a [Node],
     dt: f64,
+    time: f64,
     cap: f64,
 }
 
@@ -526,9 +546,12 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
+            if V::TIMED {
+                pass.laws.1.begin(&mut block.volumetric, pass.time);
+            }
             block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, scratch, corners);
             if !scratch.records.is_empty() {
-                scratch.follow(i, block, H::PLASTIC, &places, pass.dt);
+                scratch.follow(i, block, const { Flows::of::<H, V>() }, &places, pass.dt);
             }
         }
     }

@@ -14,7 +14,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     pub(super) fn respond<H: Hardening, V: Volumetric<State = Q>, const AREA: bool>(
         &mut self,
         law: &V,
-        shear3: f64,
+        (shear3, dt): (f64, f64),
         nodes: &Nodes,
         scratch: &mut Workspace,
     ) {
@@ -22,12 +22,20 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let ask = Stretch {
                 strain: &scratch.strain,
                 spin: &scratch.spin,
+                dt,
                 mean: &mut scratch.mean,
                 deviator: &mut scratch.deviator,
+                plastic: &mut scratch.back,
+                dissipated: &mut scratch.flow,
                 bulk: &mut scratch.bulk,
                 heat: &mut scratch.heat,
             };
             law.stretch(&mut self.volumetric, ask);
+            if V::FLOWS {
+                for l in 0..LANES {
+                    scratch.sums.plastic[l] += scratch.volume[l] * scratch.flow[l];
+                }
+            }
             return;
         }
         let (mut work, mut dilation, mut volume) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);

@@ -5,6 +5,7 @@ mod back_stress;
 pub mod block;
 pub mod connector;
 pub mod constants;
+pub mod damping;
 mod deletion;
 pub mod distortion;
 pub mod elements;

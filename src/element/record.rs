@@ -8,6 +8,8 @@ use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress::mises;
+use crate::material::plasticity::Hardening;
+use crate::material::volumetric::Volumetric;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::variables::{Part, Variable};
 
@@ -22,6 +24,30 @@ pub struct Record {
     rate: [Lanes; 4],
     /// Work of the stress, and the part of it that flow has dissipated.
     work: [Lanes; 2],
+}
+
+/// What flows in a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flows {
+    /// Nothing.
+    Not,
+    /// The deviator, along itself.
+    Deviator,
+    /// Pressure and deviator: the law tells the plastic strain.
+    Coupled,
+}
+
+impl Flows {
+    /// Of a hardening and a volumetric law.
+    pub(super) const fn of<H: Hardening, V: Volumetric>() -> Flows {
+        if V::FLOWS {
+            Flows::Coupled
+        } else if H::PLASTIC {
+            Flows::Deviator
+        } else {
+            Flows::Not
+        }
+    }
 }
 
 /// What a record tells of one element. Tensors as rr, zz, hoop, rz with tensor shear.
@@ -75,7 +101,7 @@ impl Record {
     pub(super) fn follow<S, Q, X>(
         &mut self,
         block: &Block<S, Q, X>,
-        flows: bool,
+        flows: Flows,
         nodes: &Nodes,
         dt: f64,
         scratch: &Workspace,
@@ -88,7 +114,11 @@ impl Record {
             let increment = [0, 1, 2, 3].map(|i| scratch.strain[i][l]);
             let doubled = [0, 1, 2, 3].map(|i| increment[i] * (scratch.carried[i][l] + block.stress[i][l]));
             self.work[0][l] += 0.5 * scratch.volume[l] * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
-            if flows && scratch.flow[l] > 0.0 {
+            if flows == Flows::Coupled {
+                plastic = [0, 1, 2, 3].map(|i| plastic[i] + scratch.back[i][l]);
+                self.work[1][l] += scratch.volume[l] * scratch.flow[l];
+            }
+            if flows == Flows::Deviator && scratch.flow[l] > 0.0 {
                 // Associated flow: 3/2 dp s/q, the direction of the trial.
                 let per = 1.5 * scratch.flow[l] / scratch.trial[l];
                 plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * scratch.deviator[i][l]);

@@ -148,6 +148,9 @@ impl Elements {
         if let Some(connectors) = &mut self.connectors {
             connectors.bound(&dofs.nodes);
         }
+        if let Some(damping) = &mut self.damping {
+            damping.weigh(&self.groups);
+        }
         if starts {
             self.bound_again(masses, &dofs.nodes);
         }

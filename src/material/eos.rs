@@ -108,6 +108,51 @@ impl Pressure for UsUp {
     }
 }
 
+/// Pressure by tables: p = f1 + rho0 f2 e, both linear over the volumetric strain ln(rho0/rho), beyond the ends with the slope
+/// there (the same section, tabulated equation of state).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tabulated {
+    /// Density without volumetric strain.
+    pub density: f64,
+    /// Rows of f1, f2 and the volumetric strain, which descends; at least two.
+    pub rows: Vec<[f64; 3]>,
+}
+
+impl Tabulated {
+    /// Values and slopes of both functions at a volumetric strain.
+    fn at(&self, strain: f64) -> [[f64; 2]; 2] {
+        let after = self.rows.partition_point(|row| row[2] > strain).clamp(1, self.rows.len() - 1);
+        let (a, b) = (self.rows[after - 1], self.rows[after]);
+        [0, 1].map(|i| {
+            let slope = (b[i] - a[i]) / (b[2] - a[2]);
+            [a[i] + slope * (strain - a[2]), slope]
+        })
+    }
+
+    /// The largest bulk modulus of the table without energy.
+    fn stiffest(&self) -> f64 {
+        self.rows.windows(2).map(|w| (w[1][0] - w[0][0]) / (w[0][2] - w[1][2])).fold(0.0, f64::max)
+    }
+}
+
+impl Pressure for Tabulated {
+    fn curve(&self, density: f64) -> Curve {
+        let [[cold, cold_slope], [factor, slope]] = self.at(libm::log(self.density / density));
+        // By density: the strain falls by 1/rho.
+        let per = -1.0 / density;
+        Curve {
+            cold,
+            per_energy: self.density * factor,
+            cold_slope: per * cold_slope,
+            energy_slope: per * self.density * slope,
+        }
+    }
+
+    fn floor(&self) -> f64 {
+        1e-6 * self.stiffest()
+    }
+}
+
 /// An equation of state with the energy of each element.
 #[derive(Clone, Debug)]
 pub struct Eos<P> {
@@ -122,6 +167,27 @@ pub struct Heat {
     energy: Lanes,
 }
 
+/// m de = -(p + p') / 2 dV + deviatoric and viscous work, with p' = a + b e' at the end: linear in e', solved in closed
+/// form. The work of the bulk viscosity is expected with its stress of the increment before. Returns the energy a mass.
+#[inline(always)]
+pub(super) fn advance(ask: &mut Squeeze<'_>, l: usize, curve: Curve, before: f64, [ambient, floor]: [f64; 2]) -> f64 {
+    let Curve { cold, per_energy, cold_slope, energy_slope } = curve;
+    let inverse = 1.0 / ask.mass[l];
+    let density = ask.mass[l] / ask.volume[l];
+    let change = ask.middle[l] * ask.dilation[l];
+    let expected = ask.viscous[l] * change;
+    let absolute = 0.5 * (ask.mean[l] - ambient - cold - ambient);
+    let gained = absolute * change + ask.work[l] + expected;
+    let energy = (before + gained * inverse) / (1.0 + 0.5 * per_energy * change * inverse);
+    let pressure = cold + per_energy * energy;
+    // rho dp/drho with de = (p + p_A) drho/rho^2. Not a number stays: it must be found.
+    let bulk = density * (cold_slope + energy_slope * energy) + per_energy * (pressure + ambient) * (1.0 / density);
+    ask.bulk[l] = if bulk < floor { floor } else { bulk };
+    ask.mean[l] = -pressure;
+    ask.heat[l] = expected;
+    energy
+}
+
 impl<P: Pressure> Volumetric for Eos<P> {
     type State = Heat;
     const EOS: bool = true;
@@ -130,28 +196,12 @@ impl<P: Pressure> Volumetric for Eos<P> {
         Heat { energy: [0.0; LANES] }
     }
 
-    /// m de = -(p + p') / 2 dV + deviatoric and viscous work, with p' = a + b e' at the end: linear in e', solved in closed
-    /// form. The work of the bulk viscosity is expected with its stress of the increment before.
     #[inline(always)]
-    fn squeeze(&self, state: &mut Heat, ask: Squeeze<'_>) {
+    fn squeeze(&self, state: &mut Heat, mut ask: Squeeze<'_>) {
         let (ambient, floor) = (self.law.ambient(), self.law.floor());
         for l in 0..LANES {
-            let inverse = 1.0 / ask.mass[l];
-            let density = ask.mass[l] / ask.volume[l];
-            let Curve { cold, per_energy, cold_slope, energy_slope } = self.law.curve(density);
-            let change = ask.middle[l] * ask.dilation[l];
-            let expected = ask.viscous[l] * change;
-            let absolute = 0.5 * (ask.mean[l] - ambient - cold - ambient);
-            let gained = absolute * change + ask.work[l] + expected;
-            let energy = (state.energy[l] + gained * inverse) / (1.0 + 0.5 * per_energy * change * inverse);
-            let pressure = cold + per_energy * energy;
-            // rho dp/drho with de = (p + p_A) drho/rho^2. Not a number stays: it must be found.
-            let bulk =
-                density * (cold_slope + energy_slope * energy) + per_energy * (pressure + ambient) * (1.0 / density);
-            ask.bulk[l] = if bulk < floor { floor } else { bulk };
-            ask.mean[l] = -pressure;
-            ask.heat[l] = expected;
-            state.energy[l] = energy;
+            let curve = self.law.curve(ask.mass[l] / ask.volume[l]);
+            state.energy[l] = advance(&mut ask, l, curve, state.energy[l], [ambient, floor]);
         }
     }
 

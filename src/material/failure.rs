@@ -23,6 +23,25 @@ pub trait Failure: Send + Sync + 'static {
     fn volume(&self, state: &Self::State, lane: usize) -> f64;
     /// Share of the stress that damage leaves; 0 of a deleted element.
     fn share(&self, state: &Self::State, lane: usize) -> f64;
+    /// Share of the stress that damage has taken, where damage grows.
+    fn damage(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
+    /// How far a criterion has come, 1 where damage begins: the largest of those that are meant, where there is one.
+    fn initiation(&self, _state: &Self::State, _lane: usize, _of: Initiation) -> Option<f64> {
+        None
+    }
+}
+
+/// Criteria of the beginning of damage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Initiation {
+    /// All of them.
+    Any,
+    /// Ductile.
+    Ductile,
+    /// Johnson and Cook's.
+    JohnsonCook,
 }
 
 /// What failure sees of an element at the end of an increment.
@@ -162,6 +181,9 @@ pub struct Failing {
     pub criteria: Vec<Criterion>,
     /// Cutoff.
     pub cutoff: Option<Cutoff>,
+    /// By how much less than 1 is the damage at which an element is deleted (ABAQUS Analysis User's Guide, "Section controls":
+    /// 1 less MAX DEGRADATION, which is 1 where elements are deleted).
+    pub spared: f64,
 }
 
 /// The most criteria a material has.
@@ -210,6 +232,22 @@ impl Failure for Failing {
         if state.alive[lane] { state.share[lane] } else { 0.0 }
     }
 
+    fn damage(&self, state: &Damaged, lane: usize) -> Option<f64> {
+        (!self.criteria.is_empty()).then(|| 1.0 - state.share[lane])
+    }
+
+    fn initiation(&self, state: &Damaged, lane: usize, of: Initiation) -> Option<f64> {
+        let meant = |criterion: &Criterion| match (&criterion.strain, criterion.evolution) {
+            // Of *SHEAR FAILURE.
+            (_, Evolution::Sudden) => false,
+            (FailureStrain::Ductile(_), _) => of != Initiation::JohnsonCook,
+            (FailureStrain::JohnsonCook { .. }, _) => of != Initiation::Ductile,
+            _ => false,
+        };
+        let begun = self.criteria.iter().zip(&state.begun).filter(|c| meant(c.0)).map(|c| c.1[lane].min(1.0));
+        begun.reduce(f64::max)
+    }
+
     fn degrade(&self, state: &mut Damaged, l: usize, seen: &Seen) -> Shares {
         let mut worst: f64 = 0.0;
         for (c, criterion) in self.criteria.iter().enumerate() {
@@ -223,7 +261,7 @@ impl Failure for Failing {
             }
         }
         // What is left of the stress divides the stress of the next increment: the last trace of it is let go.
-        state.alive[l] &= worst < 1.0 - 1e-6;
+        state.alive[l] &= worst < 1.0 - 1e-6 - self.spared;
         state.share[l] = 1.0 - worst;
         Shares { stress: self.share(state, l), mean }
     }

@@ -16,6 +16,13 @@ pub trait Volumetric: Send + Sync + 'static {
     /// [`Volumetric::squeeze`].
     const TOTAL: bool = false;
 
+    /// Whether something flows: the trial is elastic with the moduli of the group, which stay the upper bounds, and
+    /// [`Volumetric::stretch`] brings it back.
+    const FLOWS: bool = false;
+
+    /// Whether the answer depends on the time: [`Volumetric::begin`] is told it.
+    const TIMED: bool = false;
+
     /// State of a block at the start.
     fn fresh(&self) -> Self::State;
 
@@ -24,6 +31,22 @@ pub trait Volumetric: Send + Sync + 'static {
 
     /// Mean stress, deviator and modulus at the end of an increment, by the whole deformation.
     fn stretch(&self, _state: &mut Self::State, _ask: Stretch<'_>) {}
+
+    /// An increment that ends at this total time begins.
+    fn begin(&self, _state: &mut Self::State, _now: f64) {}
+
+    /// Where an element lies at the start, `[r, z]` of its middle, and its length.
+    fn place(&self, _state: &mut Self::State, _lane: usize, _middle: [f64; 2], _length: f64) {}
+
+    /// Plastic strain of a lane, where something flows.
+    fn plastic_strain(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
+
+    /// Share of an explosive that has burnt, where it is one.
+    fn burnt(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
 
     /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy).
     fn settle(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
@@ -73,10 +96,16 @@ pub struct Stretch<'a> {
     pub strain: &'a [Lanes; 4],
     /// Spin increments.
     pub spin: &'a Lanes,
-    /// Answer: mean stress.
+    /// Length of the increment.
+    pub dt: f64,
+    /// Mean stress of the elastic trial; the answer.
     pub mean: &'a mut Lanes,
-    /// Answer: deviator.
+    /// Deviator of the elastic trial; the answer.
     pub deviator: &'a mut [Lanes; 4],
+    /// Answer of what flows: plastic strain increments rr, zz, hoop, rz, and the energy dissipated a volume.
+    pub plastic: &'a mut [Lanes; 4],
+    /// See [`Stretch::plastic`].
+    pub dissipated: &'a mut Lanes,
     /// Answer: modulus of a wave less 4/3 of the shear modulus.
     pub bulk: &'a mut Lanes,
     /// Answer: zero.

@@ -138,6 +138,12 @@ pub const CODES: &[Code] = &[
         "The card asks for nodes and is given an element set: the nodes of its elements are taken.",
     ),
     code(
+        "M169",
+        "energy of an explosive",
+        "The detonation energy of *EOS, TYPE=JWL is an energy a mass; one above the square of the detonation wave speed is likely \
+         an energy a volume, which the density divides.",
+    ),
+    code(
         "M170",
         "arc that does not close",
         "The ends of an arc are not equally far from its centre. Up to a millionth of the radius this is rounding; up to a hundredth the nearest centre is taken that they are equally far from, with a warning; beyond, the arc is refused.",

@@ -2,8 +2,11 @@
 //! Never here: which laws can stand beside each other, which the plan says.
 
 use super::consistency::{Check, above_zero, not_below};
+use super::eos::{is_explosive, stiffens};
+use super::rubber::ORDER;
 use super::types::{
-    DamageEvolution, EosKind, Expansion, FailureCriterion, Material, Plastic, RateDependence, StrainAtFailure,
+    DamageEvolution, EosKind, Expansion, FailureCriterion, FoamShape, Hyperelastic, Material, Plastic, RateDependence,
+    RubberShape, StrainAtFailure,
 };
 use crate::kernel::levels::Levels;
 
@@ -22,8 +25,9 @@ impl Check<'_> {
             "Young's modulus must be above 0, Poisson's ratio between -1 and 0.5",
         );
         need(material.shear_modulus.is_none_or(above_zero), "the shear modulus must be above zero");
-        let rubber = material.neo_hooke.is_none_or(|([c10, d1], _)| above_zero(c10) && above_zero(d1));
-        need(rubber, "C10 and D1 must be above zero");
+        need(material.hyperelastic.as_ref().is_none_or(is_rubber), "constants of the rubber out of range");
+        need(is_foam(material), "constants of the foam out of range");
+        need(material.damping.is_none_or(|d| above_zero(d.0)), "mass proportional damping must be above zero");
         let heat = |rows: &Vec<[f64; 2]>| !rows.is_empty() && rows.iter().all(|r| above_zero(r[0]));
         need(material.specific_heat.as_ref().is_none_or(heat), "the specific heat must be above zero");
         let conducts = material.conductivity.as_ref().is_none_or(|(rows, _)| heat(rows));
@@ -33,7 +37,10 @@ impl Check<'_> {
         need(material.expansion.as_ref().is_none_or(expands), "coefficients of the expansion must be finite");
         let fraction = material.inelastic_heat_fraction.is_none_or(f64::is_finite);
         need(fraction, "the inelastic heat fraction must be finite");
-        need(material.eos.is_none_or(|eos| is_equation(eos.kind)), "constants of the equation of state out of range");
+        need(
+            material.eos.as_ref().is_none_or(|eos| is_equation(&eos.kind)),
+            "constants of the equation of state out of range",
+        );
         need(material.plastic.as_ref().is_none_or(yields), "rows of the yield stress out of range");
         need(material.rate.as_ref().is_none_or(is_rate), "rows of the rate dependence out of range");
         need(material.failures.iter().all(fails), "strain at failure or damage out of range");
@@ -49,10 +56,37 @@ impl Check<'_> {
     }
 }
 
-fn is_equation(kind: EosKind) -> bool {
+fn is_rubber(rubber: &Hyperelastic) -> bool {
+    let [first, more @ ..] = &rubber.compressibility[..] else { return false };
+    let alike = above_zero(*first) || more.iter().all(|d| *d == 0.0);
+    let shape = match &rubber.shape {
+        RubberShape::NeoHooke(_) => true,
+        RubberShape::Polynomial(terms) => {
+            terms.iter().all(|&(c, i, j)| c.is_finite() && i <= ORDER && j <= ORDER && i + j > 0)
+        }
+        RubberShape::Ogden(terms) => terms.iter().all(|t| t[0].is_finite() && t[1].is_finite() && t[1] != 0.0),
+    };
+    above_zero(rubber.shape.shear()) && rubber.compressibility.iter().all(|d| not_below(*d)) && alike && shape
+}
+
+/// The plan says what is missing.
+fn is_foam(material: &Material) -> bool {
+    let shape = match material.foam {
+        None => true,
+        Some((FoamShape::Volumetric([k, kt]), _)) => k > 0.0 && k < 3.0 && not_below(kt),
+        Some((FoamShape::Isotropic([k, ratio]), _)) => (0.0..3.0).contains(&k) && ratio > -1.0 && ratio < 0.5,
+    };
+    let rows = &material.foam_hardening;
+    let starts = rows.first().is_none_or(|r| r[1] == 0.0);
+    shape && starts && rows.iter().all(|r| above_zero(r[0])) && rows.windows(2).all(|w| w[0][1] < w[1][1])
+}
+
+fn is_equation(kind: &EosKind) -> bool {
     match kind {
-        EosKind::IdealGas([gas_constant, ambient]) => above_zero(gas_constant) && not_below(ambient),
-        EosKind::UsUp([c0, s, gamma0]) => above_zero(c0) && not_below(s) && not_below(gamma0),
+        EosKind::IdealGas([gas_constant, ambient]) => above_zero(*gas_constant) && not_below(*ambient),
+        EosKind::UsUp([c0, s, gamma0]) => above_zero(*c0) && not_below(*s) && not_below(*gamma0),
+        EosKind::Tabular(rows) => stiffens(rows) && rows.windows(2).all(|w| w[0][2] > w[1][2]),
+        EosKind::Jwl(values) => is_explosive(values),
     }
 }
 

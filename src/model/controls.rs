@@ -47,8 +47,25 @@ impl Builder<'_> {
             }
         };
         let Ok(keeps_failed) = self.other_controls(card) else { return };
+        let word = card.value("MAX DEGRADATION");
+        let Some(most_damage) = word.map_or(Some(1.0), |w| w.number(&mut self.diagnostics)) else { return };
+        if !(most_damage > 0.0 && most_damage <= 1.0) {
+            self.out_of_range(
+                card.span,
+                format!("MAX DEGRADATION must lie above 0 and not above 1, not {most_damage}"),
+            );
+            return;
+        }
         let name = upper(&name.text);
-        self.model.controls.push(SectionControls { name, hourglass, factor, by_area, distortion, keeps_failed });
+        self.model.controls.push(SectionControls {
+            name,
+            hourglass,
+            factor,
+            by_area,
+            distortion,
+            most_damage,
+            keeps_failed,
+        });
     }
 
     /// Controls that are YES or NO: where ELEMENT DELETION is NO, and what of the others means nothing here.

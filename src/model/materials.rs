@@ -29,7 +29,11 @@ impl Builder<'_> {
             }
             "ELASTIC" => self.elastic(card),
             "EOS" => self.eos(card),
+            "DETONATION POINT" => self.detonation_points(card),
             "HYPERELASTIC" => self.hyperelastic(card),
+            "CRUSHABLE FOAM" => self.crushable_foam(card),
+            "CRUSHABLE FOAM HARDENING" => self.foam_hardening(card),
+            "DAMPING" => self.damping(card),
             "SHEAR FAILURE" => self.shear_failure(card),
             "TENSILE FAILURE" => self.tensile_failure(card),
             "DAMAGE INITIATION" => self.damage_initiation(card),
@@ -70,7 +74,7 @@ impl Builder<'_> {
         line
     }
 
-    fn positive(&mut self, card: &Card, what: &str) -> Option<f64> {
+    pub(super) fn positive(&mut self, card: &Card, what: &str) -> Option<f64> {
         let line = self.first_line(card)?;
         let value = self.number(line, 0, what)?;
         if value > 0.0 {
@@ -127,21 +131,6 @@ impl Builder<'_> {
             return;
         }
         self.last_material().elastic = Some([e, nu]);
-    }
-
-    /// `*HYPERELASTIC, NEO HOOKE`: C10 and D1, both above zero: what does not give way in volume has no stable increment.
-    fn hyperelastic(&mut self, card: &Card) {
-        if !card.has("NEO HOOKE") {
-            self.unsupported(card.span, "this form of *HYPERELASTIC is not supported", "NEO HOOKE is");
-            return;
-        }
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(c10), Some(d1)) = (self.number(line, 0, "C10"), self.number(line, 1, "D1")) else { return };
-        if c10 <= 0.0 || d1 <= 0.0 {
-            self.out_of_range(line.span, format!("C10 and D1 must be above zero, not {c10} and {d1}"));
-            return;
-        }
-        self.last_material().neo_hooke = Some(([c10, d1], card.span));
     }
 
     fn plastic(&mut self, card: &Card) {

@@ -39,6 +39,7 @@ mod nodes;
 mod order;
 mod outputs;
 mod parts;
+mod rubber;
 pub mod scene;
 mod sets;
 mod shells;

@@ -219,12 +219,20 @@ pub struct Material {
     pub elastic: Option<[f64; 2]>,
     /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
     pub shear_modulus: Option<f64>,
-    /// C10 and D1 of a `*HYPERELASTIC, NEO HOOKE`, and the card.
-    pub neo_hooke: Option<([f64; 2], Span)>,
+    /// `*HYPERELASTIC`.
+    pub hyperelastic: Option<Hyperelastic>,
     /// Equation of state.
     pub eos: Option<EquationOfState>,
+    /// `*DETONATION POINT`: `[r, z]` and total time of each.
+    pub detonation: Vec<[f64; 3]>,
     /// Yield description.
     pub plastic: Option<Plastic>,
+    /// `*CRUSHABLE FOAM` and the card.
+    pub foam: Option<(FoamShape, Span)>,
+    /// `*CRUSHABLE FOAM HARDENING`: rows of the yield stress in uniaxial compression and the plastic strain.
+    pub foam_hardening: Vec<[f64; 2]>,
+    /// `*DAMPING, ALPHA`, 1/time, and the card; `None` where it is zero.
+    pub damping: Option<(f64, Span)>,
     /// Whether the yield stress goes on beyond the last plastic strain of a table as between its last two rows
     /// (`EXTRAPOLATION=LINEAR`).
     pub extrapolates: bool,
@@ -274,8 +282,50 @@ pub struct StateVariables {
     pub delete: Option<usize>,
 }
 
-/// `*EOS`.
+/// `*HYPERELASTIC`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hyperelastic {
+    /// Energy of a change of shape.
+    pub shape: RubberShape,
+    /// D1, D2, ... of the energy of a change of volume; all zero where the card gives no compressibility.
+    pub compressibility: Vec<f64>,
+    /// The card.
+    pub span: Span,
+}
+
+/// Form of the energy of rubber and its constants.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RubberShape {
+    /// C10.
+    NeoHooke(f64),
+    /// Each C_ij with i and j.
+    Polynomial(Vec<(f64, usize, usize)>),
+    /// Each mu and alpha.
+    Ogden(Vec<[f64; 2]>),
+}
+
+impl RubberShape {
+    /// Initial shear modulus.
+    pub fn shear(&self) -> f64 {
+        match self {
+            RubberShape::NeoHooke(c10) => 2.0 * c10,
+            RubberShape::Polynomial(terms) => 2.0 * terms.iter().filter(|t| t.1 + t.2 == 1).map(|t| t.0).sum::<f64>(),
+            RubberShape::Ogden(terms) => terms.iter().map(|t| t[0]).sum(),
+        }
+    }
+}
+
+/// How the yield surface of foam grows, and its shape at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FoamShape {
+    /// By compaction: strength in uniaxial compression, and in hydrostatic tension, over that in hydrostatic compression.
+    Volumetric([f64; 2]),
+    /// Alike in all directions: strength in uniaxial over that in hydrostatic compression, plastic Poisson's ratio.
+    Isotropic([f64; 2]),
+}
+
+/// `*EOS`.
+#[derive(Clone, Debug, PartialEq)]
 pub struct EquationOfState {
     /// Form and constants.
     pub kind: EosKind,
@@ -284,12 +334,16 @@ pub struct EquationOfState {
 }
 
 /// Form of an equation of state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum EosKind {
     /// Ideal gas: gas constant (energy a mass and temperature) and ambient pressure.
     IdealGas([f64; 2]),
     /// Linear shock speed: c0, s, Grueneisen coefficient.
     UsUp([f64; 3]),
+    /// Rows of f1, f2 and the volumetric strain, which descends.
+    Tabular(Vec<[f64; 3]>),
+    /// Explosive: speed of the detonation, A, B, omega, R1, R2, energy a mass, bulk modulus before the detonation.
+    Jwl([f64; 8]),
 }
 
 /// `*SHEAR FAILURE`, or `*DAMAGE INITIATION` with its `*DAMAGE EVOLUTION`.
@@ -437,6 +491,8 @@ pub struct SectionControls {
     pub by_area: bool,
     /// LENGTH RATIO of distortion control; `None` without it.
     pub distortion: Option<f64>,
+    /// MAX DEGRADATION: the damage at which an element is deleted, 1 where the deck says nothing.
+    pub most_damage: f64,
     /// `ELEMENT DELETION=NO`, where the deck says so.
     pub keeps_failed: Option<Span>,
 }

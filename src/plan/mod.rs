@@ -16,6 +16,7 @@ mod motions;
 mod outputs;
 mod overlaps;
 mod shells;
+mod soft_material;
 mod solid;
 mod solid_material;
 mod surface_ties;

@@ -5,6 +5,7 @@ use indexmap::IndexMap;
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
+use crate::element::damping::Damping;
 use crate::element::distortion::DistortionControl;
 use crate::element::elements::Elements;
 use crate::element::frequency::HighestFrequency;
@@ -67,7 +68,7 @@ impl Compiler<'_> {
         self.place_rotations(&shells, &mut nodes);
         let mut mass = vec![0.0; nodes.len()];
         let (mut groups, mut ids, mut corners): (Vec<Box<dyn ElementGroup>>, Vec<_>, Vec<_>) = Default::default();
-        let mut controlled = Vec::new();
+        let (mut controlled, mut damped) = (Vec::new(), Vec::new());
         for (section, elements) in &sections {
             let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
             let Some(group) = self.group(section, elements, &list, &nodes, &mut mass) else { continue };
@@ -76,6 +77,7 @@ impl Compiler<'_> {
             }
             ids.push(self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
+            damped.push(self.damping(section, elements.len()));
             groups.push(group);
             corners.push(list);
         }
@@ -99,6 +101,10 @@ impl Compiler<'_> {
             let control = elements.distortion.get_or_insert_with(Box::<DistortionControl>::default);
             control.add(group, corners[group].iter().copied(), &nodes, ratio);
         }
+        if damped.iter().any(|factor| *factor > 0.0) {
+            let linear = self.model.steps.iter().map(|s| s.bulk_viscosity[0]).fold(0.0, f64::max);
+            elements.damping = Some(Box::new(Damping::new(damped, linear, &elements.groups, nodes.len())));
+        }
         if sections.iter().any(|(s, _)| self.is_by_area(s)) {
             elements.rings = Some(Box::new(Rings::new(&elements.groups, nodes.len())));
         }
@@ -118,6 +124,17 @@ impl Compiler<'_> {
         self.places.tied = used.iter().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
         self.places.nodes = used.iter().enumerate().map(|(i, &n)| (n, i)).collect();
         used.iter().map(|&n| Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() }).collect()
+    }
+
+    /// Mass proportional damping of a section, 0 without any.
+    fn damping(&mut self, section: &SolidSection, count: usize) -> f64 {
+        let Some((alpha, span)) = self.model.materials[section.material].damping else { return 0.0 };
+        if self.is_by_area(section) {
+            let message = "WEIGHTING=AREA with *DAMPING is not supported";
+            self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
+        }
+        self.cause(span, "mass proportional damping", count, "elements", format!("alpha = {alpha}"));
+        alpha
     }
 
     /// LENGTH RATIO of a section under distortion control.

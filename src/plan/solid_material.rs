@@ -10,9 +10,9 @@ use crate::element::group::{ElementGroup, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
 use crate::kernel::heating::Heating;
 use crate::kernel::levels::Levels;
-use crate::material::eos::{Eos, IdealGas, UsUp};
+use crate::material::eos::{Eos, IdealGas, Tabulated, UsUp};
+use crate::material::explosive::Explosive;
 use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, NoDamage};
-use crate::material::hyperelastic::NeoHooke;
 use crate::material::kinematic::Kinematic;
 use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
@@ -38,24 +38,28 @@ pub(super) struct Moduli {
 }
 
 /// An equation of state with all its constants.
-enum Equation {
+pub(super) enum Equation {
     Gas(IdealGas),
     UsUp(UsUp),
+    Tabulated(Tabulated),
+    Explosive(Explosive),
 }
 
 /// What every group needs beside its laws.
 #[derive(Clone, Copy)]
-struct Make<'a, const AREA: bool> {
+pub(super) struct Make<'a, const AREA: bool> {
     constants: Constants,
     density: f64,
     corners: &'a [[u32; 4]],
     nodes: &'a [Node],
     /// Whether plastic work heats.
     heats: bool,
+    /// 1 less the damage at which an element is deleted.
+    spared: f64,
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
-    fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
+    pub(super) fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
         self.failing(hardening, volumetric, NoDamage)
     }
 
@@ -71,8 +75,8 @@ impl<'a, const AREA: bool> Make<'a, AREA> {
 
     /// The same, weighted by area.
     fn by_area(self) -> Make<'a, true> {
-        let Make { constants, density, corners, nodes, heats } = self;
-        Make { constants, density, corners, nodes, heats }
+        let Make { constants, density, corners, nodes, heats, spared } = self;
+        Make { constants, density, corners, nodes, heats, spared }
     }
 }
 
@@ -102,17 +106,22 @@ impl Compiler<'_> {
         let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, elements.len(), &constants, (material, heats));
-        let make = Make::<false> { constants, density, corners, nodes, heats };
+        let make = Make::<false> { constants, density, corners, nodes, heats, spared: self.spared(section, material) };
         if self.is_by_area(section) {
             return self.by_area(section, material, make.by_area());
         }
-        if let Some(([c10, d1], _)) = material.neo_hooke {
-            return Some(make.quads(Elastic, NeoHooke { c10, d1 }));
+        if let Some(rubber) = &material.hyperelastic {
+            return Some(self.rubber(rubber, make));
+        }
+        if let Some(foam) = self.foam(material, section.span, moduli)? {
+            return Some(make.quads(Elastic, foam));
         }
         match self.equation(material, section.span)? {
             None => self.with_volumetric(material, section.span, Linear, make),
             Some(Equation::Gas(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
             Some(Equation::UsUp(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
+            Some(Equation::Tabulated(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
+            Some(Equation::Explosive(law)) => self.with_volumetric(material, section.span, law, make),
         }
     }
 
@@ -121,14 +130,24 @@ impl Compiler<'_> {
         let refusal = match material {
             Material { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
             Material {
-                neo_hooke: Some(([c10, _], _)), elastic: None, shear_modulus: None, eos: None, plastic, ..
+                hyperelastic: Some(rubber),
+                elastic: None,
+                shear_modulus: None,
+                eos: None,
+                plastic,
+                foam,
+                ..
             } => {
-                if plastic.is_none() && material.failures.is_empty() && material.tensile_failure.is_none() {
-                    return Some(Moduli { bulk: 0.0, shear: 2.0 * c10, ratio: 0.5 });
+                if plastic.is_none()
+                    && foam.is_none()
+                    && material.failures.is_empty()
+                    && material.tensile_failure.is_none()
+                {
+                    return Some(Moduli { bulk: 0.0, shear: rubber.shape.shear(), ratio: 0.5 });
                 }
                 format!("material `{}` is rubber that yields or fails, which is not supported", material.name)
             }
-            Material { neo_hooke: Some(_), .. } => {
+            Material { hyperelastic: Some(_), .. } => {
                 format!("material `{}` has *HYPERELASTIC and another elasticity", material.name)
             }
             Material { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
@@ -156,8 +175,12 @@ impl Compiler<'_> {
 
     /// The equation of state of a material, with what it takes from other cards.
     fn equation(&mut self, material: &Material, span: Span) -> Option<Option<Equation>> {
+        let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
+        if !burns && !material.detonation.is_empty() {
+            self.unused(material.span, "*DETONATION POINT", "only *EOS, TYPE=JWL detonates");
+        }
         let Some(eos) = &material.eos else { return Some(None) };
-        match (eos.kind, material.specific_heat.as_deref()) {
+        match (eos.kind.clone(), material.specific_heat.as_deref()) {
             (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
                 let absolute_zero = self.model.absolute_zero;
                 let ratio = 1.0 + gas_constant / specific_heat;
@@ -176,6 +199,11 @@ impl Compiler<'_> {
                 let density = material.density.unwrap_or(0.0);
                 Some(Some(Equation::UsUp(UsUp { density, c0, s, gamma0 })))
             }
+            (EosKind::Tabular(rows), _) => {
+                self.cause(eos.span, "equation of state", 1, "material", format!("table of {} rows", rows.len()));
+                Some(Some(Equation::Tabulated(Tabulated { density: material.density.unwrap_or(0.0), rows })))
+            }
+            (EosKind::Jwl(values), _) => self.explosive(material, eos.span, &values, span).map(Some),
         }
     }
 
@@ -188,7 +216,7 @@ impl Compiler<'_> {
         make: Make<'_, AREA>,
     ) -> Option<Box<dyn ElementGroup>> {
         let heating = if make.heats { heating(material, make.density) } else { Heating::None };
-        let failing = self.failing(material)?;
+        let failing = self.failing(material)?.map(|failing| Failing { spared: make.spared, ..failing });
         let Some(plastic) = &material.plastic else {
             return Some(match failing {
                 Some(failing) => make.failing(Elastic, volumetric, failing),
@@ -224,6 +252,17 @@ impl Compiler<'_> {
         Some(make.quads(General { law, heating }, volumetric))
     }
 
+    /// 1 less MAX DEGRADATION.
+    fn spared(&mut self, section: &SolidSection, material: &Material) -> f64 {
+        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
+        let spared = section.controls.as_ref().and_then(named).map_or(0.0, |c| 1.0 - c.most_damage);
+        if spared > 0.0 && material.failures.is_empty() {
+            let why = format!("no damage grows in material {}", material.name);
+            self.unused(section.span, "MAX DEGRADATION", why);
+        }
+        spared
+    }
+
     /// Whether the controls of a section weight its elements by area.
     pub(super) fn is_by_area(&self, section: &SolidSection) -> bool {
         let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
@@ -238,8 +277,8 @@ impl Compiler<'_> {
         make: Make<'_, true>,
     ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
-        let refusal = if material.eos.is_some() || material.neo_hooke.is_some() {
-            Some("WEIGHTING=AREA needs *ELASTIC")
+        let refusal = if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.is_some() {
+            Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
         } else if model.steps.iter().any(|s| s.bulk_viscosity[0] <= 0.0) {
             Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
         } else if model.sections.iter().any(|s| !self.is_by_area(s)) {
@@ -294,7 +333,7 @@ impl Compiler<'_> {
         (material, heats): (&Material, bool),
     ) {
         let elasticity = match (&material.eos, constants.shear > 0.0) {
-            _ if material.neo_hooke.is_some() => "neo-Hooke by the whole deformation",
+            _ if material.hyperelastic.is_some() => "rubber by the whole deformation",
             (Some(_), false) => "fluid",
             (Some(_), true) => "equation of state and shear modulus, Jaumann rate",
             (None, _) => "elastic, Jaumann rate",
@@ -434,7 +473,7 @@ impl Compiler<'_> {
     }
 }
 
-fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
+pub(super) fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
     match rate? {
         RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
         RateDependence::PowerLaw(rows) => {

@@ -90,8 +90,6 @@ pub const NOT_SIMULATED: &[Known] = &[
     known("ERV", Place::Point, "volumetric strain rate"),
     known("CE", Place::Point, "creep strain"),
     known("CEEQ", Place::Point, "equivalent creep strain"),
-    known("DMICRT", Place::Point, "damage initiation criteria"),
-    known("SDEG", Place::Point, "stiffness degradation"),
     known("EVF", Place::Point, "volume fraction of an Eulerian material"),
     known("SVAVG", Place::Point, "stress averaged over Eulerian materials"),
     known("PEVAVG", Place::Point, "plastic strain averaged over Eulerian materials"),
@@ -421,7 +419,7 @@ mod tests {
         for word in ["U3", "S13", "SDV0", "MISES1", "NOSUCH", ""] {
             assert_eq!(Asked::parse(word), None, "{word}");
         }
-        for word in ["CF", "CF2", "DMICRT"] {
+        for word in ["CF", "CF2", "EMSF"] {
             assert!(matches!(Asked::parse(word), Some(Asked::NotSimulated(_))), "{word}");
         }
         assert_eq!(help("S13", &[]), "S has the components S11, S22, S33, S12");

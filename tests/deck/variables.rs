@@ -95,11 +95,30 @@ fn block_with(variable: Variable, requests: &str) -> String {
         .replace("*Specific Heat", "*Conductivity\n 1.,\n*Specific Heat")
 }
 
+fn damaged() -> String {
+    let ductile =
+        "*Damage Initiation, criterion=DUCTILE\n 0.5, 0.\n 0.4, 1.\n*Damage Evolution, type=DISPLACEMENT\n 0.1,\n";
+    let johnson_cook = "*Damage Initiation, criterion=JOHNSON COOK\n 0.5, 0., 0., 0., 0., 0., 0., 1.\n\
+                        *Damage Evolution, type=DISPLACEMENT\n 0.1,\n";
+    steel().replace("*Initial Conditions", &format!("{ductile}{johnson_cook}*Initial Conditions"))
+}
+
+fn explosive() -> String {
+    "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.,\n*Eos, type=JWL\n 5., 10., 1., 0.3, 4., 1., 1.\n\
+     *Detonation Point\n 1., 0.\n"
+        .into()
+}
+
 /// The material of a block whose elements have a variable.
 fn material_with(variable: Variable) -> String {
     match variable {
         Variable::State => kept(),
         Variable::SpecificEnergy => gas(),
+        Variable::Degradation
+        | Variable::DamageInitiation
+        | Variable::DuctileInitiation
+        | Variable::JohnsonCookInitiation => damaged(),
+        Variable::BurnFraction => explosive(),
         _ => steel(),
     }
 }

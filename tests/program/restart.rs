@@ -150,6 +150,17 @@ fn every_law_of_material() {
             5e-6,
         ),
         ("rubber", bare("*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n"), 1e4, 1e-4),
+        ("Mooney-Rivlin", bare("*Density\n 1.e-9,\n*Hyperelastic, mooney-rivlin\n 0.4, 0.1, 0.1\n"), 1e4, 1e-4),
+        ("Ogden", bare("*Density\n 1.e-9,\n*Hyperelastic, ogden\n 1., 1.3, 0.1\n*Damping, alpha=1.e4\n"), 1e4, 1e-4),
+        ("foam", steel("*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 400., 0.\n 500., 0.1\n"), 2e5, 5e-6),
+        (
+            "explosive",
+            bare(
+                "*Density\n 1.63e-9,\n*Eos, type=JWL\n 6.93e6, 3.712e5, 3231., 0.3, 4.15, 0.95, 4.29e12\n*Detonation Point\n 0., 0.\n",
+            ),
+            1e4,
+            2e-6,
+        ),
         ("linear Us-Up", bare(&format!("{head}*Eos, type=USUP\n 5.328e6, 1.338, 2.\n")), 1e5, 3e-6),
         ("ideal gas", bare(gas), 1e4, 3e-5),
     ] {

@@ -64,6 +64,21 @@ fn failure_with_deletion() {
 fn rubber() {
     let rubber = "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n";
     agrees("neo-Hooke", &bar(rubber, 1e4, 3e-5));
+    let others = ["mooney-rivlin\n 0.4, 0.1, 0.1\n*Damping, alpha=1.e4\n", "ogden\n 1., 1.3, 0.1\n"];
+    for form in others {
+        agrees(form, &bar(&rubber.replace("neo hooke\n 0.5, 0.1\n", form), 1e4, 3e-5));
+    }
+}
+
+#[test]
+fn foam_and_explosive() {
+    let head = "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n";
+    let foam =
+        " 3.2e-10,\n*Elastic\n 150., 0.\n*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 6., 0.\n 20., 0.8\n";
+    agrees("foam", &bar(&format!("{head}{foam}"), 1e5, 3e-6));
+    let tnt =
+        " 1.63e-9,\n*Eos, type=JWL\n 6.93e6, 3.712e5, 3231., 0.3, 4.15, 0.95, 4.29e12\n*Detonation Point\n 0., 0.\n";
+    agrees("explosive", &bar(&format!("{head}{tnt}"), 1e4, 3e-7));
 }
 
 #[test]

@@ -24,6 +24,7 @@ mod rigid;
 mod scene;
 mod shells;
 mod shock;
+mod soft;
 mod solid;
 mod steps;
 mod surfaces;

@@ -119,10 +119,35 @@ fn bad_materials_are_refused_with_a_reason() {
         ("M105", deck("*Damage Evolution, type=ENERGY\n 0.1,\n")),
         ("P013", deck("*Hyperelastic, neo hooke\n 1., 0.1\n")),
         ("P013", gas("*Hyperelastic, neo hooke\n 1., 0.1\n*Plastic\n 1., 0.\n")),
-        ("M104", gas("*Hyperelastic, yeoh\n 1., 0.1\n")),
-        ("M103", gas("*Hyperelastic, neo hooke\n 1., 0.\n")),
+        ("M104", gas("*Hyperelastic, marlow\n 1., 0.1\n")),
+        ("M104", gas("*Hyperelastic, yeoh, test data input\n")),
+        ("M103", gas("*Hyperelastic, neo hooke\n 1., -0.1\n")),
+        ("M103", gas("*Hyperelastic, neo hooke, yeoh\n 1., 0.1\n")),
+        ("M103", gas("*Hyperelastic, mooney-rivlin\n 0.1, -0.1, 0.1\n")),
+        ("M103", gas("*Hyperelastic, mooney-rivlin\n 0.1, 0.1, 0.1, 20., 5.\n")),
+        ("M103", gas("*Hyperelastic, mooney-rivlin, n=2\n 0.1, 0.1, 0.1\n")),
+        ("M103", gas("*Hyperelastic, ogden, n=4\n 0.1, 2., 0.1\n")),
+        ("M103", gas("*Hyperelastic, ogden\n 0.1, 0., 0.1\n")),
+        ("M103", gas("*Hyperelastic, reduced polynomial, n=2\n 0.1, 0.1, 0., 1.\n")),
+        ("M104", gas("*Hyperelastic, yeoh\n 1., 0.1\n 1., 0.2\n")),
+        ("M102", gas("*Hyperelastic, yeoh\n , 0.1\n")),
+        ("P013", deck("*Crushable Foam\n 1.1, 0.1\n")),
+        ("P013", deck("*Crushable Foam Hardening\n 1., 0.\n")),
+        ("P013", gas("*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 1., 0.\n")),
+        ("P013", deck("*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 1., 0.\n*Plastic\n 1., 0.\n")),
+        ("M103", deck("*Crushable Foam\n 3.1, 0.1\n*Crushable Foam Hardening\n 1., 0.\n")),
+        ("M103", deck("*Crushable Foam, hardening=ISOTROPIC\n 1.1, 0.5\n*Crushable Foam Hardening\n 1., 0.\n")),
+        ("M103", deck("*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 1., 0.1\n")),
+        ("M103", deck("*Damping, alpha=-1.\n")),
+        ("M104", deck("*Damping, beta=1.e-6\n")),
+        ("P013", gas("*Eos, type=JWL\n 6.93e6, 3.7e5, 3231., 0.3, 4.15, 0.95, 4.29e12\n")),
+        ("M103", gas("*Eos, type=JWL\n 6.93e6, 3.7e5, 3231., 0.3, 0., 0.95, 4.29e12\n")),
+        ("M169", gas("*Eos, type=JWL\n 6.93e6, 3.7e5, 3231., 0.3, 4.15, 0.95, 4.29e15\n*Detonation Point\n 0., 0.\n")),
+        ("M103", gas("*Eos, type=TABULAR\n 0., 0., 0.\n 1., 0., 0.1\n")),
+        ("M103", gas("*Eos, type=TABULAR\n 0., 0., 0.\n 0., 0., -0.1\n")),
         ("P017", gas("*Hyperelastic, neo hooke\n 1., 0.1\n*Initial Conditions, type=STRESS\n SOLID, 1., 1., 1.\n")),
-        ("M104", deck("*Eos, type=JWL\n 1., 1.\n")),
+        ("M102", deck("*Eos, type=JWL\n 1., 1.\n")),
+        ("M104", deck("*Eos, type=IGNITION AND GROWTH\n 1., 1.\n")),
         ("M103", deck("*Eos, type=USUP\n -1., 1.\n")),
         ("P013", deck("*Eos, type=USUP\n 5000., 1.\n")),
         ("P013", gas("*Eos, type=IDEAL GAS\n 287., 0.\n")),
@@ -139,7 +164,9 @@ fn bad_materials_are_refused_with_a_reason() {
 
 /// Perfectly plastic cylinders in tension: failure as the cards ask for it.
 fn torn(cards: &str) -> (String, Outcome, Memory) {
-    let deck = cylinder(&format!("*Plastic\n 400., 0.\n{cards}"), "0., 0., 1.e-5, 1.", 2e-4, 1e-5, "S22, PEEQ");
+    let begins = cards.contains("criterion=JOHNSON COOK");
+    let variables = if begins { "S22, PEEQ, SDEG, DMICRT, JCCRT" } else { "S22, PEEQ" };
+    let deck = cylinder(&format!("*Plastic\n 400., 0.\n{cards}"), "0., 0., 1.e-5, 1.", 2e-4, 1e-5, variables);
     let (outcome, memory) = run(&deck);
     // The piece swings freely after its failure.
     whole(&outcome, 2e-3);
@@ -177,6 +204,24 @@ fn elements_fail_at_their_strain() {
     }
 }
 
+/// MAX DEGRADATION: the element goes at that damage, half of the way from 0.1 to 0.15.
+#[test]
+fn elements_go_at_their_greatest_damage() {
+    let cards = "*Plastic\n 400., 0.\n*Damage Initiation, criterion=JOHNSON COOK\n 0.1, 0., 0., 0., 0., 0., 0., 1.\n\
+                 *Damage Evolution, type=DISPLACEMENT\n 5.e-5,\n";
+    let deck = cylinder(cards, "0., 0., 1.e-5, 1.", 2e-4, 1e-5, "S22, PEEQ, SDEG");
+    let section =
+        "material=M, controls=C\n*Section Controls, name=C, element deletion=YES, max degradation=0.5\n*Material";
+    let deck = deck.replacen("material=M\n*Material", section, 1);
+    let (outcome, memory) = run(&deck);
+    whole(&outcome, 2e-3);
+    let (strain, damage) = (strain_at_the_end(&deck, &memory), last(&deck, &memory, "SDEG@SOLID"));
+    println!("gone at {strain:.5}, damage {damage:.5}");
+    assert!((strain - 0.125).abs() < 2e-4 && (damage - 0.5).abs() < 5e-3);
+    let expected = std::f64::consts::PI * 1e-9 * (400.0 * (0.1 + 0.025 * 0.75) + 0.5 * 400.0 * 400.0 / 200e3);
+    assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", outcome.energy.plastic);
+}
+
 /// Linear damage: the stress falls with the plastic displacement, and the energy is that of the card.
 #[test]
 fn damage_takes_its_displacement_and_its_energy() {
@@ -192,6 +237,15 @@ fn damage_takes_its_displacement_and_its_energy() {
             assert!((s.1 - expected).abs() < 2.0, "{} {expected}", s.1);
         }
         let expected = std::f64::consts::PI * 1e-9 * 400.0 * (0.1 + 0.025 + 0.001);
+        let damage = column(&deck, &memory, "SDEG@SOLID");
+        for (d, p) in damage.iter().zip(&strains).filter(|x| (0.1..0.149).contains(&x.1.1)) {
+            assert!((d.1 - (p.1 - 0.1) / 0.05).abs() < 5e-3, "{} at {}", d.1, p.1);
+        }
+        let [all, own] = ["DMICRT@SOLID", "JCCRT@SOLID"].map(|name| column(&deck, &memory, name));
+        for ((begun, same), p) in all.iter().zip(&own).zip(&strains) {
+            assert_eq!(begun, same);
+            assert!((begun.1 - (p.1 / 0.1).min(1.0)).abs() < 1e-9, "{} at {}", begun.1, p.1);
+        }
         println!("damage: strain {strain:.5}, dissipated {:e} of {expected:e}", outcome.energy.plastic);
         assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3);
     }

@@ -1,0 +1,193 @@
+//! High explosives: the products of Jones, Wilkins and Lee, which are there when the detonation has come by (programmed burn:
+//! ABAQUS Analysis User's Guide, "Equation of state", JWL high explosive equation of state).
+//! Never here: reactions that follow pressure.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
+
+use super::eos::{Curve, Pressure, advance};
+use crate::kernel::lanes::{LANES, Lanes};
+use crate::material::volumetric::{Squeeze, Volumetric};
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Elements over which the burn is spread (the same section).
+const WIDTH: f64 = 2.5;
+
+/// Products: p = A (1 - omega rho/(R1 rho0)) exp(-R1 rho0/rho) + B (1 - omega rho/(R2 rho0)) exp(-R2 rho0/rho) +
+/// omega rho e.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jwl {
+    /// Density of the explosive.
+    pub density: f64,
+    /// A and B.
+    pub pressures: [f64; 2],
+    /// R1 and R2.
+    pub exponents: [f64; 2],
+    /// omega.
+    pub omega: f64,
+}
+
+impl Pressure for Jwl {
+    #[inline(always)]
+    fn curve(&self, density: f64) -> Curve {
+        let (volume, per) = (self.density / density, 1.0 / density);
+        let (mut cold, mut by_volume) = (0.0, 0.0);
+        for i in 0..2 {
+            let (r, share) = (self.exponents[i], self.omega / (self.exponents[i] * volume));
+            let decayed = self.pressures[i] * libm::exp(-r * volume);
+            cold += decayed * (1.0 - share);
+            by_volume += decayed * (share / volume - r * (1.0 - share));
+        }
+        Curve {
+            cold,
+            per_energy: self.omega * density,
+            cold_slope: -by_volume * volume * per,
+            energy_slope: self.omega,
+        }
+    }
+
+    fn floor(&self) -> f64 {
+        0.0
+    }
+}
+
+/// A point from which the detonation spreads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lit {
+    /// `[r, z]`.
+    pub place: [f64; 2],
+    /// Total time at which it is lit.
+    pub time: f64,
+}
+
+/// An explosive that the detonation burns at a given speed.
+#[derive(Clone, Debug)]
+pub struct Explosive {
+    /// Its products.
+    pub products: Jwl,
+    /// Speed of the detonation.
+    pub speed: f64,
+    /// Energy a mass at the start.
+    pub energy: f64,
+    /// Bulk modulus before the detonation.
+    pub unburnt: f64,
+    /// Where it begins.
+    pub points: Vec<Lit>,
+}
+
+/// What a block of explosive keeps.
+#[derive(Clone, Debug)]
+pub struct Burning {
+    energy: Lanes,
+    /// Share that has burnt.
+    burnt: Lanes,
+    /// When the detonation comes by, and how much burns in a time from then on.
+    lit: Lanes,
+    pace: Lanes,
+}
+
+impl Volumetric for Explosive {
+    type State = Burning;
+    const EOS: bool = true;
+    const TIMED: bool = true;
+
+    fn fresh(&self) -> Burning {
+        Burning { energy: [self.energy; LANES], burnt: [0.0; LANES], lit: [f64::INFINITY; LANES], pace: [0.0; LANES] }
+    }
+
+    /// The detonation comes from the point from which it arrives first.
+    fn place(&self, state: &mut Burning, lane: usize, [r, z]: [f64; 2], length: f64) {
+        let arrival = |point: &Lit| point.time + libm::hypot(r - point.place[0], z - point.place[1]) / self.speed;
+        state.lit[lane] = self.points.iter().map(arrival).fold(f64::INFINITY, f64::min);
+        state.pace[lane] = self.speed / (WIDTH * length);
+    }
+
+    #[inline(always)]
+    fn begin(&self, state: &mut Burning, now: f64) {
+        for l in 0..LANES {
+            let share = (now - state.lit[l]) * state.pace[l];
+            let share = if share < 1.0 { share } else { 1.0 };
+            state.burnt[l] = if share > 0.0 { share } else { 0.0 };
+        }
+    }
+
+    /// The share that has burnt has the pressure of the products, the rest that of the explosive. Until all has burnt the
+    /// increment follows the detonation.
+    #[inline(always)]
+    fn squeeze(&self, state: &mut Burning, mut ask: Squeeze<'_>) {
+        let strong = self.products.density * self.speed * self.speed;
+        for l in 0..LANES {
+            let density = ask.mass[l] / ask.volume[l];
+            let Curve { cold, per_energy, cold_slope, energy_slope } = self.products.curve(density);
+            let burnt = state.burnt[l];
+            let rest = (1.0 - burnt) * self.unburnt / self.products.density;
+            let curve = Curve {
+                cold: burnt * cold + rest * (density - self.products.density),
+                per_energy: burnt * per_energy,
+                cold_slope: burnt * cold_slope + rest,
+                energy_slope: burnt * energy_slope,
+            };
+            let floor = if burnt < 1.0 { strong } else { 1e-12 * strong };
+            state.energy[l] = advance(&mut ask, l, curve, state.energy[l], [0.0, floor]);
+        }
+    }
+
+    #[inline(always)]
+    fn settle(&self, state: &mut Burning, heat: &Lanes, mass: &Lanes) {
+        for l in 0..LANES {
+            state.energy[l] += heat[l] / mass[l];
+        }
+    }
+
+    fn energy(&self, state: &Burning, lane: usize) -> Option<f64> {
+        Some(state.energy[lane])
+    }
+
+    fn set_energy(&self, state: &mut Burning, lane: usize, energy: f64) {
+        state.energy[lane] = energy;
+    }
+
+    fn burnt(&self, state: &Burning, lane: usize) -> Option<f64> {
+        Some(state.burnt[lane])
+    }
+}
+
+impl Persist for Burning {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Burning { energy, burnt, lit: _, pace: _ } = self;
+        persist_fields!(archive; energy, burnt);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Jwl, Pressure};
+
+    const TNT: Jwl = Jwl { density: 1630.0, pressures: [3.712e11, 3.231e9], exponents: [4.15, 0.95], omega: 0.3 };
+
+    #[test]
+    fn slopes_are_derivatives() {
+        for density in [300.0, 1630.0, 2200.0] {
+            let step = 1e-3;
+            let slope = (TNT.curve(density + step).cold - TNT.curve(density - step).cold) / (2.0 * step);
+            assert!((slope / TNT.curve(density).cold_slope - 1.0).abs() < 1e-6, "{density}: {slope}");
+        }
+    }
+
+    /// Where the isentrope of the products touches the line of a detonation at 6930 m/s, pressure and volume are those of
+    /// Chapman and Jouguet that the handbook gives with these constants: 21.0 GPa (Dobratz and Crawford 1985, UCRL-52997).
+    #[test]
+    fn the_detonation_is_that_of_chapman_and_jouguet() {
+        let hugoniot = |volume: f64| {
+            let curve = TNT.curve(TNT.density / volume);
+            // p = a + b (e0 + p (v0 - v)/2)
+            let (e0, half) = (4.29e6, 0.5 * (1.0 - volume) / TNT.density);
+            (curve.cold + curve.per_energy * e0) / (1.0 - curve.per_energy * half)
+        };
+        let speed2 = |volume: f64| hugoniot(volume) / (TNT.density * (1.0 - volume));
+        let (best, speed) = (600..950)
+            .map(|i| f64::from(i) * 1e-3)
+            .map(|v| (v, speed2(v).sqrt()))
+            .fold((0.0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+        println!("detonation {speed:.1} m/s, {:.3e} Pa at {best}", hugoniot(best));
+        assert!((speed / 6930.0 - 1.0).abs() < 5e-3 && (hugoniot(best) / 21.0e9 - 1.0).abs() < 1e-2);
+    }
+}

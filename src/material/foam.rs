@@ -1,0 +1,260 @@
+//! Crushable foam: a yield surface that is an ellipse of pressure and von Mises stress (ABAQUS Analysis User's Guide,
+//! "Crushable foam plasticity models"; isotropic hardening after Deshpande and Fleck 2000, J. Mech. Phys. Solids 48, 1253).
+//! Never here: metals, which yield by the von Mises stress alone.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
+
+use crate::kernel::hardening::{RateFactor, Table};
+use crate::kernel::lanes::{LANES, Lanes};
+use crate::material::volumetric::{Squeeze, Stretch, Volumetric};
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// How the surface grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Growth {
+    /// By compaction; the strength in hydrostatic tension stays. Flow is along the stress, so that uniaxial compression has
+    /// no lateral plastic strain.
+    Volumetric {
+        /// Strength in uniaxial over that in hydrostatic compression at the start.
+        compression: f64,
+        /// Strength in hydrostatic tension over that in hydrostatic compression at the start.
+        tension: f64,
+    },
+    /// Alike in all directions by the plastic work over the yield stress.
+    Isotropic {
+        /// Strength in uniaxial over that in hydrostatic compression.
+        compression: f64,
+        /// Plastic Poisson's ratio.
+        ratio: f64,
+    },
+}
+
+/// Foam with linear elasticity.
+#[derive(Clone, Debug)]
+pub struct Foam {
+    /// Growth of the surface.
+    pub growth: Growth,
+    /// Yield stress in uniaxial compression over the plastic strain, constant beyond the ends.
+    pub hardening: Table,
+    /// Factor of the rate on it.
+    pub rate: Option<RateFactor>,
+    /// Bulk and shear modulus.
+    pub moduli: [f64; 2],
+}
+
+/// What a block of foam keeps.
+#[derive(Clone, Debug)]
+pub struct Crushed {
+    /// Compacting volumetric plastic strain, or the equivalent plastic strain.
+    strain: Lanes,
+}
+
+/// A stress that has flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Flown {
+    pressure: f64,
+    mises: f64,
+    /// Plastic strain along the stress that is the normal of the potential, over that stress.
+    flow: f64,
+    /// Increment of the strain that hardens.
+    hardening: f64,
+}
+
+impl Foam {
+    /// Squares of the pressure in the potential, sqrt(q^2 + this p^2), and in the surface, sqrt(q^2 + this (p - p0)^2).
+    fn shapes(&self) -> [f64; 2] {
+        match self.growth {
+            Growth::Volumetric { compression: k, tension } => [4.5, 9.0 * k * k / ((3.0 * tension + k) * (3.0 - k))],
+            Growth::Isotropic { compression: k, ratio } => {
+                [4.5 * (1.0 - 2.0 * ratio) / (1.0 + ratio), 9.0 * k * k / (9.0 - k * k)]
+            }
+        }
+    }
+
+    /// Centre of the surface on the axis of pressure and its half axis along the von Mises stress, by the yield stress in
+    /// uniaxial compression.
+    fn surface(&self, uniaxial: f64, alpha2: f64) -> [f64; 2] {
+        match self.growth {
+            Growth::Volumetric { compression, tension } => {
+                let drawn = tension * self.hardening.value(0.0) / compression;
+                // The ellipse through hydrostatic tension and uniaxial compression.
+                let pressed =
+                    uniaxial * (uniaxial * (1.0 / alpha2 + 1.0 / 9.0) + drawn / 3.0) / (drawn + uniaxial / 3.0);
+                [0.5 * (pressed - drawn), alpha2.sqrt() * 0.5 * (pressed + drawn)]
+            }
+            Growth::Isotropic { .. } => [0.0, uniaxial * (1.0 + alpha2 / 9.0).sqrt()],
+        }
+    }
+
+    /// The state after a share of the trial's von Mises stress is left, and how far it lies outside the surface.
+    fn at(&self, share: f64, [pressure, mises]: [f64; 2], before: f64, dt: f64) -> (Flown, f64) {
+        let [bulk, shear] = self.moduli;
+        let [beta2, alpha2] = self.shapes();
+        // q = q_trial/(1 + 3 G x), p = p_trial/(1 + beta^2 K x).
+        let flow = (1.0 / share - 1.0) / (3.0 * shear);
+        let (p, q) = (pressure / (1.0 + beta2 * bulk * flow), mises * share);
+        let potential = (q * q + beta2 * p * p).sqrt();
+        let hardening = match self.growth {
+            Growth::Volumetric { .. } => beta2 * flow * p,
+            Growth::Isotropic { .. } => {
+                let yielding = (q * q + alpha2 * p * p).sqrt() / (1.0 + alpha2 / 9.0).sqrt();
+                if yielding > 0.0 { flow * potential * potential / yielding } else { 0.0 }
+            }
+        };
+        let mut uniaxial = self.hardening.value(before + hardening);
+        if let (Some(rate), true) = (&self.rate, dt > 0.0) {
+            // The rate of what is the axial strain in uniaxial compression.
+            let axial = match self.growth {
+                Growth::Volumetric { .. } => 1.5_f64.sqrt() * flow * potential,
+                Growth::Isotropic { .. } => hardening,
+            };
+            uniaxial *= rate.at(axial / dt, 0.0);
+        }
+        let [centre, half] = self.surface(uniaxial, alpha2);
+        let away = p - centre;
+        let outside = (q * q + alpha2 * away * away).sqrt() - half;
+        (Flown { pressure: p, mises: q, flow, hardening }, outside)
+    }
+
+    /// Brings a trial stress back to the surface: the share is found between all of it and none by the method of Illinois
+    /// (Dowell and Jarratt 1971, BIT 11, 168).
+    fn flow(&self, trial: [f64; 2], before: f64, dt: f64) -> Option<Flown> {
+        let (start, mut high) = self.at(1.0, trial, before, dt);
+        let size = high + self.hardening.value(before);
+        // Not a number flows nowhere, and is found.
+        if high.is_nan() || high <= 1e-14 * size {
+            return None;
+        }
+        let (mut upper, mut lower) = (1.0, 0.5);
+        let mut found = start;
+        let mut low = 0.0;
+        for _ in 0..200 {
+            (found, low) = self.at(lower, trial, before, dt);
+            if low <= 0.0 {
+                break;
+            }
+            (upper, high, lower) = (lower, low, 0.5 * lower);
+        }
+        if low.abs() <= 1e-13 * size {
+            return Some(found);
+        }
+        // Which end the last guess replaced.
+        let mut last = 0;
+        for _ in 0..100 {
+            let share = lower + (upper - lower) * low / (low - high);
+            let (next, outside) = self.at(share, trial, before, dt);
+            found = next;
+            if outside.abs() <= 1e-13 * size || upper - lower <= 1e-15 * upper {
+                break;
+            }
+            if outside > 0.0 {
+                (upper, high) = (share, outside);
+                low *= if last == 1 { 0.5 } else { 1.0 };
+                last = 1;
+            } else {
+                (lower, low) = (share, outside);
+                high *= if last == -1 { 0.5 } else { 1.0 };
+                last = -1;
+            }
+        }
+        Some(found)
+    }
+}
+
+impl Volumetric for Foam {
+    type State = Crushed;
+    const EOS: bool = true;
+    const TOTAL: bool = true;
+    const FLOWS: bool = true;
+
+    fn fresh(&self) -> Crushed {
+        Crushed { strain: [0.0; LANES] }
+    }
+
+    #[inline(always)]
+    fn squeeze(&self, _state: &mut Crushed, _ask: Squeeze<'_>) {}
+
+    /// Mean stress and deviator hold the elastic trial.
+    #[inline(always)]
+    fn stretch(&self, state: &mut Crushed, ask: Stretch<'_>) {
+        let [beta2, _] = self.shapes();
+        for l in 0..LANES {
+            let s = [0, 1, 2, 3].map(|i| ask.deviator[i][l]);
+            let mises = (1.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 3.0 * s[3] * s[3]).sqrt();
+            let trial = [-ask.mean[l], mises];
+            let flown = self.flow(trial, state.strain[l], ask.dt);
+            let Flown { pressure, mises: q, flow, hardening } =
+                flown.unwrap_or(Flown { pressure: trial[0], mises, flow: 0.0, hardening: 0.0 });
+            let factor = if q < mises { q / mises } else { 1.0 };
+            for i in 0..4 {
+                ask.deviator[i][l] = factor * s[i];
+                let along = if i < 3 { beta2 / 3.0 * -pressure } else { 0.0 };
+                ask.plastic[i][l] = flow * (1.5 * ask.deviator[i][l] + along);
+            }
+            ask.mean[l] = -pressure;
+            ask.dissipated[l] = flow * (q * q + beta2 * pressure * pressure);
+            state.strain[l] += hardening;
+            ask.bulk[l] = self.moduli[0];
+            ask.heat[l] = 0.0;
+        }
+    }
+
+    fn plastic_strain(&self, state: &Crushed, lane: usize) -> Option<f64> {
+        Some(state.strain[lane])
+    }
+}
+
+impl Persist for Crushed {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Crushed { strain } = self;
+        persist_fields!(archive; strain);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Foam, Growth};
+    use crate::kernel::hardening::Table;
+
+    fn foam(growth: Growth) -> Foam {
+        let hardening = Table { rows: vec![[6.0, 0.0], [7.0, 0.4], [20.0, 0.8]] };
+        Foam { growth, hardening, rate: None, moduli: [50.0, 75.0] }
+    }
+
+    /// Uniaxial and hydrostatic compression and hydrostatic tension lie on the surface of the start.
+    #[test]
+    fn the_surface_holds_the_strengths_of_the_card() {
+        let (k, kt) = (1.1, 0.1);
+        let p_c = 6.0 / k;
+        for (growth, tension) in [
+            (Growth::Volumetric { compression: k, tension: kt }, kt * p_c),
+            (Growth::Isotropic { compression: k, ratio: 0.2 }, p_c),
+        ] {
+            let law = foam(growth);
+            let [_, alpha2] = law.shapes();
+            let [centre, half] = law.surface(6.0, alpha2);
+            for [p, q] in [[2.0, 6.0], [p_c, 0.0], [-tension, 0.0]] {
+                let outside = (q * q + alpha2 * (p - centre) * (p - centre)).sqrt() - half;
+                assert!(outside.abs() < 1e-12, "{growth:?} {p} {q}: {outside}");
+            }
+        }
+    }
+
+    /// From far outside: the stress that is found lies on the surface that it has made.
+    #[test]
+    fn a_trial_comes_back_to_the_surface() {
+        for growth in [
+            Growth::Volumetric { compression: 1.1, tension: 0.1 },
+            Growth::Volumetric { compression: 1.1, tension: 0.0 },
+            Growth::Isotropic { compression: 1.7, ratio: -0.2 },
+        ] {
+            let law = foam(growth);
+            for trial in [[20.0, 60.0], [-3.0, 0.0], [6.0, 0.0], [300.0, 10.0], [-30.0, 40.0], [2.1, 6.3]] {
+                let Some(flown) = law.flow(trial, 0.05, 1.0) else { panic!("{growth:?} {trial:?} flows") };
+                let share = 1.0 / (1.0 + 3.0 * law.moduli[1] * flown.flow);
+                let (_, outside) = law.at(share, trial, 0.05, 1.0);
+                assert!(outside.abs() < 1e-9 && flown.flow > 0.0, "{growth:?} {trial:?}: {outside:e}");
+            }
+            assert_eq!(law.flow([1.0, 2.0], 0.0, 1.0), None);
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Rubber, foam and damping: `*HYPERELASTIC`, `*CRUSHABLE FOAM`, `*CRUSHABLE FOAM HARDENING`, `*DAMPING`.
+//! Never here: stresses.
+
+use super::builder::Builder;
+use super::names::upper;
+use super::types::{FoamShape, Hyperelastic, RubberShape};
+use crate::deck::Card;
+
+/// The highest order of a polynomial.
+pub(super) const ORDER: usize = 6;
+
+/// The forms of `*HYPERELASTIC` that are known.
+const FORMS: [&str; 6] = ["NEO HOOKE", "MOONEY-RIVLIN", "YEOH", "OGDEN", "POLYNOMIAL", "REDUCED POLYNOMIAL"];
+
+/// The exponents of a polynomial of this order, in the order of the card: C10, C01, C20, C11, C02, ...
+fn full(order: usize) -> Vec<(usize, usize)> {
+    (1..=order).flat_map(|sum| (0..=sum).map(move |j| (sum - j, j))).collect()
+}
+
+fn reduced(order: usize) -> Vec<(usize, usize)> {
+    (1..=order).map(|i| (i, 0)).collect()
+}
+
+impl Builder<'_> {
+    /// `*HYPERELASTIC` by its form; without one it is a polynomial. Eight constants stand on a line.
+    pub(super) fn hyperelastic(&mut self, card: &Card) {
+        let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
+        if given.len() > 1 {
+            self.out_of_range(card.span, format!("{} and {} exclude each other", given[0], given[1]));
+            return;
+        }
+        let form = given.first().copied().unwrap_or("POLYNOMIAL");
+        let Some(order) = self.order(card, form) else { return };
+        let (wanted, shape): (usize, fn(&[f64], usize) -> RubberShape) = match form {
+            "NEO HOOKE" => (1, |c, _| RubberShape::NeoHooke(c[0])),
+            "OGDEN" => (2 * order, |c, _| RubberShape::Ogden(c.as_chunks::<2>().0.to_vec())),
+            "YEOH" | "REDUCED POLYNOMIAL" => (order, |c, n| polynomial(c, reduced(n))),
+            _ => (full(order).len(), |c, n| polynomial(c, full(n))),
+        };
+        let Some(values) = self.constants(card, wanted + order) else { return };
+        let (constants, compressibility) = values.split_at(wanted);
+        let shape = shape(constants, order);
+        if let RubberShape::Ogden(terms) = &shape
+            && terms.iter().any(|t| t[1] == 0.0)
+        {
+            self.out_of_range(card.span, "each alpha must be other than zero");
+            return;
+        }
+        if shape.shear() <= 0.0 {
+            let message = format!("the initial shear modulus must be above zero, not {}", shape.shear());
+            self.out_of_range(card.span, message);
+            return;
+        }
+        // What does not give way in volume has no stable increment: all zero means the default.
+        let first = compressibility[0];
+        if compressibility.iter().any(|d| *d < 0.0) || first == 0.0 && compressibility.iter().any(|d| *d != 0.0) {
+            self.out_of_range(card.span, "D1 must be above zero and the others not below, or all of them zero");
+            return;
+        }
+        let rubber = Hyperelastic { shape, compressibility: compressibility.to_vec(), span: card.span };
+        self.last_material().hyperelastic = Some(rubber);
+    }
+
+    /// N, where the form has an order.
+    fn order(&mut self, card: &Card, form: &str) -> Option<usize> {
+        let fixed = match form {
+            "YEOH" => Some(3),
+            "NEO HOOKE" | "MOONEY-RIVLIN" => Some(1),
+            _ => None,
+        };
+        let Some(word) = card.value("N") else { return Some(fixed.unwrap_or(1)) };
+        if fixed.is_some() {
+            self.out_of_range(word.span, format!("{form} has no order N"));
+            return None;
+        }
+        let order = word.integer(&mut self.diagnostics)?;
+        let most = if form == "OGDEN" { 3 } else { ORDER as i64 };
+        if !(1..=most).contains(&order) {
+            self.out_of_range(word.span, format!("N of {form} lies between 1 and {most}, not {order}"));
+            return None;
+        }
+        Some(order as usize)
+    }
+
+    /// So many constants, eight a line; those that are not given are zero, but for the first. A temperature may follow.
+    fn constants(&mut self, card: &Card, count: usize) -> Option<Vec<f64>> {
+        let line = self.first_line(card)?;
+        self.number(line, 0, "the first constant")?;
+        if let Some(line) = card.lines.get(count / 8 + 1) {
+            let help = "give one row; where it takes more than eight values, they go on on the next line";
+            self.unsupported(line.span, "constants over the temperature are not supported", help);
+            return None;
+        }
+        let surplus = |(l, line): (usize, &crate::deck::DataLine)| {
+            line.fields.iter().enumerate().find(|(k, w)| 8 * l + k > count && !w.text.is_empty()).map(|f| f.1.span)
+        };
+        if let Some(span) = card.lines.iter().enumerate().find_map(surplus) {
+            self.out_of_range(span, format!("this form takes {count} constants and a temperature"));
+            return None;
+        }
+        (0..count)
+            .map(|k| match card.lines.get(k / 8) {
+                Some(line) => self.number_or(line, k % 8, 0.0),
+                None => Some(0.0),
+            })
+            .collect()
+    }
+
+    /// `*CRUSHABLE FOAM`: the shape of the yield surface.
+    pub(super) fn crushable_foam(&mut self, card: &Card) {
+        let growth = card.value("HARDENING").map_or("VOLUMETRIC".into(), |w| upper(&w.text));
+        let Some(line) = self.first_line(card) else { return };
+        let Some(k) = self.number(line, 0, "the compression yield stress ratio") else { return };
+        let shape = match growth.as_str() {
+            "VOLUMETRIC" => {
+                let Some(kt) = self.number_or(line, 1, 1.0) else { return };
+                if !(k > 0.0 && k < 3.0 && kt >= 0.0) {
+                    let message = format!(
+                        "the compression yield stress ratio {k} must lie between 0 and 3, the hydrostatic yield stress \
+                         ratio {kt} not below 0"
+                    );
+                    self.out_of_range(line.span, message);
+                    return;
+                }
+                FoamShape::Volumetric([k, kt])
+            }
+            "ISOTROPIC" => {
+                let Some(ratio) = self.number_or(line, 1, 0.0) else { return };
+                if !(0.0..3.0).contains(&k) || !(ratio > -1.0 && ratio < 0.5) {
+                    let message = format!(
+                        "the compression yield stress ratio {k} must lie between 0 and 3, the plastic Poisson's ratio \
+                         {ratio} between -1 and 0.5"
+                    );
+                    self.out_of_range(line.span, message);
+                    return;
+                }
+                FoamShape::Isotropic([k, ratio])
+            }
+            other => {
+                self.out_of_range(card.span, format!("HARDENING is VOLUMETRIC or ISOTROPIC, not {other}"));
+                return;
+            }
+        };
+        self.last_material().foam = Some((shape, card.span));
+    }
+
+    /// `*CRUSHABLE FOAM HARDENING`: both columns are given positive in compression.
+    pub(super) fn foam_hardening(&mut self, card: &Card) {
+        if self.first_line(card).is_none() {
+            return;
+        }
+        let rows: Option<Vec<[f64; 2]>> = card.lines.iter().map(|l| self.numbers::<2>(l, &[0.0; 2])).collect();
+        let Some(rows) = rows else { return };
+        let ascends = rows.windows(2).all(|w| w[0][1] < w[1][1]);
+        if rows[0][1] != 0.0 || !ascends || rows.iter().any(|r| r[0] <= 0.0) {
+            self.out_of_range(card.span, "yield stresses must be above zero, plastic strains start at 0 and ascend");
+            return;
+        }
+        self.last_material().foam_hardening = rows;
+    }
+
+    /// `*DAMPING`: a factor of zero is none.
+    pub(super) fn damping(&mut self, card: &Card) {
+        let Some(word) = card.value("ALPHA") else { return };
+        let Some(alpha) = word.number(&mut self.diagnostics) else { return };
+        if alpha < 0.0 || !alpha.is_finite() {
+            self.out_of_range(word.span, format!("ALPHA must not be below zero, not {alpha}"));
+            return;
+        }
+        self.last_material().damping = (alpha != 0.0).then_some((alpha, card.span));
+    }
+}
+
+fn polynomial(constants: &[f64], exponents: Vec<(usize, usize)>) -> RubberShape {
+    RubberShape::Polynomial(constants.iter().zip(exponents).map(|(c, (i, j))| (*c, i, j)).collect())
+}

@@ -1,0 +1,118 @@
+//! Materials that are no metals: rubber, foam, explosives.
+//! Never here: their arithmetic.
+
+use super::Compiler;
+use super::solid_material::{Equation, Make, Moduli, rate_factor};
+use crate::deck::{Diagnostic, Span};
+use crate::element::group::ElementGroup;
+use crate::kernel::hardening::Table;
+use crate::material::explosive::{Explosive, Jwl, Lit};
+use crate::material::foam::{Foam, Growth};
+use crate::material::hyperelastic::{NeoHooke, Rubber};
+use crate::material::plasticity::Elastic;
+use crate::material::strain_energy::{Compression, Ogden, Polynomial};
+use crate::model::{FoamShape, Hyperelastic, Material, RateDependence, RubberShape};
+
+/// Initial bulk modulus over the shear modulus of rubber whose card gives no compressibility: Poisson's ratio 0.475 (ABAQUS
+/// Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).
+const BULK_OVER_SHEAR: f64 = 20.0;
+
+impl Compiler<'_> {
+    pub(super) fn rubber(&mut self, rubber: &Hyperelastic, make: Make<'_, false>) -> Box<dyn ElementGroup> {
+        let Hyperelastic { shape, compressibility, span } = rubber;
+        let shear = shape.shear();
+        let given = compressibility.first().is_some_and(|d1| *d1 > 0.0);
+        let standard = vec![0.5 * BULK_OVER_SHEAR * shear];
+        let inverse: Vec<f64> = compressibility.iter().map(|d| if *d > 0.0 { 1.0 / d } else { 0.0 }).collect();
+        let volume = Compression { inverse: if given { inverse } else { standard } };
+        let name = match shape {
+            RubberShape::NeoHooke(_) => "neo-Hooke".into(),
+            RubberShape::Polynomial(terms) => format!("polynomial of {} constants", terms.len()),
+            RubberShape::Ogden(terms) => format!("Ogden of order {}", terms.len()),
+        };
+        let how = if given { "" } else { ", by default 20 times the shear modulus" };
+        let detail = format!("{name}, shear modulus {shear}, bulk modulus {}{how}", volume.initial());
+        self.cause(*span, "rubber elasticity", 1, "material", detail);
+        match shape {
+            RubberShape::NeoHooke(c10) => {
+                let d1 = if given { compressibility[0] } else { 2.0 / (BULK_OVER_SHEAR * shear) };
+                make.quads(Elastic, NeoHooke { c10: *c10, d1 })
+            }
+            RubberShape::Polynomial(terms) => {
+                let terms = terms.iter().copied().filter(|t| t.0 != 0.0).collect();
+                make.quads(Elastic, Rubber { shape: Polynomial { terms }, volume, shear })
+            }
+            RubberShape::Ogden(terms) => {
+                let terms = terms.iter().copied().filter(|t| t[0] != 0.0).collect();
+                make.quads(Elastic, Rubber { shape: Ogden { terms }, volume, shear })
+            }
+        }
+    }
+
+    /// The law of a foam; `Some(None)` where the material is none.
+    pub(super) fn foam(&mut self, material: &Material, span: Span, moduli: Moduli) -> Option<Option<Foam>> {
+        let name = &material.name;
+        let Some((shape, card)) = material.foam else {
+            if material.foam_hardening.is_empty() {
+                return Some(None);
+            }
+            return self.no_material(span, format!("material `{name}` has *CRUSHABLE FOAM HARDENING alone"));
+        };
+        if material.foam_hardening.is_empty() {
+            return self.no_material(span, format!("material `{name}` has no *CRUSHABLE FOAM HARDENING"));
+        }
+        if material.elastic.is_none() || material.eos.is_some() {
+            return self.no_material(span, format!("foam needs *ELASTIC: material `{name}`"));
+        }
+        if material.plastic.is_some() || !material.failures.is_empty() || material.tensile_failure.is_some() {
+            return self.no_material(
+                span,
+                format!("material `{name}` is foam with *PLASTIC or failure, which is not supported"),
+            );
+        }
+        let rate = match &material.rate {
+            Some(RateDependence::JohnsonCook(_)) => {
+                let message = format!("foam is rate dependent by POWER LAW or YIELD RATIO: material `{name}`");
+                return self.no_material(span, message);
+            }
+            rate => rate_factor(rate.as_ref()),
+        };
+        let growth = match shape {
+            FoamShape::Volumetric([compression, tension]) => Growth::Volumetric { compression, tension },
+            FoamShape::Isotropic([compression, ratio]) => Growth::Isotropic { compression, ratio },
+        };
+        let how = match growth {
+            Growth::Volumetric { .. } => "volumetric hardening",
+            Growth::Isotropic { .. } => "isotropic hardening",
+        };
+        let rates = if rate.is_some() { ", rate dependent" } else { "" };
+        self.cause(card, "crushable foam", 1, "material", format!("{how}{rates}"));
+        let hardening = Table { rows: material.foam_hardening.clone() };
+        Some(Some(Foam { growth, hardening, rate, moduli: [moduli.bulk, moduli.shear] }))
+    }
+
+    pub(super) fn explosive(
+        &mut self,
+        material: &Material,
+        card: Span,
+        values: &[f64; 8],
+        span: Span,
+    ) -> Option<Equation> {
+        let [speed, a, b, omega, r1, r2, energy, unburnt] = *values;
+        if material.detonation.is_empty() {
+            let message = format!("material `{}` is an explosive without *DETONATION POINT", material.name);
+            return self.no_material(span, message);
+        }
+        let detail = format!("JWL, {energy:e} a mass, burns from {} points at {speed}", material.detonation.len());
+        self.cause(card, "equation of state", 1, "material", detail);
+        let density = material.density.unwrap_or(0.0);
+        let products = Jwl { density, pressures: [a, b], exponents: [r1, r2], omega };
+        let points = material.detonation.iter().map(|[r, z, time]| Lit { place: [*r, *z], time: *time }).collect();
+        Some(Equation::Explosive(Explosive { products, speed, energy, unburnt, points }))
+    }
+
+    fn no_material<T>(&mut self, span: Span, message: String) -> Option<T> {
+        self.diagnostics.push(Diagnostic::error("P013", message).at(span, "these elements deform"));
+        None
+    }
+}
