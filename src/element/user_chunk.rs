@@ -6,7 +6,7 @@ use super::group::block;
 use crate::element::block::{Block, Nodes, Sums, Workspace, column, dot, larger};
 use crate::element::constants::Constants;
 use crate::element::points::{Points, Tells};
-use crate::element::record::{Followed, Flows, spin};
+use crate::element::record::{Flows, Followed, spin};
 use crate::element::user_flow::{Returning, Under};
 use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes};

@@ -4,7 +4,8 @@
 
 use super::types::{
     AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
-    Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Step, Target,
+    Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Step,
+    Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;

@@ -238,7 +238,7 @@ impl Builder<'_> {
             self.unsupported(word.span, message, "name the surface of elements second, or use *MPC, TIE for pairs");
             return None;
         }
-        if names.iter().any(|n| self.model.planes.contains_key(n)) {
+        if names.iter().any(|n| self.model.rigid_surfaces.contains_key(n)) {
             let message = "an analytical surface cannot be tied";
             self.unsupported(word.span, message, "*RIGID BODY, TIE NSET= moves nodes with its body");
             return None;

@@ -37,7 +37,7 @@ impl Builder<'_> {
             "YEOH" | "REDUCED POLYNOMIAL" => (order, |c, n| polynomial(c, reduced(n))),
             _ => (full(order).len(), |c, n| polynomial(c, full(n))),
         };
-        let Some(values) = self.constants(card, wanted + order) else { return };
+        let Some(values) = self.rubber_constants(card, wanted + order) else { return };
         let (constants, compressibility) = values.split_at(wanted);
         let shape = shape(constants, order);
         if let RubberShape::Ogden(terms) = &shape
@@ -83,7 +83,7 @@ impl Builder<'_> {
     }
 
     /// So many constants, eight a line; those that are not given are zero, but for the first. A temperature may follow.
-    fn constants(&mut self, card: &Card, count: usize) -> Option<Vec<f64>> {
+    fn rubber_constants(&mut self, card: &Card, count: usize) -> Option<Vec<f64>> {
         let line = self.first_line(card)?;
         self.number(line, 0, "the first constant")?;
         if let Some(line) = card.lines.get(count / 8 + 1) {

@@ -127,7 +127,7 @@ impl Compiler<'_> {
         let mixed = section.elements.iter().find(|e| !self.model.mesh.elements[**e].kind.is_thermal());
         let missing = match (&material.conductivity, &material.specific_heat) {
             _ if mixed.is_some() => "has elements with temperatures at their nodes beside such without",
-            _ if matches!(material.eos, Some(eos) if matches!(eos.kind, crate::model::EosKind::IdealGas(_))) => {
+            _ if matches!(&material.eos, Some(eos) if matches!(eos.kind, crate::model::EosKind::IdealGas(_))) => {
                 "has an ideal gas, whose temperature is that of its energy: it cannot conduct"
             }
             (None, _) => "solves for temperatures, and its material has no *CONDUCTIVITY",
@@ -260,7 +260,7 @@ impl Compiler<'_> {
             self.unused(expansion.span, "*EXPANSION", why);
             return None;
         }
-        if material.neo_hooke.is_some() {
+        if material.hyperelastic.is_some() {
             self.refuse_expansion(expansion.span);
             return None;
         }

@@ -77,7 +77,7 @@ impl<'a> Compiler<'a> {
 
     /// What all shells of a section share; a material that shells cannot have is refused.
     fn shell(&mut self, section: &ShellSection, material: &Material, count: usize) -> Option<Section> {
-        if let Some(message) = refusal(material) {
+        if let Some(message) = refusal(material, self.adiabatic()) {
             let message = format!("material `{}`: {message}", material.name);
             let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
             self.diagnostics
@@ -151,13 +151,22 @@ fn lies_off_the_axis(corners: &[u32; 4], nodes: &[Node]) -> bool {
     area > 0.0 && area.is_finite()
 }
 
-/// Why shells cannot be of a material; `None` where they can.
-fn refusal(material: &Material) -> Option<&'static str> {
+/// Why shells cannot be of a material, whose temperature may change; `None` where they can.
+fn refusal(material: &Material, warms: bool) -> Option<&'static str> {
     if material.user.is_some() {
         return Some("a *USER MATERIAL on shells is not supported");
     }
-    if material.eos.is_some() || material.neo_hooke.is_some() || material.shear_modulus.is_some() {
+    if material.eos.is_some() || material.hyperelastic.is_some() || material.shear_modulus.is_some() {
         return Some("shells need *ELASTIC with Young's modulus and Poisson's ratio");
+    }
+    if material.foam.is_some() || material.fields.is_some() || matches!(material.plastic, Some(Plastic::User(_))) {
+        return Some("*CRUSHABLE FOAM and routines of the user on shells are not supported");
+    }
+    if material.damping.is_some() {
+        return Some("*DAMPING of shells is not supported");
+    }
+    if warms && material.expansion.is_some() {
+        return Some("thermal strain of shells is not supported");
     }
     if !material.failures.is_empty() || material.tensile_failure.is_some() {
         return Some("failure of shells is not supported");

@@ -54,7 +54,8 @@ impl Compiler<'_> {
         let [bulk, shear] = if told { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
         let constants = Constants { bulk, shear, hourglass, bulk_viscosity };
         let enhanced = told && self.is_enhanced(section);
-        let heating = if self.adiabatic() || self.conducts(section) { heating(material, density) } else { Heating::None };
+        let heating =
+            if self.adiabatic() || self.conducts(section) { heating(material, density) } else { Heating::None };
         self.user_rows(section, material, &law, (elements.len(), &constants, enhanced), &heating);
         let StateVariables { count, delete } = material.state;
         let (properties, flow) = match law {
@@ -118,7 +119,8 @@ impl Compiler<'_> {
         let cause = if material.fields.is_some() { "*USER DEFINED FIELD" } else { "*PLASTIC, HARDENING=USER" };
         let beside = [
             (material.eos.is_some(), "*EOS"),
-            (material.neo_hooke.is_some(), "*HYPERELASTIC"),
+            (material.hyperelastic.is_some(), "*HYPERELASTIC"),
+            (material.foam.is_some(), "*CRUSHABLE FOAM"),
             (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
             (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
             (matches!(material.plastic, Some(Plastic::Kinematic(_))), "HARDENING=KINEMATIC"),

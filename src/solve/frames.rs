@@ -70,7 +70,7 @@ impl Run<'_> {
     fn section_value(&self, section: &Section, part: Part) -> f64 {
         let nodes = &self.dofs.nodes;
         match part.variable {
-            Variable::SectionForce => {
+            Variable::SurfaceForce => {
                 let force = |&(group, e, corner): &(usize, usize, usize)| {
                     self.elements.corner_force(group, e, corner)[part.component]
                 };

@@ -173,7 +173,7 @@ variables! {
     FacetPressure: facet("PRESSURE", "Pressure of the loads on a facet", |sum, next| sum + next),
     NormalVelocity: facet("NORMAL_VELOCITY", "Velocity of a facet along its outward normal", |_, last| last),
     Layer: facet("LAYER", "Number (from 1) of the layer of a target that takes the largest part of a facet; 0 outside", f64::max),
-    SectionForce: section("SOF", &["SOF1", "SOF2"], "Force on a surface, of what deforms behind it: the reaction that holds it"),
+    SurfaceForce: section("SOF", &["SOF1", "SOF2"], "Force on a surface, of what deforms behind it: the reaction that holds it"),
     SectionArea: section("SOAREA", &[], "Current area of a surface"),
     KineticEnergy: energy("ALLKE", "Kinetic energy"),
     Work: energy("ALLWK", "External work: of prescribed loads and motions"),

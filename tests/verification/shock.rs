@@ -250,11 +250,11 @@ const VERNEY: f64 = 0.0619787076;
 fn verneys_time_to_five(speed: f64) -> f64 {
     let (rho, yield_stress, n) = (1.845_f64, 0.0033, 100_000);
     let outer = |a: f64| (a.powi(3) + 1000.0 - 512.0).cbrt();
-    let inertia = |a: f64| 2.0 * std::f64::consts::PI * rho * a.powi(4) * (1.0 / a - 1.0 / outer(a));
+    let inertia = |a: f64| 2.0 * PI * rho * a.powi(4) * (1.0 / a - 1.0 / outer(a));
     let (mut energy, mut time, step) = (inertia(8.0) * speed * speed, 0.0, 3.0 / f64::from(n));
     for i in 0..n {
         let a = 8.0 - (f64::from(i) + 0.5) * step;
-        let taken = 8.0 * std::f64::consts::PI * yield_stress * a * a * (outer(a) / a).ln() * step;
+        let taken = 8.0 * PI * yield_stress * a * a * (outer(a) / a).ln() * step;
         time += step / ((energy - 0.5 * taken) / inertia(a)).sqrt();
         energy -= taken;
     }
