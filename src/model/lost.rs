@@ -123,6 +123,7 @@ fn is_skipped(card: &Card) -> bool {
         "BOUNDARY",
         "RIGID BODY",
         "SOLID SECTION",
+        "SHELL SECTION",
     ];
     !READ.contains(&card.keyword.name)
 }

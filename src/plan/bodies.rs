@@ -205,7 +205,9 @@ impl Compiler<'_> {
 
     fn refuse_stray_elements(&mut self) {
         // Elements of a section that was refused have a section.
-        let in_section: HashSet<usize> = self.model.sections.iter().flat_map(|s| s.elements.iter().copied()).collect();
+        let solids = self.model.sections.iter().flat_map(|s| &s.elements);
+        let shells = self.model.shell_sections.iter().flat_map(|s| &s.elements);
+        let in_section: HashSet<usize> = solids.chain(shells).copied().collect();
         let free = |e: &usize| !self.body_of_element.contains_key(e) && !in_section.contains(e);
         let mesh = &self.model.mesh;
         let first = (0..mesh.elements.len()).find(|e| !mesh.elements[*e].kind.is_discrete() && free(e));

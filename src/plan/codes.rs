@@ -151,12 +151,12 @@ pub const CODES: &[Code] = &[
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",
     },
     Code {
-        code: "P061",
+        code: "P065",
         title: "no element has temperatures",
         text: "*DYNAMIC TEMPERATURE-DISPLACEMENT solves for the temperatures of nodes of CAX4RT and CAX3T elements, and the deck has none that deforms.",
     },
     Code {
-        code: "P062",
+        code: "P066",
         title: "a section cannot conduct",
         text: "Elements with temperatures at their nodes need a material with *CONDUCTIVITY, *SPECIFIC HEAT and *DENSITY, and a section of their own; the temperature of an ideal gas is that of its energy.",
     },

@@ -112,7 +112,7 @@ impl Compiler<'_> {
         }
         let Some(id) = id else {
             let message = "the step solves for temperatures, and no element has any";
-            let finding = Diagnostic::error("P061", message).at(step.span, "this step");
+            let finding = Diagnostic::error("P065", message).at(step.span, "this step");
             self.diagnostics.push(finding.help("CAX4RT and CAX3T have; or write *DYNAMIC, EXPLICIT"));
             return None;
         };
@@ -138,7 +138,7 @@ impl Compiler<'_> {
             }
         };
         let message = format!("this section (material `{}`) {missing}", material.name);
-        self.diagnostics.push(Diagnostic::error("P062", message).at(section.span, "this section"));
+        self.diagnostics.push(Diagnostic::error("P066", message).at(section.span, "this section"));
         None
     }
 

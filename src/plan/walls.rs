@@ -8,7 +8,7 @@ use crate::constraint::Constraint;
 use crate::constraint::wall::Wall;
 use crate::deck::Diagnostic;
 use crate::kernel::profile::Profile;
-use crate::model::{Contact, RigidSurface, Step};
+use crate::model::{Contact, Element, RigidSurface, Step};
 
 /// Part of the smaller of both surfaces by which nodes may begin behind the surface: chords of a mesh, digits of a deck.
 const OVERLAP: f64 = 1e-3;
@@ -160,9 +160,21 @@ impl Compiler<'_> {
         Err("nodes of this surface lie on both sides of the analytical one".into())
     }
 
+    /// Whether what has the nodes of a surface lies behind the analytical one, in the mean.
+    fn body_of_nodes_is_behind(&self, contact: &Contact, profile: &Profile) -> bool {
+        let mesh = &self.model.mesh;
+        let touches =
+            |e: &&Element| e.nodes.len() > 2 && e.nodes.iter().any(|n| contact.nodes.binary_search(n).is_ok());
+        let body = mesh.elements.iter().filter(touches).flat_map(|e| &e.nodes);
+        body.map(|&n| profile.nearest(mesh.points[n], 0.0).gap).sum::<f64>() < 0.0
+    }
+
     /// Whether the faces of a surface look the same way as the analytical one: those of them that are nearest to it.
     fn looks_away(&self, contact: &Contact, profile: &Profile) -> bool {
         let points = &self.model.mesh.points;
+        if contact.faces.is_empty() {
+            return self.body_of_nodes_is_behind(contact, profile);
+        }
         let face = |f: &[usize; 2]| {
             let [a, b] = f.map(|n| points[n]);
             let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];

@@ -130,8 +130,8 @@ fn found(name: &str, folder: &Path, known: &[String]) -> Option<String> {
         return None;
     }
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let beside = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder }).ok()?;
-    let names = beside.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let beside = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    let names = beside.into_iter().flatten().filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     let mut alike: Vec<String> = names.chain(known.iter().cloned()).filter(|n| n.eq_ignore_ascii_case(last)).collect();
     alike.sort();
     alike.pop()

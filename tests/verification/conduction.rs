@@ -317,9 +317,9 @@ fn what_has_no_temperature_is_refused() {
     let deck = conducting(2, 2, false, |i, j| [i as f64, j as f64]) + &step(1.0, "*Dflux\n SOLID, BF, 1.\n");
     assert!(codes(&deck).is_empty());
     for (from, to, code) in [
-        ("CAX4RT", "CAX4R", "P061"),
-        ("*Conductivity\n 0.1,\n", "", "P062"),
-        ("*Specific Heat\n 0.5,\n", "", "P062"),
+        ("CAX4RT", "CAX4R", "P065"),
+        ("*Conductivity\n 0.1,\n", "", "P066"),
+        ("*Specific Heat\n 0.5,\n", "", "P066"),
         ("SOLID, BF, 1.", "SOLID, BX, 1.", "M132"),
     ] {
         assert_eq!(codes(&deck.replace(from, to)), [code], "{from}");

@@ -202,12 +202,6 @@ pub const CARDS: &[Keyword] = &[
     row!(extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
         "YIELD" read "Y, the strength that the law is scaled by",
     }, [(lines ["A", "B", "C"])]),
-    row!("DAMPING", "Rayleigh damping of a material", (once below "MATERIAL"), {
-        "ALPHA" only ["0"] "damping by masses is not simulated",
-        "BETA" only ["0"] "damping by stiffness is not simulated: bulk viscosity damps waves",
-        "COMPOSITE" only ["0"] "of modal analyses",
-        "STRUCTURAL" only ["0"] "of implicit analyses",
-    }, []),
     row!("CONDUCTIVITY", "Heat conduction, in steps that solve for temperatures", (once below "MATERIAL"), {
         "TYPE" only ["ISO"] "nothing here is anisotropic",
         "DEPENDENCIES" refused "nothing here depends on field variables",
