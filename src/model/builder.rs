@@ -10,7 +10,7 @@ use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
 use super::coupling::Coupling;
 use super::degrees::Rotational;
-use super::lost::Lost;
+use super::lost::{Lost, is_skipped};
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
 use super::types::{Inert, Material, Model};
@@ -128,6 +128,18 @@ impl<'a> Builder<'a> {
         }
         self.current = card.span;
         self.read(card, Self::understand);
+    }
+
+    /// Reads a card; what an error on it takes away is remembered.
+    fn read(&mut self, card: &'a Card, read: impl FnOnce(&mut Self, &'a Card)) {
+        let faulty = card.faulty || self.faulty.contains(&card.span);
+        let before = self.diagnostics.error_count();
+        if !faulty || !is_skipped(card) {
+            read(self, card);
+        }
+        if faulty || self.diagnostics.error_count() > before {
+            self.lost.card(card);
+        }
     }
 
     fn understand(&mut self, card: &'a Card) {

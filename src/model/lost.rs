@@ -4,7 +4,6 @@
 
 use std::collections::HashSet;
 
-use super::builder::Builder;
 use super::names::upper;
 use crate::deck::{Card, Deck, Diagnostics, Word};
 
@@ -81,23 +80,9 @@ impl Lost {
     }
 }
 
-impl<'a> Builder<'a> {
-    /// Reads a card; what an error on it takes away is remembered.
-    pub(super) fn read(&mut self, card: &'a Card, read: impl FnOnce(&mut Self, &'a Card)) {
-        let faulty = card.faulty || self.faulty.contains(&card.span);
-        let before = self.diagnostics.error_count();
-        if !faulty || !is_skipped(card) {
-            read(self, card);
-        }
-        if faulty || self.diagnostics.error_count() > before {
-            self.lost.card(card);
-        }
-    }
-}
-
 /// Whether a card with a fault that has been told is left alone: what else is wrong with it would follow from that. Blocks and
 /// what lists single items are read all the same, for much hangs on them.
-fn is_skipped(card: &Card) -> bool {
+pub(super) fn is_skipped(card: &Card) -> bool {
     const READ: &[&str] = &[
         "HEADING",
         "PART",
