@@ -3,9 +3,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo fmt --check
-cargo clippy --release --all-targets --locked -- -D warnings
+cargo clippy --profile quick --all-targets --locked -- -D warnings
 cargo check --no-default-features --locked
-cargo test --release --locked -- --show-output 2>&1 | tee target/tests.log
+cargo test --profile quick --locked -- --show-output 2>&1 | tee target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true
 if grep -qE "^(left out|skipped):" target/tests.log; then

@@ -21,6 +21,7 @@ mod properties;
 mod rates;
 mod reference_nodes;
 mod rigid;
+mod rings;
 mod scene;
 mod shells;
 mod shock;
