@@ -29,25 +29,27 @@ fn largest(found: &[f64], expected: &[f64]) -> f64 {
 #[test]
 fn a_stretched_disc_is_the_closed_form_and_that_of_abaqus() {
     let mut deck = grid(1, 1, false, |i, j| [10.0 * i as f64, 10.0 * j as f64]);
-    deck += "*Solid Section, elset=SOLID, material=STEEL\n";
+    deck += "*Nset, nset=RIM\n 2,\n*Solid Section, elset=SOLID, material=STEEL\n";
     deck += STEEL;
     deck += "*Step\n*Dynamic, Explicit, adiabatic, element by element\n , 0.01\n*Boundary\n I0, 1, 1\n ALL, 2, 2\n\
              *Boundary, amplitude=A\n I1, 1, 1, 10.\n*Output, history, time interval=1e-3\n\
-             *Element Output, elset=SOLID\n S11, S22, MISES, PEEQ, TEMP\n*End Step\n";
+             *Node Output, nset=RIM\n U1\n*Element Output, elset=SOLID\n S11, S22, MISES, PEEQ, TEMP\n*End Step\n";
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
     let of = |name: &str| at_tenths(&column(&deck, &memory, &format!("{name}@SOLID")), &[2, 4, 6, 8, 10]);
     let (radial, axial, mises, strain, heat) = (of("S11"), of("S22"), of("MISES"), of("PEEQ"), of("TEMP"));
     println!("disc: S11 {radial:.0?} S22 {axial:.0?} Mises {mises:.1?} PEEQ {strain:.4?} T {heat:.2?}");
     let bulk = 206e3 / (3.0 * (1.0 - 2.0 * 0.3));
-    for (i, u) in [2.0, 4.0, 6.0, 8.0, 10.0_f64].into_iter().enumerate() {
+    // Rows come with the increment next to their time.
+    let moved = at_tenths(&column(&deck, &memory, "U1@RIM"), &[2, 4, 6, 8, 10]);
+    for (i, u) in moved.into_iter().enumerate() {
         let pressed = bulk * 2.0 * (1.0 + 0.1 * u).ln() - 3.0 * bulk * 1.23e-5 * (heat[i] - 20.0);
         assert!((radial[i] / (pressed + mises[i] / 3.0) - 1.0).abs() < 1e-5, "S11 at {u} mm: {}", radial[i]);
         assert!((axial[i] / (pressed - 2.0 * mises[i] / 3.0) - 1.0).abs() < 1e-5, "S22 at {u} mm: {}", axial[i]);
     }
-    // What the curves can be read to.
-    assert!(largest(&radial, &[62794.0, 115521.0, 161187.0, 201466.0, 237495.0]) < 2e-4, "{radial:?}");
-    assert!(largest(&axial, &[61537.0, 114238.0, 159899.0, 200179.0, 236213.0]) < 2e-4, "{axial:?}");
+    // What the curves can be read to, and an increment.
+    assert!(largest(&radial, &[62794.0, 115521.0, 161187.0, 201466.0, 237495.0]) < 3e-4, "{radial:?}");
+    assert!(largest(&axial, &[61537.0, 114238.0, 159899.0, 200179.0, 236213.0]) < 3e-4, "{axial:?}");
     assert!(largest(&mises, &[1257.6, 1282.5, 1288.2, 1286.9, 1282.4]) < 5e-4, "{mises:?}");
     assert!(largest(&strain, &[0.1163, 0.2189, 0.3079, 0.3864, 0.4567]) < 1e-3, "{strain:?}");
     assert!(largest(&heat, &[55.02, 87.67, 116.3, 141.5, 164.1]) < 2e-3, "{heat:?}");
