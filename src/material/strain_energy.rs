@@ -83,9 +83,9 @@ impl StrainEnergy for Ogden {
         for &[mu, alpha] in &self.terms {
             let power = logarithms.map(|l| libm::exp(0.5 * alpha * l));
             let third = (power[0] + power[1] + power[2]) * (1.0 / 3.0);
-            for k in 0..3 {
-                answer.stress[k] += 2.0 * mu / alpha * (power[k] - third);
-                answer.stiffness[k] += 2.0 / 3.0 * mu * (power[k] + third);
+            for (k, power) in power.into_iter().enumerate() {
+                answer.stress[k] += 2.0 * mu / alpha * (power - third);
+                answer.stiffness[k] += 2.0 / 3.0 * mu * (power + third);
             }
         }
         answer

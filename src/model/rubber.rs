@@ -21,6 +21,9 @@ fn reduced(order: usize) -> Vec<(usize, usize)> {
     (1..=order).map(|i| (i, 0)).collect()
 }
 
+/// From constants and an order to the form of an energy.
+type Shaping = fn(&[f64], usize) -> RubberShape;
+
 impl Builder<'_> {
     /// `*HYPERELASTIC` by its form; without one it is a polynomial. Eight constants stand on a line.
     pub(super) fn hyperelastic(&mut self, card: &Card) {
@@ -31,7 +34,7 @@ impl Builder<'_> {
         }
         let form = given.first().copied().unwrap_or("POLYNOMIAL");
         let Some(order) = self.order(card, form) else { return };
-        let (wanted, shape): (usize, fn(&[f64], usize) -> RubberShape) = match form {
+        let (wanted, shape): (usize, Shaping) = match form {
             "NEO HOOKE" => (1, |c, _| RubberShape::NeoHooke(c[0])),
             "OGDEN" => (2 * order, |c, _| RubberShape::Ogden(c.as_chunks::<2>().0.to_vec())),
             "YEOH" | "REDUCED POLYNOMIAL" => (order, |c, n| polynomial(c, reduced(n))),
@@ -126,7 +129,8 @@ impl Builder<'_> {
             }
             "ISOTROPIC" => {
                 let Some(ratio) = self.number_or(line, 1, 0.0) else { return };
-                if !(0.0..3.0).contains(&k) || !(ratio > -1.0 && ratio < 0.5) {
+                let allowed = (0.0..3.0).contains(&k) && ratio > -1.0 && ratio < 0.5;
+                if !allowed {
                     let message = format!(
                         "the compression yield stress ratio {k} must lie between 0 and 3, the plastic Poisson's ratio \
                          {ratio} between -1 and 0.5"
