@@ -209,6 +209,7 @@ impl Builder<'_> {
     /// Says which nodes were generated although they were there already: an error where elements are none because of it.
     pub(super) fn tell_generated_again(&mut self) {
         let bad = self.spoilt.len();
+        self.lost.bodies |= bad > 0;
         let mut again: Vec<(Span, (i64, usize))> = std::mem::take(&mut self.again).into_iter().collect();
         again.sort_unstable_by_key(|(span, _)| (span.file, span.start));
         for (span, (label, count)) in again {

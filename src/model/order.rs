@@ -37,7 +37,8 @@ pub(super) fn ordered<'a>(cards: &[&'a Card]) -> Vec<&'a Card> {
         }
     }
     // Sets, surfaces and functions of time that stand in steps are of the whole model.
-    let is_model = |c: &&&Card| matches!(c.keyword.name, "NSET" | "ELSET" | "SURFACE" | "AMPLITUDE" | "TIME POINTS");
+    const DATA: &[&str] = &["NSET", "ELSET", "SURFACE", "AMPLITUDE", "TIME POINTS", "INTEGRATED OUTPUT SECTION"];
+    let is_model = |c: &&&Card| DATA.contains(&c.keyword.name);
     let (data, steps): (Vec<&Card>, Vec<&Card>) = steps.iter().partition(is_model);
     region.extend(data.into_iter().map(|card| vec![card]));
     flush(&mut region, &mut all);
