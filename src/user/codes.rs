@@ -41,6 +41,11 @@ pub const CODES: &[Code] = &[
         text: "The files hold a routine that nothing in this scene calls: the card that asks for it is missing, or it is one that Revolve does not have.",
     },
     Code {
+        code: "U010",
+        title: "file that another one includes",
+        text: "Two files were given, and one includes the other: it is compiled once, with that.",
+    },
+    Code {
         code: "U007",
         title: "text past column 72",
         text: "In fixed form, text past column 72 is read as code, as ABAQUS's own compile command does; make sure that it is no sequence number.",

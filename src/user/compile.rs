@@ -111,6 +111,7 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
         return Err(faults);
     }
     let mut notes = Diagnostics::default();
+    leave_to_includes(&mut sources, &mut notes);
     let mut misfits = Vec::new();
     if !sources.is_empty() {
         let (library, found) = build(&sources, checked, &mut notes)?;
@@ -599,6 +600,28 @@ fn shortened(text: &str) -> String {
         return text.to_owned();
     }
     format!("{}\n… and {} more lines", lines[..LINES].join("\n"), lines.len() - LINES)
+}
+
+/// Leaves out files that another one includes: their routines are compiled with that.
+fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnostics) {
+    let real = |file: &Path| file.canonicalize().unwrap_or_else(|_| file.to_owned());
+    let includes = |file: &Path| {
+        let mut seen = BTreeSet::new();
+        add_with_includes(file, &mut seen, &mut |_| {});
+        seen.iter().filter(|other| *other != file).map(|other| real(other)).collect::<Vec<_>>()
+    };
+    let all: Vec<(&Path, Vec<PathBuf>)> = sources.iter().map(|(file, _)| (*file, includes(file))).collect();
+    sources.retain(|(file, _)| {
+        let own = real(file);
+        // Of two that include each other the first stays.
+        let earlier = |other: &Path| !all.iter().any(|(f, list)| f == file && list.contains(&real(other)));
+        let Some((other, _)) = all.iter().find(|(other, list)| list.contains(&own) && earlier(other)) else {
+            return true;
+        };
+        let message = format!("`{}` is included by `{}`, and compiled with it", file.display(), other.display());
+        notes.push(Diagnostic::note("U010", message));
+        false
+    });
 }
 
 fn note_long_lines(file: &Path, notes: &mut Diagnostics) {

@@ -211,3 +211,26 @@ fn what_is_never_called_is_told_by_its_name() {
     let said = prepared.diagnostics.render(&prepared.deck.sources);
     assert!(said.contains("P004") && said.contains("do not define it"), "{said}");
 }
+
+/// Users give each file that they have, those too that the first one includes.
+#[test]
+fn a_file_that_another_includes_is_compiled_once() {
+    if !fortran() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let [law, inner] = ["law.f", "inner.f"].map(|name| folder.path().join(name));
+    let text =
+        "      include 'inner.f'\n".to_owned() + &vumat(PLAIN, "", DECLARED, "        stateNew(k,1) = twice(3.d0)\n");
+    std::fs::write(&law, text.replace("      do k = 1, nblock", "      real*8 twice\n      do k = 1, nblock"))
+        .expect("a file");
+    let helper = "      real*8 function twice(x)\n      real*8 x\n      twice = 2*x\n      end\n";
+    std::fs::write(&inner, helper).expect("a file");
+    for files in [[law.clone(), inner.clone()], [inner, law]] {
+        let compiled =
+            compile(&files, false).unwrap_or_else(|d| panic!("{}", d.render(&revolve::deck::Sources::default())));
+        let told: Vec<_> = compiled.notes.iter().filter(|n| n.code == "U010").map(|n| n.message.clone()).collect();
+        assert!(told.len() == 1 && told[0].contains("inner.f` is included by"), "{told:?}");
+        assert!(compiled.open().is_ok());
+    }
+}
