@@ -157,6 +157,8 @@ impl Profile {
     /// The nearest place to a point, of a profile carried by `lift` along z. Where that is a corner, what lies in front of a
     /// convex one is in front, what lies behind a concave one is behind.
     pub fn nearest(&self, point: [f64; 2], lift: f64) -> Nearest {
+        // A node on the axis that nothing holds there may be a rounding across it: it is where its mirror image is.
+        let point = [point[0].abs(), point[1]];
         let mut found = Nearest { segment: 0, gap: f64::INFINITY, beyond: true };
         let (count, last) = (self.segments.len(), self.segments.len() - 1);
         let open = self.segments[0].ends()[0] != self.segments[last].ends()[1];
@@ -341,6 +343,16 @@ mod tests {
         let bowl = Segment::arc([0.0, -1.0], [1.0, 0.0], [0.0, 0.0]);
         assert!((bowl.gap([0.3, -0.4], 0.0) - 0.5).abs() < 1e-15);
         assert!((bowl.reversed().gap([0.3, -0.4], 0.0) + 0.5).abs() < 1e-15);
+    }
+
+    /// A hemisphere whose pole is on the axis meets what lies a rounding across it.
+    #[test]
+    fn the_axis_is_no_edge() {
+        let pole = Profile { segments: vec![Segment::arc([0.0, 0.0], [1.0, 1.0], [0.0, 1.0])] };
+        for r in [-1e-12, 0.0, 1e-12] {
+            let near = pole.nearest([r, 0.1], 0.0);
+            assert!(!near.beyond && (near.gap.abs() - 0.1).abs() < 1e-9, "{r}: {} {}", near.gap, near.beyond);
+        }
     }
 
     #[test]
