@@ -16,6 +16,9 @@ pub enum Segment {
 /// Sine of the angle below which segments meet without a corner.
 const SMOOTH: f64 = 1e-6;
 
+/// What is nearer to the axis than so many times its z is on it.
+const ON_AXIS: f64 = 1e-9;
+
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
@@ -163,8 +166,13 @@ impl Profile {
         let (count, last) = (self.segments.len(), self.segments.len() - 1);
         let open = self.segments[0].ends()[0] != self.segments[last].ends()[1];
         for (k, segment) in self.segments.iter().enumerate() {
-            let side = segment.side_of(point, lift);
+            let mut side = segment.side_of(point, lift);
             let own = segment.gap(point, lift);
+            let end = segment.ends()[usize::from(side > 0)];
+            if end[0].abs() <= ON_AXIS * end[1].abs() && point[0] <= ON_AXIS * point[1].abs() {
+                // Where a surface ends on the axis it goes on as its mirror image: no edge for what is there.
+                side = 0;
+            }
             if side == 0 {
                 if own.abs() < found.gap.abs() {
                     found = Nearest { segment: k, gap: own, beyond: false };
