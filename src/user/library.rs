@@ -1304,6 +1304,18 @@ unsafe fn copy(from: *const u8, to: *mut u8, count: i32, kind: i32) {
     unsafe { std::ptr::copy(from, to, bytes) }
 }
 
+/// What every exchange among the processes comes to where there is one: its own values, and no error.
+///
+/// # Safety
+/// Both places hold so many values of the type; the other pointers are to integers.
+unsafe fn pass(from: *const u8, to: *mut u8, count: *const i32, kind: *const i32, error: *mut i32) {
+    // SAFETY: as this function's own.
+    unsafe {
+        copy(from, to, *count, *kind);
+        *error = 0;
+    }
+}
+
 /// Any reduction over one process is its own value.
 unsafe extern "C-unwind" fn mpi_allreduce(
     from: *const u8,
@@ -1315,10 +1327,7 @@ unsafe extern "C-unwind" fn mpi_allreduce(
     error: *mut i32,
 ) {
     // SAFETY: both places of the caller hold so many values.
-    unsafe {
-        copy(from, to, *count, *kind);
-        *error = 0;
-    }
+    unsafe { pass(from, to, count, kind, error) }
 }
 
 #[allow(clippy::too_many_arguments)] // As MPI has them.
@@ -1333,10 +1342,7 @@ unsafe extern "C-unwind" fn mpi_reduce(
     error: *mut i32,
 ) {
     // SAFETY: both places of the caller hold so many values.
-    unsafe {
-        copy(from, to, *count, *kind);
-        *error = 0;
-    }
+    unsafe { pass(from, to, count, kind, error) }
 }
 
 unsafe extern "C-unwind" fn mpi_allgather(
@@ -1350,10 +1356,7 @@ unsafe extern "C-unwind" fn mpi_allgather(
     error: *mut i32,
 ) {
     // SAFETY: both places of the caller hold so many values.
-    unsafe {
-        copy(from, to, *count, *kind);
-        *error = 0;
-    }
+    unsafe { pass(from, to, count, kind, error) }
 }
 
 #[allow(clippy::too_many_arguments)] // As MPI has them.
@@ -1369,10 +1372,7 @@ unsafe extern "C-unwind" fn mpi_gather(
     error: *mut i32,
 ) {
     // SAFETY: both places of the caller hold so many values.
-    unsafe {
-        copy(from, to, *count, *kind);
-        *error = 0;
-    }
+    unsafe { pass(from, to, count, kind, error) }
 }
 
 extern "C-unwind" fn mpi_wtime() -> f64 {
