@@ -48,6 +48,8 @@ fn nothing_allocates_inside_an_increment() {
     let own = text.replace("*Dsload, target=BLOCK, friction=<friction>\n NOSE, CAVITY", "*Dsload\n NOSE, PNU");
     let automatic = |accuracy| text.replace(", direct user control\n 5e-9,", &format!(", accuracy={accuracy}\n ,"));
     let shorter = |deck: &str| deck.replace(", 1.e-3", ", 1.e-4");
+    // What a process makes once and keeps.
+    allocations(&shorter(&text));
     for (name, short, long) in [
         ("CAVITY", shorter(&text), text.clone()),
         ("UserLoad", shorter(&own), own.clone()),
