@@ -131,6 +131,8 @@ pub struct Workspace {
     /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
     pub(super) bulk: Lanes,
     pub(super) heat: Lanes,
+    /// What the volumetric strain increments lack to be averaged ones; `None` where each element has its own.
+    pub(super) lacking: Option<Lanes>,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
@@ -185,6 +187,14 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         }
         let mut kept = scratch.kept();
         self.strain::<H, V, AREA>(constants, dt, nodes, scratch);
+        if let Some(lacking) = &scratch.lacking
+            && !V::EOS
+        {
+            // The stress answers to the averaged strain; its work is done on the element's own.
+            for l in 0..LANES {
+                scratch.mean[l] += constants.bulk * lacking[l];
+            }
+        }
         if scratch.cap < f64::INFINITY {
             scratch.measure();
         }

@@ -1,6 +1,7 @@
 //! All elements of a scene: their groups, the forces on their corners, springs and dashpots, and what bounds the increment.
 //! Never here: the motion of nodes, loads, deck words.
 
+use super::averaging::Averaging;
 use super::block::is_larger;
 use super::connector::Connectors;
 use super::damping::Damping;
@@ -8,6 +9,7 @@ use super::distortion::DistortionControl;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
 use super::mass_scaling::Masses;
+use super::pattern::{self, Folded};
 use super::quiescent::ActiveNodes;
 use super::rings::Rings;
 use crate::kernel::lanes::{Corners, LANES};
@@ -35,6 +37,8 @@ pub struct Elements {
     pub frequency: Option<Box<HighestFrequency>>,
     /// Whether this step wants it.
     pub(super) frequency_asked: bool,
+    /// Of each group, the triangles whose dilation is averaged over their nodes; empty without any.
+    pub averagings: Vec<Option<Averaging>>,
     /// Rings of nodes under area weighting.
     pub rings: Option<Box<Rings>>,
     /// Springs and dashpots; `None` without any.
@@ -148,7 +152,9 @@ impl Elements {
             let corners = &mut self.corners[first..first + blocks];
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
-            let totals = group.update(Pass { nodes, dt: dofs.nodes.behind, now, threads, user, corners });
+            let averaging = self.averagings.get_mut(i).and_then(Option::as_mut);
+            let lacking = averaging.map(|a| a.measure(&**group, &dofs.nodes));
+            let totals = group.update(Pass { nodes, dt: dofs.nodes.behind, now, threads, user, corners, lacking });
             first += blocks;
             group.deleted(&mut self.gone.0);
             self.deformed = self.deformed.max(totals.deformed);
@@ -209,6 +215,16 @@ impl Elements {
                 *force = [ring * force[0], ring * force[1]];
             }
         }
+    }
+
+    /// The quadrilateral that is folded most into its hourglass pattern.
+    pub fn most_folded(&self, nodes: &Nodes) -> Option<Folded> {
+        pattern::strongest(&self.groups, nodes)
+    }
+
+    /// What brings forces on plane sections to the rings of the nodes under area weighting.
+    pub fn ring_factors(&self) -> Option<&[f64]> {
+        self.rings.as_ref().map(|rings| &*rings.factors)
     }
 
     /// Force of one element on one of its corners.
@@ -279,6 +295,7 @@ impl Persist for Elements {
             deformed: _,
             frequency,
             frequency_asked,
+            averagings: _,
             rings,
             connectors,
             damping,

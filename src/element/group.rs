@@ -154,6 +154,8 @@ pub struct Pass<'a> {
     pub user: AtPoints<'a>,
     /// Where the corner forces of the group's blocks go.
     pub corners: &'a mut [Corners],
+    /// What the volumetric strain increments lack to be averaged ones, block by block; `None` where each element has its own.
+    pub lacking: Option<&'a [Lanes]>,
 }
 
 impl Clone for Box<dyn ElementGroup> {
@@ -316,7 +318,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
-        let Pass { nodes, dt, now, threads, corners, .. } = pass;
+        let Pass { nodes, dt, now, threads, corners, lacking, .. } = pass;
         let pass = Common {
             laws: &self.laws,
             constants: &self.constants,
@@ -325,6 +327,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             dt,
             time: now.total_time,
             cap: self.cap,
+            lacking,
         };
         let arch = self.arch;
         let run = |index,
@@ -332,7 +335,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
                    corners: &mut [Corners],
                    scratch: &mut _,
                    resting: &mut Quiescence| {
-            if resting.quiescent && resting.is_still(nodes) {
+            if resting.quiescent && lacking.is_none() && resting.is_still(nodes) {
                 return;
             }
             arch.dispatch(Task::<_, _, _, AREA> {
@@ -346,6 +349,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             // pressure of an equation of state is not in the state looked at here.
             let zero = |list: &[Lanes]| list.as_flattened().iter().all(|x| *x == 0.0);
             resting.quiescent = dt == 0.0
+                && lacking.is_none()
                 && !V::EOS
                 && corners.iter().all(|c| zero(&c.0))
                 && blocks.iter().all(|b| zero(&b.stress))
@@ -520,6 +524,7 @@ struct Common<'a, H, V, F> {
     dt: f64,
     time: f64,
     cap: f64,
+    lacking: Option<&'a [Lanes]>,
 }
 
 /// The blocks that a thread takes at once.
@@ -546,6 +551,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
+            scratch.lacking = pass.lacking.map(|list| list[index]);
             if V::TIMED {
                 pass.laws.1.begin(&mut block.volumetric, pass.time);
             }
@@ -657,6 +663,7 @@ mod tests {
                     threads: false,
                     user: AtPoints::default(),
                     corners: &mut corners,
+                    lacking: None,
                 })
             });
             let totals = totals.last().expect("totals");

@@ -19,6 +19,14 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         scratch: &mut Workspace,
     ) {
         if V::TOTAL {
+            let own = scratch.strain;
+            if let Some(lacking) = &scratch.lacking {
+                for l in 0..LANES {
+                    for normal in &mut scratch.strain[..3] {
+                        normal[l] += lacking[l] * (1.0 / 3.0);
+                    }
+                }
+            }
             let ask = Stretch {
                 strain: &scratch.strain,
                 spin: &scratch.spin,
@@ -31,6 +39,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 heat: &mut scratch.heat,
             };
             law.stretch(&mut self.volumetric, ask);
+            scratch.strain = own;
             if V::FLOWS {
                 for l in 0..LANES {
                     scratch.sums.plastic[l] += scratch.volume[l] * scratch.flow[l];

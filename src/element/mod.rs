@@ -1,6 +1,7 @@
 //! Elements: groups of one kind and one material, springs and dashpots, and what follows from all of them together.
 //! Never here: nodes' motion, deck words.
 
+pub mod averaging;
 mod back_stress;
 pub mod block;
 pub mod connector;
@@ -15,6 +16,7 @@ pub mod group;
 pub mod instructions;
 pub mod mass_scaling;
 mod mean_stress;
+pub mod pattern;
 pub mod points;
 pub mod quiescent;
 pub mod record;

@@ -78,6 +78,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
             threads: false,
             user: AtPoints::default(),
             corners: &mut corners,
+            lacking: None,
         });
         plastic += totals.plastic;
         let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];

@@ -37,6 +37,11 @@ impl Facet {
         [0.5 * (self.low[0] + self.high[0]), 0.5 * (self.low[1] + self.high[1])]
     }
 
+    /// Length of the segment.
+    pub fn length(&self) -> f64 {
+        (self.high[0] - self.low[0]).hypot(self.height())
+    }
+
     /// Extent along z.
     pub fn height(&self) -> f64 {
         self.high[1] - self.low[1]
@@ -62,6 +67,13 @@ impl Facet {
         let factor = density * thickness * PI * length / 3.0;
         [factor * (2.0 * low + high), factor * (low + 2.0 * high)]
     }
+}
+
+/// Force on each of the two nodes by a pressure on the plane section of a facet, a length 1 out of it, with the sign of
+/// [`ring_pressure`]: -p n L/2.
+#[inline]
+pub fn section_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [f64; 2] {
+    [-0.5 * pressure * (b[1] - a[1]), 0.5 * pressure * (b[0] - a[0])]
 }
 
 /// Forces on the two nodes of a facet by a pressure, positive against the outward normal, which lies to the right of the way

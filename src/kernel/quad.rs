@@ -105,9 +105,15 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64
 /// By how much the volume of an element with these corners `[r, z, v_r, v_z]` grew over an increment behind them, as the strain
 /// in the middle of the increment says.
 pub fn volume_change<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> f64 {
+    dilation::<AREA>(corners, dt)[1]
+}
+
+/// The same, behind the volume in the middle of the increment.
+pub fn dilation<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> [f64; 2] {
     let middle = |axis: usize| corners.map(|c| c[axis] - 0.5 * dt * c[axis + 2]);
     let (g, v_r, v_z) = (operators::<AREA>(middle(0), middle(1)), corners.map(|c| c[2]), corners.map(|c| c[3]));
-    UNIT * dt * (0..4).map(|i| (g.r[i] + g.hoop[i]) * v_r[i] + g.z[i] * v_z[i]).sum::<f64>()
+    let growth = UNIT * dt * (0..4).map(|i| (g.r[i] + g.hoop[i]) * v_r[i] + g.z[i] * v_z[i]).sum::<f64>();
+    [UNIT * g.volume, growth]
 }
 
 /// Volume of a full ring with these corners `[r, z]`.

@@ -61,6 +61,8 @@ pub struct View<'a> {
     /// Part of the increment behind over which the velocity of nodes is carried on from its middle: half of it for a
     /// second-order estimate of the velocity at the instant's own time, none for the velocity lagging behind.
     pub reach: f64,
+    /// Under area weighting, by how much a force on the plane section around each node is multiplied to act on its ring.
+    pub rings: Option<&'a [f64]>,
 }
 
 impl View<'_> {

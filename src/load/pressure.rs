@@ -2,7 +2,7 @@
 //! Never here: pressures that depend on motion.
 
 use super::{Account, Load, Slot, View};
-use crate::kernel::facet::{ring_pressure, shell_pressure};
+use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
@@ -52,7 +52,7 @@ impl Load for Pressure {
     fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {
         self.current = self.magnitude.at(&view.clock);
         for (face, shell) in self.surface.skin.carrying_shells() {
-            push(&Face::new(face, &view.dofs.nodes), shell, self.current, forces);
+            push(&Face::new(face, &view.dofs.nodes), shell, self.current, view.rings, forces);
         }
         Ok(())
     }
@@ -88,11 +88,20 @@ impl Load for Pressure {
 
 /// Adds a pressure on a face of a solid or of a shell.
 #[inline]
-pub(super) fn push(face: &Face, shell: bool, pressure: f64, forces: &mut [[f64; 2]]) {
-    let on_ends = if shell { shell_pressure(face.ends, pressure) } else { ring_pressure(face.ends, pressure) };
+pub(super) fn push(face: &Face, shell: bool, pressure: f64, rings: Option<&[f64]>, forces: &mut [[f64; 2]]) {
+    let on_ends = if shell { shell_pressure(face.ends, pressure) } else { on_solid(face, pressure, rings) };
     for (node, force) in face.nodes.into_iter().zip(on_ends) {
         forces[node] = [forces[node][0] + force[0], forces[node][1] + force[1]];
     }
+}
+
+/// Forces of a pressure on the nodes of a face of a solid. Of one weighted by area, `rings` brings what acts on the plane
+/// section to the rings of its nodes.
+#[inline]
+pub(super) fn on_solid(face: &Face, pressure: f64, rings: Option<&[f64]>) -> [[f64; 2]; 2] {
+    let Some(rings) = rings else { return ring_pressure(face.ends, pressure) };
+    let half = section_pressure(face.ends, pressure);
+    face.nodes.map(|node| half.map(|f| rings[node] * f))
 }
 
 impl Persist for Pressure {

@@ -46,6 +46,7 @@ impl Builder<'_> {
                 return;
             }
         };
+        let Ok(averaged) = self.averaged(card) else { return };
         let Ok(keeps_failed) = self.other_controls(card) else { return };
         let word = card.value("MAX DEGRADATION");
         let Some(most_damage) = word.map_or(Some(1.0), |w| w.number(&mut self.diagnostics)) else { return };
@@ -64,8 +65,18 @@ impl Builder<'_> {
             by_area,
             distortion,
             most_damage,
+            averaged,
             keeps_failed,
         });
+    }
+
+    fn averaged(&mut self, card: &Card) -> Result<Option<bool>, ()> {
+        let Some(word) = card.value("AVERAGED PRESSURE") else { return Ok(None) };
+        let said = [("YES", true), ("NO", false)].into_iter().find(|(name, _)| word.is(name));
+        if said.is_none() {
+            self.out_of_range(word.span, format!("AVERAGED PRESSURE is YES or NO, not {}", word.text));
+        }
+        said.map(|(_, says)| Some(says)).ok_or(())
     }
 
     /// Controls that are YES or NO: where ELEMENT DELETION is NO, and what of the others means nothing here.

@@ -493,6 +493,8 @@ pub struct SectionControls {
     pub distortion: Option<f64>,
     /// MAX DEGRADATION: the damage at which an element is deleted, 1 where the deck says nothing.
     pub most_damage: f64,
+    /// `AVERAGED PRESSURE`, where the deck says it: whether triangles average their dilation over nodes.
+    pub averaged: Option<bool>,
     /// `ELEMENT DELETION=NO`, where the deck says so.
     pub keeps_failed: Option<Span>,
 }

@@ -72,6 +72,7 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
     let connectors = if springs { "springs" } else { "dashpots" };
     let named = [
         ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
+        ("averaged pressure", "triangles", elements.averagings.iter().flatten().map(|a| a.bytes()).sum()),
         (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
         ("mass proportional damping", "coefficients and forces", elements.damping.as_ref().map_or(0, |d| d.bytes())),
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),

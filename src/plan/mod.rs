@@ -1,6 +1,7 @@
 //! The meeting point: model in, effects out, with the ledger that says which and why. The one place that decides.
 //! Never here: time stepping.
 
+mod averaging;
 mod bodies;
 mod bytes;
 pub mod codes;

@@ -68,7 +68,7 @@ impl Compiler<'_> {
         self.place_rotations(&shells, &mut nodes);
         let mut mass = vec![0.0; nodes.len()];
         let (mut groups, mut ids, mut corners): (Vec<Box<dyn ElementGroup>>, Vec<_>, Vec<_>) = Default::default();
-        let (mut controlled, mut damped) = (Vec::new(), Vec::new());
+        let (mut controlled, mut damped, mut averagings) = (Vec::new(), Vec::new(), Vec::new());
         for (section, elements) in &sections {
             let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
             let Some(group) = self.group(section, elements, &list, &nodes, &mut mass) else { continue };
@@ -78,6 +78,7 @@ impl Compiler<'_> {
             ids.push(self.causes.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             damped.push(self.damping(section, elements.len()));
+            averagings.push(self.averaging(section, &list));
             groups.push(group);
             corners.push(list);
         }
@@ -100,6 +101,9 @@ impl Compiler<'_> {
         for (group, ratio) in controlled {
             let control = elements.distortion.get_or_insert_with(Box::<DistortionControl>::default);
             control.add(group, corners[group].iter().copied(), &nodes, ratio);
+        }
+        if averagings.iter().any(Option::is_some) {
+            elements.averagings = averagings;
         }
         if damped.iter().any(|factor| *factor > 0.0) {
             let linear = self.model.steps.iter().map(|s| s.bulk_viscosity[0]).fold(0.0, f64::max);

@@ -150,6 +150,13 @@ impl Balance {
         if internal > small * self.largest { artificial / internal } else { 0.0 }
     }
 
+    /// Whether the drift, and artificial over internal energy as [`Balance::artificial_share`] has it, are above these bounds.
+    #[inline]
+    pub fn exceeds(&self, [drift, artificial]: [f64; 2], small: f64) -> [bool; 2] {
+        let (of_control, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
+        [self.departure > drift * self.largest, internal > small * self.largest && of_control > artificial * internal]
+    }
+
     /// A new step with its forces, in which the motions of some bodies are prescribed.
     pub fn begin(&mut self, slots: &[Slot], bodies: &[BodyState]) {
         self.settle();

@@ -12,6 +12,10 @@ const FLOOR: f64 = 1e-10;
 /// Internal energy below this fraction of the largest energy is too small to compare artificial energy with.
 const SMALL: f64 = 0.01;
 
+/// What the end of a run warns of without being asked: drift of ETOTAL over the largest energy, ALLAE over ALLIE. The second
+/// is the rule of practice: above it hourglass control has its share in the answer.
+const SOUND: [f64; 2] = [0.01, 0.05];
+
 /// What is passed first of what has not been told: which limit, the value reached and the limit.
 fn passed(values: [f64; 2], limits: [Option<f64>; 2], told: [bool; 2]) -> Option<(usize, f64, f64)> {
     (0..2).filter(|&i| !told[i]).find_map(|i| Some((i, values[i], limits[i].filter(|l| values[i] > *l)?)))
@@ -24,7 +28,44 @@ impl Run<'_> {
     /// Where they are not finite, or pass a limit that halts.
     #[inline(always)]
     pub(super) fn guard_energy(&mut self) -> Result<(), Halt> {
+        let unsound = self.balance.exceeds(SOUND, SMALL);
+        for (since, unsound) in self.unsound.iter_mut().zip(unsound) {
+            if unsound != since.is_some() {
+                *since = unsound.then_some(self.now.total_time);
+            }
+        }
         if self.balance.is_finite() && self.step.energy_limit.is_none() { Ok(()) } else { self.look_at_energy() }
+    }
+
+    /// At the end: what is beyond sound bounds then, since when, and where the mesh is folded most.
+    pub(super) fn warn_of_energy(&mut self) {
+        let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
+        let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
+        let [drift, artificial] = [0, 1].map(|i| self.unsound[i].filter(|_| !of_deck[i] && !self.warned[i]));
+        if let Some(since) = drift {
+            self.outcome.warnings.push(format!(
+                "ETOTAL has drifted by {:.2} % of the largest energy, more than {} % since time {since:e}: energy was made or \
+                 lost{}",
+                100.0 * values[0],
+                100.0 * SOUND[0],
+                self.name_folded()
+            ));
+        }
+        if let Some(since) = artificial {
+            self.outcome.warnings.push(format!(
+                "ALLAE is {:.1} % of ALLIE, more than {} % since time {since:e}: hourglass control has its share in the \
+                 answer; a finer mesh, or another HOURGLASS of *SECTION CONTROLS, shows by how much{}",
+                100.0 * values[1],
+                100.0 * SOUND[1],
+                self.name_folded()
+            ));
+        }
+    }
+
+    fn name_folded(&self) -> String {
+        let Some(most) = self.elements.most_folded(&self.dofs.nodes) else { return String::new() };
+        let name = self.plan.element_name(most.group, most.element);
+        format!(". The mesh is folded most in element {name}, by {:.0} % of its size", 100.0 * most.fold)
     }
 
     #[inline(never)]

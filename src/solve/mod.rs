@@ -95,6 +95,7 @@ pub fn run_with(
             break;
         }
     }
+    run.warn_of_energy();
     run.outcome.digest = run.digest();
     let energy = run.energy();
     let Run { mut outcome, dofs, elements, constraints, thermal, timing, .. } = run;

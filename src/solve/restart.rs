@@ -269,6 +269,7 @@ impl Persist for Run<'_> {
             told_complete,
             limiting,
             warned,
+            unsound,
             balance,
             threads: _,
             kinetic: _,
@@ -276,7 +277,7 @@ impl Persist for Run<'_> {
             outcome,
         } = self;
         persist_fields!(archive; dofs, now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told_complete, limiting, warned, balance);
+        persist_fields!(archive; complete, wish, told_complete, limiting, warned, unsound, balance);
         archive.mark("loads");
         persist_all(loads, archive);
         archive.mark("constraints");

@@ -74,6 +74,8 @@ pub(super) struct Run<'a> {
     pub(super) balance: Balance,
     /// Which limits on energies have been told in this step.
     pub(super) warned: [bool; 2],
+    /// Since when the drift of ETOTAL and ALLAE have been beyond sound bounds, total time.
+    pub(super) unsound: [Option<f64>; 2],
     /// Whether other threads may take part.
     pub(super) threads: bool,
     /// Room for the kinetic energies of chunks of nodes.
@@ -111,6 +113,7 @@ impl<'a> Run<'a> {
             told_complete: false,
             limiting: None,
             warned: [false; 2],
+            unsound: [None; 2],
             threads: rayon::current_num_threads() > 1,
             kinetic: central_difference::room_for_parts(&dofs.nodes),
             timing: Timing::new(plan.ledger.effects.len()),
@@ -158,7 +161,7 @@ impl<'a> Run<'a> {
     fn choose(&self, control: &mut IncrementController) -> Increment {
         let clock = Clock { now: self.now, told: &self.told };
         control.choose(&Scene {
-            view: View { clock, dofs: &self.dofs, reach: self.reach },
+            view: View { clock, dofs: &self.dofs, reach: self.reach, rings: self.elements.ring_factors() },
             elements: &self.elements,
             heat: self.heat(),
             loads: &self.loads,
@@ -274,7 +277,7 @@ impl<'a> Run<'a> {
     #[inline]
     fn push_bodies(&mut self, first: usize, end: usize) -> Result<(), Halt> {
         let clock = Clock { now: self.now, told: &self.told };
-        let view = View { clock, dofs: &self.dofs, reach: self.reach };
+        let view = View { clock, dofs: &self.dofs, reach: self.reach, rings: None };
         let mut start = first.checked_sub(1).map_or(self.ties, |before| self.ends[before]);
         for (load, &end) in self.loads[first..end].iter_mut().zip(&self.ends[first..end]) {
             let clock = self.timing.start();
@@ -386,7 +389,12 @@ impl<'a> Run<'a> {
         // Out of the way of what loads look at.
         let mut forces = std::mem::take(&mut self.dofs.nodes.forces[0]);
         let mut dissipated = [0.0; 2];
-        let view = View { clock: Clock { now: self.now, told: &self.told }, dofs: &self.dofs, reach: self.reach };
+        let view = View {
+            clock: Clock { now: self.now, told: &self.told },
+            dofs: &self.dofs,
+            reach: self.reach,
+            rings: self.elements.ring_factors(),
+        };
         let behind = LastIncrement::new(&self.dofs);
         let mut result = Ok(());
         for load in self.loads.iter_mut().filter(|load| load.acts_on_nodes()) {

@@ -2,8 +2,9 @@
 //! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
 
 use super::stack::{Stack, is_level};
-use crate::kernel::facet::{Facet, ring_pressure};
+use crate::kernel::facet::Facet;
 use crate::load::fields::FacetFields;
+use crate::load::pressure::on_solid;
 use crate::load::{LastIncrement, View};
 use crate::mesh::surface::{Face, Skin};
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -110,12 +111,14 @@ fn on_face(stack: &Stack, friction: f64, view: &View<'_>, nodes: [usize; 2]) -> 
     if !pressure.is_finite() {
         return Err(into);
     }
-    pair[0] = ring_pressure(face.ends, pressure);
+    pair[0] = on_solid(&face, pressure, view.rings);
     let along = velocity[1] * normal[0] - velocity[0] * normal[1];
     if friction > 0.0 && along != 0.0 {
         // Half of the face's friction on each node, against the motion along the tangent (-n_z, n_r).
-        let force = 0.5 * friction * pressure * facet.area * -along.signum();
-        pair[1] = [[-force * normal[1], force * normal[0]]; 2];
+        let traction = friction * pressure * -along.signum();
+        let area = |node: usize| view.rings.map_or(facet.area, |rings| rings[node] * facet.length());
+        let force = nodes.map(|node| 0.5 * traction * area(node));
+        pair[1] = force.map(|f| [-f * normal[1], f * normal[0]]);
     }
     Ok(pair)
 }

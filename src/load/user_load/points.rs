@@ -5,6 +5,7 @@ use super::Description;
 use super::shown::Shown;
 use crate::kernel::facet::Facet;
 use crate::kernel::quad::corner_masses;
+use crate::kernel::solid;
 use crate::load::View;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::push;
@@ -155,7 +156,7 @@ impl Block {
         let called = self.shown.call(load, &view.clock, routine);
         let accepted = called.and_then(|()| self.shown.accept(finite(&self.shown)));
         accepted.map_err(|failure: LoadFailure| self.shown.failure(load, first, &view.clock.now, &failure))?;
-        self.add(&view.dofs.nodes, forces);
+        self.add(&view.dofs.nodes, view.rings, forces);
         Ok(())
     }
 
@@ -183,20 +184,24 @@ impl Block {
         }
     }
 
-    fn add(&self, nodes: &Nodes, forces: &mut [[f64; 2]]) {
+    fn add(&self, nodes: &Nodes, rings: Option<&[f64]>, forces: &mut [[f64; 2]]) {
         match &self.carrier {
             Carrier::Body { .. } => {}
             Carrier::Faces { skin, .. } => {
                 let shell = |i: usize| skin.shells.get(i).copied().unwrap_or(false);
                 let loaded = skin.faces.iter().zip(self.shown.pressure()).zip(&skin.carries).enumerate();
                 for (i, ((&face, &pressure), _)) in loaded.filter(|face| *face.1.1) {
-                    push(&Face::new(face, nodes), shell(i), pressure, forces);
+                    push(&Face::new(face, nodes), shell(i), pressure, rings, forces);
                 }
             }
             Carrier::Elements { corners, axis, .. } => {
                 for (element, &force) in corners.iter().zip(self.shown.pressure()) {
-                    // The part of the volume that belongs to each corner.
-                    let shares = corner_masses(element.map(|n| nodes[n as usize].place()), 1.0);
+                    let places = element.map(|n| nodes[n as usize].place());
+                    // The part of the volume, or under area weighting of the section, that belongs to each corner.
+                    let shares = match rings {
+                        Some(rings) => element.map(|n| 0.25 * solid::section(places) * rings[n as usize]),
+                        None => corner_masses(places, 1.0),
+                    };
                     for (&node, share) in element.iter().zip(shares) {
                         forces[node as usize][*axis] += force * share;
                     }
