@@ -263,7 +263,8 @@ impl Compiler<'_> {
         let (spared, kept) = own.map_or((0.0, false), |c| (1.0 - c.most_damage, c.keeps_failed.is_some()));
         let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
         if grows && kept {
-            let detail = format!("with {spared} of their stiffness where damage is complete");
+            let most = own.map_or(1.0, |c| c.most_damage);
+            let detail = format!("MAX DEGRADATION {most}: the rest of their stiffness stays");
             self.cause(section.span, "failed elements stay", section.elements.len(), "elements", detail);
         }
         if spared > 0.0 && !kept && !grows {

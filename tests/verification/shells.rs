@@ -335,7 +335,7 @@ fn a_spherical_cap_under_a_sudden_pressure() {
         least(&fine),
         least(&whole)
     );
-    assert!(second < 0.5 * first && second < 1e-2, "{first} {second}");
+    assert!(second < 0.6 * first && second < 1e-2, "{first} {second}");
     assert!(between < 2e-2, "{between}");
     close("largest deflection", least(&fine), least(&whole), 2e-2);
 }
