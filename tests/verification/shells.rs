@@ -515,8 +515,8 @@ fn rotations_are_there_only_with_shells() {
     let shells =
         common::prepared(&(plate(4, "ENCASTRE") + &step(1e-6, "", "*Energy output\n ALLKE\n")), &[], &Routines::none());
     assert_eq!((shells.state.dofs.nodes.len(), shells.plan.places.rotations.len()), (10, 5));
-    let solid = common::solid::grid(2, 2, false, |i, j| [i as f64, j as f64])
-        + &common::solid::material(1e9, 0.3, 1e3, "")
+    let solid = grid(2, 2, false, |i, j| [i as f64, j as f64])
+        + &material(1e9, 0.3, 1e3, "")
         + &step(1e-6, "", "*Energy output\n ALLKE\n");
     let solid = common::prepared(&solid, &[], &Routines::none());
     assert_eq!((solid.state.dofs.nodes.len(), solid.plan.places.rotations.len()), (9, 0));
