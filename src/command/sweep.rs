@@ -47,6 +47,9 @@ impl Sweep {
         let grid = Grid::parse(&self.set)?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let reference = self.compare.as_deref().map(Reference::read).transpose()?;
+        if let (Some(path), Some(reference)) = (&self.compare, &reference) {
+            sweep::comparable(&grid, path, reference)?;
+        }
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &grid.combination(0), &routines);

@@ -108,6 +108,18 @@ impl Bonds {
         Ok(Bonds { systems, followers })
     }
 
+    /// Systems that are independent of each other.
+    pub fn systems(&mut self) -> &mut [System] {
+        &mut self.systems
+    }
+
+    /// Bytes of it.
+    pub fn bytes(&self) -> usize {
+        let systems = size_of::<System>() * self.systems.capacity();
+        let own = systems + self.systems.iter().map(System::bytes).sum::<usize>();
+        own + self.followers.iter().map(Follower::bytes).sum::<usize>()
+    }
+
     /// Number of equations and of groups that move alike.
     pub fn count(&self) -> usize {
         self.systems.len()

@@ -8,8 +8,7 @@
 //! with the mass and the forces of all; what has no mass follows ([`super::bonds`]).
 
 use super::Constraint;
-use super::bonds::{Bonds, Follower};
-use super::system::System;
+use super::bonds::Bonds;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::{Dof, Dofs};
@@ -72,9 +71,7 @@ impl Constraint for Equations {
     }
 
     fn bytes(&self) -> usize {
-        let Bonds { systems, followers } = &self.bonds;
-        let systems = size_of::<System>() * systems.capacity() + systems.iter().map(System::bytes).sum::<usize>();
-        systems + followers.iter().map(Follower::bytes).sum::<usize>()
+        self.bonds.bytes()
     }
 
     fn copy(&self) -> Box<dyn Constraint> {

@@ -5,7 +5,7 @@ pub mod bonds;
 mod dependence;
 pub mod equation;
 pub mod motion;
-mod system;
+pub mod system;
 pub mod tie;
 pub mod user_motion;
 pub mod wall;

@@ -173,6 +173,40 @@ impl System {
                 f.value = f.softness * f.members.iter().map(own).sum::<f64>();
             }
         }
+        self.multiply();
+    }
+
+    /// The same for freedoms that are one number a node each, without forces of their own: temperatures with capacities for
+    /// masses.
+    pub fn balance(&mut self, value: impl Fn(usize) -> f64) {
+        self.freedoms.iter_mut().for_each(|f| f.value = value(f.members[0]));
+        self.multiply();
+    }
+
+    /// What [`System::balance`] gives each node.
+    pub fn changes(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.freedoms.iter().map(|f| (f.members[0], f.change))
+    }
+
+    /// Takes on other masses, and factorises anew in the room there is.
+    pub fn weigh(&mut self, mass: impl Fn(usize) -> f64) {
+        let free = self.freedoms.iter_mut().filter(|f| f.softness > 0.0);
+        free.for_each(|f| f.softness = 1.0 / mass(f.members[0]));
+        for i in 0..self.rows.len() {
+            if self.rows[i].is_empty() {
+                continue;
+            }
+            let mut row = std::mem::take(&mut self.factor[i]);
+            let first = row.first;
+            row.values.iter_mut().enumerate().for_each(|(at, value)| *value = self.product(i, first + at));
+            self.factor[i] = row;
+            // What was independent stays so whatever the masses are.
+            self.eliminate(i);
+        }
+    }
+
+    /// The multipliers of the equations for the values of freedoms, and the impulse that each takes from them.
+    fn multiply(&mut self) {
         let n = self.rows.len();
         for i in 0..n {
             let residual: f64 = self.rows[i].iter().map(|&(f, c)| c * self.freedoms[f].value).sum();
@@ -240,7 +274,7 @@ impl System {
     }
 
     /// Bytes of its lists.
-    pub(super) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         let rows: usize = self.rows.iter().map(|r| size_of_val(r) + size_of::<(usize, f64)>() * r.capacity()).sum();
         let factor: usize = self.factor.iter().map(|r| size_of_val(r) + 8 * r.values.capacity()).sum();
         let members: usize = self.freedoms.iter().map(|f| size_of::<usize>() * f.members.capacity()).sum();

@@ -17,6 +17,7 @@ pub static CODES: &[Code] = codes! {
     "D006" "Deck too large" "All files together hold more than 2 GiB. Large meshes are better read with *MESH."
     "D007" "*INCLUDE without file" "*INCLUDE needs INPUT=file."
     "D008" "A file of another path" "The path of the file does not exist here; a file of the same name beside the deck is read instead."
+    "D009" "Empty deck" "The file holds no keyword: nothing, or blank lines and comments alone."
     "D101" "Unknown keyword" "The word after the star is no keyword of ABAQUS/Explicit that is known to Revolve (docs/abaqus.md) and no extension. Case and blanks do not count; unambiguous abbreviations are understood. Its data lines are skipped."
     "D102" "Ambiguous keyword" "The word after the star abbreviates several keywords. Write more of it."
     "D103" "Unknown parameter" "The keyword has no parameter of that name. `revolve explain KEYWORD` lists those it has."

@@ -2,6 +2,7 @@
 //! reading nor evaluating can run away.
 //! Never here: what the names stand for.
 
+use super::names::nearest;
 use super::number;
 
 /// Longer texts are refused.
@@ -219,7 +220,7 @@ fn no_such_call(name: &str, count: usize) -> String {
     if FUNCTIONS.contains(&name) {
         return format!("`{name}` cannot be called with {count} argument(s)");
     }
-    match super::names::nearest(name, FUNCTIONS.iter().copied()) {
+    match nearest(name, FUNCTIONS.iter().copied()) {
         Some(like) => format!("there is no function `{name}`; did you mean `{like}`?"),
         None => format!("there is no function `{name}`"),
     }
@@ -316,7 +317,13 @@ impl Reader<'_> {
             self.at += 1;
             return Ok(());
         }
-        Err(error(opened..self.at, "a parenthesis is not closed"))
+        match self.peek() {
+            Some(c) => {
+                let at = self.at..self.at + c.len_utf8();
+                Err(error(at, format!("`{c}` is not expected here: an operator or a parenthesis that closes is")))
+            }
+            None => Err(error(opened..self.at, "a parenthesis is not closed")),
+        }
     }
 
     fn number(&mut self) -> Result<(), ExpressionError> {
@@ -342,7 +349,17 @@ impl Reader<'_> {
             return Ok(());
         }
         self.at += 1;
-        if self.raw_functions.contains(&name.as_str()) { self.raw(name, start) } else { self.arguments(name, start) }
+        if self.raw_functions.contains(&name.as_str()) {
+            return self.raw(name, start);
+        }
+        if !self.raw_functions.is_empty() && !FUNCTIONS.contains(&name.as_str()) {
+            let known = self.raw_functions.iter().copied();
+            let near = nearest(&name, known.clone().chain(FUNCTIONS.iter().copied()));
+            let help =
+                near.map_or_else(|| known.collect::<Vec<_>>().join(", ") + " are", |n| format!("did you mean {n}?"));
+            return Err(error(start..start + name.len(), format!("there is no function {name}; {help}")));
+        }
+        self.arguments(name, start)
     }
 
     fn raw(&mut self, name: String, start: usize) -> Result<(), ExpressionError> {

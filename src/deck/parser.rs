@@ -58,6 +58,11 @@ impl Parser {
     pub fn finish(mut self) -> (Deck, Diagnostics) {
         self.parameters.check_overrides(&mut self.diagnostics);
         self.deck.parameters = self.parameters.numbers();
+        if self.deck.cards.is_empty() && !self.diagnostics.has_errors() {
+            let name = self.deck.sources.files().first().map_or("the deck", |f| f.name.as_str());
+            let what = Diagnostic::error("D009", format!("{name} is empty: it holds no keyword"));
+            self.diagnostics.push(what.help("is it the file that was meant? a deck has lines like *NODE and *STEP"));
+        }
         super::findings::tier_findings(&self.deck, &mut self.diagnostics);
         (self.deck, self.diagnostics)
     }

@@ -495,7 +495,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn can_delete(&self) -> bool {
-        F::FAILS
+        self.laws.2.deletes()
     }
 
     fn copy(&self) -> Box<dyn ElementGroup> {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::conductors::{Conductors, Largest, at};
 use super::sources::{Held, Source};
+use crate::constraint::bonds::Bonds;
 use crate::element::elements::Elements;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -19,6 +20,8 @@ pub struct Conditions {
     pub sources: Vec<Source>,
     /// Temperatures that are held; a node once.
     pub held: Vec<Held>,
+    /// Equations between temperatures, with capacities for masses.
+    pub bonds: Bonds,
 }
 
 /// Heat so far.
@@ -31,6 +34,10 @@ pub struct HeatEnergies {
     /// Made by plastic work; the first and this are the second.
     pub inelastic: f64,
 }
+
+/// Passes in which temperatures that are tied settle, where capacities vary: what is left is of the eighth order in the rise
+/// over an increment.
+const PASSES: usize = 3;
 
 /// Temperatures of nodes, with all that changes them.
 #[derive(Clone)]
@@ -53,6 +60,8 @@ pub struct Heat {
     given: f64,
     /// What films take a temperature; empty without any.
     exchange: Vec<f64>,
+    /// Temperatures to come before equations share them out; empty without any.
+    aims: Vec<f64>,
     /// Heat of corners, and the mean temperatures that elements were given.
     corners: Vec<[f64; 4]>,
     means: Vec<f64>,
@@ -68,13 +77,9 @@ impl Heat {
     pub fn new(id: EffectId, conductors: Conductors, steps: Vec<Conditions>, temperature: Vec<f64>) -> Self {
         let (nodes, count) = (temperature.len(), conductors.list.len());
         let varies = conductors.parts.iter().any(|p| p.properties.capacity.rows.len() > 1);
-        let mut masses = vec![vec![0.0; nodes]; conductors.parts.len()];
-        for (part, masses) in conductors.parts.iter().zip(&mut masses) {
-            for conductor in &conductors.list[part.first..part.end] {
-                conductor.nodes.iter().zip(conductor.masses).for_each(|(&n, m)| masses[n as usize] += m);
-            }
-        }
+        let masses = masses(&conductors, nodes);
         let capacity = capacities(&conductors, &masses, &temperature);
+        let bound = steps.iter().any(|s| s.bonds.count() > 0);
         let films = steps.iter().flat_map(|s| &s.sources).any(Source::exchanges);
         Heat {
             id,
@@ -84,6 +89,7 @@ impl Heat {
             power: vec![0.0; nodes],
             given: 0.0,
             exchange: if films { vec![0.0; nodes] } else { Vec::new() },
+            aims: if bound { vec![0.0; nodes] } else { Vec::new() },
             corners: vec![[0.0; 4]; count],
             means: vec![0.0; count],
             warmed: vec![0.0; count],
@@ -164,6 +170,8 @@ impl Heat {
         }
         self.power.fill(0.0);
         self.conductors.gather(&self.corners, &mut self.power);
+        // What equations take or give is not made by plastic work.
+        self.energies.inelastic -= self.share(1.0, None);
         self.now.held.iter_mut().flat_map(|h| &mut h.nodes).for_each(|n| {
             n.made += self.power[n.node];
             self.energies.inelastic += self.power[n.node];
@@ -199,10 +207,53 @@ impl Heat {
         self.rate.0 += most;
     }
 
+    /// Lets nodes exchange what it takes that the heat of the time `dt` leaves them with temperatures that satisfy the equations,
+    /// with those held that the clock says or that they have: multipliers as in [`crate::constraint::equation`], which are heat.
+    /// Returns the sum, which comes from outside; none where coefficients add up to zero, as those of ties do.
+    ///
+    /// A capacity that varies with the temperature is that of the middle of the way, by Newton's method: each pass squares what
+    /// the equations miss by, and no heat is lost whatever they miss by.
+    fn share(&mut self, dt: f64, clock: Option<&Clock<'_>>) -> f64 {
+        if self.now.bonds.count() == 0 {
+            return 0.0;
+        }
+        let passes = if self.masses.is_empty() { 1 } else { PASSES };
+        let sum = (0..passes).map(|_| self.share_once(dt, clock)).sum();
+        self.energies.external += sum;
+        sum
+    }
+
+    fn share_once(&mut self, dt: f64, clock: Option<&Clock<'_>>) -> f64 {
+        let (mut aims, mut bonds) = (std::mem::take(&mut self.aims), std::mem::take(&mut self.now.bonds));
+        for system in bonds.systems() {
+            for (n, _) in system.changes() {
+                aims[n] = self.temperature[n] + self.rise(n, dt * self.power[n]).0;
+            }
+        }
+        for held in &self.now.held {
+            let value = clock.map(|clock| held.magnitude.at(clock));
+            held.nodes.iter().for_each(|h| aims[h.node] = value.unwrap_or(self.temperature[h.node]));
+        }
+        let mut sum = 0.0;
+        for system in bonds.systems() {
+            if !self.masses.is_empty() {
+                system.weigh(|n| self.rise(n, dt * self.power[n]).1);
+            }
+            system.balance(|n| aims[n]);
+            for (n, heat) in system.changes() {
+                self.power[n] += heat / dt;
+                sum += heat;
+            }
+        }
+        (self.aims, self.now.bonds) = (aims, bonds);
+        sum
+    }
+
     /// Carries temperatures over an increment; the clock stands at its start.
     pub fn advance(&mut self, clock: &Clock<'_>, dt: f64) {
         let later = clock.later(dt);
         self.energies.external += dt * self.given;
+        self.share(dt, Some(&later));
         let mut held = std::mem::take(&mut self.now.held);
         for held in &mut held {
             let value = held.magnitude.at(&later);
@@ -289,17 +340,33 @@ impl Heat {
 
     /// Bytes of it.
     pub fn bytes(&self) -> usize {
-        let Heat { masses, capacity, temperature, power, exchange, corners, means, warmed, largest, .. } = self;
-        let singles = [capacity, temperature, power, exchange, means, warmed];
+        let Heat { masses, capacity, temperature, power, exchange, aims, corners, means, warmed, largest, .. } = self;
+        let singles = [capacity, temperature, power, exchange, aims, means, warmed];
         let singles = singles.into_iter().chain(masses).map(|list| size_of::<f64>() * list.capacity()).sum::<usize>();
         let conditions = self.steps.iter().chain([&self.now]);
         let sources: usize = conditions.clone().flat_map(|s| &s.sources).map(|s| size_of_val(s) + s.bytes()).sum();
+        let bonds: usize = conditions.clone().map(|s| s.bonds.bytes()).sum();
         let held: usize = conditions.flat_map(|s| &s.held).map(|h| size_of_val(&*h.nodes) + h.magnitude.bytes()).sum();
-        singles + size_of_val(&**corners) + size_of_val(&**largest) + self.conductors.bytes() + sources + held
+        singles + size_of_val(&**corners) + size_of_val(&**largest) + self.conductors.bytes() + sources + held + bonds
     }
 }
 
-/// Capacities of nodes at temperatures.
+/// Capacities of nodes at temperatures, 0 where nothing conducts.
+pub fn capacities_at(conductors: &Conductors, temperature: &[f64]) -> Vec<f64> {
+    capacities(conductors, &masses(conductors, temperature.len()), temperature)
+}
+
+/// Mass of each node, material by material.
+fn masses(conductors: &Conductors, nodes: usize) -> Vec<Vec<f64>> {
+    let mut masses = vec![vec![0.0; nodes]; conductors.parts.len()];
+    for (part, masses) in conductors.parts.iter().zip(&mut masses) {
+        for conductor in &conductors.list[part.first..part.end] {
+            conductor.nodes.iter().zip(conductor.masses).for_each(|(&n, m)| masses[n as usize] += m);
+        }
+    }
+    masses
+}
+
 fn capacities(conductors: &Conductors, masses: &[Vec<f64>], temperature: &[f64]) -> Vec<f64> {
     let of = |(n, t): (usize, &f64)| {
         conductors.parts.iter().zip(masses).map(|(p, m)| m[n] * at(&p.properties.capacity, *t)).sum()
@@ -328,6 +395,7 @@ impl Persist for Heat {
             power,
             given,
             exchange: _,
+            aims: _,
             corners: _,
             means,
             warmed: _,
@@ -336,7 +404,8 @@ impl Persist for Heat {
             energies,
         } = self;
         archive.mark("heat");
-        let Conditions { sources, held } = now;
+        // Factors follow from capacities; multipliers are solved for anew.
+        let Conditions { sources, held, bonds: _ } = now;
         persist_fields!(archive; sources.as_mut_slice(), held.as_mut_slice(), temperature.as_mut_slice());
         persist_fields!(archive; power.as_mut_slice(), given, means.as_mut_slice(), rate, energies);
     }

@@ -17,6 +17,10 @@ pub trait Failure: Send + Sync + 'static {
     fn fresh(&self, area: &Lanes, volume: &Lanes) -> Self::State;
     /// Whether an element of a block still carries; `None` if none can fail.
     fn alive(&self, state: &Self::State, lane: usize) -> Option<bool>;
+    /// Whether elements can be deleted.
+    fn deletes(&self) -> bool {
+        Self::FAILS
+    }
     /// What an increment leaves of the stress.
     fn degrade(&self, state: &mut Self::State, lane: usize, seen: &Seen) -> Shares;
     /// Volume of an element at the start.
@@ -147,6 +151,8 @@ impl FailureStrain {
 /// How damage grows once it has begun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Evolution {
+    /// Not at all: the criterion is followed, and changes nothing.
+    Absent,
     /// At once: the element is deleted.
     Sudden,
     /// Linear in the plastic displacement, which is the plastic strain times the element's length; the value at failure.
@@ -184,6 +190,8 @@ pub struct Failing {
     /// By how much less than 1 is the damage at which an element is deleted (ABAQUS Analysis User's Guide, "Section controls":
     /// 1 less MAX DEGRADATION, which is 1 where elements are deleted).
     pub spared: f64,
+    /// Whether elements stay with what that damage leaves them (`ELEMENT DELETION=NO`).
+    pub kept: bool,
 }
 
 /// The most criteria a material has.
@@ -225,7 +233,12 @@ impl Failure for Failing {
     }
 
     fn alive(&self, state: &Damaged, lane: usize) -> Option<bool> {
-        Some(state.alive[lane])
+        self.deletes().then_some(state.alive[lane])
+    }
+
+    fn deletes(&self) -> bool {
+        let harmless = |c: &Criterion| c.evolution == Evolution::Absent;
+        !self.kept && (self.cutoff.is_some() || !self.criteria.iter().all(harmless))
     }
 
     fn share(&self, state: &Damaged, lane: usize) -> f64 {
@@ -244,8 +257,11 @@ impl Failure for Failing {
             (FailureStrain::JohnsonCook { .. }, _) => of != Initiation::Ductile,
             _ => false,
         };
-        let begun = self.criteria.iter().zip(&state.begun).filter(|c| meant(c.0)).map(|c| c.1[lane].min(1.0));
-        begun.reduce(f64::max)
+        // Where damage follows it begins at 1; where none does the sum goes on.
+        let shown = |(c, begun): (&Criterion, &Lanes)| {
+            if c.evolution == Evolution::Absent { begun[lane] } else { begun[lane].min(1.0) }
+        };
+        self.criteria.iter().zip(&state.begun).filter(|c| meant(c.0)).map(shown).reduce(f64::max)
     }
 
     fn degrade(&self, state: &mut Damaged, l: usize, seen: &Seen) -> Shares {
@@ -260,8 +276,12 @@ impl Failure for Failing {
                 worst = 1.0;
             }
         }
-        // What is left of the stress divides the stress of the next increment: the last trace of it is let go.
-        state.alive[l] &= worst < 1.0 - 1e-6 - self.spared;
+        // What is left of the stress divides the stress of the next increment: the last trace of it is let go, or kept.
+        if self.kept {
+            worst = worst.min(1.0 - self.spared.max(1e-6));
+        } else {
+            state.alive[l] &= worst < 1.0 - 1e-6 - self.spared;
+        }
         state.share[l] = 1.0 - worst;
         Shares { stress: self.share(state, l), mean }
     }
@@ -275,16 +295,17 @@ impl Criterion {
             return state.damage[c][l];
         }
         let begun = state.begun[c][l] >= 1.0;
-        if !begun {
+        let followed = self.evolution == Evolution::Absent;
+        if !begun || followed {
             let strain = self.strain.at(seen);
             state.begun[c][l] += if strain > 0.0 { seen.plastic / strain } else { 1.0 };
         }
-        if state.begun[c][l] < 1.0 {
+        if state.begun[c][l] < 1.0 || followed {
             return 0.0;
         }
         if !begun {
             state.at_failure[c][l] = match self.evolution {
-                Evolution::Sudden => 0.0,
+                Evolution::Sudden | Evolution::Absent => 0.0,
                 Evolution::Displacement(displacement) => displacement,
                 Evolution::Energy(energy) => 2.0 * energy / seen.mises,
             };

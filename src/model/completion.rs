@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::degrees::Rotational;
-use super::types::{ElementKind, InitialKind, LoadKind};
+use super::types::{DamageEvolution, ElementKind, InitialKind, LoadKind};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::hardening::Table;
 
@@ -104,18 +104,19 @@ impl Builder<'_> {
         Ok(first)
     }
 
-    /// An element whose material fails is deleted here; where the deck wants it kept, that is refused.
+    /// An element that fails at once is deleted here; where the deck wants it kept, that is refused.
     fn refuse_kept_elements(&mut self) {
         let kept = |section: &super::SolidSection| -> Option<(Span, bool)> {
             let name = section.controls.as_ref()?;
             let span = self.model.controls.iter().find(|c| c.name == *name)?.keeps_failed?;
             let material = self.model.materials.get(section.material)?;
-            Some((span, !material.failures.is_empty() || material.tensile_failure.is_some_and(|t| t.deletes)))
+            let sudden = material.failures.iter().any(|f| f.evolution == DamageEvolution::Sudden);
+            Some((span, sudden || material.tensile_failure.is_some_and(|t| t.deletes)))
         };
         let kept: Vec<(Span, bool)> = self.model.sections.iter().filter_map(kept).collect();
         for (span, fails) in kept {
             if fails {
-                let message = "ELEMENT DELETION=NO is not supported: elements that fail are deleted";
+                let message = "ELEMENT DELETION=NO is for *DAMAGE EVOLUTION: what *SHEAR FAILURE or *TENSILE FAILURE ends is deleted";
                 self.diagnostics.push(Diagnostic::error("M104", message).at(span, "not supported"));
             }
         }

@@ -247,7 +247,12 @@ impl Check<'_> {
         for equation in &model.equations {
             let nodes: Vec<usize> = equation.terms.iter().map(|t| t.0).collect();
             self.nodes(equation.span, &nodes);
-            equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
+            if equation.is_thermal() {
+                let all = equation.terms.iter().all(|t| t.1 == 11);
+                self.value(all, equation.span, || "an equation between temperatures (11) and displacements".into());
+            } else {
+                equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
+            }
             let good = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
             self.value(good, equation.span, || "an equation needs terms, with coefficients other than zero".into());
         }

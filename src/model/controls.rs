@@ -48,8 +48,10 @@ impl Builder<'_> {
         };
         let Ok(averaged) = self.averaged(card) else { return };
         let Ok(keeps_failed) = self.other_controls(card) else { return };
+        // ABAQUS Analysis User's Guide, "Section controls": 1 where elements are deleted, else 0.99.
+        let default = if keeps_failed.is_some() { 0.99 } else { 1.0 };
         let word = card.value("MAX DEGRADATION");
-        let Some(most_damage) = word.map_or(Some(1.0), |w| w.number(&mut self.diagnostics)) else { return };
+        let Some(most_damage) = word.map_or(Some(default), |w| w.number(&mut self.diagnostics)) else { return };
         if !(most_damage > 0.0 && most_damage <= 1.0) {
             self.out_of_range(
                 card.span,

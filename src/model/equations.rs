@@ -1,4 +1,4 @@
-//! `*EQUATION`: linear equations between degrees of freedom.
+//! `*EQUATION`: linear equations between degrees of freedom, all displacements or all temperatures.
 //! Never here: how they are kept.
 
 use super::builder::{Builder, MOST};
@@ -42,8 +42,8 @@ impl Builder<'_> {
         let nodes = self.nodes_in_order(words[0])?;
         let dof = words[1].integer(&mut self.diagnostics)?;
         let coefficient = words[2].number(&mut self.diagnostics)?;
-        if !(1..=2).contains(&dof) {
-            self.out_of_range(words[1].span, format!("degree of freedom {dof}: 1 is r, 2 is z"));
+        if !matches!(dof, 1 | 2 | 11) {
+            self.out_of_range(words[1].span, format!("degree of freedom {dof}: 1 is r, 2 is z, 11 a temperature"));
             return None;
         }
         if coefficient == 0.0 || !coefficient.is_finite() {
@@ -59,6 +59,10 @@ impl Builder<'_> {
         if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {
             let message = format!("the first term has {count} nodes, another {}", other.0.len());
             self.out_of_range(span, message);
+            return;
+        }
+        if terms.iter().any(|t| t.1 == 11) && terms.iter().any(|t| t.1 != 11) {
+            self.out_of_range(span, "an equation between temperatures (11) and displacements");
             return;
         }
         for i in 0..count {

@@ -6,7 +6,7 @@ use super::names::{qualified, upper};
 use super::types::{Inert, Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart, TimePoints};
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
-use crate::variables::asked::{self, Asked};
+use crate::variables::asked::{self, Asked, SectionPoint};
 
 impl Builder<'_> {
     pub(super) fn output_card(&mut self, card: &Card) {
@@ -194,11 +194,16 @@ impl Builder<'_> {
         }
         let position = self.position(card, request.kind);
         let mut variables = self.default_variables(card);
-        let words = card.lines.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty());
+        let sides = self.section_points(card, &region);
+        let named = if sides.is_some() { &card.lines[1..] } else { &card.lines[..] };
+        let words = named.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty());
         let mut unknown = Vec::new();
         for word in words {
             match Asked::parse(&upper(&word.text)) {
-                Some(asked) => variables.push(asked),
+                Some(asked) => match &sides {
+                    Some(sides) => variables.extend(sides.iter().filter_map(|side| asked.at(*side))),
+                    None => variables.push(asked),
+                },
                 None if self.out_of_plane(word) => {}
                 None => unknown.push(word),
             }
@@ -208,6 +213,44 @@ impl Builder<'_> {
             let request = OutputRequest { card: of, variables, position, region, span: card.span, ..request };
             self.state().outputs.push(request);
         }
+    }
+
+    /// Section points of shells, which a first line of numbers names, counted from 1 on the side SNEG (ABAQUS Keywords Reference
+    /// Guide, *ELEMENT OUTPUT); `None` without such a line.
+    fn section_points(&mut self, card: &Card, region: &Region) -> Option<Vec<SectionPoint>> {
+        let line = card.lines.first().filter(|_| card.keyword.name == "ELEMENT OUTPUT")?;
+        let words: Vec<&Word> = line.fields.iter().filter(|w| !w.text.is_empty()).collect();
+        let numbers: Vec<usize> = words.iter().map(|w| w.text.trim().parse().ok()).collect::<Option<_>>()?;
+        let members = match region {
+            Region::Elements(set) => self.model.element_sets.get(set).map(|s| s.members.clone()),
+            _ => None,
+        };
+        let meant = |e: &usize| members.as_ref().is_none_or(|m| m.binary_search(e).is_ok());
+        let shells = self.model.shell_sections.iter().filter(|s| s.elements.iter().any(meant));
+        let mut counts: Vec<usize> = shells.map(|s| s.points).collect();
+        counts.dedup();
+        let [count] = counts[..] else {
+            let message = match counts.len() {
+                0 => "section points are those of shells, and no element here is one",
+                _ => "these shells have different numbers of section points: give a request for each section",
+            };
+            self.out_of_range(line.span, message);
+            return Some(Vec::new());
+        };
+        let mut points = Vec::new();
+        for (word, number) in words.iter().zip(numbers) {
+            match number {
+                1 => points.push(SectionPoint::Bottom),
+                n if n == count => points.push(SectionPoint::Top),
+                n if n == count / 2 + 1 => points.push(SectionPoint::Middle),
+                n => {
+                    let message = format!("output at section point {n} of {count} is not supported");
+                    let help = format!("1 (side SNEG), {} (middle) and {count} (side SPOS) are", count / 2 + 1);
+                    self.unsupported(word.span, message, &help);
+                }
+            }
+        }
+        Some(points)
     }
 
     /// `POSITION` of `*ELEMENT OUTPUT` ("Writing element output to the output database"): of frames alone, for "element

@@ -491,7 +491,8 @@ pub struct SectionControls {
     pub by_area: bool,
     /// LENGTH RATIO of distortion control; `None` without it.
     pub distortion: Option<f64>,
-    /// MAX DEGRADATION: the damage at which an element is deleted, 1 where the deck says nothing.
+    /// MAX DEGRADATION: the damage at which an element is deleted or that it keeps; 1 or, where it is kept, 0.99 if the deck says
+    /// nothing.
     pub most_damage: f64,
     /// `AVERAGED PRESSURE`, where the deck says it: whether triangles average their dilation over nodes.
     pub averaged: Option<bool>,
@@ -643,13 +644,20 @@ pub enum ConnectorLaw {
     DashpotTable(Vec<[f64; 2]>),
 }
 
-/// A linear equation, sum of coefficient times displacement = 0.
+/// A linear equation, sum of coefficient times displacement or temperature = 0.
 #[derive(Clone, Debug)]
 pub struct Equation {
-    /// Node index, degree of freedom (1 = r, 2 = z) and coefficient of each term.
+    /// Node index, degree of freedom (1 = r, 2 = z, 11 = temperature, in all terms or in none) and coefficient of each term.
     pub terms: Vec<(usize, u8, f64)>,
     /// The data line that begins it.
     pub span: Span,
+}
+
+impl Equation {
+    /// Whether it is one between temperatures.
+    pub fn is_thermal(&self) -> bool {
+        self.terms.iter().any(|t| t.1 == 11)
+    }
 }
 
 /// Nodes whose motion is that of a reference node (`*MPC`, `*COUPLING`).

@@ -212,6 +212,11 @@ pub const CODES: &[Code] = &[
         text: "Elements that have no node in common lie in each other at the start, and nothing acts between bodies that deform: they would move through each other. A twentieth of a face is taken for the chords of curved surfaces that fit.",
     },
     Code {
+        code: "P113",
+        title: "a step without end",
+        text: "By the time that a wave needs to cross its smallest element the step has more than 1e12 updates of elements before it, which takes hours to days. A time in another unit than density and moduli, or a step meant for a static analysis, is the usual reason.",
+    },
+    Code {
         code: "R201",
         title: "the user's routine failed",
         text: "It returned an error, ended the analysis (STOP, xplb_exit), or gave a value that is not a finite number. The message names what it was called for, step, increment and time; the last good state is in the last frame.",
@@ -254,6 +259,6 @@ pub const CODES: &[Code] = &[
     Code {
         code: "R206",
         title: "an element failed",
-        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the last frame is that of the last good instant (with routines of the user, which would be called twice on the way back to it, the last frame that was due). A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
+        text: "An element turned inside out, or its stress, velocity or volume is not a finite number. The message names it; the last frame is that of the last good instant (with routines of the user, which would be called twice on the way back to it, the last frame that was due). Where DIRECT USER CONTROL gives increments it says by how much they exceed the stable one. A finer mesh, a smaller SCALE FACTOR on *DYNAMIC or more hourglass control may help.",
     },
 ];

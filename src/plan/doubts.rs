@@ -1,4 +1,4 @@
-//! What a deck says and can hardly mean: units that do not fit, a body that nothing acts on. Warnings; the run does what the deck
+//! What a deck says and can hardly mean: units that do not fit, a step without end, a body that nothing acts on. Warnings; the run does what the deck
 //! says.
 //! Never here: what cannot be simulated; surfaces that face away (walls.rs), bodies that lie in each other (overlaps.rs).
 
@@ -6,19 +6,24 @@ use std::collections::HashSet;
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::model::{Element, ElementKind, IncrementControl, InitialCondition, InitialKind, SolidSection};
+use crate::model::{Element, ElementKind, IncrementControl, InitialCondition, InitialKind, Model, SolidSection, Step};
 
 /// Velocities above so many times the speed of sound are taken for a slip in the units.
 const TOO_FAST: f64 = 3.0;
+/// Updates of elements over a step above which it hardly means what it says: hours on any machine.
+const TOO_MANY: f64 = 1e12;
 
-impl Compiler<'_> {
+impl<'m> Compiler<'m> {
     /// Tells of all of them.
     pub(super) fn doubts(&mut self, state: &State) {
         if state.elements.is_empty() {
             return;
         }
         self.too_fast();
-        self.given_increments();
+        if let Some((time, element)) = self.crossing() {
+            self.given_increments(time, element);
+            self.endless(time, element);
+        }
         self.nothing_acts();
     }
 
@@ -70,20 +75,25 @@ impl Compiler<'_> {
         elements.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()).collect()
     }
 
-    /// A given increment that a wave needs less than to cross an element is not stable.
-    fn given_increments(&mut self) {
-        let points = &self.model.mesh.points;
+    /// The shortest time that a wave needs to cross an element, with the element.
+    fn crossing(&self) -> Option<(f64, &'m Element)> {
+        let model: &'m Model = self.model;
+        let points = &model.mesh.points;
         let mut smallest: Option<(f64, &Element)> = None;
-        for section in &self.model.sections {
+        for section in &model.sections {
             let Some(sound) = self.sound(section) else { continue };
-            for element in section.elements.iter().map(|&e| &self.model.mesh.elements[e]) {
+            for element in section.elements.iter().map(|&e| &model.mesh.elements[e]) {
                 let time = size(&corners(element, points)) / sound;
                 if smallest.is_none_or(|s| time < s.0) {
                     smallest = Some((time, element));
                 }
             }
         }
-        let Some((time, element)) = smallest else { return };
+        smallest
+    }
+
+    /// A given increment that a wave needs less than to cross an element is not stable.
+    fn given_increments(&mut self, time: f64, element: &Element) {
         let scaled = self.model.steps.iter().any(|s| !s.mass_scalings.is_empty());
         let given = self.model.steps.iter().filter_map(|s| match s.increment {
             IncrementControl::Fixed(dt) => Some((s.span, dt)),
@@ -94,6 +104,28 @@ impl Compiler<'_> {
             format!("the given increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}", element.name);
         let finding = Diagnostic::warning("P106", message).at(span, "DIRECT USER CONTROL");
         self.warn(finding.help("leave the increment to the program, or give a smaller one"));
+    }
+
+    /// A step of so many increments that hardly anyone would wait for it.
+    fn endless(&mut self, time: f64, element: &Element) {
+        let count = self.model.sections.iter().map(|s| s.elements.len()).sum::<usize>();
+        let increments = |s: &Step| match s.increment {
+            IncrementControl::Fixed(dt) => s.duration / dt,
+            IncrementControl::Automatic { .. } => s.duration / time,
+        };
+        let endless = |s: &&Step| s.mass_scalings.is_empty() && increments(s) * count as f64 > TOO_MANY;
+        let Some(step) = self.model.steps.iter().find(endless) else { return };
+        let message = format!(
+            "step `{}` lasts {:e}, and a wave crosses element {} in {time:.1e}: some {:.0e} increments of {count} elements",
+            step.name,
+            step.duration,
+            element.name,
+            increments(step)
+        );
+        let finding = Diagnostic::warning("P113", message).at(step.span, "this step");
+        let help =
+            "is its time in the unit of density and moduli? a shorter step, a coarser mesh or *FIXED MASS SCALING help";
+        self.warn(finding.help(help));
     }
 
     /// A body of one velocity that nothing holds, pushes or meets flies on as it is.

@@ -23,7 +23,9 @@ impl Compiler<'_> {
                 Some(Box::new(Equations::new(id, bonds)))
             }
             Err(Unkept::Dependent(dependent)) => {
-                self.dependent(step, &dependent);
+                let spans = std::mem::take(&mut self.kept.spans);
+                self.dependent(step, &dependent, &spans);
+                self.kept.spans = spans;
                 None
             }
             Err(Unkept::Torn(nodes, axis)) => {
@@ -33,8 +35,8 @@ impl Compiler<'_> {
         }
     }
 
-    fn dependent(&mut self, step: &Step, Dependent { equation, follows_from }: &Dependent) {
-        let spans = &self.kept.spans;
+    /// Refuses an equation; `spans` are the places of all.
+    pub(super) fn dependent(&mut self, step: &Step, Dependent { equation, follows_from }: &Dependent, spans: &[Span]) {
         let message = format!("this equation cannot be kept in step `{}`", step.name);
         let label =
             if follows_from.is_empty() { "all of it is prescribed" } else { "it follows from the others marked" };

@@ -72,6 +72,9 @@ impl Compiler<'_> {
                 self.unused(load.span, kind_name(&load.kind), why);
             }
         }
+        if let Some(equation) = model.equations.iter().find(|e| e.is_thermal()) {
+            self.unused(equation.span, "*EQUATION between temperatures", why);
+        }
     }
 
     fn heat(&mut self, sections: &[Sectioned], state: &State) -> Option<Heat> {
@@ -118,8 +121,11 @@ impl Compiler<'_> {
         };
         let conductors = Conductors::new(parts, list, state.dofs.nodes.len());
         let conducting: HashSet<usize> = conductors.list.iter().flat_map(|c| c.nodes).map(|n| n as usize).collect();
-        let steps = model.steps.iter().map(|s| self.conditions(s, &conductors, &conducting)).collect();
-        Some(Heat::new(id, conductors, steps, self.initial_temperatures(state)))
+        let start = self.initial_temperatures(state);
+        let mut steps: Vec<Conditions> =
+            model.steps.iter().map(|s| self.conditions(s, &conductors, &conducting)).collect();
+        self.tie_temperatures(&mut steps, &conductors, &conducting, &start);
+        Some(Heat::new(id, conductors, steps, start))
     }
 
     /// What a section's material needs to conduct.

@@ -105,7 +105,8 @@ impl Compiler<'_> {
         let model = self.model;
         let linked = model.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));
         let tied = self.surface_ties.iter().map(|t| &t.node);
-        let terms = model.equations.iter().flat_map(|e| e.terms.iter().map(|t| &t.0));
+        let moving = model.equations.iter().filter(|e| !e.is_thermal());
+        let terms = moving.flat_map(|e| e.terms.iter().map(|t| &t.0));
         let free = |n: &&usize| !self.body_of_node.contains_key(*n);
         linked.chain(tied).chain(terms).filter(free).copied().collect()
     }
@@ -117,7 +118,7 @@ impl Compiler<'_> {
             self.keep_link(link);
         }
         self.keep_surfaces();
-        for equation in &model.equations {
+        for equation in model.equations.iter().filter(|e| !e.is_thermal()) {
             if !self.keep_equation(equation, &state.dofs.nodes.mass) {
                 let message = "*EQUATION is for nodes that deform and that no rigid body carries";
                 let finding = Diagnostic::error("P011", message).at(equation.span, "this equation has others");

@@ -9,6 +9,7 @@ mod connectors;
 mod doubts;
 mod equations;
 mod heat;
+mod heat_ties;
 pub mod ledger;
 mod links;
 mod loads;

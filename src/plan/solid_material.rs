@@ -56,6 +56,8 @@ pub(super) struct Make<'a, const AREA: bool> {
     heats: bool,
     /// 1 less the damage at which an element is deleted.
     spared: f64,
+    /// Whether elements that fail stay.
+    kept: bool,
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
@@ -75,8 +77,8 @@ impl<'a, const AREA: bool> Make<'a, AREA> {
 
     /// The same, weighted by area.
     fn by_area(self) -> Make<'a, true> {
-        let Make { constants, density, corners, nodes, heats, spared } = self;
-        Make { constants, density, corners, nodes, heats, spared }
+        let Make { constants, density, corners, nodes, heats, spared, kept } = self;
+        Make { constants, density, corners, nodes, heats, spared, kept }
     }
 }
 
@@ -106,7 +108,8 @@ impl Compiler<'_> {
         let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, elements.len(), &constants, (material, heats));
-        let make = Make::<false> { constants, density, corners, nodes, heats, spared: self.spared(section, material) };
+        let (spared, kept) = self.spared(section, material);
+        let make = Make::<false> { constants, density, corners, nodes, heats, spared, kept };
         if self.is_by_area(section) {
             return self.by_area(section, material, make.by_area());
         }
@@ -216,7 +219,8 @@ impl Compiler<'_> {
         make: Make<'_, AREA>,
     ) -> Option<Box<dyn ElementGroup>> {
         let heating = if make.heats { heating(material, make.density) } else { Heating::None };
-        let failing = self.failing(material)?.map(|failing| Failing { spared: make.spared, ..failing });
+        let failing =
+            self.failing(material)?.map(|failing| Failing { spared: make.spared, kept: make.kept, ..failing });
         let Some(plastic) = &material.plastic else {
             return Some(match failing {
                 Some(failing) => make.failing(Elastic, volumetric, failing),
@@ -252,15 +256,22 @@ impl Compiler<'_> {
         Some(make.quads(General { law, heating }, volumetric))
     }
 
-    /// 1 less MAX DEGRADATION.
-    fn spared(&mut self, section: &SolidSection, material: &Material) -> f64 {
+    /// 1 less MAX DEGRADATION, and whether elements stay that come so far.
+    fn spared(&mut self, section: &SolidSection, material: &Material) -> (f64, bool) {
         let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
-        let spared = section.controls.as_ref().and_then(named).map_or(0.0, |c| 1.0 - c.most_damage);
-        if spared > 0.0 && material.failures.is_empty() {
+        let own = section.controls.as_ref().and_then(named);
+        let (spared, kept) = own.map_or((0.0, false), |c| (1.0 - c.most_damage, c.keeps_failed.is_some()));
+        let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
+        if grows && kept {
+            let most = own.map_or(1.0, |c| c.most_damage);
+            let detail = format!("MAX DEGRADATION {most}: the rest of their stiffness stays");
+            self.cause(section.span, "failed elements stay", section.elements.len(), "elements", detail);
+        }
+        if spared > 0.0 && !kept && !grows {
             let why = format!("no damage grows in material {}", material.name);
             self.unused(section.span, "MAX DEGRADATION", why);
         }
-        spared
+        (spared, kept)
     }
 
     /// Whether the controls of a section weight its elements by area.
@@ -374,10 +385,14 @@ impl Compiler<'_> {
                 DamageEvolution::Sudden => Evolution::Sudden,
                 DamageEvolution::Displacement(value) => Evolution::Displacement(value),
                 DamageEvolution::Energy(value) => Evolution::Energy(value),
-                DamageEvolution::Absent => {
+                // Where another law flows nothing follows it, and nothing would come of it.
+                DamageEvolution::Absent
+                    if !matches!(material.plastic, Some(Plastic::Tabular(_) | Plastic::JohnsonCook(_))) =>
+                {
                     self.unused(criterion.span, "*DAMAGE INITIATION", "without *DAMAGE EVOLUTION it changes no stress");
                     continue;
                 }
+                DamageEvolution::Absent => Evolution::Absent,
             };
             if material.plastic.is_none() {
                 return self.no_failure(criterion.span, "failure by plastic strain needs *PLASTIC");
@@ -386,9 +401,11 @@ impl Compiler<'_> {
             let detail = match criterion.evolution {
                 DamageEvolution::Displacement(value) => format!("damage over a displacement of {value}"),
                 DamageEvolution::Energy(value) => format!("damage over an energy of {value} an area"),
-                _ => "deletion at once".into(),
+                DamageEvolution::Absent => "followed without damage: DMICRT".into(),
+                DamageEvolution::Sudden => "deletion at once".into(),
             };
-            self.cause(criterion.span, "failure", 1, "criterion", detail);
+            let effect = if evolution == Evolution::Absent { "damage initiation" } else { "failure" };
+            self.cause(criterion.span, effect, 1, "criterion", detail);
             failing.criteria.push(Criterion { strain, evolution });
         }
         if failing.criteria.len() > CRITERIA {

@@ -264,6 +264,7 @@ impl Persist for Run<'_> {
             reach: _,
             behind,
             last_increment,
+            bearable: _,
             complete,
             wish,
             told_complete,

@@ -63,6 +63,8 @@ pub(super) struct Run<'a> {
     pub(super) behind: f64,
     /// The increment that led here, for the energy balance and for output.
     pub(super) last_increment: f64,
+    /// The increment that elements bore at the instant before, where the deck gives increments.
+    pub(super) bearable: f64,
     /// Whether the instant is complete: forces, motion and energies belong to it.
     pub(super) complete: bool,
     /// What the user's routines want.
@@ -108,6 +110,7 @@ impl<'a> Run<'a> {
             reach: 0.0,
             behind: 0.0,
             last_increment: 0.0,
+            bearable: f64::INFINITY,
             complete: false,
             wish: Wish::Continue,
             told_complete: false,
@@ -149,12 +152,20 @@ impl<'a> Run<'a> {
         self.timing.resume(self.now.increment);
         self.guard_increment()?;
         let next = self.choose(control); //     6. length of the next increment
+        self.remember_bearable();
         next.check(&self.now, self.now.increment)?;
         self.call_routines(next)?;
         self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads will see
         self.record(next.length);
         self.timing.pause();
         Ok(())
+    }
+
+    #[inline]
+    fn remember_bearable(&mut self) {
+        if let IncrementControl::Fixed(_) = self.step.control {
+            self.bearable = self.elements.stable_increment();
+        }
     }
 
     #[inline]
@@ -427,7 +438,22 @@ impl<'a> Run<'a> {
             self.now.increment,
             self.now.total_time
         );
-        Halt { code: "R206", reason }
+        Halt { code: "R206", reason: reason + &self.too_long() }
+    }
+
+    /// Where the deck gives increments: by how much they exceed what the elements that are left bear.
+    #[cold]
+    fn too_long(&self) -> String {
+        let IncrementControl::Fixed(given) = self.step.control else { return String::new() };
+        let ratio = given / self.bearable;
+        if ratio <= 1.0 {
+            return String::new();
+        }
+        format!(
+            "; the increment that DIRECT USER CONTROL gives, {given:e}, is {ratio:.2} times the stable one at the instant before, \
+             {:.3e}: give a smaller one, or leave it to the program",
+            self.bearable
+        )
     }
 
     fn accelerate(&mut self) -> Result<(), Halt> {

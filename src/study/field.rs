@@ -2,6 +2,7 @@
 //! same variable on a finer mesh.
 //! Never here: expressions, runs.
 
+use crate::element::group::ElementGroup;
 use crate::element::values;
 use crate::kernel::quad;
 use crate::plan::State;
@@ -71,13 +72,15 @@ impl Field {
         if state.elements.is_empty() {
             return Err("a norm is taken over what deforms, and nothing here does".into());
         }
-        let corners: Vec<[u32; 4]> =
-            state.elements.groups.iter().flat_map(|g| (0..g.len()).map(move |e| g.corners(e))).collect();
-        let cells: Vec<[[f64; 2]; 4]> = corners.iter().map(|c| c.map(|n| state.dofs.nodes.start[n as usize])).collect();
+        let (corners, cells): (Vec<[u32; 4]>, Vec<[[f64; 2]; 4]>) =
+            state.elements.groups.iter().flat_map(|g| (0..g.len()).map(move |e| cell(state, &**g, e))).unzip();
         let FieldName(part) = name;
         let on_elements = part.variable.is_of_elements();
-        let points =
-            if on_elements { of_elements(state, part, &cells) } else { of_nodes(state, part, &corners, &cells) };
+        let points = if on_elements {
+            of_elements(state, part, &corners, &cells)
+        } else {
+            of_nodes(state, part, &corners, &cells)
+        };
         Ok(Field { points, on_elements, cells, corners, time })
     }
 
@@ -88,7 +91,8 @@ impl Field {
     /// From `exact`, and where it is zero everywhere.
     pub(super) fn relative_norm(&self, mut exact: impl FnMut(&Point) -> Result<f64, String>) -> Result<f64, String> {
         let (mut difference, mut size) = (0.0, 0.0);
-        for point in &self.points {
+        // Nodes of no element, as rotations of shells are, stand for nothing.
+        for point in self.points.iter().filter(|p| p.weight != 0.0) {
             let expected = exact(point)?;
             difference += point.weight * (point.value - expected) * (point.value - expected);
             size += point.weight * expected * expected;
@@ -119,14 +123,30 @@ impl Field {
     }
 }
 
-fn of_elements(state: &State, part: Part, cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+/// Nodes and places at the start of an element's corners. A shell is what its thickness makes of it, its nodes on both sides.
+fn cell(state: &State, group: &dyn ElementGroup, element: usize) -> ([u32; 4], [[f64; 2]; 4]) {
+    let nodes = &state.dofs.nodes;
+    let corners = group.corners(element);
+    let place = |n: u32| nodes.start[n as usize];
+    let Some(thickness) = values::value(group, nodes.as_slice(), element, Variable::Thickness.into()) else {
+        return (corners, corners.map(place));
+    };
+    let [first, second] = [corners[0], corners[1]];
+    let (a, b) = (place(first), place(second));
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let half = 0.5 * thickness / along[0].hypot(along[1]);
+    let beside = |p: [f64; 2], side: f64| [(p[0] - side * half * along[1]).max(0.0), p[1] + side * half * along[0]];
+    ([first, second, second, first], [beside(a, -1.0), beside(b, -1.0), beside(b, 1.0), beside(a, 1.0)])
+}
+
+fn of_elements(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
     let (groups, nodes) = (&state.elements.groups, &state.dofs.nodes);
     let elements = groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
     elements
-        .zip(cells)
-        .map(|((g, e), cell)| Point {
+        .zip(cells.iter().zip(corners))
+        .map(|((g, e), (cell, corners))| Point {
             start: middle(cell),
-            now: middle(&groups[g].corners(e).map(|n| nodes[n as usize].place())),
+            now: middle(&corners.map(|n| nodes[n as usize].place())),
             weight: quad::volume(*cell),
             value: values::value(&*groups[g], nodes.as_slice(), e, part).unwrap_or(f64::NAN),
         })

@@ -85,5 +85,11 @@ mod tests {
         assert_eq!(value("time_min(u2@ref) + max(U2@REF)"), Ok(1.0));
         assert!(value("final(U2@RFE)").is_err_and(|e| e.to_string().contains("did you mean U2@REF")));
         assert!(value("final(").is_err());
+        for (wrong, told) in [
+            ("finl(U2@REF)", "there is no function finl; did you mean final?"),
+            ("sqrt(2 U2)", "`U` is not expected here"),
+        ] {
+            assert!(value(wrong).is_err_and(|e| e.to_string().contains(told)), "{wrong}");
+        }
     }
 }

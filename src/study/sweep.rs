@@ -74,6 +74,22 @@ fn one(
     quantities.iter().map(|q| q.evaluate(&history)).collect()
 }
 
+/// What keeps a reference table from standing beside a sweep: none of its rows has a value of the first parameter.
+///
+/// # Errors
+/// [`StudyError::Reference`], with what either has.
+pub fn comparable(grid: &Grid, path: &Path, reference: &Reference) -> Result<(), StudyError> {
+    let Some((first, swept)) = grid.axes().first() else { return Ok(()) };
+    if swept.iter().any(|v| v.parse().is_ok_and(|v| reference.at(v).is_some())) {
+        return Ok(());
+    }
+    let known: Vec<String> = reference.rows.iter().take(5).map(|r| number(r.0)).collect();
+    let more = if reference.rows.len() > 5 { ", …" } else { "" };
+    let (swept, known) = (swept.join(" or "), known.join(", "));
+    let message = format!("no row of it has {first} = {swept}; its first column has {known}{more}");
+    Err(StudyError::Reference { path: path.to_owned(), message })
+}
+
 /// A sweep's results with reference columns beside them, ready to print.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sheet {

@@ -22,6 +22,50 @@ pub enum Asked {
     NotSimulated(&'static Known),
 }
 
+/// A section point of a shell that output knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SectionPoint {
+    /// The first, on the side SNEG.
+    Bottom,
+    /// In the middle.
+    Middle,
+    /// The last, on the side SPOS.
+    Top,
+}
+
+impl Asked {
+    /// The same at a section point; `None` of a component that is zero there. What is not one of section points stays.
+    pub fn at(self, point: SectionPoint) -> Option<Asked> {
+        let there = |variable| {
+            Some(match (variable, point) {
+                (_, SectionPoint::Middle) => return None,
+                (Variable::Stress, SectionPoint::Bottom) => Variable::BottomStress,
+                (Variable::Stress, SectionPoint::Top) => Variable::TopStress,
+                (Variable::Mises, SectionPoint::Bottom) => Variable::BottomMises,
+                (Variable::Mises, SectionPoint::Top) => Variable::TopMises,
+                (Variable::PlasticStrain, SectionPoint::Bottom) => Variable::BottomPlasticStrain,
+                (Variable::PlasticStrain, SectionPoint::Top) => Variable::TopPlasticStrain,
+                (Variable::LogarithmicStrain, SectionPoint::Bottom) => Variable::BottomStrain,
+                (Variable::LogarithmicStrain, SectionPoint::Top) => Variable::TopStrain,
+                (Variable::Temperature, SectionPoint::Bottom) => Variable::BottomTemperature,
+                (Variable::Temperature, SectionPoint::Top) => Variable::TopTemperature,
+                _ => return None,
+            })
+        };
+        match self {
+            Asked::Whole(variable) => Some(there(variable).map_or(self, Asked::Whole)),
+            Asked::One(part) => match there(part.variable) {
+                None => Some(self),
+                Some(variable) => {
+                    let count = variable.row().labels.len().max(1);
+                    (part.component < count).then_some(Asked::One(Part { variable, ..part }))
+                }
+            },
+            _ => Some(self),
+        }
+    }
+}
+
 /// A name that stands for several variables.
 #[derive(Debug, PartialEq)]
 pub struct Family {

@@ -126,6 +126,7 @@ fn one_cause_has_one_message_with_a_place() {
 const DOUBTFUL: &[(&str, &str)] = &[
     ("output_variables", "S, PEEQ => S, PEQQ, VONMISES"),
     ("faster_than_sound", "BAR, 2, -1. => BAR, 2, -1000."),
+    ("endless", ", 0.1 => , 1.e11"),
     ("given_increment", "Explicit\\n , 0.1 => Explicit, direct user control\\n 0.1, 0.1"),
     ("nothing_acts", "*Boundary\\n FOOT, 2, 2\\n =>"),
     ("lost_support", "FOOT, 2, 2 => FOOT, 3, 3"),

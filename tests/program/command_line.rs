@@ -99,6 +99,22 @@ fn explain_knows_keywords_and_every_code() {
     }
 }
 
+/// A reference without a row for any value of the sweep is told before anything runs.
+#[test]
+fn a_reference_of_other_values_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = folder.path().join("other.csv");
+    std::fs::write(&table, "V,depth\n12,3\n").expect("a table");
+    let (table, out) = (table.to_str().expect("a name"), folder.path().to_str().expect("a name"));
+    let sweep = ["sweep", "input/ogive.inp", "--set", "V=569,570", "--quantity", "final(U2@REF)"];
+    let output = revolve(&[&sweep[..], &["--compare", table, "--out", out]].concat());
+    let said = text(&output.stderr);
+    assert!(
+        !output.status.success() && said.contains("no row of it has V = 569 or 570; its first column has 12"),
+        "{said}"
+    );
+}
+
 #[test]
 fn a_sweep_gives_table_picture_and_the_same_bits_for_any_thread_count() {
     let folder = tempfile::tempdir().expect("a folder");

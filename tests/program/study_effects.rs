@@ -12,6 +12,7 @@ use revolve::model;
 use revolve::study::bench::Bench;
 use revolve::study::effects::{self, Effect, Effects};
 use revolve::study::measure::Measure;
+use revolve::study::refinement;
 use revolve::study::settings;
 
 use crate::common;
@@ -146,4 +147,47 @@ fn a_body_made_rigid_follows_the_closed_form() {
     println!("{}", effects.conclusions().join("\n"));
     // The accuracy asked for.
     assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+}
+
+/// Without conduction what is not held keeps its temperature; with it the slab of the series, order 2 in the mesh.
+#[test]
+fn conduction_left_out() {
+    let text = grid(1, 8, false, |i, j| [1.0 + i as f64, j as f64 / 8.0]).replace("type=CAX4R", "type=CAX4RT")
+        + &material(0.01, 0.3, 2.0, "*Conductivity\n 0.1,\n*Specific Heat\n 0.5,\n")
+        + "*Nset, nset=LOW\n 1\n*Initial Conditions, type=TEMPERATURE\n ALL, 3.\n*Step\n\
+           *Dynamic Temperature-displacement, Explicit\n , 2.\n*Boundary\n J1, 11, 11, 4.\n\
+           *Output, history, number interval=10\n*Node Output, nset=LOW\n NT\n*End Step\n";
+    let effects = left_out(&text, "increment=1,0.5", "final(NT11@LOW)");
+    let conduction = find(&effects, "heat conduction");
+    assert!(conduction.matters, "{:?}", effects.conclusions());
+    assert_eq!(conduction.value, Some(3.0));
+}
+
+/// Parts of the law of shells are left out as those of solids are.
+#[test]
+fn plasticity_of_shells_left_out() {
+    let text = "*Node, nset=ALL\n 1, 1., 0.\n 2, 1., 1.\n*Nset, nset=A\n 1\n*Element, type=SAX1, elset=SHELL\n 1, 1, 2\n\
+                *Shell Section, elset=SHELL, material=M\n 0.01, 3\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 100., 0.\n\
+                *Plastic\n 1., 0.\n*Initial Conditions, type=VELOCITY\n ALL, 1, 0.5\n*Step\n*Dynamic, Explicit\n , 0.1\n\
+                *Boundary\n ALL, 2, 2\n ALL, 6, 6\n*Output, history, number interval=10\n*Node Output, nset=A\n U1\n*End Step\n";
+    let effects = left_out(text, "increment=1,0.5", "final(U1@A)");
+    assert!(find(&effects, "plasticity").matters, "{:?}", effects.conclusions());
+}
+
+/// A field on shells against that of the finest mesh: order 2.
+#[test]
+fn norms_of_shells() {
+    let text = "*Parameter\nn = 4\nlast = n + 1\n*Node\n 1, 0., 0.\n <last>, 0.1, 0.01\n*Ngen, nset=ALL\n 1, <last>\n\
+                *Element, type=SAX1\n 1, 1, 2\n*Elgen, elset=SHELL\n 1, <n>\n*Nset, nset=A\n 1\n*Nset, nset=B\n <last>\n\
+                *Shell Section, elset=SHELL, material=M\n 0.002, 5\n*Material, name=M\n*Density\n 7800.,\n*Elastic\n 2.e11, 0.3\n\
+                *Step\n*Dynamic, Explicit\n , 1.e-4\n*Boundary\n A, XSYMM\n B, ENCASTRE\n*Dload\n SHELL, P, 1.e5\n\
+                *Output, history, number interval=20\n*Node Output, nset=A\n U2\n*End Step\n";
+    let source = |overrides: &Overrides| deck::read_text("case.inp", text, overrides);
+    let measure = Measure::parse("norm(U2)").expect("a quantity");
+    let axes = settings::axes(&["n=8,16,32".to_owned()], &["n".to_owned(), "last".to_owned()]).expect("levels");
+    let mut bench = Bench::new(&source, &[], None, &measure, 1, &|| {});
+    let study = refinement::grid(&mut bench, &axes, None).expect("a study");
+    let row = study.rows.last().expect("rows");
+    let order = row.estimates.last().copied().flatten().and_then(|e| e.order).expect("an order");
+    assert!((order - 2.0).abs() < 0.15, "{order}");
 }

@@ -259,6 +259,152 @@ fn no_heat_is_lost() {
     }
 }
 
+/// Two columns of rings from 1 to 2 that meet at z = `meet`, in `[below, above]` columns of cells, `rows` cells to a length 1,
+/// joined by cards; BASE and HEAD are the ends, FOOT and TOP the surfaces that meet.
+fn stacked(columns: [usize; 2], rows: usize, meet: f64, cards: &str) -> String {
+    let mut text = String::new();
+    let spans = [[0.0, meet], [meet, 1.0]];
+    let names = [["LOW", "BASE", "TOP"], ["HIGH", "FOOT", "HEAD"]];
+    for (part, (&n, [from, to])) in columns.iter().zip(spans).enumerate() {
+        let [body, low, high] = names[part];
+        let (m, first) = (((to - from) * rows as f64).round() as usize, 1 + 10_000 * part);
+        writeln!(text, "*Node, nset={body}").expect("text");
+        for k in 0..(n + 1) * (m + 1) {
+            let (i, j) = (k % (n + 1), k / (n + 1));
+            let z = from + (to - from) * j as f64 / m as f64;
+            writeln!(text, " {}, {:.17e}, {z:.17e}", first + k, 1.0 + i as f64 / n as f64).expect("text");
+        }
+        writeln!(text, "*Element, type=CAX4RT, elset=SOLID").expect("text");
+        for k in 0..n * m {
+            let corner = first + k % n + (k / n) * (n + 1);
+            let upper = corner + n + 1;
+            writeln!(text, " {}, {corner}, {}, {}, {upper}", first + k, corner + 1, upper + 1).expect("text");
+        }
+        let last_row = first + (m - 1) * n;
+        for (name, side, cell, node) in [(low, 1, first, first), (high, 3, last_row, first + m * (n + 1))] {
+            writeln!(text, "*Elset, elset=E{name}, generate\n {cell}, {}, 1", cell + n - 1).expect("text");
+            writeln!(text, "*Surface, name={name}\n E{name}, S{side}").expect("text");
+            writeln!(text, "*Nset, nset=N{name}, generate\n {node}, {}, 1", node + n).expect("text");
+        }
+    }
+    text + "*Nset, nset=ALL\n LOW, HIGH\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n\
+            *Elastic\n 0.01, 0.3\n*Conductivity\n 0.1,\n*Specific Heat\n 0.5,\n"
+        + cards
+}
+
+const TIED: &str = "*Tie, name=T\n FOOT, TOP\n";
+
+/// Through a tie of meshes that do not match, 3 cells beside 4, a slab conducts as one without. Nodes that follow by themselves
+/// take heat by their own shares of the area and hand it on by those of the master: at single nodes of the tie an error of the
+/// first order, which the mean over the tie does not see. No heat is lost.
+#[test]
+fn a_slab_through_a_tie_of_meshes_that_do_not_match() {
+    let held = step(2.0, "*Boundary\n NHEAD, 11, 11, 1.\n");
+    let found = [1, 2, 4].map(|fine| {
+        let (outcome, memory) = run(&(stacked([3 * fine, 4 * fine], 8 * fine, 0.5, TIED) + &held));
+        assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+        for (_, row) in &memory.rows[1..] {
+            assert!(row[0].abs() > 1e-6 && (row[0] / row[1] - 1.0).abs() < 1e-11, "{row:?}");
+        }
+        let errors = temperatures(&memory).into_iter().map(|([_, z], t)| (z, t - slab(z, 2.0)));
+        let tied: Vec<f64> = errors.clone().filter(|e| (e.0 - 0.5).abs() < 1e-9).map(|e| e.1).collect();
+        let worst = errors.map(|e| e.1.abs()).fold(0.0, f64::max);
+        [worst, (tied.iter().sum::<f64>() / tied.len() as f64).abs()]
+    });
+    // 2.4 and 1.5: forward differences in increments that fit the step have their share, as in the slab of one piece (1.7).
+    converges("slab through a tie, mean at it", &found.map(|f| f[1]), 1.4);
+    let worst = found.map(|f| f[0]);
+    let order = (worst[1] / worst[2]).log2();
+    println!("slab through a tie: errors {worst:?}, order {order:.2}");
+    assert!(order > 0.95 && worst[2] < 5e-3, "{order} {worst:?}");
+}
+
+/// Across the tie also along it: the lower part is heated at its outer half alone, so that heat goes over unevenly and slaves
+/// lie on slopes. Slaves have the temperature of their point of the master to rounding, and what is taken up is what was given,
+/// with the capacity of either law.
+#[test]
+fn a_tie_holds_where_the_temperature_varies_along_it() {
+    for varies in [false, true] {
+        let mut deck = stacked([3, 4], 8, 0.5, TIED) + &step(1.0, "*Cflux\n 4, 11, 0.3\n*Dflux\n SOLID, BF, 0.1\n");
+        if varies {
+            deck = deck.replace("*Specific Heat\n 0.5,\n", "*Specific Heat\n 0.5, 0.\n 1., 1.\n");
+        }
+        let (outcome, memory) = run(&deck);
+        assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+        let found = temperatures(&memory);
+        let at_tie: Vec<([f64; 2], f64)> = found.iter().filter(|p| (p.0[1] - 0.5).abs() < 1e-9).copied().collect();
+        let (master, slave) = at_tie.split_at(4);
+        assert_eq!(slave.len(), 5);
+        assert!(master[3].1 - master[0].1 > 0.01, "{master:?}");
+        let worst = slave.iter().map(|&([r, _], t)| {
+            let at = 3.0 * (r - 1.0);
+            let i = (at.floor() as usize).min(2);
+            let share = at - i as f64;
+            (t - (1.0 - share) * master[i].1 - share * master[i + 1].1).abs()
+        });
+        let worst = worst.fold(0.0, f64::max);
+        // What the capacity over an increment curves is made good an increment later.
+        assert!(worst < if varies { 1e-9 } else { 1e-12 }, "{worst:e}");
+        for (_, row) in &memory.rows[1..] {
+            assert!((row[0] / row[1] - 1.0).abs() < 1e-11, "{row:?}");
+        }
+    }
+}
+
+/// *EQUATION on 11: of meshes that match the slab of one piece to rounding; T1 = 2 T2 of two lumps that share 1 of heat.
+#[test]
+fn equations_between_temperatures() {
+    let held = |set: &str| step(2.0, &format!("*Boundary\n {set}, 11, 11, 1.\n"));
+    let whole = conducting(2, 16, false, |i, j| [1.0 + 0.5 * i as f64, j as f64 / 16.0]) + &held("J1");
+    let whole = temperatures(&run(&whole).1);
+    let joined = stacked([2, 2], 16, 0.5, "*Equation\n 2\n NFOOT, 11, 1., NTOP, 11, -1.\n") + &held("NHEAD");
+    let found = temperatures(&run(&joined).1);
+    assert_eq!(found.len(), whole.len() + 3);
+    for ([r, z], t) in found {
+        let one = whole.iter().find(|w| (w.0[0] - r).abs() + (w.0[1] - z).abs() < 1e-9).expect("a node").1;
+        assert!((t - one).abs() < 1e-12, "{t} {one}");
+    }
+    // Two elements apart, each of one temperature: capacity C = rho c V, volumes as 1 to 1; C T1 + C T2 is not kept, but
+    // T1 = 2 T2 and the multipliers' heat, C (T1 - 1) = -l and C (T2 - 0) = 2 l, give T2 = 2/5.
+    let all = "*Equation\n 2\n LOW, 11, 1., HIGH, 11, -2.\n*Initial Conditions, type=TEMPERATURE\n LOW, 1.\n";
+    let (_, memory) = run(&(stacked([1, 1], 2, 0.5, all) + &step(1.0, "")));
+    for ([_, z], t) in temperatures(&memory) {
+        assert!((t - if z < 0.5 { 0.8 } else { 0.4 }).abs() < 1e-12 || z == 0.5, "{z}: {t}");
+    }
+    let row = memory.rows.last().expect("a row").1.clone();
+    let volume = 0.5 * PI * 3.0;
+    assert!(
+        (row[1] / (2.0 * 0.5 * volume * 0.2) - 1.0).abs() < 1e-12 && (row[0] / row[1] - 1.0).abs() < 1e-12,
+        "{row:?}"
+    );
+}
+
+#[test]
+fn equations_between_temperatures_that_cannot_be_are_refused() {
+    let codes = |cards: &str, step: &str| -> Vec<&'static str> {
+        let text = stacked([2, 2], 4, 0.5, cards) + step;
+        let found = revolve::job::prepare_text("case.inp", &text, &[], &Routines::none()).diagnostics;
+        found.iter().filter(|d| d.severity == revolve::deck::Severity::Error).map(|d| d.code).collect()
+    };
+    let plain = step(1.0, "*Dflux\n SOLID, BF, 1.\n");
+    let same = " NFOOT, 11, 1., NTOP, 11, -1.\n";
+    assert!(codes(&format!("*Equation\n 2\n{same}"), &plain).is_empty());
+    for (cards, code) in [
+        (format!("*Equation\n 2\n{same} 2\n{same}"), "P018"),
+        ("*Equation\n 2\n NFOOT, 11, 1., NTOP, 2, -1.\n".into(), "M103"),
+        ("*Node\n 77, 3., 3.\n*Equation\n 2\n NFOOT, 11, 1., 77, 11, -1.\n".into(), "P063"),
+        ("*Equation\n 2\n NFOOT, 12, 1., NTOP, 12, -1.\n".into(), "M103"),
+    ] {
+        assert_eq!(codes(&cards, &plain), [code], "{cards}");
+    }
+    // Without a step that solves for temperatures they are told.
+    let told = step(1.0, "").replace("*Dynamic Temperature-displacement, Explicit", "*Dynamic, Explicit");
+    let text = stacked([2, 2], 4, 0.5, &format!("*Equation\n 2\n{same}"))
+        + &told.replace(" NT, RFL", " U").replace("TEMP, HFL", "S").replace("ALLHF, ALLIHE", "ALLKE");
+    let told = common::prepared(&text, &[], &Routines::none()).plan.ledger.unused;
+    assert!(told.iter().any(|u| u.what == "*EQUATION between temperatures"), "{told:?}");
+}
+
 /// Rows of temperatures that alternate: they stay bounded at the increment chosen, and grow 2 % above it.
 #[test]
 fn the_increment_is_stable_up_to_its_limit() {

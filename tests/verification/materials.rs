@@ -222,6 +222,63 @@ fn elements_go_at_their_greatest_damage() {
     assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", outcome.energy.plastic);
 }
 
+/// ELEMENT DELETION=NO: from the greatest damage on, 0.99 where MAX DEGRADATION says nothing, the element bears what that leaves of
+/// the yield stress, and goes on to flow: 400 times the strain, by hand.
+#[test]
+fn elements_that_fail_stay_where_the_deck_keeps_them() {
+    for (given, most) in [("", 0.99), (", max degradation=0.6", 0.6), (", max degradation=1.", 1.0)] {
+        let cards = "*Plastic\n 400., 0.\n*Damage Initiation, criterion=JOHNSON COOK\n 0.05, 0., 0., 0., 0., 0., 0., 1.\n\
+                     *Damage Evolution, type=DISPLACEMENT\n 5.e-5,\n";
+        let deck = cylinder(cards, "0., 0., 1.e-5, 1.", 2e-4, 1e-5, "S22, PEEQ, SDEG, STATUS");
+        let section =
+            format!("material=M, controls=C\n*Section Controls, name=C, element deletion=NO{given}\n*Material");
+        let (outcome, memory) = run(&deck.replacen("material=M\n*Material", &section, 1));
+        whole(&outcome, 2e-3);
+        let of = |name: &str| last(&deck, &memory, &format!("{name}@SOLID"));
+        let (stress, strain, damage) = (of("S22"), of("PEEQ"), of("SDEG"));
+        println!("kept at {strain:.5}: stress {stress:.5}, damage {damage:.8}");
+        assert!((damage - most).abs() < 2e-6 && of("STATUS") == 1.0);
+        assert!(strain > 0.15 && (stress - 400.0 * (1.0 - most)).abs() < 1e-2, "{stress} at {strain}");
+        // Full until 0.05, then a line down to the share that stays, over 0.05 times the damage.
+        let left = 1.0 - most;
+        let falling = 0.05 * most;
+        let area = 0.05 + falling * 0.5 * (1.0 + left) + left * (strain - 0.05 - falling);
+        let expected = std::f64::consts::PI * 1e-9 * (400.0 * area + 0.5 * 400.0 * 400.0 / 200e3 * most);
+        assert!((outcome.energy.plastic / expected - 1.0).abs() < 5e-3, "{} {expected}", outcome.energy.plastic);
+    }
+}
+
+/// *DAMAGE INITIATION alone: the criteria are followed, beyond 1 too, and the stress is that without them to rounding.
+#[test]
+fn damage_that_does_not_evolve_is_followed() {
+    let run = |cards: &str, variables: &str| {
+        let text = format!("*Plastic\n 400., 0.\n 500., 1.\n{cards}");
+        let deck = cylinder(&text, "0., 0., 1.e-5, 1.", 2e-4, 1e-5, variables);
+        let (outcome, memory) = run(&deck);
+        whole(&outcome, 2e-3);
+        (deck, memory)
+    };
+    let both = "*Damage Initiation, criterion=JOHNSON COOK\n 0.1, 0., 0., 0., 0., 0., 0., 1.\n\
+                *Damage Initiation, criterion=DUCTILE\n 0.2, 0.\n 0.05, 0.66666666667\n";
+    let (deck, memory) = run(both, "S22, PEEQ, DMICRT, JCCRT, DUCTCRT");
+    let of = |name: &str| column(&deck, &memory, &format!("{name}@SOLID"));
+    let [stress, strains, all, cook, ductile] = ["S22", "PEEQ", "DMICRT", "JCCRT", "DUCTCRT"].map(of);
+    let end = strains.last().expect("a row").1;
+    assert!(end > 0.15, "{end}");
+    for (i, (_, p)) in strains.iter().enumerate() {
+        assert!((cook[i].1 - p / 0.1).abs() < 1e-9, "{} at {p}", cook[i].1);
+        // In uniaxial tension the triaxiality is 1/3, but for what waves do while it flows first.
+        assert!((ductile[i].1 - p / 0.125).abs() < 2e-3, "{} at {p}", ductile[i].1);
+        assert_eq!(all[i].1, cook[i].1.max(ductile[i].1));
+    }
+    let (plain_deck, plain) = run("", "S22, PEEQ");
+    let without = column(&plain_deck, &plain, "S22@SOLID");
+    assert_eq!(stress.len(), without.len());
+    for (with, without) in stress.iter().zip(&without) {
+        assert!((with.1 - without.1).abs() < 1e-6 * 400.0, "{with:?} {without:?}");
+    }
+}
+
 /// Linear damage: the stress falls with the plastic displacement, and the energy is that of the card.
 #[test]
 fn damage_takes_its_displacement_and_its_energy() {

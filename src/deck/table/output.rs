@@ -30,7 +30,7 @@ pub const CARDS: &[Keyword] = &[
         "TRACER SET" refused "meshes are not adaptive",
         "FILTER" inert "output is not filtered: it holds what is computed",
     }, [(list "nodal variable")]),
-    row!("ELEMENT OUTPUT", "Element variables of an *OUTPUT request", (), {
+    row!("ELEMENT OUTPUT", "Element variables of an *OUTPUT request; a first line of numbers names section points of shells: 1 the side SNEG, the last the side SPOS, or the middle one", (), {
         "ELSET" read "Elements",
         "VARIABLE" read "PRESELECT or ALL",
         "DIRECTIONS" inert "the directions are r, z and the hoop",

@@ -16,7 +16,24 @@ pub(super) const LIST: &[Ablation] = &[
         name: "heating by plastic work",
         instead: "temperatures stay",
         ways: |model| usize::from(heats(model)),
-        edit: |model, _| model.steps.iter_mut().for_each(|s| s.adiabatic = false),
+        edit: |model, _| no_heat_of_work(model),
+        way: one_way,
+    },
+    Ablation {
+        name: "heat conduction",
+        instead: "heat stays where it is given",
+        ways: |model| usize::from(conducts(model)),
+        edit: |model, _| {
+            let rows = model.materials.iter_mut().filter_map(|m| m.conductivity.as_mut()).flat_map(|c| &mut c.0);
+            rows.for_each(|row| row[0] = NO_CONDUCTION);
+        },
+        way: one_way,
+    },
+    Ablation {
+        name: "thermal expansion",
+        instead: "coefficient 0",
+        ways: |model| usize::from(any(model, |m| m.expansion.is_some())),
+        edit: |model, _| model.materials.iter_mut().for_each(|m| m.expansion = None),
         way: one_way,
     },
     Ablation {
@@ -45,9 +62,14 @@ pub(super) const LIST: &[Ablation] = &[
     },
 ];
 
+/// A conductivity, which must be above zero, by which nothing flows over any time.
+const NO_CONDUCTION: f64 = 1e-100;
+
 /// Materials that something which deforms is made of.
 fn any(model: &Model, which: impl Fn(&Material) -> bool) -> bool {
-    super::super::settings::deforms(model) && model.sections.iter().any(|s| which(&model.materials[s.material]))
+    let solids = model.sections.iter().map(|s| s.material);
+    let mut all = solids.chain(model.shell_sections.iter().map(|s| s.material));
+    super::super::settings::deforms(model) && all.any(|m| which(&model.materials[m]))
 }
 
 fn fails(material: &Material) -> bool {
@@ -56,7 +78,21 @@ fn fails(material: &Material) -> bool {
 
 fn heats(model: &Model) -> bool {
     let hot = |m: &Material| m.plastic.is_some() && m.inelastic_heat_fraction.is_some() && m.specific_heat.is_some();
-    model.steps.iter().any(|s| s.adiabatic) && any(model, hot)
+    model.steps.iter().any(|s| s.adiabatic || s.coupled) && any(model, hot)
+}
+
+/// Where temperatures are solved for they go on to be, without what plastic work adds.
+fn no_heat_of_work(model: &mut Model) {
+    model.steps.iter_mut().for_each(|s| s.adiabatic = false);
+    if model.steps.iter().any(|s| s.coupled) {
+        model.materials.iter_mut().for_each(|m| m.inelastic_heat_fraction = None);
+    }
+}
+
+fn conducts(model: &Model) -> bool {
+    let conductor =
+        |m: &Material| m.conductivity.as_ref().is_some_and(|c| c.0.iter().any(|row| row[0] > NO_CONDUCTION));
+    model.steps.iter().any(|s| s.coupled) && any(model, conductor)
 }
 
 /// A criterion of failure that reads the rate keeps its own reference rate where it has one, and loses the term else.
