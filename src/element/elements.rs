@@ -8,6 +8,7 @@ use super::distortion::DistortionControl;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
 use super::mass_scaling::Masses;
+use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::rings::Rings;
 use crate::kernel::lanes::{Corners, LANES};
@@ -16,6 +17,7 @@ use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
 use crate::state::halt::Halt;
+use crate::state::magnitude::Clock;
 use crate::state::nodes::Nodes;
 use crate::state::{EffectId, Instant};
 use crate::user::AtPoints;
@@ -41,6 +43,8 @@ pub struct Elements {
     pub connectors: Option<Box<Connectors>>,
     /// Mass proportional damping; `None` without any.
     pub damping: Option<Box<Damping>>,
+    /// Field variables prescribed at nodes; `None` without any.
+    pub fields: Option<Box<PredefinedFields>>,
     /// Elements under distortion control; `None` without any.
     pub distortion: Option<Box<DistortionControl>>,
     /// Masses without scaling; `None` unless the deck scales masses.
@@ -119,6 +123,13 @@ impl Elements {
     /// An increment has been made: its strains are to come.
     pub fn moved(&mut self) {
         self.pending = true;
+    }
+
+    /// Gives elements the field variables that are prescribed at this instant.
+    pub fn give_fields(&mut self, clock: &Clock<'_>) {
+        if let Some(fields) = &mut self.fields {
+            fields.give(&mut self.groups, clock);
+        }
     }
 
     /// Whether the strains of the increment behind are still to come.
@@ -282,6 +293,8 @@ impl Persist for Elements {
             rings,
             connectors,
             damping,
+            // They follow from the clock.
+            fields: _,
             distortion,
             masses,
             corners,

@@ -81,6 +81,12 @@ pub trait ElementGroup: Persist + Send + Sync {
     }
     /// Sets a field variable of an element at the start, counted from 0.
     fn set_field(&mut self, _element: usize, _variable: usize, _value: f64) {}
+    /// Field variables that elements hold.
+    fn fields(&self) -> usize {
+        0
+    }
+    /// Gives elements a field variable, below [`ElementGroup::fields`], as their nodes have it.
+    fn give_field(&mut self, _variable: usize, _values: &[f64]) {}
     /// Sets stress and temperature of an element at the start.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
     /// Gives elements the temperatures that nodes have.

@@ -16,6 +16,7 @@ pub mod instructions;
 pub mod mass_scaling;
 mod mean_stress;
 pub mod points;
+pub mod predefined;
 pub mod quiescent;
 pub mod record;
 mod rescale;

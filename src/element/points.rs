@@ -45,6 +45,10 @@ pub struct Points {
     pub(super) state: Pair,
     /// Field variables.
     pub(super) field: Pair,
+    /// Field variables as nodes have them, before a routine of the user changes those of the point.
+    given: Vec<f64>,
+    /// Bulk and shear modulus of the stress; not a number before the first increment, empty where they are constant.
+    pub(super) moduli: Pair,
     internal: Pair,
     pub(super) inelastic: Pair,
     /// Equivalent plastic strain, where it is not the routine's affair; else empty.
@@ -67,6 +71,7 @@ impl Points {
     pub fn new(material: &Description, elements: Vec<i32>) -> Self {
         let (count, variables, fields) = (elements.len(), material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
+        let varying = if material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) { count } else { 0 };
         let mut points = Points {
             count,
             variables,
@@ -84,6 +89,8 @@ impl Points {
             stress: pair((4 + SPARE) * count),
             state: pair(variables * count),
             field: pair(fields * count),
+            given: vec![0.0; fields * count],
+            moduli: [vec![f64::NAN; varying], vec![f64::NAN; varying]],
             internal: pair(count),
             inelastic: pair(count),
             plastic: [vec![0.0; flows], vec![0.0; flows]],
@@ -118,8 +125,20 @@ impl Points {
     /// Field variable of a point at the start, where its material has it.
     pub fn start_field(&mut self, point: usize, variable: usize, value: f64) {
         if variable < self.fields {
-            self.field.iter_mut().for_each(|list| list[variable * self.count + point] = value);
+            let at = variable * self.count + point;
+            self.field.iter_mut().for_each(|list| list[at] = value);
+            self.given[at] = value;
         }
+    }
+
+    /// Gives points a field variable as their nodes have it.
+    pub fn give_field(&mut self, variable: usize, values: &[f64]) {
+        self.given[variable * self.count..(variable + 1) * self.count].copy_from_slice(values);
+    }
+
+    /// Field variables at the end of the increment are those of the nodes, until a routine of the user says otherwise.
+    pub fn carry_fields(&mut self) {
+        self.field[1][..self.given.len()].copy_from_slice(&self.given);
     }
 
     /// Gives points the temperatures at the end of the increment; those that they have are those before it.
@@ -272,9 +291,8 @@ impl Points {
     ) -> Result<(), LoadFailure> {
         let (n, m, f) = (self.count, self.variables, self.fields);
         let [state_old, state] = &mut self.state;
-        let [field_old, field] = &mut self.field;
+        let field = &mut self.field[1];
         state.copy_from_slice(state_old);
-        field.copy_from_slice(field_old);
         let held = Held {
             tells,
             count: n,
@@ -405,8 +423,9 @@ impl Points {
     pub fn bytes(&self) -> usize {
         let Points { coordinates, length, density, strain, spin, elements, .. } = self;
         let Points { temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic, .. } = self;
-        let single = [coordinates, length, density, strain, spin];
-        let pairs = [temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
+        let Points { given, moduli, .. } = self;
+        let single = [coordinates, length, density, strain, spin, given];
+        let pairs = [moduli, temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
         let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
         numbers.sum::<usize>() + 4 * elements.capacity()
     }
@@ -515,6 +534,9 @@ impl Persist for Points {
             stress,
             state,
             field,
+            // Of the start, or given in each increment.
+            given: _,
+            moduli,
             internal,
             inelastic,
             plastic,
@@ -522,7 +544,7 @@ impl Persist for Points {
         for list in [coordinates, length, density, strain, spin] {
             list.as_mut_slice().persist(archive);
         }
-        for pair in [temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic] {
+        for pair in [temperature, stretch, gradient, stress, state, field, moduli, internal, inelastic, plastic] {
             pair.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
         }
     }

@@ -160,6 +160,7 @@ impl Chunk {
             self.points.keep();
             return Ok(());
         }
+        self.points.carry_fields();
         if let (Some(properties), Some(routine)) = (&description.asks_fields, user.fields) {
             let tells = &Told { blocks: &self.blocks, workspaces: &scratch.workspaces, turn };
             self.points.call_fields(description, properties, routine, tells, (now, dt))?;
@@ -195,7 +196,11 @@ impl Chunk {
     /// The routine's stresses, the work done on the way to them, and the corner forces that follow.
     pub fn respond(&mut self, common: &Common<'_>, place: Place, scratch: &mut Scratch, corners: &mut [Corners]) {
         (0..self.deleted.len()).for_each(|i| self.take_stress(i, common.description.delete, scratch));
-        let flows = common.description.flow.is_some();
+        let flow = common.description.flow.as_ref();
+        let flows = flow.is_some();
+        if flow.is_some_and(|f| f.elasticity.is_some()) {
+            (0..self.deleted.len()).for_each(|i| self.take_direction(i, scratch));
+        }
         if flows {
             (0..self.deleted.len()).for_each(|i| self.take_flow(i, scratch));
         }
@@ -236,6 +241,16 @@ impl Chunk {
         }
         for (list, value) in block.stress.iter_mut().zip(stress) {
             list[l] = value;
+        }
+    }
+
+    /// The direction of plastic flow where moduli change: that of the stress, not of what the largest moduli would try.
+    fn take_direction(&self, i: usize, scratch: &mut Scratch) {
+        let (block, workspace, l) = (&self.blocks[i / LANES], &mut scratch.workspaces[i / LANES], i % LANES);
+        let stress = [0, 1, 2, 3].map(|k| block.stress[k][l]);
+        let mean = (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0);
+        for (k, (list, stress)) in workspace.deviator.iter_mut().zip(stress).enumerate() {
+            list[l] = if k < 3 { stress - mean } else { stress };
         }
     }
 

@@ -223,6 +223,16 @@ impl ElementGroup for UserQuads {
         self.chunks[element / ELEMENTS].points.start_field(element % ELEMENTS, variable, value);
     }
 
+    fn fields(&self) -> usize {
+        self.description.fields
+    }
+
+    fn give_field(&mut self, variable: usize, values: &[f64]) {
+        for (chunk, values) in self.chunks.iter_mut().zip(values.chunks(ELEMENTS)) {
+            chunk.points.give_field(variable, values);
+        }
+    }
+
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         self.chunks[element / ELEMENTS].set(element % ELEMENTS, stress, temperature);
     }

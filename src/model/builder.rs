@@ -215,6 +215,7 @@ impl<'a> Builder<'a> {
             }
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
+            "FIELD" => self.prescribed_fields(card),
             "CFLUX" | "DFLUX" | "DSFLUX" | "FILM" | "SFILM" => self.heat_card(card),
             "OUTPUT"
             | "NODE OUTPUT"

@@ -7,6 +7,7 @@ pub mod codes;
 mod connectors;
 mod doubts;
 mod equations;
+mod fields;
 mod heat;
 pub mod ledger;
 mod links;
@@ -206,6 +207,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.connect(&mut state);
     compiler.finish_bodies();
     state.thermal = compiler.thermal(&state);
+    state.elements.fields = compiler.predefined_fields(&state);
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
     state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
     let (columns, fields) = compiler.variables(&mut state);

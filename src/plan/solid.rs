@@ -110,6 +110,7 @@ impl Compiler<'_> {
         }
         let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
         self.start_solid(&mut state);
+        self.start_fields(&mut state);
         state
     }
 
@@ -273,14 +274,8 @@ impl Compiler<'_> {
                         }
                     }
                 }
-                InitialKind::Field(variable, value) => {
-                    let mesh = &self.model.mesh;
-                    for (&e, &(group, i)) in &self.places.elements {
-                        if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
-                            groups[group].set_field(i, *variable, *value);
-                        }
-                    }
-                }
+                // Elements are given the means of their nodes.
+                InitialKind::Field(..) => {}
                 InitialKind::Stress(values) => {
                     let eos = |&&(group, _): &&(usize, usize)| groups[group].holds_state();
                     if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {

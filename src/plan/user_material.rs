@@ -13,12 +13,18 @@ use crate::element::group::ElementGroup;
 use crate::element::user_law::{Description, Flow, Yield};
 use crate::element::user_quads::UserQuads;
 use crate::kernel::heating::Heating;
-use crate::model::{Hourglass, InitialKind, Material, Plastic, SolidSection, StateVariables};
+use crate::model::{Hourglass, Material, Plastic, SolidSection, StateVariables};
 use crate::state::nodes::Node;
 
 /// Whether elements of a material ask routines of the user at their points.
 pub(super) fn asks_at_points(material: &Material) -> bool {
-    material.user.is_some() || material.fields.is_some() || matches!(material.plastic, Some(Plastic::User(_)))
+    let varies = !material.elastic_table.is_empty();
+    varies || material.user.is_some() || material.fields.is_some() || flows_at_points(material)
+}
+
+/// Whether the yield stress is one of points: of the user's, or over field variables.
+fn flows_at_points(material: &Material) -> bool {
+    matches!(material.plastic, Some(Plastic::User(_) | Plastic::OverFields(_)))
 }
 
 /// What the user's routines give of a law.
@@ -60,7 +66,10 @@ impl Compiler<'_> {
         let StateVariables { count, delete } = material.state;
         let (properties, flow) = match law {
             UserLaw::Stress(properties) => (properties.clone(), None),
-            UserLaw::Flow(yields) => (Vec::new(), Some(Flow { bulk, shear, yields })),
+            UserLaw::Flow(yields) => {
+                let elasticity = self.elasticity(section, material, elements.len());
+                (Vec::new(), Some(Flow { bulk, shear, elasticity, yields }))
+            }
         };
         let description = Description {
             name: material.name.clone(),
@@ -81,15 +90,6 @@ impl Compiler<'_> {
             group.follow();
         }
         Some(Box::new(group))
-    }
-
-    /// Field variables of a material: those that the deck gives, and one at least where a routine defines them.
-    fn field_variables(&self, material: &Material) -> usize {
-        let given = self.model.initial_conditions.iter().map(|c| match c.kind {
-            InitialKind::Field(variable, _) => variable + 1,
-            _ => 0,
-        });
-        given.max().unwrap_or(0).max(usize::from(material.fields.is_some()))
     }
 
     /// The moduli that stand for those of a routine's stress until it tells them; `None` if the material lacks a card or has
@@ -116,7 +116,13 @@ impl Compiler<'_> {
     /// has what does not go with that (reported).
     fn user_flow<'m>(&mut self, section: &SolidSection, material: &'m Material) -> Option<(UserLaw<'m>, Moduli)> {
         let moduli = self.moduli(material, section.span)?;
-        let cause = if material.fields.is_some() { "*USER DEFINED FIELD" } else { "*PLASTIC, HARDENING=USER" };
+        let cause = if material.fields.is_some() {
+            "*USER DEFINED FIELD"
+        } else if flows_at_points(material) {
+            "*PLASTIC, HARDENING=USER or DEPENDENCIES="
+        } else {
+            "a table of *ELASTIC"
+        };
         let beside = [
             (material.eos.is_some(), "*EOS"),
             (material.hyperelastic.is_some(), "*HYPERELASTIC"),
@@ -142,6 +148,7 @@ impl Compiler<'_> {
                 self.called.push("vuhard");
                 Yield::User(properties.clone())
             }
+            Some(Plastic::OverFields(rows)) => self.yield_over_fields(section, material, rows)?,
             Some(plastic) => Yield::Law(Arc::from(self.yield_stress(plastic, material, section.span)?)),
         };
         Some((UserLaw::Flow(yields), moduli))
@@ -183,6 +190,12 @@ impl Compiler<'_> {
             }
             UserLaw::Flow(Yield::User(properties)) => {
                 let detail = format!("vuhard: {} constants, {variables} state variables{heated}", properties.len());
+                self.cause(section.span, "plasticity", count, "elements", detail);
+            }
+            UserLaw::Flow(Yield::OverFields(law)) => {
+                let fields = law.fields;
+                let rate = if law.factor.is_some() { ", rate dependent" } else { "" };
+                let detail = format!("tabular isotropic over {fields} field variables{rate}{heated}");
                 self.cause(section.span, "plasticity", count, "elements", detail);
             }
             UserLaw::Flow(Yield::Law(_)) => {
