@@ -7,6 +7,7 @@ use super::damping::Damping;
 use super::distortion::DistortionControl;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
+use super::lengths::AskedLengths;
 use super::mass_scaling::Masses;
 use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
@@ -43,6 +44,8 @@ pub struct Elements {
     pub connectors: Option<Box<Connectors>>,
     /// Mass proportional damping; `None` without any.
     pub damping: Option<Box<Damping>>,
+    /// Elements whose characteristic length a routine of the user gives at the start; none without the card.
+    pub lengths: Vec<AskedLengths>,
     /// Field variables prescribed at nodes; `None` without any.
     pub fields: Option<Box<PredefinedFields>>,
     /// Elements under distortion control; `None` without any.
@@ -103,6 +106,11 @@ impl Elements {
     /// # Errors
     /// Why it could not.
     pub fn probe(&mut self, nodes: &Nodes, now: &Instant, mut user: AtPoints<'_>) -> Result<(), Halt> {
+        if let Some(routine) = user.lend().lengths {
+            for asked in &self.lengths {
+                asked.ask(&mut *self.groups[asked.group], nodes.as_slice(), now, routine)?;
+            }
+        }
         let mut groups = self.groups.iter_mut();
         groups.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }
@@ -293,6 +301,8 @@ impl Persist for Elements {
             rings,
             connectors,
             damping,
+            // Asked once at the start; what came of it is the groups'.
+            lengths: _,
             // They follow from the clock.
             fields: _,
             distortion,

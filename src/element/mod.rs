@@ -13,6 +13,7 @@ mod estimate;
 pub mod frequency;
 pub mod group;
 pub mod instructions;
+pub mod lengths;
 pub mod mass_scaling;
 mod mean_stress;
 pub mod points;

@@ -1,12 +1,14 @@
 //! Material points as the user's routine is shown them, and what it answers.
 //! Never here: geometry of elements.
 
+use crate::element::lengths::{Shown, above_zero};
 use crate::element::user_law::Description;
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 use crate::user::{
-    FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial,
+    FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
+    UserLengths, UserMaterial,
 };
 use crate::variables::{Part, Variable};
 
@@ -33,6 +35,8 @@ pub struct Points {
     pub(super) elements: Vec<i32>,
     coordinates: Vec<f64>,
     length: Vec<f64>,
+    /// Corners, where a routine of the user gives the lengths.
+    shown: Option<Shown>,
     pub(super) density: Vec<f64>,
     pub(super) strain: Vec<f64>,
     spin: Vec<f64>,
@@ -68,7 +72,7 @@ fn pair(length: usize) -> Pair {
 
 impl Points {
     /// Points at rest, without stress, of elements with these numbers; the variable that deletes is 1.
-    pub fn new(material: &Description, elements: Vec<i32>) -> Self {
+    pub fn new(material: &Description, corners: &[[u32; 4]], elements: Vec<i32>) -> Self {
         let (count, variables, fields) = (elements.len(), material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
         let varying = if material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) { count } else { 0 };
@@ -78,7 +82,8 @@ impl Points {
             fields,
             elements,
             coordinates: vec![f64::NAN; 3 * count],
-            length: vec![0.0; count],
+            length: guarded(count),
+            shown: material.asks_lengths.as_ref().map(|_| Shown::new(corners)),
             density: vec![0.0; count],
             strain: vec![0.0; (4 + SPARE) * count],
             spin: vec![0.0; count],
@@ -162,6 +167,9 @@ impl Points {
         self.coordinates[self.count + point] = mean(z);
         let area = 0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]));
         self.length[point] = area.abs().sqrt();
+        if let Some(shown) = &mut self.shown {
+            shown.set(point, r, z);
+        }
         self.density[point] = density;
     }
 
@@ -251,7 +259,7 @@ impl Points {
             variables: m,
             properties: &material.properties,
             coordinates: &self.coordinates,
-            length: &self.length,
+            length: &self.length[..n],
             density: &self.density,
             strain: &self.strain,
             spin: &self.spin,
@@ -274,6 +282,39 @@ impl Points {
         };
         routine.stress(&call, answer)?;
         self.accept()
+    }
+
+    /// Asks the routine of characteristic lengths, which find the default there.
+    ///
+    /// # Errors
+    /// Its own, and where it wrote past its points or gave a length that is not above zero.
+    pub fn call_lengths(
+        &mut self,
+        material: &Description,
+        properties: &[f64],
+        routine: &mut dyn UserLengths,
+        (now, dt): (&Instant, f64),
+    ) -> Result<(), LoadFailure> {
+        let (n, m, f) = (self.count, self.variables, self.fields);
+        let Some(shown) = &self.shown else { return Ok(()) };
+        let call = LengthCall {
+            name: &material.name,
+            now: *now,
+            dt,
+            count: n,
+            variables: m,
+            fields: f,
+            corners: shown.corners,
+            properties,
+            elements: &self.elements,
+            coordinates: &self.coordinates[..2 * n],
+            nodes: &shown.places,
+            field: &self.field[1][..f * n],
+            state: &self.state[0][..m * n],
+        };
+        routine.lengths(&call, &mut self.length[..n])?;
+        untouched("charLength", &mut self.length, n, 1)?;
+        above_zero(&self.length[..n])
     }
 
     /// Asks the routine of user-defined fields, whose state variables are the old ones from now on. `tells` gives what the
@@ -311,7 +352,7 @@ impl Points {
             properties,
             elements: &self.elements,
             coordinates: &self.coordinates,
-            length: &self.length,
+            length: &self.length[..n],
             state: &state_old[..m * n],
             values: &held,
         };
@@ -427,7 +468,8 @@ impl Points {
         let single = [coordinates, length, density, strain, spin, given];
         let pairs = [moduli, temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
         let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
-        numbers.sum::<usize>() + 4 * elements.capacity()
+        let shown = self.shown.as_ref().map_or(0, Shown::bytes);
+        numbers.sum::<usize>() + 4 * elements.capacity() + shown
     }
 }
 
@@ -523,6 +565,8 @@ impl Persist for Points {
             elements: _,
             coordinates,
             length,
+            // Set before each question.
+            shown: _,
             density,
             strain,
             spin,

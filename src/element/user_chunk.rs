@@ -17,7 +17,7 @@ use crate::material::volumetric::Linear;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
-use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK, UserMaterial};
+use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK};
 use crate::variables::{Part, Variable};
 
 /// Blocks of elements that one call shows, and its elements.
@@ -88,7 +88,7 @@ impl Chunk {
         let fresh = |part: &[[u32; 4]]| block(((), (), ()), description.density, part, nodes);
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         Chunk {
-            points: Points::new(description, numbers),
+            points: Points::new(description, elements, numbers),
             mass: (0..elements.len()).map(|i| blocks[i / LANES].mass[i % LANES]).collect(),
             start: elements.iter().map(|e| start(*e, nodes)).collect(),
             turn: vec![[1.0, 0.0]; elements.len()],
@@ -147,7 +147,7 @@ impl Chunk {
     /// Calls the routines. An increment of no length leaves all as it is.
     ///
     /// # Errors
-    /// Those of [`Points::call_fields`], [`Points::call`] and [`Points::flow`].
+    /// Those of [`Points::call_lengths`], [`Points::call_fields`], [`Points::call`] and [`Points::flow`].
     pub fn call(
         &mut self,
         description: &Description,
@@ -161,6 +161,9 @@ impl Chunk {
             return Ok(());
         }
         self.points.carry_fields();
+        if let (Some(properties), Some(routine)) = (&description.asks_lengths, user.lengths) {
+            self.points.call_lengths(description, properties, routine, (now, dt))?;
+        }
         if let (Some(properties), Some(routine)) = (&description.asks_fields, user.fields) {
             let tells = &Told { blocks: &self.blocks, workspaces: &scratch.workspaces, turn };
             self.points.call_fields(description, properties, routine, tells, (now, dt))?;
@@ -185,9 +188,13 @@ impl Chunk {
     pub fn probe(
         &mut self,
         description: &Description,
-        routine: &mut dyn UserMaterial,
+        user: AtPoints<'_>,
         now: &Instant,
     ) -> Result<[f64; 2], LoadFailure> {
+        if let (Some(properties), Some(routine)) = (&description.asks_lengths, user.lengths) {
+            self.points.call_lengths(description, properties, routine, (now, 0.0))?;
+        }
+        let Some(routine) = user.material else { return Ok([0.0; 2]) };
         self.points.show_fictitious();
         self.points.call(description, routine, now, 1.0)?;
         self.points.moduli()

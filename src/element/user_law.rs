@@ -22,6 +22,8 @@ pub struct Description {
     pub fields: usize,
     /// Constants of the routine of fields, where there is one (`*USER DEFINED FIELD`).
     pub asks_fields: Option<Vec<f64>>,
+    /// Constants of the routine of characteristic lengths, where there is one (`*CHARACTERISTIC LENGTH, DEFINITION=USER`).
+    pub asks_lengths: Option<Vec<f64>>,
     /// Elasticity and plasticity, where the routine does not give the stress itself.
     pub flow: Option<Flow>,
     /// Rise of temperature by inelastic work.

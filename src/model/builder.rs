@@ -182,6 +182,7 @@ impl<'a> Builder<'a> {
             | "DAMAGE EVOLUTION"
             | "USER MATERIAL"
             | "USER DEFINED FIELD"
+            | "CHARACTERISTIC LENGTH"
             | "DEPVAR"
             | "CAVITY EXPANSION" => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),

@@ -49,7 +49,7 @@ impl Check<'_> {
         let resists =
             material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
         need(resists, "a resistance needs YIELD above zero and A, B, C not below zero");
-        let of_fields = material.fields.iter().flat_map(|f| &f.0);
+        let of_fields = material.fields.iter().chain(&material.lengths).flat_map(|f| &f.0);
         let constants = material.user.iter().flatten().chain(of_fields);
         need(constants.into_iter().all(|c| c.is_finite()), "constants of the user must be finite");
         let state = material.state;

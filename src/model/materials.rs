@@ -56,6 +56,7 @@ impl Builder<'_> {
             "EXPANSION" => self.expansion(card),
             "USER MATERIAL" => self.user_material(card),
             "USER DEFINED FIELD" => self.user_fields(card),
+            "CHARACTERISTIC LENGTH" => self.characteristic_length(card),
             "DEPVAR" => self.state_variables(card),
             _ => self.cavity_expansion(card),
         }

@@ -259,6 +259,8 @@ pub struct Material {
     pub user: Option<Vec<f64>>,
     /// `*USER DEFINED FIELD`: constants of its routine, and the card.
     pub fields: Option<(Vec<f64>, Span)>,
+    /// `*CHARACTERISTIC LENGTH, DEFINITION=USER`: constants of its routine, and the card.
+    pub lengths: Option<(Vec<f64>, Span)>,
     /// `*DEPVAR`.
     pub state: StateVariables,
     /// Names that `*DEPVAR` gives variables, which are counted from 0.
@@ -358,6 +360,13 @@ pub struct FailureCriterion {
     pub evolution: DamageEvolution,
     /// The card.
     pub span: Span,
+}
+
+impl FailureCriterion {
+    /// Whether what follows depends on the length of an element.
+    pub fn takes_length(&self) -> bool {
+        matches!(self.evolution, DamageEvolution::Displacement(_) | DamageEvolution::Energy(_))
+    }
 }
 
 /// Plastic strain at failure.

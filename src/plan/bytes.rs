@@ -74,6 +74,7 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
         ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
         (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
         ("mass proportional damping", "coefficients and forces", elements.damping.as_ref().map_or(0, |d| d.bytes())),
+        ("characteristic length", "elements", elements.lengths.iter().map(|l| l.bytes()).sum()),
         ("predefined fields", "values", elements.fields.as_ref().map_or(0, |f| f.bytes())),
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),
         ("mass scaling", "masses", elements.bytes_of_masses()),

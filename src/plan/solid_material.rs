@@ -98,6 +98,8 @@ impl Compiler<'_> {
             }
             return self.user_group(section, material, elements, corners, nodes, mass);
         }
+        let evolves = material.failures.iter().any(FailureCriterion::takes_length);
+        self.asks_lengths(section, material, evolves)?;
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
         add_masses(corners, nodes, density, mass);

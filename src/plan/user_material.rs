@@ -52,6 +52,8 @@ impl Compiler<'_> {
         };
         let density = material.density?;
         self.ask_fields(section, material)?;
+        let takes_lengths = material.user.is_some() || material.fields.is_some();
+        self.asks_lengths(section, material, takes_lengths)?;
         add_masses(corners, nodes, density, mass);
         let hourglass = self.hourglass(section, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
@@ -78,6 +80,7 @@ impl Compiler<'_> {
             delete,
             fields: self.field_variables(material),
             asks_fields: material.fields.as_ref().map(|f| f.0.clone()),
+            asks_lengths: material.lengths.as_ref().filter(|_| takes_lengths).map(|l| l.0.clone()),
             flow,
             heating,
             density,
@@ -165,6 +168,26 @@ impl Compiler<'_> {
         self.called.push("vusdfld");
         let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.state.count);
         self.cause(*span, "user-defined fields", 1, "material", detail);
+        Some(())
+    }
+
+    /// Whether the routine of characteristic lengths is there, where one is asked for and something takes a length; `None` if
+    /// not (reported).
+    pub(super) fn asks_lengths(&mut self, section: &SolidSection, material: &Material, takes: bool) -> Option<()> {
+        let Some((properties, span)) = &material.lengths else { return Some(()) };
+        if !takes {
+            let why = "no damage evolves in this material, and no vumat or vusdfld is told a length";
+            self.unused(*span, "*CHARACTERISTIC LENGTH", why);
+            return Some(());
+        }
+        if self.routines.lengths.is_none() {
+            let asks = format!("the characteristic length of `{}` is the user's (*CHARACTERISTIC LENGTH)", material.name);
+            self.no_routine(section.span, "section", &asks, "vucharlength");
+            return None;
+        }
+        self.called.push("vucharlength");
+        let detail = format!("vucharlength: {} constants", properties.len());
+        self.cause(*span, "characteristic length", 1, "material", detail);
         Some(())
     }
 

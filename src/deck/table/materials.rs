@@ -203,6 +203,11 @@ pub const CARDS: &[Keyword] = &[
     row!("USER DEFINED FIELD", "Fields of a user routine (subroutine vusdfld)", (once below "MATERIAL"), {
         "PROPERTIES" read "Number of constants",
     }, [(list "constant of the fields" read "Eight a line")]),
+    row!("CHARACTERISTIC LENGTH", "Length of an element that damage evolution and routines of the user take", (once below "MATERIAL"), {
+        "DEFINITION" read "GEOMETRIC MEAN (default): the root of the element's area in the (r, z) plane; USER (subroutine vucharlength)",
+        "COMPONENTS" only ["1"] "a length has one component",
+        "PROPERTIES" read "Number of constants of DEFINITION=USER",
+    }, [(list "constant of the length" read "Eight a line")]),
     row!("DEPVAR", "Number of state variables that the user's routines keep at a point", (once below "MATERIAL"), {
         "DELETE" read "State variable that deletes the element",
         "CONVERT" refused "elements do not turn into particles",
