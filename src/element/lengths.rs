@@ -43,7 +43,8 @@ impl AskedLengths {
             let first = chunk * MAX_MATERIAL_BLOCK;
             let corners: Vec<[u32; 4]> = (first..first + names.len()).map(|e| group.corners(e)).collect();
             let lengths = self.block(&corners, names, nodes, now, routine).map_err(|failure| {
-                let place = failure.point.and_then(|i| names.get(i)).map_or(String::new(), |n| format!(" at element {n}"));
+                let place =
+                    failure.point.and_then(|i| names.get(i)).map_or(String::new(), |n| format!(" at element {n}"));
                 failure.halt(&format!("the characteristic length of the material `{}`{place}", self.name), now)
             })?;
             lengths.into_iter().enumerate().for_each(|(i, length)| group.set_length(first + i, length));

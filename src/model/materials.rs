@@ -132,7 +132,8 @@ impl Builder<'_> {
         let rows = self.rows_over_fields(card, 2, fields)?;
         let over: Vec<&[f64]> = rows.iter().map(|r| &r[1..]).collect();
         if Levels::new(&over).is_none() {
-            let message = "rows of moduli need temperatures that ascend, for each value of the first field variable, and so on";
+            let message =
+                "rows of moduli need temperatures that ascend, for each value of the first field variable, and so on";
             self.out_of_range(card.span, message);
             return None;
         }

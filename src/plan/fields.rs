@@ -81,8 +81,7 @@ impl Compiler<'_> {
         for step in &model.steps {
             let mut list = Vec::new();
             for field in &step.fields {
-                let nodes: Vec<usize> =
-                    field.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
+                let nodes: Vec<usize> = field.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
                 let detail = format!("variable {} on {}: {}", field.variable + 1, field.set, field.value);
                 let row = self.cause(field.span, "predefined fields", nodes.len(), "nodes", detail);
                 id = id.or(Some(row));
@@ -128,6 +127,10 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error("P014", message).at(section.span, "the material of this section"));
             return None;
         };
-        Some(Yield::OverFields(Arc::new(YieldOverFields { table, factor: rate_factor(material.rate.as_ref()), fields })))
+        Some(Yield::OverFields(Arc::new(YieldOverFields {
+            table,
+            factor: rate_factor(material.rate.as_ref()),
+            fields,
+        })))
     }
 }

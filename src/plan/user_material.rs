@@ -181,7 +181,8 @@ impl Compiler<'_> {
             return Some(());
         }
         if self.routines.lengths.is_none() {
-            let asks = format!("the characteristic length of `{}` is the user's (*CHARACTERISTIC LENGTH)", material.name);
+            let asks =
+                format!("the characteristic length of `{}` is the user's (*CHARACTERISTIC LENGTH)", material.name);
             self.no_routine(section.span, "section", &asks, "vucharlength");
             return None;
         }

@@ -520,7 +520,8 @@ pub type SharedMotion = Shared<dyn UserMotion>;
 pub type SharedEvents = Shared<dyn UserEvents>;
 
 /// Names of the routines that can be called.
-pub const ROUTINES: &[&str] = &["vdload", "vuamp", "vdisp", "vumat", "vuhard", "vusdfld", "vucharlength", "vexternaldb"];
+pub const ROUTINES: &[&str] =
+    &["vdload", "vuamp", "vdisp", "vumat", "vuhard", "vusdfld", "vucharlength", "vexternaldb"];
 
 /// A routine of the user's files that cannot be called as it is.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
