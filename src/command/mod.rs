@@ -27,7 +27,7 @@ pub const HALTED: u8 = 1;
 /// Files with the user's routines.
 #[derive(Args)]
 pub struct UserFiles {
-    /// File with user subroutines (vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vexternaldb): Fortran, C or a shared library; may be given
+    /// File with user subroutines (vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vucharlength, vexternaldb): Fortran, C or a shared library; may be given
     /// several times.
     #[arg(long = "user", value_name = "FILE")]
     files: Vec<PathBuf>,

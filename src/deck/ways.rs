@@ -34,7 +34,7 @@ pub fn named(name: &str) -> &'static str {
         "ELCOPY" => "*ELGEN makes elements; instances of a part are placed with *INSTANCE",
         "TRANSFORM" | "SYSTEM" => "give r and z; conditions act along r (1) and z (2)",
         "RIGID SURFACE" => "*SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE= does that",
-        "TEMPERATURE" | "FIELD" => "*INITIAL CONDITIONS, TYPE=TEMPERATURE gives temperatures at the start",
+        "TEMPERATURE" => "*INITIAL CONDITIONS, TYPE=TEMPERATURE gives temperatures at the start",
         "SUBMODEL" | "IMPORT" | "MAP SOLUTION" => "initial states are given by *INITIAL CONDITIONS",
         _ if begins(&["INCIDENT WAVE", "CONWEP", "UNDEX"]) => {
             "give the pressure over time: *DSLOAD, P with *AMPLITUDE, or PNU with a vdload"

@@ -8,8 +8,10 @@ use super::damping::Damping;
 use super::distortion::DistortionControl;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
+use super::lengths::AskedLengths;
 use super::mass_scaling::Masses;
 use super::pattern::{self, Folded};
+use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::rings::Rings;
 use crate::kernel::lanes::{Corners, LANES};
@@ -18,6 +20,7 @@ use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
 use crate::state::halt::Halt;
+use crate::state::magnitude::Clock;
 use crate::state::nodes::Nodes;
 use crate::state::{EffectId, Instant};
 use crate::user::AtPoints;
@@ -45,6 +48,10 @@ pub struct Elements {
     pub connectors: Option<Box<Connectors>>,
     /// Mass proportional damping; `None` without any.
     pub damping: Option<Box<Damping>>,
+    /// Elements whose characteristic length a routine of the user gives at the start; none without the card.
+    pub lengths: Vec<AskedLengths>,
+    /// Field variables prescribed at nodes; `None` without any.
+    pub fields: Option<Box<PredefinedFields>>,
     /// Elements under distortion control; `None` without any.
     pub distortion: Option<Box<DistortionControl>>,
     /// Masses without scaling; `None` unless the deck scales masses.
@@ -103,6 +110,11 @@ impl Elements {
     /// # Errors
     /// Why it could not.
     pub fn probe(&mut self, nodes: &Nodes, now: &Instant, mut user: AtPoints<'_>) -> Result<(), Halt> {
+        if let Some(routine) = user.lend().lengths {
+            for asked in &self.lengths {
+                asked.ask(&mut *self.groups[asked.group], nodes.as_slice(), now, routine)?;
+            }
+        }
         let mut groups = self.groups.iter_mut();
         groups.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }
@@ -123,6 +135,13 @@ impl Elements {
     /// An increment has been made: its strains are to come.
     pub fn moved(&mut self) {
         self.pending = true;
+    }
+
+    /// Gives elements the field variables that are prescribed at this instant.
+    pub fn give_fields(&mut self, clock: &Clock<'_>) {
+        if let Some(fields) = &mut self.fields {
+            fields.give(&mut self.groups, clock);
+        }
     }
 
     /// Whether the strains of the increment behind are still to come.
@@ -299,6 +318,10 @@ impl Persist for Elements {
             rings,
             connectors,
             damping,
+            // Asked once at the start; what came of it is the groups'.
+            lengths: _,
+            // They follow from the clock.
+            fields: _,
             distortion,
             masses,
             corners,

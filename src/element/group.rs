@@ -81,6 +81,14 @@ pub trait ElementGroup: Persist + Send + Sync {
     }
     /// Sets a field variable of an element at the start, counted from 0.
     fn set_field(&mut self, _element: usize, _variable: usize, _value: f64) {}
+    /// Gives an element another characteristic length than the root of its area.
+    fn set_length(&mut self, _element: usize, _length: f64) {}
+    /// Field variables that elements hold.
+    fn fields(&self) -> usize {
+        0
+    }
+    /// Gives elements a field variable, below [`ElementGroup::fields`], as their nodes have it.
+    fn give_field(&mut self, _variable: usize, _values: &[f64]) {}
     /// Sets stress and temperature of an element at the start.
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
     /// Gives elements the temperatures that nodes have.
@@ -370,6 +378,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         totals(self.tasks.iter().map(Workspace::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
         })
+    }
+
+    fn set_length(&mut self, element: usize, length: f64) {
+        self.laws.2.set_length(&mut self.blocks[element / LANES].failure, element % LANES, length);
     }
 
     fn is_quiescent(&self, task: usize) -> bool {

@@ -1,12 +1,14 @@
 //! Material points as the user's routine is shown them, and what it answers.
 //! Never here: geometry of elements.
 
+use crate::element::lengths::{Shown, above_zero};
 use crate::element::user_law::Description;
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 use crate::user::{
-    FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial,
+    FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
+    UserLengths, UserMaterial,
 };
 use crate::variables::{Part, Variable};
 
@@ -33,6 +35,8 @@ pub struct Points {
     pub(super) elements: Vec<i32>,
     coordinates: Vec<f64>,
     length: Vec<f64>,
+    /// Corners, where a routine of the user gives the lengths.
+    shown: Option<Shown>,
     pub(super) density: Vec<f64>,
     pub(super) strain: Vec<f64>,
     spin: Vec<f64>,
@@ -45,6 +49,10 @@ pub struct Points {
     pub(super) state: Pair,
     /// Field variables.
     pub(super) field: Pair,
+    /// Field variables as nodes have them, before a routine of the user changes those of the point.
+    given: Vec<f64>,
+    /// Bulk and shear modulus of the stress; not a number before the first increment, empty where they are constant.
+    pub(super) moduli: Pair,
     internal: Pair,
     pub(super) inelastic: Pair,
     /// Equivalent plastic strain, where it is not the routine's affair; else empty.
@@ -64,16 +72,18 @@ fn pair(length: usize) -> Pair {
 
 impl Points {
     /// Points at rest, without stress, of elements with these numbers; the variable that deletes is 1.
-    pub fn new(material: &Description, elements: Vec<i32>) -> Self {
+    pub fn new(material: &Description, corners: &[[u32; 4]], elements: Vec<i32>) -> Self {
         let (count, variables, fields) = (elements.len(), material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
+        let varying = if material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) { count } else { 0 };
         let mut points = Points {
             count,
             variables,
             fields,
             elements,
             coordinates: vec![f64::NAN; 3 * count],
-            length: vec![0.0; count],
+            length: guarded(count),
+            shown: material.asks_lengths.as_ref().map(|_| Shown::new(corners)),
             density: vec![0.0; count],
             strain: vec![0.0; (4 + SPARE) * count],
             spin: vec![0.0; count],
@@ -84,6 +94,8 @@ impl Points {
             stress: pair((4 + SPARE) * count),
             state: pair(variables * count),
             field: pair(fields * count),
+            given: vec![0.0; fields * count],
+            moduli: [vec![f64::NAN; varying], vec![f64::NAN; varying]],
             internal: pair(count),
             inelastic: pair(count),
             plastic: [vec![0.0; flows], vec![0.0; flows]],
@@ -118,8 +130,20 @@ impl Points {
     /// Field variable of a point at the start, where its material has it.
     pub fn start_field(&mut self, point: usize, variable: usize, value: f64) {
         if variable < self.fields {
-            self.field.iter_mut().for_each(|list| list[variable * self.count + point] = value);
+            let at = variable * self.count + point;
+            self.field.iter_mut().for_each(|list| list[at] = value);
+            self.given[at] = value;
         }
+    }
+
+    /// Gives points a field variable as their nodes have it.
+    pub fn give_field(&mut self, variable: usize, values: &[f64]) {
+        self.given[variable * self.count..(variable + 1) * self.count].copy_from_slice(values);
+    }
+
+    /// Field variables at the end of the increment are those of the nodes, until a routine of the user says otherwise.
+    pub fn carry_fields(&mut self) {
+        self.field[1][..self.given.len()].copy_from_slice(&self.given);
     }
 
     /// Gives points the temperatures at the end of the increment; those that they have are those before it.
@@ -143,6 +167,9 @@ impl Points {
         self.coordinates[self.count + point] = mean(z);
         let area = 0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]));
         self.length[point] = area.abs().sqrt();
+        if let Some(shown) = &mut self.shown {
+            shown.set(point, r, z);
+        }
         self.density[point] = density;
     }
 
@@ -232,7 +259,7 @@ impl Points {
             variables: m,
             properties: &material.properties,
             coordinates: &self.coordinates,
-            length: &self.length,
+            length: &self.length[..n],
             density: &self.density,
             strain: &self.strain,
             spin: &self.spin,
@@ -257,6 +284,39 @@ impl Points {
         self.accept()
     }
 
+    /// Asks the routine of characteristic lengths, which find the default there.
+    ///
+    /// # Errors
+    /// Its own, and where it wrote past its points or gave a length that is not above zero.
+    pub fn call_lengths(
+        &mut self,
+        material: &Description,
+        properties: &[f64],
+        routine: &mut dyn UserLengths,
+        (now, dt): (&Instant, f64),
+    ) -> Result<(), LoadFailure> {
+        let (n, m, f) = (self.count, self.variables, self.fields);
+        let Some(shown) = &self.shown else { return Ok(()) };
+        let call = LengthCall {
+            name: &material.name,
+            now: *now,
+            dt,
+            count: n,
+            variables: m,
+            fields: f,
+            corners: shown.corners,
+            properties,
+            elements: &self.elements,
+            coordinates: &self.coordinates[..2 * n],
+            nodes: &shown.places,
+            field: &self.field[1][..f * n],
+            state: &self.state[0][..m * n],
+        };
+        routine.lengths(&call, &mut self.length[..n])?;
+        untouched("charLength", &mut self.length, n, 1)?;
+        above_zero(&self.length[..n])
+    }
+
     /// Asks the routine of user-defined fields, whose state variables are the old ones from now on. `tells` gives what the
     /// points hold besides what is here.
     ///
@@ -272,9 +332,8 @@ impl Points {
     ) -> Result<(), LoadFailure> {
         let (n, m, f) = (self.count, self.variables, self.fields);
         let [state_old, state] = &mut self.state;
-        let [field_old, field] = &mut self.field;
+        let field = &mut self.field[1];
         state.copy_from_slice(state_old);
-        field.copy_from_slice(field_old);
         let held = Held {
             tells,
             count: n,
@@ -293,7 +352,7 @@ impl Points {
             properties,
             elements: &self.elements,
             coordinates: &self.coordinates,
-            length: &self.length,
+            length: &self.length[..n],
             state: &state_old[..m * n],
             values: &held,
         };
@@ -405,10 +464,12 @@ impl Points {
     pub fn bytes(&self) -> usize {
         let Points { coordinates, length, density, strain, spin, elements, .. } = self;
         let Points { temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic, .. } = self;
-        let single = [coordinates, length, density, strain, spin];
-        let pairs = [temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
+        let Points { given, moduli, .. } = self;
+        let single = [coordinates, length, density, strain, spin, given];
+        let pairs = [moduli, temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
         let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
-        numbers.sum::<usize>() + 4 * elements.capacity()
+        let shown = self.shown.as_ref().map_or(0, Shown::bytes);
+        numbers.sum::<usize>() + 4 * elements.capacity() + shown
     }
 }
 
@@ -504,6 +565,8 @@ impl Persist for Points {
             elements: _,
             coordinates,
             length,
+            // Set before each question.
+            shown: _,
             density,
             strain,
             spin,
@@ -515,6 +578,9 @@ impl Persist for Points {
             stress,
             state,
             field,
+            // Of the start, or given in each increment.
+            given: _,
+            moduli,
             internal,
             inelastic,
             plastic,
@@ -522,7 +588,7 @@ impl Persist for Points {
         for list in [coordinates, length, density, strain, spin] {
             list.as_mut_slice().persist(archive);
         }
-        for pair in [temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic] {
+        for pair in [temperature, stretch, gradient, stress, state, field, moduli, internal, inelastic, plastic] {
             pair.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
         }
     }

@@ -17,7 +17,7 @@ use crate::material::volumetric::Linear;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
-use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK, UserMaterial};
+use crate::user::{AtPoints, LoadFailure, MAX_MATERIAL_BLOCK};
 use crate::variables::{Part, Variable};
 
 /// Blocks of elements that one call shows, and its elements.
@@ -88,7 +88,7 @@ impl Chunk {
         let fresh = |part: &[[u32; 4]]| block(((), (), ()), description.density, part, nodes);
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         Chunk {
-            points: Points::new(description, numbers),
+            points: Points::new(description, elements, numbers),
             mass: (0..elements.len()).map(|i| blocks[i / LANES].mass[i % LANES]).collect(),
             start: elements.iter().map(|e| start(*e, nodes)).collect(),
             turn: vec![[1.0, 0.0]; elements.len()],
@@ -147,7 +147,7 @@ impl Chunk {
     /// Calls the routines. An increment of no length leaves all as it is.
     ///
     /// # Errors
-    /// Those of [`Points::call_fields`], [`Points::call`] and [`Points::flow`].
+    /// Those of [`Points::call_lengths`], [`Points::call_fields`], [`Points::call`] and [`Points::flow`].
     pub fn call(
         &mut self,
         description: &Description,
@@ -159,6 +159,10 @@ impl Chunk {
         if dt == 0.0 {
             self.points.keep();
             return Ok(());
+        }
+        self.points.carry_fields();
+        if let (Some(properties), Some(routine)) = (&description.asks_lengths, user.lengths) {
+            self.points.call_lengths(description, properties, routine, (now, dt))?;
         }
         if let (Some(properties), Some(routine)) = (&description.asks_fields, user.fields) {
             let tells = &Told { blocks: &self.blocks, workspaces: &scratch.workspaces, turn };
@@ -184,9 +188,13 @@ impl Chunk {
     pub fn probe(
         &mut self,
         description: &Description,
-        routine: &mut dyn UserMaterial,
+        user: AtPoints<'_>,
         now: &Instant,
     ) -> Result<[f64; 2], LoadFailure> {
+        if let (Some(properties), Some(routine)) = (&description.asks_lengths, user.lengths) {
+            self.points.call_lengths(description, properties, routine, (now, 0.0))?;
+        }
+        let Some(routine) = user.material else { return Ok([0.0; 2]) };
         self.points.show_fictitious();
         self.points.call(description, routine, now, 1.0)?;
         self.points.moduli()
@@ -195,7 +203,11 @@ impl Chunk {
     /// The routine's stresses, the work done on the way to them, and the corner forces that follow.
     pub fn respond(&mut self, common: &Common<'_>, place: Place, scratch: &mut Scratch, corners: &mut [Corners]) {
         (0..self.deleted.len()).for_each(|i| self.take_stress(i, common.description.delete, scratch));
-        let flows = common.description.flow.is_some();
+        let flow = common.description.flow.as_ref();
+        let flows = flow.is_some();
+        if flow.is_some_and(|f| f.elasticity.is_some()) {
+            (0..self.deleted.len()).for_each(|i| self.take_direction(i, scratch));
+        }
         if flows {
             (0..self.deleted.len()).for_each(|i| self.take_flow(i, scratch));
         }
@@ -236,6 +248,16 @@ impl Chunk {
         }
         for (list, value) in block.stress.iter_mut().zip(stress) {
             list[l] = value;
+        }
+    }
+
+    /// The direction of plastic flow where moduli change: that of the stress, not of what the largest moduli would try.
+    fn take_direction(&self, i: usize, scratch: &mut Scratch) {
+        let (block, workspace, l) = (&self.blocks[i / LANES], &mut scratch.workspaces[i / LANES], i % LANES);
+        let stress = [0, 1, 2, 3].map(|k| block.stress[k][l]);
+        let mean = (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0);
+        for (k, (list, stress)) in workspace.deviator.iter_mut().zip(stress).enumerate() {
+            list[l] = if k < 3 { stress - mean } else { stress };
         }
     }
 

@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over points, of which several lists hold something.
 
 use crate::element::points::{Points, answered, marks, untouched};
-use crate::element::user_law::{Description, Flow, Yield};
+use crate::element::user_law::{AtFields, Description, Elasticity, Flow, Yield, YieldOverFields};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
@@ -110,11 +110,15 @@ impl Points {
         returning: &mut Returning,
     ) -> Result<(), LoadFailure> {
         self.keep_state();
-        self.try_elastic(under.flow, &mut returning.trial);
+        match &under.flow.elasticity {
+            None => self.try_elastic(under.flow, &mut returning.trial),
+            Some(elasticity) => self.try_with_moduli(elasticity, &mut returning.trial),
+        }
         returning.increment[..self.count].fill(0.0);
         match (&under.flow.yields, routine) {
             (Yield::Never, _) => {}
             (Yield::Law(law), _) => self.meet(&**law, under, returning),
+            (Yield::OverFields(law), _) => self.meet_over_fields(law, under, returning),
             (Yield::User(properties), Some(routine)) => self.search(properties, under, routine, returning)?,
             (Yield::User(_), None) => return Ok(()),
         }
@@ -149,13 +153,60 @@ impl Points {
         }
     }
 
+    /// The stress of an elastic increment by the moduli of each point at its temperature and fields, and its von Mises stress.
+    /// The stress is that of the whole elastic strain by the moduli now: what stood by the moduli before is scaled by their
+    /// change (ABAQUS Analysis User's Guide 22.2.1, "Linear elastic behavior").
+    fn try_with_moduli(&mut self, elasticity: &Elasticity, trial: &mut [f64]) {
+        let n = self.count;
+        for i in 0..n {
+            let at = |end: usize| {
+                let (temperature, field) = (self.temperature[end][i], &self.field[end]);
+                elasticity.moduli(temperature, |v| field[v * n + i])
+            };
+            let [bulk, shear] = at(1);
+            let before = [self.moduli[0][i], self.moduli[1][i]];
+            let [bulk_before, shear_before] = if before[0].is_nan() { at(0) } else { before };
+            let strain = [0, 1, 2, 3].map(|k| self.strain[k * n + i]);
+            let old = [0, 1, 2, 3].map(|k| self.stress[0][k * n + i]);
+            let dilation = strain[0] + strain[1] + strain[2];
+            let mean = (old[0] + old[1] + old[2]) * (1.0 / 3.0);
+            let (of_mean, of_deviator) = (bulk / bulk_before, shear / shear_before);
+            let deviator = |k: usize| {
+                let (base, dilation) = if k < 3 { (mean, dilation * (1.0 / 3.0)) } else { (0.0, 0.0) };
+                of_deviator * (old[k] - base) + 2.0 * shear * (strain[k] - dilation)
+            };
+            let s = [0, 1, 2, 3].map(deviator);
+            let pressure = of_mean * mean + bulk * dilation;
+            for (k, part) in s.into_iter().enumerate() {
+                self.stress[1][k * n + i] = if k < 3 { pressure + part } else { part };
+            }
+            (self.moduli[0][i], self.moduli[1][i]) = (bulk, shear);
+            let [a, b, c, d] = s.map(|s| s * s);
+            trial[i] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+        }
+    }
+
+    /// Three times the shear modulus of a point.
+    fn shear3(&self, flow: &Flow, point: usize) -> f64 {
+        3.0 * self.moduli[1].get(point).copied().unwrap_or(flow.shear)
+    }
+
     /// The plastic strain of each point by a law that is built in.
     fn meet(&self, law: &dyn YieldStress, under: Under<'_>, returning: &mut Returning) {
+        (0..self.count).for_each(|i| returning.increment[i] = self.increment(law, i, under, returning.trial[i]));
+    }
+
+    /// The same by a table over the fields of the point.
+    fn meet_over_fields(&self, law: &YieldOverFields, under: Under<'_>, returning: &mut Returning) {
         for i in 0..self.count {
-            let (strain, temperature) = (self.plastic[0][i], self.temperature[1][i]);
-            let shear3 = 3.0 * under.flow.shear;
-            returning.increment[i] = plastic_increment(law, returning.trial[i], strain, temperature, shear3, under.dt);
+            let law = AtFields::new(law, |v| self.field[1][v * self.count + i]);
+            returning.increment[i] = self.increment(&law, i, under, returning.trial[i]);
         }
+    }
+
+    fn increment(&self, law: &dyn YieldStress, i: usize, under: Under<'_>, trial: f64) -> f64 {
+        let (strain, temperature) = (self.plastic[0][i], self.temperature[1][i]);
+        plastic_increment(law, trial, strain, temperature, self.shear3(under.flow, i), under.dt)
     }
 
     /// The plastic strain of each point by the routine: Newton's method with its slopes over all points at once, each kept
@@ -169,7 +220,6 @@ impl Points {
         returning: &mut Returning,
     ) -> Result<(), LoadFailure> {
         let Returning { asked, open, trial, increment, low, high } = returning;
-        let shear3 = 3.0 * under.flow.shear;
         open.clear();
         open.extend(0..self.count);
         for iteration in 0..ITERATIONS {
@@ -182,6 +232,7 @@ impl Points {
             let mut kept = 0;
             for at in 0..count {
                 let i = open[at];
+                let shear3 = self.shear3(under.flow, i);
                 let (dp, returned) = (increment[i], trial[i] - shear3 * increment[i]);
                 let over = returned - stress[at];
                 if iteration == 0 {
@@ -313,8 +364,9 @@ impl Points {
 
     /// The stress on the yield surface, its plastic strain, work and heat.
     fn settle(&mut self, under: Under<'_>, returning: &Returning) {
-        let (n, shear3) = (self.count, 3.0 * under.flow.shear);
+        let n = self.count;
         for i in 0..n {
+            let shear3 = self.shear3(under.flow, i);
             let (trial, dp) = (returning.trial[i], returning.increment[i]);
             if dp <= 0.0 {
                 continue;

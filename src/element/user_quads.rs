@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::group::{ElementGroup, PARALLEL, Pass, Totals, tell_deleted, totals};
 use crate::element::constants::{Constants, HourglassControl};
+use crate::element::lengths::user_number;
 use crate::element::record::{Followed, Record};
 use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch, Tally};
 use crate::element::user_flow::Returning;
@@ -16,7 +17,7 @@ use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
-use crate::user::{AtPoints, LoadFailure, UserMaterial};
+use crate::user::{AtPoints, LoadFailure};
 use crate::variables::{Part, Variable};
 
 /// Chunks between whose phases the routine is called for all of them, where threads share them.
@@ -82,13 +83,13 @@ impl UserQuads {
 
     /// Moduli from the routine's answer to fictitious strains at time zero, as ABAQUS/Explicit asks for it: the largest of
     /// all elements.
-    fn moduli(&mut self, nodes: &[Node], routine: &mut dyn UserMaterial) -> Result<[f64; 2], Failed> {
+    fn moduli(&mut self, nodes: &[Node], mut user: AtPoints<'_>) -> Result<[f64; 2], Failed> {
         let UserQuads { description, constants, count, chunks, scratch, now, cap, .. } = self;
         let common = Common { description, constants, count: *count, nodes, dt: 0.0, cap: *cap };
         let mut largest = [0_f64; 2];
         for (index, chunk) in chunks.iter_mut().enumerate() {
             chunk.strain(&common, Place { chunk: index, turn: 0 }, &mut scratch[0]);
-            let [bulk, shear] = chunk.probe(description, routine, now).map_err(|failure| (index, failure))?;
+            let [bulk, shear] = chunk.probe(description, user.lend(), now).map_err(|failure| (index, failure))?;
             largest = [largest[0].max(bulk), largest[1].max(shear)];
         }
         Ok(largest)
@@ -147,11 +148,6 @@ impl UserQuads {
     }
 }
 
-/// The user's number of an element, by its name.
-fn user_number(name: &str) -> i32 {
-    name.rsplit('.').next().and_then(|number| number.parse().ok()).unwrap_or(0)
-}
-
 /// Does a phase of each chunk of a batch, with its scratch memory and its corner forces.
 fn spread(
     threads: bool,
@@ -178,8 +174,10 @@ impl ElementGroup for UserQuads {
 
     fn probe(&mut self, nodes: &[Node], now: &Instant, user: AtPoints<'_>) -> Result<(), Halt> {
         self.now = *now;
-        let Some(routine) = user.material.filter(|_| self.description.flow.is_none()) else { return Ok(()) };
-        let [bulk, shear] = self.moduli(nodes, routine).map_err(|failed| self.halt(&failed))?;
+        if user.material.is_none() || self.description.flow.is_some() {
+            return Ok(());
+        }
+        let [bulk, shear] = self.moduli(nodes, user).map_err(|failed| self.halt(&failed))?;
         (self.constants.bulk, self.constants.shear) = (bulk, shear);
         if self.description.enhanced {
             let ratio = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear);
@@ -221,6 +219,16 @@ impl ElementGroup for UserQuads {
 
     fn set_field(&mut self, element: usize, variable: usize, value: f64) {
         self.chunks[element / ELEMENTS].points.start_field(element % ELEMENTS, variable, value);
+    }
+
+    fn fields(&self) -> usize {
+        self.description.fields
+    }
+
+    fn give_field(&mut self, variable: usize, values: &[f64]) {
+        for (chunk, values) in self.chunks.iter_mut().zip(values.chunks(ELEMENTS)) {
+            chunk.points.give_field(variable, values);
+        }
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {

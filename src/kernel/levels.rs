@@ -1,9 +1,6 @@
 //! Tables over several variables: linear between entries of each and constant beyond the ends.
 //! Never here: what the variables mean.
 
-/// Variables of a table at most.
-pub const VARIABLES: usize = 3;
-
 /// A value over variables, one level each (ABAQUS Analysis User's Guide, "Material data definition": in a table of several
 /// independent variables the first varies fastest).
 #[derive(Clone, Debug, PartialEq)]
@@ -15,38 +12,36 @@ pub enum Levels {
 }
 
 impl Levels {
-    /// From rows of a value and its variables; `None` where rows of one value of a slower variable do not follow each
-    /// other, or a variable does not ascend.
-    pub fn new(rows: &[[f64; 1 + VARIABLES]]) -> Option<Levels> {
-        Levels::of(rows, VARIABLES)
+    /// From rows of a value and its variables, as many in each; `None` where rows of one value of a slower variable do not
+    /// follow each other, or a variable does not ascend.
+    pub fn new<R: AsRef<[f64]>>(rows: &[R]) -> Option<Levels> {
+        let rows: Vec<&[f64]> = rows.iter().map(AsRef::as_ref).collect();
+        let length = rows.first()?.len();
+        rows.iter().all(|r| r.len() == length).then(|| Levels::of(&rows, length.checked_sub(1)?)).flatten()
     }
 
-    fn of(rows: &[[f64; 1 + VARIABLES]], variable: usize) -> Option<Levels> {
+    fn of(rows: &[&[f64]], variable: usize) -> Option<Levels> {
         if variable == 0 {
             let [row] = rows else { return None };
             return Some(Levels::Value(row[0]));
         }
         let parts = rows.chunk_by(|a, b| a[variable] == b[variable]);
-        let entry = |part: &[[f64; 1 + VARIABLES]]| Some((part[0][variable], Levels::of(part, variable - 1)?));
+        let entry = |part: &[&[f64]]| Some((part[0][variable], Levels::of(part, variable - 1)?));
         let entries: Vec<(f64, Levels)> = parts.map(entry).collect::<Option<_>>()?;
         let ascends = entries.windows(2).all(|w| w[0].0 < w[1].0);
         (ascends && !entries.is_empty()).then_some(Levels::Over(entries))
     }
 
     /// The value at variables in the order of the rows.
-    pub fn at(&self, variables: &[f64; VARIABLES]) -> f64 {
-        self.within(variables)
-    }
-
-    fn within(&self, variables: &[f64]) -> f64 {
+    pub fn at(&self, variables: &[f64]) -> f64 {
         let (entries, Some((&x, faster))) = (self.entries(), variables.split_last()) else { return self.value() };
         let after = entries.partition_point(|e| e.0 <= x);
         match (after.checked_sub(1).map(|i| &entries[i]), entries.get(after)) {
             (Some((low, a)), Some((high, b))) => {
-                let (a, b) = (a.within(faster), b.within(faster));
+                let (a, b) = (a.at(faster), b.at(faster));
                 a + (b - a) * (x - low) / (high - low)
             }
-            (Some((_, only)), None) | (None, Some((_, only))) => only.within(faster),
+            (Some((_, only)), None) | (None, Some((_, only))) => only.at(faster),
             (None, None) => self.value(),
         }
     }
@@ -88,6 +83,7 @@ mod tests {
         rows.swap(0, 8);
         assert_eq!(Levels::new(&rows), None);
         assert_eq!(Levels::new(&[[1.0, 0.0, 0.0, 0.0]; 2]), None, "two rows at one place");
-        assert_eq!(Levels::new(&[]), None);
+        assert_eq!(Levels::new::<[f64; 4]>(&[]), None);
+        assert_eq!(Levels::new(&[vec![1.0, 0.0], vec![2.0]]), None, "rows of different lengths");
     }
 }

@@ -15,6 +15,8 @@ pub trait Failure: Send + Sync + 'static {
     const FAILS: bool;
     /// State of a block: the areas of its elements' sections, whose roots are their lengths, and their volumes.
     fn fresh(&self, area: &Lanes, volume: &Lanes) -> Self::State;
+    /// Gives an element another length than the root of its area.
+    fn set_length(&self, _state: &mut Self::State, _lane: usize, _length: f64) {}
     /// Whether an element of a block still carries; `None` if none can fail.
     fn alive(&self, state: &Self::State, lane: usize) -> Option<bool>;
     /// Whether elements can be deleted.
@@ -232,6 +234,10 @@ impl Failure for Failing {
         }
     }
 
+    fn set_length(&self, state: &mut Damaged, lane: usize, length: f64) {
+        state.length[lane] = length;
+    }
+
     fn alive(&self, state: &Damaged, lane: usize) -> Option<bool> {
         self.deletes().then_some(state.alive[lane])
     }
@@ -322,7 +328,8 @@ impl Criterion {
 
 impl Persist for Damaged {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Damaged { alive, begun, damage, at_failure, length: _, volume: _, share } = self;
-        persist_fields!(archive; alive, begun, damage, at_failure, share);
+        // A routine of the user may have given the length, and is not asked again.
+        let Damaged { alive, begun, damage, at_failure, length, volume: _, share } = self;
+        persist_fields!(archive; alive, begun, damage, at_failure, length, share);
     }
 }

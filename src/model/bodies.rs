@@ -6,9 +6,6 @@ use super::names::{qualified, upper};
 use super::types::{ElementKind, InitialCondition, InitialKind, Layer, PointMass, RigidBody, Target};
 use crate::deck::{Card, Diagnostic};
 
-/// Field variables that a deck may give.
-const MOST_FIELDS: usize = 100;
-
 impl Builder<'_> {
     pub(super) fn rigid_body(&mut self, card: &Card) {
         let Some(reference) = self.required(card, "REF NODE") else { return };
@@ -183,12 +180,7 @@ impl Builder<'_> {
             self.unsupported(word.span, "VARIABLE is one of TYPE=FIELD", "take it away");
             return None;
         }
-        let number = word.integer(&mut self.diagnostics)?;
-        let variable = usize::try_from(number).ok().filter(|n| (1..=MOST_FIELDS).contains(n));
-        if variable.is_none() {
-            self.out_of_range(word.span, format!("VARIABLE={number} must lie between 1 and {MOST_FIELDS}"));
-        }
-        variable.map(|n| n - 1)
+        self.numbered_field(card)
     }
 
     /// Surface index by name.

@@ -182,6 +182,7 @@ impl<'a> Builder<'a> {
             | "DAMAGE EVOLUTION"
             | "USER MATERIAL"
             | "USER DEFINED FIELD"
+            | "CHARACTERISTIC LENGTH"
             | "DEPVAR"
             | "CAVITY EXPANSION" => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
@@ -215,6 +216,7 @@ impl<'a> Builder<'a> {
             }
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
+            "FIELD" => self.prescribed_fields(card),
             "CFLUX" | "DFLUX" | "DSFLUX" | "FILM" | "SFILM" => self.heat_card(card),
             "OUTPUT"
             | "NODE OUTPUT"

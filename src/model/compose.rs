@@ -161,6 +161,7 @@ impl Step {
             coupled: false,
             boundaries: Vec::new(),
             loads: Vec::new(),
+            fields: Vec::new(),
             contacts: Vec::new(),
             mass_scalings: Vec::new(),
             energy_limit: None,

@@ -2,6 +2,7 @@
 //! told word by word, models composed in Rust are told here, with the same codes.
 //! Never here: what a card says, decisions about effects.
 
+use super::fields::MOST_FIELDS;
 use super::types::{
     AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
     Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Step,
@@ -311,6 +312,12 @@ impl Check<'_> {
         });
         step.boundaries.iter().for_each(|b| self.boundary(b));
         step.loads.iter().for_each(|l| self.load(l));
+        for field in &step.fields {
+            self.nodes(field.span, &field.nodes);
+            self.amplitude(field.span, field.amplitude);
+            let good = field.value.is_finite() && field.variable < MOST_FIELDS && ascend(&field.nodes);
+            self.value(good, field.span, || "a field needs a finite value, and nodes that ascend".into());
+        }
         step.outputs.iter().for_each(|o| self.output(o));
         if let Some(restart) = step.restart {
             self.interval(restart.span, restart.interval);

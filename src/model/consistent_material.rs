@@ -24,6 +24,7 @@ impl Check<'_> {
             material.elastic.is_none_or(|[e, nu]| above_zero(e) && nu > -1.0 && nu < 0.5),
             "Young's modulus must be above 0, Poisson's ratio between -1 and 0.5",
         );
+        need(is_elastic_table(&material.elastic_table), "rows of the moduli out of range");
         need(material.shear_modulus.is_none_or(above_zero), "the shear modulus must be above zero");
         need(material.hyperelastic.as_ref().is_none_or(is_rubber), "constants of the rubber out of range");
         need(is_foam(material), "constants of the foam out of range");
@@ -48,12 +49,18 @@ impl Check<'_> {
         let resists =
             material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
         need(resists, "a resistance needs YIELD above zero and A, B, C not below zero");
-        let of_fields = material.fields.iter().flat_map(|f| &f.0);
+        let of_fields = material.fields.iter().chain(&material.lengths).flat_map(|f| &f.0);
         let constants = material.user.iter().flatten().chain(of_fields);
         need(constants.into_iter().all(|c| c.is_finite()), "constants of the user must be finite");
         let state = material.state;
         need(state.count <= 10_000 && state.delete.is_none_or(|d| d < state.count), "state variables out of range");
     }
+}
+
+fn is_elastic_table(rows: &[Vec<f64>]) -> bool {
+    let good = |r: &Vec<f64>| r.len() > 2 && above_zero(r[0]) && r[1] > -1.0 && r[1] < 0.5;
+    let over = || Levels::new(&rows.iter().map(|r| &r[1..]).collect::<Vec<_>>());
+    rows.is_empty() || rows.iter().all(good) && over().is_some()
 }
 
 fn is_rubber(rubber: &Hyperelastic) -> bool {
@@ -95,6 +102,7 @@ fn yields(plastic: &Plastic) -> bool {
     match plastic {
         Plastic::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
         Plastic::Tabular(rows) => rows.iter().all(|r| r[0].is_finite() && r[1].is_finite()),
+        Plastic::OverFields(rows) => rows.iter().flatten().all(|v| v.is_finite()) && Levels::new(rows).is_some(),
         Plastic::User(constants) => constants.iter().all(|c| c.is_finite()),
         Plastic::Kinematic(lines) => by_temperature(lines) && lines.iter().all(|l| above_zero(l[0]) && not_below(l[1])),
     }

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::types::{Amplitude, AmplitudeDefinition, Boundary, Load, Model, Motion};
+use super::types::{Amplitude, AmplitudeDefinition, Boundary, Load, Model, Motion, PrescribedField};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::amplitude::Curve;
 
@@ -25,6 +25,8 @@ pub(super) struct History {
     pub boundaries: Vec<Boundary>,
     /// Loads in force, likewise.
     pub loads: Vec<Load>,
+    /// Field variables in force, likewise.
+    pub fields: Vec<PrescribedField>,
     /// Total time at which the next step begins.
     time: f64,
     /// Displacements that are known beforehand; before the first step all are zero.

@@ -5,6 +5,7 @@ use super::builder::Builder;
 use super::names::upper;
 use super::types::{CavityExpansion, Element, ElementKind, Expansion, Material, Plastic, RateDependence, SolidSection};
 use crate::deck::{Card, DataLine, Diagnostic};
+use crate::kernel::levels::Levels;
 
 impl Builder<'_> {
     pub(super) fn material_card(&mut self, card: &Card) {
@@ -55,6 +56,7 @@ impl Builder<'_> {
             "EXPANSION" => self.expansion(card),
             "USER MATERIAL" => self.user_material(card),
             "USER DEFINED FIELD" => self.user_fields(card),
+            "CHARACTERISTIC LENGTH" => self.characteristic_length(card),
             "DEPVAR" => self.state_variables(card),
             _ => self.cavity_expansion(card),
         }
@@ -114,13 +116,39 @@ impl Builder<'_> {
             self.last_material().shear_modulus = shear;
             return;
         }
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(e), Some(nu)) = (self.number(line, 0, "Young's modulus"), self.number_or(line, 1, 0.0)) else {
-            return;
-        };
+        let mut stiffest: Option<[f64; 2]> = None;
+        for line in &card.lines {
+            let Some(row) = self.moduli(line) else { return };
+            stiffest = Some(stiffest.filter(|s| s[0] >= row[0]).unwrap_or(row));
+        }
+        if self.first_line(card).is_some() && self.elastic_table(card).is_some() {
+            self.last_material().elastic = stiffest;
+        }
+    }
+
+    /// Rows over temperature and field variables, where the moduli are not constant.
+    fn elastic_table(&mut self, card: &Card) -> Option<()> {
+        let fields = self.dependencies(card)?;
+        let rows = self.rows_over_fields(card, 2, fields)?;
+        let over: Vec<&[f64]> = rows.iter().map(|r| &r[1..]).collect();
+        if Levels::new(&over).is_none() {
+            let message =
+                "rows of moduli need temperatures that ascend, for each value of the first field variable, and so on";
+            self.out_of_range(card.span, message);
+            return None;
+        }
+        if rows.len() > 1 {
+            self.last_material().elastic_table = rows;
+        }
+        Some(())
+    }
+
+    /// Young's modulus and Poisson's ratio of a line.
+    fn moduli(&mut self, line: &DataLine) -> Option<[f64; 2]> {
+        let (e, nu) = (self.number(line, 0, "Young's modulus")?, self.number_or(line, 1, 0.0)?);
         if e <= 0.0 {
             self.out_of_range(line.fields[0].span, format!("Young's modulus must be above zero, not {e}"));
-            return;
+            return None;
         }
         if nu <= -1.0 || nu >= 0.5 {
             let message = format!("Poisson's ratio must lie between -1 and 0.5, not be {nu}");
@@ -128,15 +156,20 @@ impl Builder<'_> {
                 Diagnostic::error("M103", message).at(line.fields.get(1).map_or(line.span, |w| w.span), "here");
             let help = "what keeps its volume has no stable increment: give 0.49 or less";
             self.diagnostics.push(if nu >= 0.5 { finding.help(help) } else { finding });
-            return;
+            return None;
         }
-        self.last_material().elastic = Some([e, nu]);
+        Some([e, nu])
     }
 
     fn plastic(&mut self, card: &Card) {
         let hardening = card.value("HARDENING").map_or("ISOTROPIC".into(), |w| upper(&w.text).replace(' ', ""));
         let Some(extrapolates) = self.extrapolation(card, &hardening) else { return };
         self.last_material().extrapolates = extrapolates;
+        let Some(fields) = self.dependencies(card) else { return };
+        if fields > 0 {
+            self.plastic_over_fields(card, (&hardening, extrapolates), fields);
+            return;
+        }
         match hardening.as_str() {
             "JOHNSONCOOK" => {
                 let Some(line) = self.first_line(card) else { return };
@@ -159,6 +192,25 @@ impl Builder<'_> {
                 "ISOTROPIC, KINEMATIC, JOHNSON COOK and USER are",
             ),
         }
+    }
+
+    /// A table of the yield stress over the plastic strain, temperature and field variables.
+    fn plastic_over_fields(&mut self, card: &Card, (hardening, extrapolates): (&str, bool), fields: usize) {
+        if hardening != "ISOTROPIC" || extrapolates {
+            let with = if extrapolates { "EXTRAPOLATION=LINEAR".into() } else { format!("HARDENING={hardening}") };
+            let message = format!("DEPENDENCIES with {with} is not supported");
+            self.unsupported(card.span, message, "tables of HARDENING=ISOTROPIC depend on field variables");
+            return;
+        }
+        let Some(rows) = self.rows_over_fields(card, 2, fields) else { return };
+        let starts = |w: &[Vec<f64>]| w[0][2..] == w[1][2..] || w[1][1] == 0.0;
+        if Levels::new(&rows).is_none() || rows[0][1] != 0.0 || !rows.windows(2).all(starts) {
+            let message = "rows of the yield stress need plastic strains that begin at 0 and ascend for each temperature, \
+                           temperatures that ascend for each value of the first field variable, and so on";
+            self.out_of_range(card.span, message);
+            return;
+        }
+        self.last_material().plastic = Some(Plastic::OverFields(rows));
     }
 
     /// Whether plastic strains begin at zero and ascend, at each temperature; the first row that does not is told.

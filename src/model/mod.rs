@@ -22,6 +22,7 @@ mod energy_limit;
 mod eos;
 mod equations;
 mod failure;
+mod fields;
 mod gmsh_file;
 mod heat_loads;
 mod history;

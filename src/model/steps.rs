@@ -6,7 +6,7 @@ use super::history::{History, StepTime};
 use super::names::upper;
 use super::types::{
     Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind, OutputRequest,
-    Restart, Step,
+    PrescribedField, Restart, Step,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
@@ -31,6 +31,8 @@ pub(super) struct StepState {
     pub boundaries: Vec<Boundary>,
     /// Loads of this step's cards.
     pub loads: Vec<Load>,
+    /// Field variables of this step's cards.
+    pub fields: Vec<PrescribedField>,
     /// Output requests of earlier steps.
     pub earlier_outputs: Vec<OutputRequest>,
     pub contacts: Vec<Contact>,
@@ -123,6 +125,7 @@ impl Builder<'_> {
         let boundaries = state.history.boundaries(given, &time, &mut self.model, &mut words);
         let given = std::mem::take(&mut state.loads);
         let loads = state.history.loads(given, &time, &mut self.model, &mut words);
+        let fields = state.history.fields(std::mem::take(&mut state.fields), &time, &self.model);
         state.history.end(&time);
         words.into_iter().for_each(|word| self.diagnostics.push(word));
         state.outputs.splice(0..0, state.earlier_outputs.drain(..));
@@ -139,6 +142,7 @@ impl Builder<'_> {
             coupled: procedure.coupled,
             boundaries,
             loads,
+            fields,
             contacts: state.contacts,
             mass_scalings: state.mass_scalings,
             energy_limit: state.energy_limit,

@@ -215,8 +215,11 @@ pub struct Material {
     pub density: Option<f64>,
     /// Rows of the mass per volume and temperature; empty where there is no temperature.
     pub densities: Vec<[f64; 2]>,
-    /// Young's modulus and Poisson's ratio.
+    /// Young's modulus and Poisson's ratio; of a table the stiffest row.
     pub elastic: Option<[f64; 2]>,
+    /// Rows of Young's modulus, Poisson's ratio, temperature and field variables, as many in each, the temperature varying
+    /// fastest; empty where the moduli are constant.
+    pub elastic_table: Vec<Vec<f64>>,
     /// Shear modulus, of an `*ELASTIC, TYPE=SHEAR`.
     pub shear_modulus: Option<f64>,
     /// `*HYPERELASTIC`.
@@ -256,6 +259,8 @@ pub struct Material {
     pub user: Option<Vec<f64>>,
     /// `*USER DEFINED FIELD`: constants of its routine, and the card.
     pub fields: Option<(Vec<f64>, Span)>,
+    /// `*CHARACTERISTIC LENGTH, DEFINITION=USER`: constants of its routine, and the card.
+    pub lengths: Option<(Vec<f64>, Span)>,
     /// `*DEPVAR`.
     pub state: StateVariables,
     /// Names that `*DEPVAR` gives variables, which are counted from 0.
@@ -357,6 +362,13 @@ pub struct FailureCriterion {
     pub span: Span,
 }
 
+impl FailureCriterion {
+    /// Whether what follows depends on the length of an element.
+    pub fn takes_length(&self) -> bool {
+        matches!(self.evolution, DamageEvolution::Displacement(_) | DamageEvolution::Energy(_))
+    }
+}
+
 /// Plastic strain at failure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StrainAtFailure {
@@ -406,6 +418,9 @@ pub enum Plastic {
     Kinematic(Vec<[f64; 3]>),
     /// The routine of the user gives the yield stress, with these constants.
     User(Vec<f64>),
+    /// Rows of yield stress, plastic strain, temperature and field variables, as many in each, the plastic strain varying
+    /// fastest.
+    OverFields(Vec<Vec<f64>>),
 }
 
 /// `*RATE DEPENDENT`.
@@ -782,6 +797,8 @@ pub struct Step {
     pub boundaries: Vec<Boundary>,
     /// Loads in force, each at the places where no later step gives another of its kind.
     pub loads: Vec<Load>,
+    /// Field variables in force, each with the nodes to which no later one gives another value.
+    pub fields: Vec<PrescribedField>,
     /// Contact in force.
     pub contacts: Vec<Contact>,
     /// Mass scaling in force, in the order of the deck.
@@ -890,6 +907,23 @@ pub struct Boundary {
     /// Whether the user's routine gives the value (`USER`).
     pub user: bool,
     /// Magnitude (0 = held).
+    pub value: f64,
+    /// Index into [`Model::amplitudes`].
+    pub amplitude: Option<usize>,
+    /// The data line.
+    pub span: Span,
+}
+
+/// A field variable at nodes over time (`*FIELD`).
+#[derive(Clone, Debug)]
+pub struct PrescribedField {
+    /// The variable, counted from 0.
+    pub variable: usize,
+    /// Node indices, ascending.
+    pub nodes: Vec<usize>,
+    /// What the deck called them.
+    pub set: String,
+    /// Value at amplitude 1.
     pub value: f64,
     /// Index into [`Model::amplitudes`].
     pub amplitude: Option<usize>,

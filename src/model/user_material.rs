@@ -3,6 +3,7 @@
 //! Never here: the routine.
 
 use super::builder::Builder;
+use super::names::upper;
 use super::types::{InitialCondition, InitialKind, Plastic, StateVariables};
 use crate::deck::{Card, DataLine};
 
@@ -25,6 +26,20 @@ impl Builder<'_> {
     /// `*USER DEFINED FIELD, PROPERTIES=n`.
     pub(super) fn user_fields(&mut self, card: &Card) {
         self.last_material().fields = self.constants(card, "PROPERTIES").map(|constants| (constants, card.span));
+    }
+
+    /// `*CHARACTERISTIC LENGTH`: the root of the area, or what the routine of the user gives.
+    pub(super) fn characteristic_length(&mut self, card: &Card) {
+        match card.value("DEFINITION").map(|w| upper(&w.text).replace(' ', "")).as_deref() {
+            None | Some("GEOMETRICMEAN") => {}
+            Some("USER") => {
+                self.last_material().lengths = self.constants(card, "PROPERTIES").map(|list| (list, card.span));
+            }
+            Some(other) => {
+                let message = format!("DEFINITION is GEOMETRIC MEAN or USER, not {other}");
+                self.out_of_range(card.span, message);
+            }
+        }
     }
 
     /// As many constants as a parameter says, none without it: eight a line, and an empty field is zero; a line that ends

@@ -75,6 +75,8 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
         ("averaged pressure", "triangles", elements.averagings.iter().flatten().map(|a| a.bytes()).sum()),
         (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
         ("mass proportional damping", "coefficients and forces", elements.damping.as_ref().map_or(0, |d| d.bytes())),
+        ("characteristic length", "elements", elements.lengths.iter().map(|l| l.bytes()).sum()),
+        ("predefined fields", "values", elements.fields.as_ref().map_or(0, |f| f.bytes())),
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),
         ("mass scaling", "masses", elements.bytes_of_masses()),
     ];

@@ -8,6 +8,7 @@ pub mod codes;
 mod connectors;
 mod doubts;
 mod equations;
+mod fields;
 mod heat;
 mod heat_ties;
 pub mod ledger;
@@ -208,6 +209,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.connect(&mut state);
     compiler.finish_bodies();
     state.thermal = compiler.thermal(&state);
+    state.elements.fields = compiler.predefined_fields(&state);
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
     state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
     let (columns, fields) = compiler.variables(&mut state);

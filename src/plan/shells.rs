@@ -171,6 +171,9 @@ fn refusal(material: &Material, warms: bool) -> Option<&'static str> {
     if !material.failures.is_empty() || material.tensile_failure.is_some() {
         return Some("failure of shells is not supported");
     }
+    if !material.elastic_table.is_empty() || matches!(material.plastic, Some(Plastic::OverFields(_))) {
+        return Some("moduli over temperature, and tables over field variables, of shells are not supported");
+    }
     if matches!(material.plastic, Some(Plastic::Kinematic(_))) {
         return Some("kinematic hardening of shells is not supported");
     }

@@ -3,6 +3,7 @@
 
 use indexmap::IndexMap;
 
+use super::user_material::asks_at_points;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::element::damping::Damping;
@@ -10,10 +11,11 @@ use crate::element::distortion::DistortionControl;
 use crate::element::elements::Elements;
 use crate::element::frequency::HighestFrequency;
 use crate::element::group::ElementGroup;
+use crate::element::lengths::AskedLengths;
 use crate::element::rings::Rings;
 use crate::kernel::quad::{self, corner_masses};
 use crate::mesh::gather::Gather;
-use crate::model::{IncrementControl, InitialKind, SolidSection, Step};
+use crate::model::{FailureCriterion, IncrementControl, InitialKind, SolidSection, Step};
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 use crate::variables::Variable;
@@ -68,7 +70,7 @@ impl Compiler<'_> {
         self.place_rotations(&shells, &mut nodes);
         let mut mass = vec![0.0; nodes.len()];
         let (mut groups, mut ids, mut corners): (Vec<Box<dyn ElementGroup>>, Vec<_>, Vec<_>) = Default::default();
-        let (mut controlled, mut damped, mut averagings) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut controlled, mut damped, mut averagings, mut lengths) = <(Vec<_>, Vec<_>, Vec<_>, Vec<_>)>::default();
         for (section, elements) in &sections {
             let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
             let Some(group) = self.group(section, elements, &list, &nodes, &mut mass) else { continue };
@@ -79,6 +81,7 @@ impl Compiler<'_> {
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             damped.push(self.damping(section, elements.len()));
             averagings.push(self.averaging(section, &list));
+            lengths.extend(self.lengths_at_start(section, elements, groups.len()));
             groups.push(group);
             corners.push(list);
         }
@@ -97,6 +100,7 @@ impl Compiler<'_> {
         let lists: Vec<&[[u32; 4]]> = corners.iter().map(Vec::as_slice).collect();
         let gather = Gather::new(nodes.len(), &lists);
         let mut elements = Elements::new(groups, ids, gather, nodes.len());
+        elements.lengths = lengths;
         let nodes = Nodes::new(nodes, mass);
         for (group, ratio) in controlled {
             let control = elements.distortion.get_or_insert_with(Box::<DistortionControl>::default);
@@ -114,6 +118,7 @@ impl Compiler<'_> {
         }
         let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
         self.start_solid(&mut state);
+        self.start_fields(&mut state);
         state
     }
 
@@ -139,6 +144,19 @@ impl Compiler<'_> {
         }
         self.cause(span, "mass proportional damping", count, "elements", format!("alpha = {alpha}"));
         alpha
+    }
+
+    /// Elements of built-in materials whose length a routine of the user gives.
+    fn lengths_at_start(&self, section: &SolidSection, elements: &[usize], group: usize) -> Option<AskedLengths> {
+        let material = &self.model.materials[section.material];
+        let (properties, _) = material.lengths.as_ref()?;
+        let evolves = material.failures.iter().any(FailureCriterion::takes_length);
+        (evolves && !asks_at_points(material)).then(|| AskedLengths {
+            group,
+            name: material.name.clone(),
+            properties: properties.clone(),
+            elements: elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect(),
+        })
     }
 
     /// LENGTH RATIO of a section under distortion control.
@@ -277,14 +295,8 @@ impl Compiler<'_> {
                         }
                     }
                 }
-                InitialKind::Field(variable, value) => {
-                    let mesh = &self.model.mesh;
-                    for (&e, &(group, i)) in &self.places.elements {
-                        if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
-                            groups[group].set_field(i, *variable, *value);
-                        }
-                    }
-                }
+                // Elements are given the means of their nodes.
+                InitialKind::Field(..) => {}
                 InitialKind::Stress(values) => {
                     let eos = |&&(group, _): &&(usize, usize)| groups[group].holds_state();
                     if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {

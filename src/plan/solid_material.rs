@@ -100,6 +100,8 @@ impl Compiler<'_> {
             }
             return self.user_group(section, material, elements, corners, nodes, mass);
         }
+        let evolves = material.failures.iter().any(FailureCriterion::takes_length);
+        self.asks_lengths(section, material, evolves)?;
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
         add_masses(corners, nodes, density, mass);
@@ -162,6 +164,9 @@ impl Compiler<'_> {
             }
             Material { eos: Some(_), .. } => {
                 format!("material `{}` has an equation of state and a bulk modulus from *ELASTIC", material.name)
+            }
+            Material { elastic: Some(_), elastic_table, .. } if !elastic_table.is_empty() => {
+                return Some(stiffest(elastic_table));
             }
             Material { elastic: Some([e, nu]), .. } => {
                 let bulk = e / (3.0 * (1.0 - 2.0 * nu));
@@ -357,6 +362,7 @@ impl Compiler<'_> {
                 Plastic::JohnsonCook(_) => "Johnson-Cook",
                 Plastic::Kinematic(_) => "linear kinematic",
                 Plastic::User(_) => "by the user",
+                Plastic::OverFields(_) => "over field variables",
             };
             let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
             let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
@@ -466,7 +472,7 @@ impl Compiler<'_> {
         let factor = rate_factor(material.rate.as_ref());
         match plastic {
             // They have laws of their own.
-            Plastic::Kinematic(_) | Plastic::User(_) => None,
+            Plastic::Kinematic(_) | Plastic::User(_) | Plastic::OverFields(_) => None,
             Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
                 let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
                 Some(with_rate(law, factor))
@@ -499,6 +505,14 @@ pub(super) fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
         }
         RateDependence::YieldRatio(rows) => Some(RateFactor::Ratio(TableOverTemperature { tables: blocks(rows) })),
     }
+}
+
+/// The largest moduli of a table: between its rows, where Young's modulus and Poisson's ratio are linear, none is larger.
+fn stiffest(rows: &[Vec<f64>]) -> Moduli {
+    let largest = |of: fn(f64, f64) -> f64| rows.iter().map(|r| of(r[0], r[1])).fold(0.0, f64::max);
+    let bulk = largest(|e, nu| e / (3.0 * (1.0 - 2.0 * nu)));
+    let shear = largest(|e, nu| e / (2.0 * (1.0 + nu)));
+    Moduli { bulk, shear, ratio: (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear) }
 }
 
 /// Kinematic hardening by lines of yield stress, slope and temperature.

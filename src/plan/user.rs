@@ -36,6 +36,7 @@ impl Compiler<'_> {
             ("vumat", routines.material.is_some(), "no element has a *USER MATERIAL"),
             ("vuhard", routines.hardening.is_some(), "no element has *PLASTIC, HARDENING=USER"),
             ("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
+            ("vucharlength", routines.lengths.is_some(), "no element takes a length of *CHARACTERISTIC LENGTH"),
         ];
         let uncalled: Vec<(&str, &str)> =
             there.into_iter().filter(|r| r.1 && !self.called.contains(&r.0)).map(|r| (r.0, r.2)).collect();

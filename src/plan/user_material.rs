@@ -13,12 +13,18 @@ use crate::element::group::ElementGroup;
 use crate::element::user_law::{Description, Flow, Yield};
 use crate::element::user_quads::UserQuads;
 use crate::kernel::heating::Heating;
-use crate::model::{Hourglass, InitialKind, Material, Plastic, SolidSection, StateVariables};
+use crate::model::{Hourglass, Material, Plastic, SolidSection, StateVariables};
 use crate::state::nodes::Node;
 
 /// Whether elements of a material ask routines of the user at their points.
 pub(super) fn asks_at_points(material: &Material) -> bool {
-    material.user.is_some() || material.fields.is_some() || matches!(material.plastic, Some(Plastic::User(_)))
+    let varies = !material.elastic_table.is_empty();
+    varies || material.user.is_some() || material.fields.is_some() || flows_at_points(material)
+}
+
+/// Whether the yield stress is one of points: of the user's, or over field variables.
+fn flows_at_points(material: &Material) -> bool {
+    matches!(material.plastic, Some(Plastic::User(_) | Plastic::OverFields(_)))
 }
 
 /// What the user's routines give of a law.
@@ -46,6 +52,8 @@ impl Compiler<'_> {
         };
         let density = material.density?;
         self.ask_fields(section, material)?;
+        let takes_lengths = material.user.is_some() || material.fields.is_some();
+        self.asks_lengths(section, material, takes_lengths)?;
         add_masses(corners, nodes, density, mass);
         let hourglass = self.hourglass(section, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
@@ -60,7 +68,10 @@ impl Compiler<'_> {
         let StateVariables { count, delete } = material.state;
         let (properties, flow) = match law {
             UserLaw::Stress(properties) => (properties.clone(), None),
-            UserLaw::Flow(yields) => (Vec::new(), Some(Flow { bulk, shear, yields })),
+            UserLaw::Flow(yields) => {
+                let elasticity = self.elasticity(section, material, elements.len());
+                (Vec::new(), Some(Flow { bulk, shear, elasticity, yields }))
+            }
         };
         let description = Description {
             name: material.name.clone(),
@@ -69,6 +80,7 @@ impl Compiler<'_> {
             delete,
             fields: self.field_variables(material),
             asks_fields: material.fields.as_ref().map(|f| f.0.clone()),
+            asks_lengths: material.lengths.as_ref().filter(|_| takes_lengths).map(|l| l.0.clone()),
             flow,
             heating,
             density,
@@ -81,15 +93,6 @@ impl Compiler<'_> {
             group.follow();
         }
         Some(Box::new(group))
-    }
-
-    /// Field variables of a material: those that the deck gives, and one at least where a routine defines them.
-    fn field_variables(&self, material: &Material) -> usize {
-        let given = self.model.initial_conditions.iter().map(|c| match c.kind {
-            InitialKind::Field(variable, _) => variable + 1,
-            _ => 0,
-        });
-        given.max().unwrap_or(0).max(usize::from(material.fields.is_some()))
     }
 
     /// The moduli that stand for those of a routine's stress until it tells them; `None` if the material lacks a card or has
@@ -116,7 +119,13 @@ impl Compiler<'_> {
     /// has what does not go with that (reported).
     fn user_flow<'m>(&mut self, section: &SolidSection, material: &'m Material) -> Option<(UserLaw<'m>, Moduli)> {
         let moduli = self.moduli(material, section.span)?;
-        let cause = if material.fields.is_some() { "*USER DEFINED FIELD" } else { "*PLASTIC, HARDENING=USER" };
+        let cause = if material.fields.is_some() {
+            "*USER DEFINED FIELD"
+        } else if flows_at_points(material) {
+            "*PLASTIC, HARDENING=USER or DEPENDENCIES="
+        } else {
+            "a table of *ELASTIC"
+        };
         let beside = [
             (material.eos.is_some(), "*EOS"),
             (material.hyperelastic.is_some(), "*HYPERELASTIC"),
@@ -142,6 +151,7 @@ impl Compiler<'_> {
                 self.called.push("vuhard");
                 Yield::User(properties.clone())
             }
+            Some(Plastic::OverFields(rows)) => self.yield_over_fields(section, material, rows)?,
             Some(plastic) => Yield::Law(Arc::from(self.yield_stress(plastic, material, section.span)?)),
         };
         Some((UserLaw::Flow(yields), moduli))
@@ -158,6 +168,27 @@ impl Compiler<'_> {
         self.called.push("vusdfld");
         let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.state.count);
         self.cause(*span, "user-defined fields", 1, "material", detail);
+        Some(())
+    }
+
+    /// Whether the routine of characteristic lengths is there, where one is asked for and something takes a length; `None` if
+    /// not (reported).
+    pub(super) fn asks_lengths(&mut self, section: &SolidSection, material: &Material, takes: bool) -> Option<()> {
+        let Some((properties, span)) = &material.lengths else { return Some(()) };
+        if !takes {
+            let why = "no damage evolves in this material, and no vumat or vusdfld is told a length";
+            self.unused(*span, "*CHARACTERISTIC LENGTH", why);
+            return Some(());
+        }
+        if self.routines.lengths.is_none() {
+            let asks =
+                format!("the characteristic length of `{}` is the user's (*CHARACTERISTIC LENGTH)", material.name);
+            self.no_routine(section.span, "section", &asks, "vucharlength");
+            return None;
+        }
+        self.called.push("vucharlength");
+        let detail = format!("vucharlength: {} constants", properties.len());
+        self.cause(*span, "characteristic length", 1, "material", detail);
         Some(())
     }
 
@@ -183,6 +214,12 @@ impl Compiler<'_> {
             }
             UserLaw::Flow(Yield::User(properties)) => {
                 let detail = format!("vuhard: {} constants, {variables} state variables{heated}", properties.len());
+                self.cause(section.span, "plasticity", count, "elements", detail);
+            }
+            UserLaw::Flow(Yield::OverFields(law)) => {
+                let fields = law.fields;
+                let rate = if law.factor.is_some() { ", rate dependent" } else { "" };
+                let detail = format!("tabular isotropic over {fields} field variables{rate}{heated}");
                 self.cause(section.span, "plasticity", count, "elements", detail);
             }
             UserLaw::Flow(Yield::Law(_)) => {

@@ -305,6 +305,7 @@ impl<'a> Run<'a> {
         let fresh = self.elements.is_pending();
         if fresh {
             self.warm();
+            self.give_fields();
         }
         let user = self.user.at_points();
         self.elements.update(&mut self.dofs, &self.now, self.threads, user, self.timing.groups());
@@ -334,6 +335,15 @@ impl<'a> Run<'a> {
         if let Some(heat) = &thermal.heat {
             self.timing.stop(clock, heat.id);
         }
+    }
+
+    /// Gives elements the field variables that are prescribed.
+    #[inline(never)]
+    fn give_fields(&mut self) {
+        let Some(id) = self.elements.fields.as_ref().map(|f| f.id) else { return };
+        let clock = self.timing.start();
+        self.elements.give_fields(&Clock { now: self.now, told: &self.told });
+        self.timing.stop(clock, id);
     }
 
     /// What plastic work made, and the flow of heat at this instant.

@@ -33,7 +33,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "U006",
         title: "no known user routine",
-        text: "The files define none of vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vexternaldb.",
+        text: "The files define none of vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vucharlength, vexternaldb.",
     },
     Code {
         code: "U009",

@@ -16,9 +16,10 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
 use super::host::{self, Level};
 use super::{
-    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
-    MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, PointValues, ROUTINES, Routines,
-    UserAmplitude, UserEvents, UserFields, UserHardening, UserLoad, UserMaterial, UserMotion, Wish,
+    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
+    LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, PointValues, ROUTINES,
+    Routines, UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
+    Wish,
 };
 use crate::deck::Diagnostic;
 use crate::output::whole::Scratch;
@@ -187,6 +188,35 @@ type Vusdfld = unsafe extern "C-unwind" fn(
     *mut f64,
     usize,
 );
+/// `subroutine vucharlength(nblock, nfieldv, nprops, ncomp, ndim, nnode, nstatev, kSecPt, kLayer, kIntPt, jElType, jElem,
+/// totalTime, stepTime, dt, cmname, coordMp, coordNode, direct, T, props, field, stateOld, charLength)`.
+type Vucharlength = unsafe extern "C-unwind" fn(
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const c_char,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    usize,
+);
 /// `subroutine vexternaldb(lOp, i_Array, niArray, r_Array, nrArray)`.
 type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32, *mut f64, *const i32);
 
@@ -243,6 +273,11 @@ pub fn open(
             routines = routines.with_fields(CompiledFields { call, name, directions, _keep: libraries.clone() });
             known = true;
         }
+        if let Some(call) = find::<Vucharlength>(&libraries, "vucharlength").filter(|_| fits("vucharlength")) {
+            let (name, directions) = (Padded::default(), vec![0.0; 9 * MAX_MATERIAL_BLOCK]);
+            routines = routines.with_lengths(CompiledLengths { call, name, directions, _keep: libraries.clone() });
+            known = true;
+        }
         if let Some(call) = find::<Vexternaldb>(&libraries, "vexternaldb").filter(|_| fits("vexternaldb")) {
             routines = routines.with_events(CompiledEvents { call, restart: false, _keep: libraries.clone() });
             known = true;
@@ -285,7 +320,6 @@ fn subroutines(file: &Path) -> Vec<String> {
 
 /// Routines of ABAQUS that nothing here calls; a file that holds one is told so.
 const STRANGERS: &[&str] = &[
-    "vucharlength",
     "vuanisohyper_inv",
     "vuanisohyper_strain",
     "vuel",
@@ -837,9 +871,7 @@ impl UserFields for CompiledFields {
         let [count, variables, fields, properties] =
             [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
         let (direct, shear, one) = (3_i32, 1_i32, 1_i32);
-        for (slab, list) in self.directions.chunks_mut(call.count).take(9).enumerate() {
-            list.fill(if slab % 4 == 0 { 1.0 } else { 0.0 });
-        }
+        set_identities(&mut self.directions, call.count);
         let points = Some((call.count, call.values));
         let context = Call { points, ..Call::new("vusdfld", call.name, call.now) };
         enter(&context, || {
@@ -873,6 +905,66 @@ impl UserFields for CompiledFields {
             }
         })?;
         guarded(self.name.untouched(), "vusdfld", "cmname")
+    }
+}
+
+/// Identities of so many points, components one after the other.
+fn set_identities(directions: &mut [f64], count: usize) {
+    for (slab, list) in directions.chunks_mut(count).take(9).enumerate() {
+        list.fill(if slab % 4 == 0 { 1.0 } else { 0.0 });
+    }
+}
+
+struct CompiledLengths {
+    call: Vucharlength,
+    name: Padded,
+    /// `direct` and `T`: the axes of the material are those of the model.
+    directions: Vec<f64>,
+    _keep: Arc<[Library]>,
+}
+
+impl UserLengths for CompiledLengths {
+    fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
+        let name = self.name.set(call.name);
+        let [count, fields, properties, corners, variables] =
+            [call.count, call.fields, call.properties.len(), call.corners, call.variables].map(|n| n as i32);
+        let (one, dimensions) = (1_i32, 2_i32);
+        // The shape: 2 is a triangle, 3 a quadrilateral.
+        let kind = [corners - 1, 0, 0];
+        set_identities(&mut self.directions, call.count);
+        enter(&Call::new("vucharlength", call.name, call.now), || {
+            // SAFETY: each argument has the length that the counts before it say.
+            unsafe {
+                (self.call)(
+                    &count,
+                    &fields,
+                    &properties,
+                    &one,
+                    &dimensions,
+                    &corners,
+                    &variables,
+                    &one,
+                    &one,
+                    &one,
+                    kind.as_ptr(),
+                    call.elements.as_ptr(),
+                    &call.now.total_time,
+                    &call.now.step_time,
+                    &call.dt,
+                    name,
+                    call.coordinates.as_ptr(),
+                    call.nodes.as_ptr(),
+                    self.directions.as_ptr(),
+                    self.directions.as_ptr(),
+                    call.properties.as_ptr(),
+                    call.field.as_ptr(),
+                    call.state.as_ptr(),
+                    lengths.as_mut_ptr(),
+                    NAME,
+                );
+            }
+        })?;
+        guarded(self.name.untouched(), "vucharlength", "cmname")
     }
 }
 

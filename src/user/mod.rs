@@ -282,7 +282,7 @@ pub struct MaterialCall<'a> {
     pub properties: &'a [f64],
     /// `coordMp`: r, z, and behind them NaN for a routine that reads a third coordinate.
     pub coordinates: &'a [f64],
-    /// `charLength`: root of the element's area in the (r, z) plane, length.
+    /// `charLength`: root of the element's area in the (r, z) plane, or what VUCHARLENGTH gives; length.
     pub length: &'a [f64],
     /// Mass a volume at the middle of the increment.
     pub density: &'a [f64],
@@ -419,7 +419,7 @@ pub struct FieldCall<'a> {
     pub elements: &'a [i32],
     /// `coordMp`: r, z, and behind them NaN for a routine that reads a third coordinate.
     pub coordinates: &'a [f64],
-    /// `charLength`: root of the element's area in the (r, z) plane, length.
+    /// `charLength`: root of the element's area in the (r, z) plane, or what VUCHARLENGTH gives; length.
     pub length: &'a [f64],
     /// `stateOld`.
     pub state: &'a [f64],
@@ -443,6 +443,46 @@ pub trait UserFields: Send {
     /// # Errors
     /// Any reason; the run halts.
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure>;
+}
+
+/// What a routine of characteristic lengths is told, for a block of points: VUCHARLENGTH's arguments (ABAQUS 2016 User
+/// Subroutines Reference, 1.2.11 "VUCHARLENGTH").
+pub struct LengthCall<'a> {
+    /// Name of the material, upper case (`cmname`).
+    pub name: &'a str,
+    /// Clock, step and increment.
+    pub now: Instant,
+    /// Length of the increment; 0 when the analysis begins.
+    pub dt: f64,
+    /// Points (`nblock`).
+    pub count: usize,
+    /// State variables of a point (`nstatev`).
+    pub variables: usize,
+    /// Field variables (`nfieldv`).
+    pub fields: usize,
+    /// Corners of an element (`nnode`): 3 of triangles, 4 else; a triangle among quadrilaterals has its last node twice.
+    pub corners: usize,
+    /// Constants (`props`).
+    pub properties: &'a [f64],
+    /// User's numbers of the elements (`jElem`).
+    pub elements: &'a [i32],
+    /// `coordMp`: r, and then z, of each point.
+    pub coordinates: &'a [f64],
+    /// `coordNode`: r of the first corner of each element, then of the second, and so on; then z likewise.
+    pub nodes: &'a [f64],
+    /// `field`.
+    pub field: &'a [f64],
+    /// `stateOld`.
+    pub state: &'a [f64],
+}
+
+/// Characteristic lengths of the user (`*CHARACTERISTIC LENGTH, DEFINITION=USER`).
+pub trait UserLengths: Send {
+    /// The length of each point; on entry the default, the root of the element's area in the (r, z) plane.
+    ///
+    /// # Errors
+    /// Any reason; the run halts.
+    fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure>;
 }
 
 /// A routine shared by all that calls it, as one VDLOAD serves a whole ABAQUS job: its state is common to them. A run holds
@@ -472,13 +512,16 @@ pub type SharedMaterial = Shared<dyn UserMaterial>;
 pub type SharedHardening = Shared<dyn UserHardening>;
 /// Fields of the user, shared.
 pub type SharedFields = Shared<dyn UserFields>;
+/// Characteristic lengths of the user, shared.
+pub type SharedLengths = Shared<dyn UserLengths>;
 /// A user motion, shared.
 pub type SharedMotion = Shared<dyn UserMotion>;
 /// A routine told of events, shared.
 pub type SharedEvents = Shared<dyn UserEvents>;
 
 /// Names of the routines that can be called.
-pub const ROUTINES: &[&str] = &["vdload", "vuamp", "vdisp", "vumat", "vuhard", "vusdfld", "vexternaldb"];
+pub const ROUTINES: &[&str] =
+    &["vdload", "vuamp", "vdisp", "vumat", "vuhard", "vusdfld", "vucharlength", "vexternaldb"];
 
 /// A routine of the user's files that cannot be called as it is.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -506,6 +549,8 @@ pub struct Routines {
     pub hardening: Option<SharedHardening>,
     /// `*USER DEFINED FIELD` (VUSDFLD).
     pub fields: Option<SharedFields>,
+    /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
+    pub lengths: Option<SharedLengths>,
     /// VEXTERNALDB.
     pub events: Option<SharedEvents>,
     /// What the user's files hold beside these: routines that cannot be called as they are.
@@ -528,6 +573,8 @@ pub struct Locked<'a> {
     pub hardening: Option<MutexGuard<'a, dyn UserHardening + 'static>>,
     /// As [`Routines::fields`].
     pub fields: Option<MutexGuard<'a, dyn UserFields + 'static>>,
+    /// As [`Routines::lengths`].
+    pub lengths: Option<MutexGuard<'a, dyn UserLengths + 'static>>,
     /// As [`Routines::events`].
     pub events: Option<MutexGuard<'a, dyn UserEvents + 'static>>,
 }
@@ -539,6 +586,7 @@ impl Locked<'_> {
             material: self.material.as_deref_mut(),
             hardening: self.hardening.as_deref_mut(),
             fields: self.fields.as_deref_mut(),
+            lengths: self.lengths.as_deref_mut(),
         }
     }
 }
@@ -552,6 +600,8 @@ pub struct AtPoints<'a> {
     pub hardening: Option<&'a mut (dyn UserHardening + 'static)>,
     /// As [`Routines::fields`].
     pub fields: Option<&'a mut (dyn UserFields + 'static)>,
+    /// As [`Routines::lengths`].
+    pub lengths: Option<&'a mut (dyn UserLengths + 'static)>,
 }
 
 impl AtPoints<'_> {
@@ -561,6 +611,7 @@ impl AtPoints<'_> {
             material: self.material.as_deref_mut(),
             hardening: self.hardening.as_deref_mut(),
             fields: self.fields.as_deref_mut(),
+            lengths: self.lengths.as_deref_mut(),
         }
     }
 }
@@ -580,6 +631,7 @@ impl Routines {
             material: self.material.as_ref().map(Shared::lock),
             hardening: self.hardening.as_ref().map(Shared::lock),
             fields: self.fields.as_ref().map(Shared::lock),
+            lengths: self.lengths.as_ref().map(Shared::lock),
             events: self.events.as_ref().map(Shared::lock),
         }
     }
@@ -593,6 +645,7 @@ impl Routines {
             || self.material.is_some()
             || self.hardening.is_some()
             || self.fields.is_some()
+            || self.lengths.is_some()
     }
 
     /// With a load.
@@ -640,6 +693,13 @@ impl Routines {
     #[must_use]
     pub fn with_fields(mut self, routine: impl UserFields + 'static) -> Self {
         self.fields = Some(Shared(Arc::new(Mutex::new(routine))));
+        self
+    }
+
+    /// With characteristic lengths.
+    #[must_use]
+    pub fn with_lengths(mut self, routine: impl UserLengths + 'static) -> Self {
+        self.lengths = Some(Shared(Arc::new(Mutex::new(routine))));
         self
     }
 

@@ -18,7 +18,7 @@ struct Interface {
 }
 
 /// ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
-/// "VEXTERNALDB" (6.14).
+/// "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016).
 const INTERFACES: &[Interface] = &[
     Interface {
         name: "vdload",
@@ -179,6 +179,35 @@ const INTERFACES: &[Interface] = &[
             ("stateOld", Real),
             ("stateNew", Real),
             ("field", Real),
+        ],
+    },
+    Interface {
+        name: "vucharlength",
+        arguments: &[
+            ("nblock", Integer),
+            ("nfieldv", Integer),
+            ("nprops", Integer),
+            ("ncomp", Integer),
+            ("ndim", Integer),
+            ("nnode", Integer),
+            ("nstatev", Integer),
+            ("kSecPt", Integer),
+            ("kLayer", Integer),
+            ("kIntPt", Integer),
+            ("jElType", Integer),
+            ("jElem", Integer),
+            ("totalTime", Real),
+            ("stepTime", Real),
+            ("dt", Real),
+            ("cmname", Character),
+            ("coordMp", Real),
+            ("coordNode", Real),
+            ("direct", Real),
+            ("T", Real),
+            ("props", Real),
+            ("field", Real),
+            ("stateOld", Real),
+            ("charLength", Real),
         ],
     },
     Interface {

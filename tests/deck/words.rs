@@ -14,9 +14,9 @@ use revolve::deck::{self, Card, Deck};
 use revolve::job;
 use revolve::solve;
 use revolve::user::{
-    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
-    MaterialAnswer, MaterialCall, MotionCall, Routines, UserAmplitude, UserFields, UserHardening, UserLoad,
-    UserMaterial, UserMotion,
+    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
+    LoadPoints, MaterialAnswer, MaterialCall, MotionCall, Routines, UserAmplitude, UserFields, UserHardening,
+    UserLengths, UserLoad, UserMaterial, UserMotion,
 };
 
 /// Every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
@@ -146,10 +146,18 @@ impl UserFields for Asked {
     }
 }
 
+/// The length is that by default, times the first constant.
+impl UserLengths for Asked {
+    fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
+        lengths.iter_mut().for_each(|length| *length *= call.properties.first().unwrap_or(&1.0));
+        Ok(())
+    }
+}
+
 /// All that a deck comes to, without the places that findings and rows name.
 fn results(folder: &Path, text: &str) -> String {
     let routines = Routines::none().with_load(Asked).with_motion(Asked).with_amplitude(Asked).with_material(Asked);
-    let routines = routines.with_hardening(Asked).with_fields(Asked);
+    let routines = routines.with_hardening(Asked).with_fields(Asked).with_lengths(Asked);
     let name = folder.join("pair.inp");
     let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
     let mut told = String::new();
@@ -180,6 +188,7 @@ fn files(folder: &Path) {
     for (name, value) in [("a", "1."), ("b", "1.5")] {
         write(&format!("{name}.inc"), &format!("*Initial Conditions, type=VELOCITY\n MID, 2, {value}\n"));
         write(&format!("{name}.node"), &format!(" 9, 2., {value}\n"));
+        write(&format!("{name}.field"), &format!(" TOP, {value}\n"));
         write(&format!("{name}.start"), &format!(" TOP, 2, {value}\n"));
         write(&format!("{name}.equation"), &format!(" 2\n 7, 2, {value}, 8, 2, -1.\n"));
         write(&format!("{name}.amplitude"), &format!(" 0., 0., 1., {value}\n"));

@@ -5,6 +5,7 @@ mod common;
 
 mod built_in_twin;
 mod deformable;
+mod fields;
 mod hardening;
 mod in_the_wild;
 mod load;

@@ -17,7 +17,7 @@ pub const CARDS: &[Keyword] = &[
         "ELSET" read "Elements",
         "NONLINEAR" read "Rows of force and relative displacement",
         "COMPLEX STIFFNESS" refused "of harmonic analyses",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "ORIENTATION" refused "springs act along r, z or the line between their nodes",
         "RTOL" refused "tables are used as they are given: none is regularised",
     }, [
@@ -29,7 +29,7 @@ pub const CARDS: &[Keyword] = &[
     row!("DASHPOT", "Dashpots of DASHPOTA and DASHPOT1 elements; an element has one", (), {
         "ELSET" read "Elements",
         "NONLINEAR" read "Rows of force and relative velocity",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "ORIENTATION" refused "dashpots act along r, z or the line between their nodes",
         "RTOL" refused "tables are used as they are given: none is regularised",
     }, [
@@ -169,7 +169,7 @@ pub const CARDS: &[Keyword] = &[
         "ROUGH" refused "friction is one coefficient",
         "EXPONENTIAL DECAY" refused "friction is one coefficient",
         "ANISOTROPIC" refused "friction is one coefficient",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "ELASTIC SLIP" refused "of implicit analyses",
         "LAGRANGE" refused "of implicit analyses",
         "SHEAR TRACTION SLOPE" refused "friction is one coefficient",

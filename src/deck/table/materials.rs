@@ -14,17 +14,21 @@ pub const CARDS: &[Keyword] = &[
         "INTERNAL" inert "written by CAE; no meaning",
     }, []),
     row!("DENSITY", "Mass per volume", (once below "MATERIAL"), {
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "PORE FLUID" refused "pores are not simulated",
     }, [(rows ["density", "temperature"])]),
     row!("ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
         "TYPE" read "ISOTROPIC (default), or SHEAR beside an equation of state",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" read "Number of field variables that the moduli depend on, at most 5",
         "MODULI" inert "without viscoelasticity the moduli are those of all times",
         "COMPRESSION FACTOR" refused "elasticity is the same in tension and compression",
     }, [
         (when "TYPE" = "SHEAR" lines ["shear modulus", "temperature" inert "one modulus holds at every temperature"]),
-        (lines ["Young's modulus", "Poisson's ratio", "temperature" inert "one modulus holds at every temperature"]),
+        (when "DEPENDENCIES" = "" rows [
+            "Young's modulus", "Poisson's ratio", "temperature",
+            "field variable", "field variable", "field variable", "field variable", "field variable",
+        ]),
+        (rows ["Young's modulus", "Poisson's ratio", "temperature"]),
     ]),
     row!("EOS", "Equation of state", (once below "MATERIAL"), {
         "TYPE" read "IDEAL GAS, USUP, TABULAR or JWL",
@@ -69,7 +73,7 @@ pub const CARDS: &[Keyword] = &[
     ]),
     row!("CRUSHABLE FOAM", "Plasticity of foam that is crushed", (once below "MATERIAL"), {
         "HARDENING" read "VOLUMETRIC (default) or ISOTROPIC",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
     }, [
         (when "HARDENING" = "ISOTROPIC" lines [
             "compression yield stress ratio", "plastic Poisson's ratio",
@@ -81,7 +85,7 @@ pub const CARDS: &[Keyword] = &[
         ]),
     ]),
     row!("CRUSHABLE FOAM HARDENING", "Yield stress of foam in uniaxial compression", (once below "MATERIAL"), {
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
     }, [
         (rows ["yield stress in uniaxial compression", "plastic strain in compression", "temperature" refused "one table holds at every temperature"]),
     ]),
@@ -94,23 +98,23 @@ pub const CARDS: &[Keyword] = &[
     row!("SHEAR FAILURE", "Failure by plastic strain", (once below "MATERIAL"), {
         "TYPE" read "TABULAR (default) or JOHNSON COOK",
         "ELEMENT DELETION" only ["YES"] "elements that fail are deleted",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
     }, [
         (when "TYPE" = "JOHNSON COOK" lines ["d1", "d2", "d3", "d4", "d5"]),
         (rows [
             "plastic strain at failure", "rate of the plastic strain", "pressure over von Mises stress", "temperature",
-            "field variable" refused "nothing here depends on field variables",
+            "field variable" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         ]),
     ]),
     row!("TENSILE FAILURE", "Cutoff of tension, spall", (once below "MATERIAL"), {
         "ELEMENT DELETION" read "YES (default); NO keeps the mean stress at the cutoff",
         "PRESSURE" only ["DUCTILE"] "brittle failure without deletion is not simulated",
         "SHEAR" only ["DUCTILE"] "brittle failure without deletion is not simulated",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
     }, [(lines ["mean stress, tension", "temperature" inert "one cutoff holds at every temperature"])]),
     row!("DAMAGE INITIATION", "When damage begins", (below "MATERIAL"), {
         "CRITERION" read "JOHNSON COOK or DUCTILE",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "NUMBER IMPERFECTIONS" refused "of MSFLD",
         "OMEGA" refused "of MSFLD",
         "ACCUMULATION POWER" refused "the sum is that of the strains over the strain at failure",
@@ -135,14 +139,14 @@ pub const CARDS: &[Keyword] = &[
         ]),
         (rows [
             "plastic strain", "triaxiality", "rate of the plastic strain", "temperature",
-            "field variable" refused "nothing here depends on field variables",
+            "field variable" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         ]),
     ]),
     row!("DAMAGE EVOLUTION", "How damage grows", (below "MATERIAL"), {
         "TYPE" read "DISPLACEMENT or ENERGY",
         "SOFTENING" only ["LINEAR"] "damage grows linearly",
         "DEGRADATION" only ["MAXIMUM"] "the largest damage counts",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "MIXED MODE BEHAVIOR" refused "of cohesive elements",
         "MODE MIX RATIO" refused "of cohesive elements",
         "POWER" refused "of mixed modes",
@@ -156,7 +160,7 @@ pub const CARDS: &[Keyword] = &[
     row!("PLASTIC", "Metal plasticity", (once below "MATERIAL"), {
         "HARDENING" read "ISOTROPIC (default), KINEMATIC (two rows, at each temperature), JOHNSON COOK, or USER (subroutine vuhard)",
         "RATE" refused "give *RATE DEPENDENT",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" read "Number of field variables that a table depends on, at most 5",
         "DATA TYPE" refused "of cyclic hardening",
         "EXTRAPOLATION" read "Beyond the last plastic strain of a table: CONSTANT (default) or LINEAR",
         "NUMBER BACKSTRESSES" refused "of combined hardening",
@@ -167,11 +171,15 @@ pub const CARDS: &[Keyword] = &[
     }, [
         (when "HARDENING" = "USER" list "constant of the hardening" read "Eight a line"),
         (when "HARDENING" = "JOHNSON COOK" lines ["A", "B", "n", "m", "melting temperature", "transition temperature"]),
+        (when "DEPENDENCIES" = "" rows [
+            "yield stress", "plastic strain", "temperature",
+            "field variable", "field variable", "field variable", "field variable", "field variable",
+        ]),
         (rows ["yield stress", "plastic strain", "temperature"]),
     ]),
     row!("RATE DEPENDENT", "Rate dependence of yield", (once below "MATERIAL"), {
         "TYPE" read "POWER LAW (default), YIELD RATIO or JOHNSON COOK",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
     }, [
         (when "TYPE" = "JOHNSON COOK" lines ["C", "reference strain rate"]),
         (when "TYPE" = "YIELD RATIO" rows ["yield ratio", "strain rate", "temperature"]),
@@ -183,7 +191,7 @@ pub const CARDS: &[Keyword] = &[
     row!("SPECIFIC HEAT", "Heat per mass and temperature", (once below "MATERIAL"), {
         "CONSTANT PRESSURE" refused "of gases in fluid cavities",
         "CONSTANTVOLUME" refused "of gases in fluid cavities",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
     }, [(rows ["specific heat", "temperature"])]),
     row!("USER MATERIAL", "Material of a user routine", (once below "MATERIAL"), {
         "CONSTANTS" read "Number of constants",
@@ -195,6 +203,11 @@ pub const CARDS: &[Keyword] = &[
     row!("USER DEFINED FIELD", "Fields of a user routine (subroutine vusdfld)", (once below "MATERIAL"), {
         "PROPERTIES" read "Number of constants",
     }, [(list "constant of the fields" read "Eight a line")]),
+    row!("CHARACTERISTIC LENGTH", "Length of an element that damage evolution and routines of the user take", (once below "MATERIAL"), {
+        "DEFINITION" read "GEOMETRIC MEAN (default): the root of the element's area in the (r, z) plane; USER (subroutine vucharlength)",
+        "COMPONENTS" only ["1"] "a length has one component",
+        "PROPERTIES" read "Number of constants of DEFINITION=USER",
+    }, [(list "constant of the length" read "Eight a line")]),
     row!("DEPVAR", "Number of state variables that the user's routines keep at a point", (once below "MATERIAL"), {
         "DELETE" read "State variable that deletes the element",
         "CONVERT" refused "elements do not turn into particles",
@@ -204,19 +217,19 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines ["A", "B", "C"])]),
     row!("CONDUCTIVITY", "Heat conduction, in steps that solve for temperatures", (once below "MATERIAL"), {
         "TYPE" only ["ISO"] "nothing here is anisotropic",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "PORE FLUID" refused "pores are not simulated",
     }, [(rows ["conductivity", "temperature"])]),
     row!(inert "nothing here is anisotropic", "ORIENTATION", "A local coordinate system"),
     row!("EXPANSION", "Thermal expansion, where temperatures change", (once below "MATERIAL"), {
         "TYPE" only ["ISO"] "nothing here is anisotropic",
         "ZERO" read "Reference temperature of the coefficients",
-        "DEPENDENCIES" refused "nothing here depends on field variables",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
         "USER" refused "expansion of the user is not called",
         "PROPERTIES" refused "expansion of the user is not called",
         "DEFINITION" only ["SECANT"] "coefficients are those from the reference temperature",
         "PORE FLUID" refused "pores are not simulated",
-        "FIELD" refused "nothing here depends on field variables",
+        "FIELD" refused "fields do not expand",
     }, [(rows ["coefficient", "temperature"])]),
     row!("SOLID SECTION", "Gives solid elements their material; an element has one section", (), {
         "ELSET" read "Elements",

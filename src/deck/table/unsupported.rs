@@ -99,7 +99,6 @@ pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "FAIL STRAIN", "Strain failure"),
     row!(UnsupportedPhysics, "FAIL STRESS", "Stress failure"),
     row!(UnsupportedPhysics, "FASTENER", "Fasteners"),
-    row!(UnsupportedPhysics, "FIELD", "Prescribed field variables"),
     row!(UnsupportedPhysics, "FLUID BEHAVIOR", "Fluid cavities"),
     row!(UnsupportedPhysics, "FLUID BULK MODULUS", "Fluid cavities"),
     row!(UnsupportedPhysics, "FLUID CAVITY", "Fluid cavities"),

@@ -1,0 +1,142 @@
+//! Characteristic lengths of the user (`*CHARACTERISTIC LENGTH, DEFINITION=USER`) of elements whose material is built in:
+//! asked for once, when the analysis begins, because damage takes the length at the start.
+//! Never here: what takes a length, elements that ask routines at their points.
+
+use super::group::ElementGroup;
+use crate::state::Instant;
+use crate::state::halt::Halt;
+use crate::state::nodes::Node;
+use crate::user::{LengthCall, LoadFailure, MAX_MATERIAL_BLOCK, UserLengths};
+
+/// Elements of a group whose length the user's routine gives.
+#[derive(Clone, Debug)]
+pub struct AskedLengths {
+    /// The group.
+    pub group: usize,
+    /// Material, upper case.
+    pub name: String,
+    /// Constants of the routine.
+    pub properties: Vec<f64>,
+    /// Names of the elements.
+    pub elements: Vec<String>,
+}
+
+impl AskedLengths {
+    /// Bytes of it.
+    pub fn bytes(&self) -> usize {
+        let names: usize = self.elements.iter().map(|n| size_of_val(n) + n.capacity()).sum();
+        size_of_val(self) + names + self.name.capacity() + size_of_val(&*self.properties)
+    }
+
+    /// Asks for the lengths of all elements, which have their start before them, and gives them to the group.
+    ///
+    /// # Errors
+    /// The routine's, and a length that is not above zero.
+    pub fn ask(
+        &self,
+        group: &mut dyn ElementGroup,
+        nodes: &[Node],
+        now: &Instant,
+        routine: &mut dyn UserLengths,
+    ) -> Result<(), Halt> {
+        for (chunk, names) in self.elements.chunks(MAX_MATERIAL_BLOCK).enumerate() {
+            let first = chunk * MAX_MATERIAL_BLOCK;
+            let corners: Vec<[u32; 4]> = (first..first + names.len()).map(|e| group.corners(e)).collect();
+            let lengths = self.block(&corners, names, nodes, now, routine).map_err(|failure| {
+                let place =
+                    failure.point.and_then(|i| names.get(i)).map_or(String::new(), |n| format!(" at element {n}"));
+                failure.halt(&format!("the characteristic length of the material `{}`{place}", self.name), now)
+            })?;
+            lengths.into_iter().enumerate().for_each(|(i, length)| group.set_length(first + i, length));
+        }
+        Ok(())
+    }
+
+    fn block(
+        &self,
+        corners: &[[u32; 4]],
+        names: &[String],
+        nodes: &[Node],
+        now: &Instant,
+        routine: &mut dyn UserLengths,
+    ) -> Result<Vec<f64>, LoadFailure> {
+        let count = corners.len();
+        let mut shown = Shown::new(corners);
+        let mut lengths = Vec::with_capacity(count);
+        for (i, element) in corners.iter().enumerate() {
+            let places = element.map(|n| nodes[n as usize].place());
+            lengths.push(shown.set(i, places.map(|p| p[0]), places.map(|p| p[1])));
+        }
+        let numbers: Vec<i32> = names.iter().map(|name| user_number(name)).collect();
+        let call = LengthCall {
+            name: &self.name,
+            now: *now,
+            dt: 0.0,
+            count,
+            variables: 0,
+            fields: 0,
+            corners: shown.corners,
+            properties: &self.properties,
+            elements: &numbers,
+            coordinates: &shown.middles,
+            nodes: &shown.places,
+            field: &[],
+            state: &[],
+        };
+        routine.lengths(&call, &mut lengths)?;
+        above_zero(&lengths)?;
+        Ok(lengths)
+    }
+}
+
+/// Where elements and their corners are, as a routine is shown them.
+#[derive(Clone, Debug)]
+pub(super) struct Shown {
+    /// Corners of an element: 3 where all are triangles, 4 else.
+    pub corners: usize,
+    /// `coordMp`.
+    middles: Vec<f64>,
+    /// `coordNode`.
+    pub places: Vec<f64>,
+}
+
+impl Shown {
+    pub fn new(elements: &[[u32; 4]]) -> Self {
+        let corners = if elements.iter().all(|e| e[2] == e[3]) { 3 } else { 4 };
+        let places = vec![0.0; 2 * corners * elements.len()];
+        Shown { corners, middles: vec![0.0; 2 * elements.len()], places }
+    }
+
+    /// Bytes of it.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.middles) + size_of_val(&*self.places)
+    }
+
+    /// Puts an element there; the root of its area.
+    pub fn set(&mut self, element: usize, r: [f64; 4], z: [f64; 4]) -> f64 {
+        let count = self.middles.len() / 2;
+        for (axis, x) in [r, z].into_iter().enumerate() {
+            for (corner, x) in x.into_iter().take(self.corners).enumerate() {
+                self.places[(axis * self.corners + corner) * count + element] = x;
+            }
+            self.middles[axis * count + element] = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
+        }
+        let area = 0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]));
+        area.abs().sqrt()
+    }
+}
+
+/// Whether all lengths are above zero.
+///
+/// # Errors
+/// The first that is not.
+pub(super) fn above_zero(lengths: &[f64]) -> Result<(), LoadFailure> {
+    let Some(point) = lengths.iter().position(|l| !(*l > 0.0 && l.is_finite())) else { return Ok(()) };
+    let reason = format!("it gave charLength(k, 1) = {}; a length is above zero", lengths[point]);
+    Err(LoadFailure { point: Some(point), reason })
+}
+
+/// The user's number of an element, by its name.
+pub(super) fn user_number(name: &str) -> i32 {
+    name.rsplit('.').next().and_then(|number| number.parse().ok()).unwrap_or(0)
+}

@@ -1,0 +1,136 @@
+//! Field variables of the plan: which there are, what nodes have of them at the start and in each step, and the tables of
+//! materials over them.
+//! Never here: interpolation.
+
+use std::sync::Arc;
+
+use super::solid_material::rate_factor;
+use super::{Compiler, State};
+use crate::deck::Diagnostic;
+use crate::element::predefined::{PredefinedFields, Prescribed, mean};
+use crate::element::user_law::{Elasticity, MOST_DEPENDENCIES, Yield, YieldOverFields};
+use crate::kernel::levels::Levels;
+use crate::model::{InitialKind, Material, Plastic, SolidSection};
+
+/// Field variables that a material's tables depend on.
+fn dependencies(material: &Material) -> usize {
+    // Moduli, or yield stress and plastic strain; and the temperature.
+    let of = |rows: &[Vec<f64>]| rows.first().map_or(0, |row| row.len().saturating_sub(3));
+    let plastic = if let Some(Plastic::OverFields(rows)) = &material.plastic { of(rows) } else { 0 };
+    plastic.max(of(&material.elastic_table))
+}
+
+impl Compiler<'_> {
+    /// Field variables that a deck gives.
+    fn given_fields(&self) -> usize {
+        let start = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
+            InitialKind::Field(variable, _) => Some(variable + 1),
+            _ => None,
+        });
+        let prescribed = self.model.steps.iter().flat_map(|s| &s.fields).map(|f| f.variable + 1);
+        start.chain(prescribed).max().unwrap_or(0)
+    }
+
+    /// Field variables of a material: those that the deck gives or that its tables depend on, and one at least where a
+    /// routine defines them.
+    pub(super) fn field_variables(&self, material: &Material) -> usize {
+        self.given_fields().max(dependencies(material)).max(usize::from(material.fields.is_some()))
+    }
+
+    /// Values of nodes at the start by variable, 0 where none is given.
+    fn fields_at_start(&self, nodes: usize) -> Vec<Vec<f64>> {
+        let mut values = vec![vec![0.0; nodes]; self.given_fields()];
+        for condition in &self.model.initial_conditions {
+            if let InitialKind::Field(variable, value) = condition.kind {
+                let places = condition.members.iter().filter_map(|n| self.places.nodes.get(n));
+                places.for_each(|&place| values[variable][place] = value);
+            }
+        }
+        values
+    }
+
+    /// Fields of elements at the start.
+    pub(super) fn start_fields(&self, state: &mut State) {
+        if !self.model.initial_conditions.iter().any(|c| matches!(c.kind, InitialKind::Field(..))) {
+            return;
+        }
+        let values = self.fields_at_start(state.dofs.nodes.len());
+        for group in state.elements.groups.iter_mut().filter(|g| g.fields() > 0) {
+            for e in 0..group.len() {
+                let corners = group.corners(e);
+                let means = values.iter().enumerate().map(|(variable, nodal)| (variable, mean(corners, nodal)));
+                means.for_each(|(variable, value)| group.set_field(e, variable, value));
+            }
+        }
+    }
+
+    /// What `*FIELD` prescribes; `None` where it acts on nothing.
+    pub(super) fn predefined_fields(&mut self, state: &State) -> Option<Box<PredefinedFields>> {
+        let model = self.model;
+        let cards = || model.steps.iter().flat_map(|s| &s.fields);
+        let groups = &state.elements.groups;
+        if groups.iter().all(|g| g.fields() == 0) {
+            for field in cards() {
+                let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
+                self.unused(field.span, what, "no material depends on field variables");
+            }
+            return None;
+        }
+        let mut id = None;
+        let mut steps = Vec::new();
+        for step in &model.steps {
+            let mut list = Vec::new();
+            for field in &step.fields {
+                let nodes: Vec<usize> = field.nodes.iter().filter_map(|n| self.places.nodes.get(n).copied()).collect();
+                let detail = format!("variable {} on {}: {}", field.variable + 1, field.set, field.value);
+                let row = self.cause(field.span, "predefined fields", nodes.len(), "nodes", detail);
+                id = id.or(Some(row));
+                let magnitude = self.magnitude(field.value, field.amplitude);
+                list.push(Prescribed { variable: field.variable, nodes, magnitude });
+            }
+            steps.push(list);
+        }
+        let start = self.fields_at_start(state.dofs.nodes.len());
+        Some(Box::new(PredefinedFields::new(id?, start, steps, groups)))
+    }
+
+    /// Moduli over temperature and field variables; `None` where they are constant.
+    pub(super) fn elasticity(
+        &mut self,
+        section: &SolidSection,
+        material: &Material,
+        count: usize,
+    ) -> Option<Arc<Elasticity>> {
+        let rows = &material.elastic_table;
+        let of = |value: usize| {
+            let rows: Vec<Vec<f64>> = rows.iter().map(|r| [&r[value..=value], &r[2..]].concat()).collect();
+            Levels::new(&rows)
+        };
+        let (young, ratio) = (of(0)?, of(1)?);
+        let fields = rows.first()?.len() - 3;
+        let detail = format!("{} rows over temperature and {fields} field variables", rows.len());
+        self.cause(section.span, "moduli", count, "elements", detail);
+        Some(Arc::new(Elasticity { young, ratio, fields }))
+    }
+
+    /// A yield stress over field variables.
+    pub(super) fn yield_over_fields(
+        &mut self,
+        section: &SolidSection,
+        material: &Material,
+        rows: &[Vec<f64>],
+    ) -> Option<Yield> {
+        let fields = rows.first().map_or(0, |r| r.len().saturating_sub(3));
+        let table = Levels::new(rows).filter(|_| fields <= MOST_DEPENDENCIES);
+        let Some(table) = table else {
+            let message = format!("material `{}`: its table over field variables has no order", material.name);
+            self.diagnostics.push(Diagnostic::error("P014", message).at(section.span, "the material of this section"));
+            return None;
+        };
+        Some(Yield::OverFields(Arc::new(YieldOverFields {
+            table,
+            factor: rate_factor(material.rate.as_ref()),
+            fields,
+        })))
+    }
+}
