@@ -6,7 +6,7 @@ use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 use crate::user::{
-    FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial,
+    host, FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial,
 };
 use crate::variables::{Part, Variable};
 
@@ -49,6 +49,8 @@ pub struct Points {
     pub(super) inelastic: Pair,
     /// Equivalent plastic strain, where it is not the routine's affair; else empty.
     pub(super) plastic: Pair,
+    /// Whether a state variable that is not finite has been told.
+    told: bool,
 }
 
 /// Room for so many numbers with the guard behind.
@@ -87,6 +89,7 @@ impl Points {
             internal: pair(count),
             inelastic: pair(count),
             plastic: [vec![0.0; flows], vec![0.0; flows]],
+            told: false,
         };
         for list in points.stretch.iter_mut().chain(&mut points.gradient) {
             list[..3 * count].fill(1.0);
@@ -162,11 +165,14 @@ impl Points {
         }
     }
 
-    /// The strains of the call at time zero.
+    /// The strains of the call at time zero, and the deformation that they lead to: a routine may take its stress from
+    /// either.
     pub fn show_fictitious(&mut self) {
         for (list, value) in self.strain.chunks_mut(self.count).zip(FICTITIOUS) {
             list.fill(value);
         }
+        let [rr, zz, hoop, rz] = FICTITIOUS;
+        (0..self.count).for_each(|i| self.set_gradient(i, [1.0 + rr, 1.0 + zz, 1.0 + hoop, rz, rz]));
     }
 
     /// Bulk and shear modulus of the answer to the fictitious strains, the largest of all points: K = dp/d(dilation),
@@ -254,7 +260,7 @@ impl Points {
             inelastic: &mut inelastic[..n],
         };
         routine.stress(&call, answer)?;
-        self.accept()
+        self.accept(&material.name)
     }
 
     /// Asks the routine of user-defined fields, whose state variables are the old ones from now on. `tells` gives what the
@@ -305,7 +311,7 @@ impl Points {
         Ok(())
     }
 
-    fn accept(&mut self) -> Result<(), LoadFailure> {
+    fn accept(&mut self, material: &str) -> Result<(), LoadFailure> {
         let (n, m) = (self.count, self.variables);
         let touched = self.stress[1][4 * n..(4 + SPARE) * n].iter().filter(|g| g.to_bits() != MARK).count();
         if touched >= n {
@@ -314,9 +320,26 @@ impl Points {
             return Err(LoadFailure::new(reason));
         }
         answered("stressNew", &mut self.stress[1], n, 4)?;
-        answered("stateNew", &mut self.state[1], n, m)?;
+        untouched("stateNew", &mut self.state[1], n, m)?;
+        self.tell_state(material);
         answered("enerInternNew", &mut self.internal[1], n, 1)?;
         answered("enerInelasNew", &mut self.inelastic[1], n, 1)
+    }
+
+    /// State variables are the routine's own: one that is not a number (a triaxiality without stress, as a rule) is told once
+    /// and kept. What becomes of the stress is looked after.
+    fn tell_state(&mut self, material: &str) {
+        let values = &self.state[1][..self.variables * self.count];
+        if self.told || values.iter().all(|v| v.is_finite()) {
+            return;
+        }
+        self.told = true;
+        for (variable, list) in values.chunks(self.count).enumerate() {
+            if let Some(value) = list.iter().find(|v| !v.is_finite()) {
+                let text = format!("the user material `{material}` gave stateNew(k, {}) = {value}: kept", variable + 1);
+                host::tell(host::Level::Warning, text);
+            }
+        }
     }
 
     /// An increment of no length: all stays as it is.
@@ -510,6 +533,7 @@ impl Persist for Points {
             temperature,
             // Set and used within an increment.
             warmed: _,
+            told: _,
             stretch,
             gradient,
             stress,
