@@ -6,7 +6,7 @@ use crate::kernel::heating::Heating;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 use crate::user::{
-    host, FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial,
+    FieldAnswer, FieldCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields, UserMaterial, host,
 };
 use crate::variables::{Part, Variable};
 
@@ -116,6 +116,11 @@ impl Points {
             self.state[0][variable * self.count + point] = value;
         }
         variable < self.variables
+    }
+
+    /// Equivalent plastic strain of a point at the start, where it is not the routine's affair; whether it is not.
+    pub fn harden(&mut self, point: usize, strain: f64) -> bool {
+        self.plastic.iter_mut().filter_map(|list| list.get_mut(point)).map(|p| *p = strain).count() > 0
     }
 
     /// Field variable of a point at the start, where its material has it.
