@@ -24,7 +24,7 @@ pub fn named(name: &str) -> &'static str {
         }
         "RESTART" => "to go on with a halted run, use `revolve run --resume`",
         "CONTACT" => {
-            "contact of what deforms with an analytical plane is: *CONTACT PAIR; bodies that touch and stay can share nodes"
+            "contact of what deforms with an analytical rigid surface is: *CONTACT PAIR; bodies that touch and stay can share nodes"
         }
         "TIE" => "let the two bodies share the nodes between them",
         "MPC" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "KINEMATIC COUPLING" | "DISTRIBUTING COUPLING" => {

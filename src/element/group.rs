@@ -79,6 +79,10 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn set_state(&mut self, _element: usize, _variable: usize, _value: f64) -> bool {
         false
     }
+    /// Sets the equivalent plastic strain of an element at the start; whether its material hardens by it alone.
+    fn harden(&mut self, _element: usize, _strain: f64) -> bool {
+        false
+    }
     /// Sets a field variable of an element at the start, counted from 0.
     fn set_field(&mut self, _element: usize, _variable: usize, _value: f64) {}
     /// Gives an element another characteristic length than the root of its area.
@@ -418,6 +422,11 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             Variable::PlasticComponents if !H::PLASTIC && !V::FLOWS => None,
             _ => self.followed(element)?.value(part),
         }
+    }
+
+    fn harden(&mut self, element: usize, strain: f64) -> bool {
+        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
+        self.laws.0.harden(&mut block.state, lane, strain)
     }
 
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {

@@ -8,7 +8,7 @@ use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 use crate::user::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
-    UserLengths, UserMaterial,
+    UserLengths, UserMaterial, host,
 };
 use crate::variables::{Part, Variable};
 
@@ -57,6 +57,8 @@ pub struct Points {
     pub(super) inelastic: Pair,
     /// Equivalent plastic strain, where it is not the routine's affair; else empty.
     pub(super) plastic: Pair,
+    /// Whether a state variable that is not finite has been told.
+    told: bool,
 }
 
 /// Room for so many numbers with the guard behind.
@@ -99,6 +101,7 @@ impl Points {
             internal: pair(count),
             inelastic: pair(count),
             plastic: [vec![0.0; flows], vec![0.0; flows]],
+            told: false,
         };
         for list in points.stretch.iter_mut().chain(&mut points.gradient) {
             list[..3 * count].fill(1.0);
@@ -125,6 +128,11 @@ impl Points {
             self.state[0][variable * self.count + point] = value;
         }
         variable < self.variables
+    }
+
+    /// Equivalent plastic strain of a point at the start, where it is not the routine's affair; whether it is not.
+    pub fn harden(&mut self, point: usize, strain: f64) -> bool {
+        self.plastic.iter_mut().filter_map(|list| list.get_mut(point)).map(|p| *p = strain).count() > 0
     }
 
     /// Field variable of a point at the start, where its material has it.
@@ -189,11 +197,14 @@ impl Points {
         }
     }
 
-    /// The strains of the call at time zero.
+    /// The strains of the call at time zero, and the deformation that they lead to: a routine may take its stress from
+    /// either.
     pub fn show_fictitious(&mut self) {
         for (list, value) in self.strain.chunks_mut(self.count).zip(FICTITIOUS) {
             list.fill(value);
         }
+        let [rr, zz, hoop, rz] = FICTITIOUS;
+        (0..self.count).for_each(|i| self.set_gradient(i, [1.0 + rr, 1.0 + zz, 1.0 + hoop, rz, rz]));
     }
 
     /// Bulk and shear modulus of the answer to the fictitious strains, the largest of all points: K = dp/d(dilation),
@@ -281,7 +292,7 @@ impl Points {
             inelastic: &mut inelastic[..n],
         };
         routine.stress(&call, answer)?;
-        self.accept()
+        self.accept(&material.name)
     }
 
     /// Asks the routine of characteristic lengths, which find the default there.
@@ -364,7 +375,7 @@ impl Points {
         Ok(())
     }
 
-    fn accept(&mut self) -> Result<(), LoadFailure> {
+    fn accept(&mut self, material: &str) -> Result<(), LoadFailure> {
         let (n, m) = (self.count, self.variables);
         let touched = self.stress[1][4 * n..(4 + SPARE) * n].iter().filter(|g| g.to_bits() != MARK).count();
         if touched >= n {
@@ -373,9 +384,26 @@ impl Points {
             return Err(LoadFailure::new(reason));
         }
         answered("stressNew", &mut self.stress[1], n, 4)?;
-        answered("stateNew", &mut self.state[1], n, m)?;
+        untouched("stateNew", &mut self.state[1], n, m)?;
+        self.tell_state(material);
         answered("enerInternNew", &mut self.internal[1], n, 1)?;
         answered("enerInelasNew", &mut self.inelastic[1], n, 1)
+    }
+
+    /// State variables are the routine's own: one that is not a number (a triaxiality without stress, as a rule) is told once
+    /// and kept. What becomes of the stress is looked after.
+    fn tell_state(&mut self, material: &str) {
+        let values = &self.state[1][..self.variables * self.count];
+        if self.told || values.iter().all(|v| v.is_finite()) {
+            return;
+        }
+        self.told = true;
+        for (variable, list) in values.chunks(self.count).enumerate() {
+            if let Some(value) = list.iter().find(|v| !v.is_finite()) {
+                let text = format!("the user material `{material}` gave stateNew(k, {}) = {value}: kept", variable + 1);
+                host::tell(host::Level::Warning, text);
+            }
+        }
     }
 
     /// An increment of no length: all stays as it is.
@@ -573,6 +601,7 @@ impl Persist for Points {
             temperature,
             // Set and used within an increment.
             warmed: _,
+            told: _,
             stretch,
             gradient,
             stress,

@@ -217,6 +217,10 @@ impl ElementGroup for UserQuads {
         self.chunks[element / ELEMENTS].points.start_state(element % ELEMENTS, variable, value)
     }
 
+    fn harden(&mut self, element: usize, strain: f64) -> bool {
+        self.chunks[element / ELEMENTS].points.harden(element % ELEMENTS, strain)
+    }
+
     fn set_field(&mut self, element: usize, variable: usize, value: f64) {
         self.chunks[element / ELEMENTS].points.start_field(element % ELEMENTS, variable, value);
     }

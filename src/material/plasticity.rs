@@ -44,6 +44,11 @@ pub trait Hardening: Send + Sync + 'static {
     /// Equivalent plastic strain of a lane.
     fn plastic_strain(&self, state: &Self::State, lane: usize) -> f64;
 
+    /// Sets the equivalent plastic strain of a lane at the start; whether it says all of the hardening.
+    fn harden(&self, _state: &mut Self::State, _lane: usize, _strain: f64) -> bool {
+        false
+    }
+
     /// Temperature of a lane, where it is followed.
     fn temperature(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
@@ -147,6 +152,11 @@ impl Hardening for Lines {
     fn plastic_strain(&self, strain: &Lanes, lane: usize) -> f64 {
         strain[lane]
     }
+
+    fn harden(&self, strain: &mut Lanes, lane: usize, start: f64) -> bool {
+        strain[lane] = start;
+        true
+    }
 }
 
 /// Any yield stress over plastic strain, rate and temperature, one element after the other; plastic work may heat.
@@ -184,6 +194,11 @@ impl Hardening for General {
 
     fn plastic_strain(&self, state: &PlasticState, lane: usize) -> f64 {
         state.strain[lane]
+    }
+
+    fn harden(&self, state: &mut PlasticState, lane: usize, start: f64) -> bool {
+        state.strain[lane] = start;
+        true
     }
 
     fn temperature(&self, state: &PlasticState, lane: usize) -> Option<f64> {

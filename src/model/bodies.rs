@@ -157,12 +157,20 @@ impl Builder<'_> {
                     let Some(value) = self.number(line, 1, "the energy a mass") else { continue };
                     self.element_members(set).map(|m| (InitialKind::Energy(value), m))
                 }
+                "HARDENING" => {
+                    let Some(value) = self.number(line, 1, "the equivalent plastic strain") else { continue };
+                    if value < 0.0 {
+                        self.out_of_range(line.span, format!("a plastic strain of {value} lies below zero"));
+                        continue;
+                    }
+                    self.element_members(set).map(|m| (InitialKind::Hardening(value), m))
+                }
                 "FIELD" => {
                     let Some(value) = self.number(line, 1, "the value of the field") else { continue };
                     self.node_members(set).map(|m| (InitialKind::Field(variable, value), m))
                 }
                 other => {
-                    let help = "VELOCITY, TEMPERATURE, STRESS, SPECIFIC ENERGY, SOLUTION and FIELD are";
+                    let help = "VELOCITY, TEMPERATURE, STRESS, SPECIFIC ENERGY, HARDENING, SOLUTION and FIELD are";
                     self.unsupported(kind.span, format!("TYPE={other} is not supported"), help);
                     return;
                 }

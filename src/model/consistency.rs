@@ -280,12 +280,13 @@ impl Check<'_> {
                 InitialKind::Velocity(_, v)
                 | InitialKind::Temperature(v)
                 | InitialKind::Energy(v)
+                | InitialKind::Hardening(v)
                 | InitialKind::Field(_, v) => v.is_finite(),
             };
             self.value(finite, condition.span, || "an initial condition needs finite values".into());
             self.value(ascend(&condition.members), condition.span, || "members must ascend".into());
             match condition.kind {
-                InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::State(_) => {
+                InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::Hardening(_) | InitialKind::State(_) => {
                     self.elements(condition.span, &condition.members)
                 }
                 _ => self.nodes(condition.span, &condition.members),

@@ -740,6 +740,8 @@ pub enum InitialKind {
     Stress(Vec<f64>),
     /// Energy a mass.
     Energy(f64),
+    /// Equivalent plastic strain.
+    Hardening(f64),
     /// State variables of the user's, from the first.
     State(Vec<f64>),
     /// A field variable, counted from 0, and its value.

@@ -184,8 +184,11 @@ impl Compiler<'_> {
     }
 
     fn is_of_solid(&self, condition: &InitialCondition) -> bool {
-        matches!(condition.kind, InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::State(_))
-            && condition.members.iter().any(|e| self.places.elements.contains_key(e))
+        let kinds = |kind: &InitialKind| match kind {
+            InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::Hardening(_) | InitialKind::State(_) => true,
+            InitialKind::Velocity(..) | InitialKind::Temperature(_) | InitialKind::Field(..) => false,
+        };
+        kinds(&condition.kind) && condition.members.iter().any(|e| self.places.elements.contains_key(e))
     }
 
     fn radial_velocity(&mut self, span: Span, value: f64) {

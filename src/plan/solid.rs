@@ -281,6 +281,13 @@ impl Compiler<'_> {
                         groups[*group].set_energy(*i, *value);
                     }
                 }
+                InitialKind::Hardening(value) => {
+                    let mut elements = condition.members.iter().filter_map(|e| self.places.elements.get(e));
+                    if !elements.all(|(group, i)| groups[*group].harden(*i, *value)) {
+                        let message = "an equivalent plastic strain at the start needs solids with *PLASTIC and isotropic hardening";
+                        self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
+                    }
+                }
                 InitialKind::State(values) => {
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
                         let kept = |(v, value): (usize, &f64)| groups[*group].set_state(*i, v, *value) || *value == 0.0;

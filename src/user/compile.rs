@@ -13,15 +13,15 @@ use super::{MAX_BLOCK, Misfit, Routines, library, prototype};
 use crate::deck::{Diagnostic, Diagnostics};
 use crate::output::whole::Scratch;
 
-/// Flags as ABAQUS's own compile command sets them for its compilers: long lines, no complaint about old Fortran, local
-/// arrays on the stack. No contraction, so that the same arithmetic gives the same bits as in Rust.
+/// Flags as ABAQUS's own compile command sets them for its compilers: long lines, no complaint about old Fortran nor
+/// about DEC's (Cray pointers, structures, lines with D as comments), local arrays on the stack. No contraction, so that the same arithmetic gives the same bits as in Rust.
 const FORTRAN_FLAGS: &[&str] = &[
     "-c",
     "-fPIC",
     "-cpp",
     "-std=legacy",
     "-fallow-argument-mismatch",
-    "-fcray-pointer",
+    "-fdec",
     "-frecursive",
     "-O2",
     "-g",

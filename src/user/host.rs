@@ -88,7 +88,8 @@ pub(super) fn with_job<R>(ask: impl FnOnce(&JobInfo) -> R) -> R {
     JOB.with_borrow(ask)
 }
 
-pub(super) fn tell(level: Level, text: String) {
+/// Keeps a message for the end of the run; one that is known is counted.
+pub fn tell(level: Level, text: String) {
     MESSAGES.with_borrow_mut(|list| {
         if let Some(known) = list.iter_mut().find(|m| m.level == level && m.text == text) {
             known.times += 1;

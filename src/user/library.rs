@@ -520,6 +520,7 @@ struct Ended(String);
 /// Calls into the library; a routine that ends the process comes back as a failure.
 #[inline]
 fn enter(call: &Call<'_>, body: impl FnOnce()) -> Result<(), LoadFailure> {
+    CALLED.store(true, Ordering::Relaxed);
     CURRENT.set(std::ptr::from_ref(call).cast());
     let returned = catch_unwind(AssertUnwindSafe(body));
     CURRENT.set(std::ptr::null());
@@ -1021,6 +1022,14 @@ fn watch_the_process() {
     });
 }
 
+/// Whether a routine has been called: an array that it wrote past is noticed when its memory is given back, after the call.
+static CALLED: AtomicBool = AtomicBool::new(false);
+
+/// What is said of that.
+const DAMAGED: &[u8] =
+    b"error: the memory of the process is damaged, most likely by a user's routine that wrote past an array \
+of its own; --check-user finds indices out of bounds\n";
+
 /// Whether a routine may have hurt memory: what happens from now on is its doing.
 static HURT: AtomicBool = AtomicBool::new(false);
 
@@ -1057,6 +1066,10 @@ extern "C" fn on_signal(signal: c_int) {
     // SAFETY: both calls are safe in a signal handler; the action is the default one again.
     unsafe {
         if last_words(what) || HURT.load(Ordering::Relaxed) {
+            libc::_exit(1);
+        }
+        if CALLED.load(Ordering::Relaxed) {
+            libc::write(2, DAMAGED.as_ptr().cast(), DAMAGED.len());
             libc::_exit(1);
         }
         libc::raise(signal);

@@ -1,5 +1,5 @@
 //! User files as other Fortran compilers take them, made ready for gfortran: includes found whatever their case and folder,
-//! `#include '…'`, empty arguments of `xplb_abqerr`. Lines keep their numbers and files their names in messages.
+//! `#include '…'`, empty arguments of `xplb_abqerr`, logicals compared with `==`. Lines keep their numbers and files their names in messages.
 //! Never here: running a compiler.
 
 use std::collections::BTreeMap;
@@ -69,7 +69,7 @@ pub fn included(line: &str) -> Option<&str> {
 
 /// A text made ready.
 fn ready(text: &str, file: &Path, folder: &Path, known: &[String]) -> String {
-    let mut lines: Vec<String> = text.lines().map(|line| include_line(line, folder, known)).collect();
+    let mut lines: Vec<String> = text.lines().map(|line| logical(include_line(line, folder, known))).collect();
     bring_header_inside(&mut lines, file);
     let mut new = lines.join("\n");
     if text.ends_with('\n') {
@@ -121,6 +121,33 @@ fn include_line(line: &str, folder: &Path, known: &[String]) -> String {
         return format!("#include {open}{found}{close}");
     }
     line.replacen(name, &found, 1)
+}
+
+/// A line in which `==` beside `.true.` or `.false.` is `.eqv.`: gfortran compares logicals with nothing else.
+fn logical(line: String) -> String {
+    let lower = line.to_ascii_lowercase();
+    if !(lower.contains(".true.") || lower.contains(".false.")) || lower.starts_with(['c', '*', '!']) {
+        return line;
+    }
+    let end = |text: &str| text.trim_end().len();
+    let mut changes = Vec::new();
+    for (operator, instead) in [("==", ".eqv."), (".eq.", ".eqv."), ("/=", ".neqv."), (".ne.", ".neqv.")] {
+        for (at, _) in lower.match_indices(operator) {
+            let (before, behind) = (&lower[..at], lower[at + operator.len()..].trim_start());
+            let beside = |word: &str| behind.starts_with(word) || before[..end(before)].ends_with(word);
+            // Not in a text or a comment.
+            let bare = before.matches('\'').count() % 2 == 0 && before.matches('"').count() % 2 == 0;
+            if bare && !before.contains('!') && (beside(".true.") || beside(".false.")) {
+                changes.push((at, operator.len(), instead));
+            }
+        }
+    }
+    changes.sort_unstable();
+    let mut new = line;
+    for (at, length, instead) in changes.into_iter().rev() {
+        new.replace_range(at..at + length, instead);
+    }
+    new
 }
 
 /// The name under which an include is there: as it is written, beside the file in another case, among the known ones by its
@@ -202,7 +229,7 @@ fn filled(text: &str) -> Option<(String, usize)> {
 mod tests {
     use std::path::Path;
 
-    use super::{fill_arguments, include_line, included, ready};
+    use super::{fill_arguments, include_line, included, logical, ready};
 
     #[test]
     fn includes_are_found_in_both_styles() {
@@ -220,6 +247,18 @@ mod tests {
         assert_eq!(line("#include 'Vaba_Param.inc'"), "#include \"vaba_param.inc\"");
         assert_eq!(line("      include 'vaba_param.inc'"), "      include 'vaba_param.inc'");
         assert_eq!(line("      x = 1"), "      x = 1");
+    }
+
+    #[test]
+    fn logicals_are_compared_as_gfortran_wants_it() {
+        let line = |text: &str| logical(text.to_owned());
+        assert_eq!(line("      DO WHILE(done == .FALSE.)"), "      DO WHILE(done .eqv. .FALSE.)");
+        assert_eq!(line("if (a.eq..true. .and. b /= .true.) x"), "if (a.eqv..true. .and. b .neqv. .true.) x");
+        assert_eq!(line("if (.true. .ne. a) x = i == 1"), "if (.true. .neqv. a) x = i == 1");
+        for same in ["c  a == .true.", "write(*,*) 'a == .true.'", "a = .true. ! b == .true.", "l = i == 1 .or. .true."]
+        {
+            assert_eq!(line(same), same);
+        }
     }
 
     #[test]

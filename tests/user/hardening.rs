@@ -246,3 +246,38 @@ fn faults_are_located_and_what_is_missing_is_named() {
     }
     assert!(said.contains("P004") && said.contains("P041"), "{said}");
 }
+
+/// Bars drawn before the analysis: what has hardened yields as a material does whose table begins there.
+#[test]
+fn a_plastic_strain_at_the_start_is_a_table_that_begins_later() {
+    let later = pulled("*Elastic\n 1000., 0.3\n*Plastic\n 20., 0.\n 60., 8.\n", " S22, PEEQ\n");
+    let (_, there) = common::run(&later, &[], &Routines::none());
+    let drawn = |material: &str| {
+        pulled(material, " S22, PEEQ\n").replace("*Step\n", "*Initial Conditions, type=HARDENING\n SOLID, 2.\n*Step\n")
+    };
+    let table = "*Elastic\n 1000., 0.3\n*Plastic\n 10., 0.\n 60., 10.\n";
+    // A rate that does nothing: elements one after the other.
+    let rate = table.to_owned() + "*Rate Dependent, type=JOHNSON COOK\n 0., 1.\n";
+    for (material, routines) in [
+        (table, Routines::none()),
+        (&rate, Routines::none()),
+        (SOFT, Routines::none().with_hardening(Line { slopes: true })),
+    ] {
+        let text = drawn(material);
+        let (outcome, here) = common::run(&text, &[], &routines);
+        assert_eq!(outcome.halt, None);
+        for (name, more) in [("S22@ONE", 0.0), ("PEEQ@ONE", 2.0)] {
+            let expected = last(&later, &Routines::none(), &there, name) + more;
+            let got = last(&text, &routines, &here, name);
+            // The user's yield stress is met to 1e-11 of the trial's.
+            assert!((got / expected - 1.0).abs() < 1e-8, "{material}{name}: {expected} {got}");
+        }
+    }
+    for material in
+        ["*Elastic\n 1000., 0.3\n", "*Elastic\n 1000., 0.3\n*Plastic, hardening=KINEMATIC\n 10., 0.\n 20., 1.\n"]
+    {
+        let prepared = job::prepare_text("test.inp", &drawn(material), &[], &Routines::none());
+        let said = prepared.diagnostics.render(&prepared.deck.sources);
+        assert!(said.contains("P017") && said.contains("isotropic hardening"), "{said}");
+    }
+}

@@ -90,6 +90,57 @@ fn what_is_left_out_of_the_state_stays_as_it_was() {
     assert_eq!(state(&[("law.for", &text)]), 1000.0);
 }
 
+/// Rubber, as a rule: the routine knows no time zero, and its stress comes from the stretch alone.
+#[test]
+fn a_stress_from_the_stretch_needs_no_branch_for_time_zero() {
+    if !fortran() {
+        return;
+    }
+    let declared = DECLARED.replace("      character", "      dimension stretchNew(nblock,ndir+nshr)\n      character");
+    let inside = "        do j = 1, ndir + nshr\n          one = 0.d0\n          if (j .le. ndir) one = 1.d0\n          stressNew(k,j) \
+                  = props(2)*(stretchNew(k,j) - one)\n        end do\n";
+    let routines = opened(&[("law.f", &vumat(PLAIN, "", &declared, inside))]).expect("it compiles");
+    let text = tube(" S\n");
+    let mut memory = Memory::default();
+    let (outcome, _) = job::run_into(&common::prepared(&text, &[], &routines), &mut memory);
+    assert_eq!(outcome.halt, None);
+    // Velocities of 0.1 for a time of 1: the deformation gradient is symmetric, the stretch itself, with 0.1 beside the
+    // diagonal; rounding of 1000 increments.
+    let shear = last(&text, &routines, &memory, "S12@ONE");
+    assert!((shear - 80.0).abs() < 1e-9, "{shear}");
+}
+
+/// A triaxiality without stress, as a rule: ABAQUS/Explicit does not mind.
+#[test]
+fn state_variables_that_are_no_numbers_are_told_and_kept() {
+    if !fortran() {
+        return;
+    }
+    let inside = "        stateNew(k,1) = 7.d0\n        zero = 0.d0*tr\n        stateNew(k,2) = zero/zero\n";
+    let routines = opened(&[("law.f", &vumat(PLAIN, "", DECLARED, inside))]).expect("it compiles");
+    let text = tube(" S, SDV\n");
+    let mut memory = Memory::default();
+    let (outcome, _) = job::run_into(&common::prepared(&text, &[], &routines), &mut memory);
+    assert_eq!(outcome.halt, None);
+    assert_eq!(last(&text, &routines, &memory, "SDV1@ONE"), 7.0);
+    assert!(last(&text, &routines, &memory, "SDV2@ONE").is_nan());
+    let told = revolve::user::host::take_messages();
+    assert!(told.len() == 1 && told[0].text.contains("stateNew(k, 2) = NaN") && told[0].times == 1, "{told:?}");
+}
+
+/// What other compilers take as it stands.
+#[test]
+fn logicals_and_dec_fortran_are_taken() {
+    if !fortran() {
+        return;
+    }
+    let declared = DECLARED.to_owned()
+        + "      structure /pair/\n        real*8 a, b\n      end structure\n      record /pair/ two\n      logical done\n      \
+           two.a = 3.d0\n      done = .false.\n      do while (done == .false.)\n        done = .true.\n      end do\nD     two.a = \
+           4.d0\n";
+    assert_eq!(state(&[("law.f", &vumat(PLAIN, "", &declared, "        stateNew(k,1) = two.a\n"))]), 3.0);
+}
+
 #[test]
 fn arrays_mutexes_and_mpi_are_there() {
     if !fortran() {

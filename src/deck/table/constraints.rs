@@ -51,7 +51,7 @@ pub const CARDS: &[Keyword] = &[
         "OFFSET" only ["0"] "facets lie in the middle of their thickness",
     }, [(lines ["thickness"])]),
     row!("INITIAL CONDITIONS", "Initial values", (), {
-        "TYPE" read "VELOCITY, TEMPERATURE, STRESS, SPECIFIC ENERGY, SOLUTION or FIELD",
+        "TYPE" read "VELOCITY, TEMPERATURE, STRESS, SPECIFIC ENERGY, HARDENING, SOLUTION or FIELD",
         "INPUT" read "File with the data lines",
         "FILE" refused "results of another job are not read",
         "STEP" refused "of FILE",
@@ -82,6 +82,7 @@ pub const CARDS: &[Keyword] = &[
             "S23" only ["0"] "nothing twists about the axis",
         ]),
         (when "TYPE" = "SPECIFIC ENERGY" rows ["element or set", "energy a mass"]),
+        (when "TYPE" = "HARDENING" rows ["element or set", "equivalent plastic strain"]),
         (when "TYPE" = "SOLUTION" list "element or set, and its state variables" read "Seven on the first line, eight on each that goes on"),
         (when "TYPE" = "FIELD" rows ["node or set", "field variable"]),
         (rows ["node or set", "degree of freedom", "velocity"]),
