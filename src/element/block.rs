@@ -4,6 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::constants::{CHANGE, Constants};
+use super::shock::{principal_compression, section};
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -329,6 +330,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let cap = scratch.cap;
         // Without an increment behind, the velocities say how fast the volume changes.
         let starts = V::EOS && per_dt == 0.0;
+        let shocks = V::EOS && !V::TOTAL;
         for l in 0..LANES {
             let modulus = if V::EOS { scratch.bulk[l] + shear43 } else { modulus };
             let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
@@ -358,7 +360,19 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
             }
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
-            let fraction = linear - quadratic2 * 2.0 * period * compression;
+            let mut fraction = linear - quadratic2 * 2.0 * period * compression;
+            if shocks {
+                let rates = if starts {
+                    let shear = 0.5 * (dot(g.z, v_r) + dot(g.r, v_z));
+                    [dot(g.r, v_r), dot(g.z, v_z), shear].map(|sum| sum / g.volume)
+                } else {
+                    [0, 1, 3].map(|i: usize| scratch.strain[i][l] * per_dt)
+                };
+                let length = self.mass[l] * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+                let length = 0.5 * (section(r, z) * length).sqrt() / g.volume;
+                let squeezed = principal_compression(rates, -compression);
+                fraction = length * (linear + quadratic2 * length * 2.0 * period * squeezed);
+            }
             let damping = 2.0 * modulus * period * dilation_rate * fraction;
             let work = scratch.volume[l] * 0.5 * (kept.viscous[l] + damping) * dilation;
             scratch.sums.viscous[l] += work;

@@ -23,6 +23,7 @@ pub mod rings;
 #[cfg(test)]
 mod same_bits;
 pub mod shell;
+mod shock;
 mod user_chunk;
 mod user_flow;
 pub mod user_law;
