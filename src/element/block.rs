@@ -3,8 +3,10 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use super::compatible::Accelerated;
 use super::constants::{CHANGE, Constants};
 use super::shock::{principal_compression, section};
+use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -109,10 +111,10 @@ pub(super) struct Kept {
 #[repr(C, align(64))]
 pub struct Workspace {
     /// Coordinates and velocities of the corners.
-    r: [Lanes; 4],
-    z: [Lanes; 4],
-    v_r: [Lanes; 4],
-    v_z: [Lanes; 4],
+    pub(super) r: [Lanes; 4],
+    pub(super) z: [Lanes; 4],
+    pub(super) v_r: [Lanes; 4],
+    pub(super) v_z: [Lanes; 4],
     /// Strain increments rr, zz, hoop, rz.
     pub(super) strain: [Lanes; 4],
     /// Stress before the increment, carried along by the rotation.
@@ -142,6 +144,8 @@ pub struct Workspace {
     pub(super) hourglass: Vec<[Lanes; 2]>,
     /// Of the task's blocks, stresses of the bulk viscosity; empty without any.
     pub(super) viscous: Vec<Lanes>,
+    /// Of the task's blocks, their quarters; empty without subzonal pressures.
+    pub(super) subzones: Vec<Subzones>,
     /// Of the task's blocks, what outputs ask for; empty if none does.
     pub(super) records: Vec<Record>,
     /// Elements that failure deleted in this pass.
@@ -180,10 +184,16 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         nodes: &mut Nodes,
         scratch: &mut Workspace,
         corners: &mut Corners,
+        before: Accelerated<'_>,
     ) {
         if F::FAILS {
             self.mask_deleted(failure, nodes, scratch);
         }
+        let owed = if V::EOS && !V::TOTAL {
+            Some(scratch.owe(corners, &self.nodes, (nodes, dt), before))
+        } else {
+            None
+        };
         let mut kept = scratch.kept();
         self.strain::<H, V, AREA>(constants, dt, nodes, scratch);
         if scratch.cap < f64::INFINITY {
@@ -210,8 +220,14 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         }
         self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
         scratch.keep(kept);
+        if V::EOS && !V::TOTAL {
+            scratch.resist_patterns((dt, constants.hourglass.viscosity), &self.inverse_mass, corners);
+        }
         if F::FAILS {
             self.clear_deleted(failure, corners);
+        }
+        if let Some(owed) = owed {
+            scratch.pay(&owed, corners, nodes, dt);
         }
         if V::EOS {
             volumetric.settle(&mut self.volumetric, &scratch.heat, &self.mass);
@@ -466,12 +482,18 @@ impl Workspace {
     pub(super) fn bytes(&self) -> usize {
         size_of::<[Lanes; 2]>() * self.hourglass.capacity()
             + size_of::<Lanes>() * self.viscous.capacity()
+            + size_of::<Subzones>() * self.subzones.capacity()
             + size_of::<Record>() * self.records.capacity()
     }
 
     /// A lane whose element is not there weighs nothing.
     pub(super) fn mask(&mut self, lane: usize) {
         self.weight[lane] = 0.0;
+    }
+
+    /// Number of the block at hand; a float, as the sums keep it.
+    pub(super) fn number(&self) -> f64 {
+        self.block
     }
 
     /// Whether a lane counts.
@@ -619,7 +641,8 @@ impl Persist for Sums {
 impl Persist for Workspace {
     /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Workspace { sums, records, hourglass, viscous, .. } = self;
+        let Workspace { sums, records, hourglass, viscous, subzones, .. } = self;
         persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), viscous.as_mut_slice());
+        subzones.as_mut_slice().persist(archive);
     }
 }

@@ -2,6 +2,7 @@
 //! Never here: the motion of nodes, loads, deck words.
 
 use super::block::is_larger;
+use super::compatible::Accelerated;
 use super::connector::Connectors;
 use super::damping::Damping;
 use super::distortion::DistortionControl;
@@ -148,7 +149,8 @@ impl Elements {
             let corners = &mut self.corners[first..first + blocks];
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
-            let totals = group.update(Pass { nodes, dt: dofs.nodes.behind, now, threads, user, corners });
+            let before = Accelerated { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half };
+            let totals = group.update(Pass { nodes, dt: dofs.nodes.behind, before, now, threads, user, corners });
             first += blocks;
             group.deleted(&mut self.gone.0);
             self.deformed = self.deformed.max(totals.deformed);

@@ -3,6 +3,7 @@
 
 mod back_stress;
 pub mod block;
+pub mod compatible;
 pub mod connector;
 pub mod constants;
 pub mod damping;
@@ -24,6 +25,7 @@ pub mod rings;
 mod same_bits;
 pub mod shell;
 mod shock;
+mod subzonal;
 mod user_chunk;
 mod user_flow;
 pub mod user_law;

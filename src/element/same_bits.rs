@@ -3,6 +3,7 @@
 
 use pulp::Arch;
 
+use crate::element::compatible::Accelerated;
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
@@ -74,6 +75,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
         let totals = quads.update(Pass {
             nodes: &nodes,
             dt: DT,
+            before: Accelerated::default(),
             now: &Instant::default(),
             threads: false,
             user: AtPoints::default(),

@@ -46,7 +46,7 @@ impl Builder<'_> {
                 return;
             }
         };
-        let Ok(keeps_failed) = self.other_controls(card) else { return };
+        let Ok((keeps_failed, subzonal)) = self.other_controls(card) else { return };
         let word = card.value("MAX DEGRADATION");
         let Some(most_damage) = word.map_or(Some(1.0), |w| w.number(&mut self.diagnostics)) else { return };
         if !(most_damage > 0.0 && most_damage <= 1.0) {
@@ -64,12 +64,14 @@ impl Builder<'_> {
             by_area,
             distortion,
             most_damage,
+            subzonal,
             keeps_failed,
         });
     }
 
-    /// Controls that are YES or NO: where ELEMENT DELETION is NO, and what of the others means nothing here.
-    fn other_controls(&mut self, card: &Card) -> Result<Option<Span>, ()> {
+    /// Controls that are YES or NO: where ELEMENT DELETION is NO, what SUBZONAL says, and what of the others means nothing
+    /// here.
+    fn other_controls(&mut self, card: &Card) -> Result<(Option<Span>, Option<bool>), ()> {
         let mut said = |name: &str| -> Result<Option<bool>, ()> {
             match card.value(name) {
                 None => Ok(None),
@@ -82,6 +84,7 @@ impl Builder<'_> {
             }
         };
         let (deletion, accurate) = (said("ELEMENT DELETION")?, said("SECOND ORDER ACCURACY")?);
+        let subzonal = said("SUBZONAL")?;
         if accurate == Some(true) {
             let help = "elements follow large rotations of an increment to first order";
             self.unsupported(card.span, "SECOND ORDER ACCURACY=YES is not supported", help);
@@ -90,7 +93,7 @@ impl Builder<'_> {
         if card.has("RAMP INITIAL STRESS") {
             self.inert(card, "RAMP INITIAL STRESS is of membranes".into());
         }
-        Ok((deletion == Some(false)).then_some(card.span))
+        Ok(((deletion == Some(false)).then_some(card.span), subzonal))
     }
 
     /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.

@@ -493,6 +493,8 @@ pub struct SectionControls {
     pub distortion: Option<f64>,
     /// MAX DEGRADATION: the damage at which an element is deleted, 1 where the deck says nothing.
     pub most_damage: f64,
+    /// SUBZONAL: whether quarters of elements push back; `None` where the deck says nothing.
+    pub subzonal: Option<bool>,
     /// `ELEMENT DELETION=NO`, where the deck says so.
     pub keeps_failed: Option<Span>,
 }

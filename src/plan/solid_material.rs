@@ -56,6 +56,8 @@ pub(super) struct Make<'a, const AREA: bool> {
     heats: bool,
     /// 1 less the damage at which an element is deleted.
     spared: f64,
+    /// Whether quarters of elements push back.
+    subzonal: bool,
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
@@ -70,13 +72,15 @@ impl<'a, const AREA: bool> Make<'a, AREA> {
         failure: F,
     ) -> Box<dyn ElementGroup> {
         let laws = (hardening, volumetric, failure);
-        Box::new(Quads::<_, _, _, AREA>::weighted(laws, self.constants, self.density, self.corners, self.nodes))
+        let Make { constants, density, corners, nodes, subzonal, .. } = self;
+        let quads = Quads::<_, _, _, AREA>::weighted(laws, constants, density, corners, nodes);
+        Box::new(if subzonal { quads.with_subzones(corners, nodes) } else { quads })
     }
 
     /// The same, weighted by area.
     fn by_area(self) -> Make<'a, true> {
-        let Make { constants, density, corners, nodes, heats, spared } = self;
-        Make { constants, density, corners, nodes, heats, spared }
+        let Make { constants, density, corners, nodes, heats, spared, subzonal } = self;
+        Make { constants, density, corners, nodes, heats, spared, subzonal }
     }
 }
 
@@ -106,7 +110,8 @@ impl Compiler<'_> {
         let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, elements.len(), &constants, (material, heats));
-        let make = Make::<false> { constants, density, corners, nodes, heats, spared: self.spared(section, material) };
+        let (spared, subzonal) = (self.spared(section, material), self.subzonal(section, material, elements.len())?);
+        let make = Make::<false> { constants, density, corners, nodes, heats, spared, subzonal };
         if self.is_by_area(section) {
             return self.by_area(section, material, make.by_area());
         }
@@ -261,6 +266,25 @@ impl Compiler<'_> {
             self.unused(section.span, "MAX DEGRADATION", why);
         }
         spared
+    }
+
+    /// Whether quarters of a section's elements push back: where there is an equation of state and no shear modulus, unless its
+    /// controls say no.
+    fn subzonal(&mut self, section: &SolidSection, material: &Material, count: usize) -> Option<bool> {
+        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
+        let wanted = section.controls.as_ref().and_then(named).and_then(|c| c.subzonal);
+        let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
+        if wanted == Some(true) && !fluid {
+            let message = "SUBZONAL=YES needs *EOS and no shear modulus";
+            self.diagnostics.push(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
+            return None;
+        }
+        let subzonal = fluid && wanted != Some(false);
+        if subzonal {
+            let detail = "quarters that are denser than their element push back";
+            self.cause(section.span, "subzonal pressures", count, "elements", detail.into());
+        }
+        Some(subzonal)
     }
 
     /// Whether the controls of a section weight its elements by area.

@@ -253,11 +253,11 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
     let mut changed = Vec::new();
     for (i, section) in model.sections.iter_mut().enumerate() {
         let own = section.controls.as_ref().and_then(|name| model.controls.iter().find(|c| c.name == *name));
-        let (by_area, distortion, most_damage) =
-            own.map_or((false, None, 1.0), |c| (c.by_area, c.distortion, c.most_damage));
+        let (by_area, distortion, most_damage, subzonal) =
+            own.map_or((false, None, 1.0, None), |c| (c.by_area, c.distortion, c.most_damage, c.subzonal));
         let name = format!("(STUDY {i})");
         section.controls = Some(name.clone());
-        changed.push(SectionControls { name, hourglass, factor, by_area, distortion, most_damage, keeps_failed: None });
+        changed.push(SectionControls { name, hourglass, factor, by_area, distortion, most_damage, subzonal, keeps_failed: None });
     }
     model.controls = changed;
 }

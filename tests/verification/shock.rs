@@ -51,7 +51,7 @@ fn place(radius: f64, j: usize, around: usize) -> [f64; 2] {
 }
 
 /// An ideal gas with R = gamma - 1 and a specific heat of one.
-fn gas(gamma: f64, energy: f64) -> String {
+pub(crate) fn gas(gamma: f64, energy: f64) -> String {
     format!(
         "*Solid Section, elset=SOLID, material=GAS\n*Material, name=GAS\n*Density\n 1.,\n*Eos, type=IDEAL GAS\n {:.17e}, 0.\n\
          *Specific Heat\n 1.,\n*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, {energy:e}\n",
@@ -61,23 +61,23 @@ fn gas(gamma: f64, energy: f64) -> String {
 
 /// Middle of each element of the last frame, its density (mass by the mesh at the start over its volume now) and the mean
 /// of its normal stresses.
-struct Cells {
-    place: Vec<[f64; 2]>,
-    density: Vec<f64>,
-    mean: Vec<f64>,
+pub(crate) struct Cells {
+    pub place: Vec<[f64; 2]>,
+    pub density: Vec<f64>,
+    pub mean: Vec<f64>,
 }
 
-fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
+pub(crate) fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
     let prepared = common::prepared(deck, &[], &revolve::user::Routines::none());
     let nodes = &prepared.state.dofs.nodes;
     let frame = memory.frames.last().expect("a frame");
     let moved = &frame.point_fields.iter().find(|f| f.name == "U").expect("U").values;
     let stress = &frame.cell_fields.iter().find(|f| f.name == "S").expect("S").values;
     let components = moved.len() / nodes.len();
-    let group = &prepared.state.elements.groups[0];
+    let groups = prepared.state.elements.groups.iter();
     let mut cells = Cells { place: Vec::new(), density: Vec::new(), mean: Vec::new() };
-    for e in 0..group.len() {
-        let corners = group.corners(e).map(|n| n as usize);
+    for (e, corners) in groups.flat_map(|group| (0..group.len()).map(|e| group.corners(e))).enumerate() {
+        let corners = corners.map(|n| n as usize);
         let before = corners.map(|n| nodes.start[n]);
         let now = corners.map(|n| [0, 1].map(|axis| nodes.start[n][axis] + moved[components * n + axis]));
         let ratio = revolve::internals::quad::volume(before) / revolve::internals::quad::volume(now);
@@ -105,7 +105,7 @@ impl Cells {
     }
 }
 
-const FRAME: &str = "*Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n";
+pub(crate) const FRAME: &str = "*Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n";
 
 fn completed(name: &str, outcome: &Outcome, drift: f64) {
     assert_eq!(outcome.halt, None, "{name}");

@@ -264,6 +264,7 @@ pub const CARDS: &[Keyword] = &[
         "VISCOSITY" refused "damage is not regularised",
         "WEIGHT FACTOR" read "Of hourglass stiffness and viscosity",
         "WEIGHTING" extension "VOLUME (default) or AREA: the equation of motion integrated over the plane section",
+        "SUBZONAL" extension "YES (default where *EOS has no shear modulus) or NO: quarters of elements that are denser than the whole push back",
         "CONVERSION CRITERION" refused "elements do not turn into particles",
         "CONVERSION" refused "elements do not turn into particles",
         "KERNEL" refused "elements do not turn into particles",

@@ -1,0 +1,173 @@
+//! Subzonal pressures: the quarters of an element at its corners keep their masses, and one that is denser than the element
+//! pushes back. They see the patterns that the mean over the element does not (Caramana and Shashkov 1998, J. Comput. Phys.
+//! 142, 521), for what has an equation of state and no shear modulus.
+//! Never here: pressures of elements, viscosity.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use super::block::{Workspace, column, is_larger};
+use crate::kernel::lanes::{Corners, LANES, Lanes};
+use crate::kernel::quad::{UNIT, volume_gradient};
+use crate::state::archive::{Archive, Persist};
+use crate::state::nodes::Node;
+
+/// The least part of its share of the volume for which the pressure of a quarter still rises.
+const LEAST: f64 = 0.01;
+
+/// What a block keeps of its quarters.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(super) struct Subzones {
+    /// Mass of each quarter over that of the element.
+    share: [Lanes; 4],
+    /// Pressure of each quarter less that of the element.
+    pressure: [Lanes; 4],
+}
+
+/// Volume of a quarter in units of pi/3, and its derivatives by r and z of the element's corners.
+struct Quarter {
+    volume: f64,
+    by_r: [f64; 4],
+    by_z: [f64; 4],
+}
+
+/// The quarter at a corner: its other corners lie in the middles of both sides and of the element.
+#[inline(always)]
+fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> Quarter {
+    let (next, before) = ((corner + 1) % 4, (corner + 3) % 4);
+    let corners = |x: &[f64; 4]| {
+        let middle = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
+        [x[corner], 0.5 * (x[corner] + x[next]), middle, 0.5 * (x[before] + x[corner])]
+    };
+    let (by_r, by_z, volume) = volume_gradient(corners(r), corners(z));
+    let spread = |d: [f64; 4]| {
+        let mut all = [0.25 * d[2]; 4];
+        all[corner] += d[0] + 0.5 * (d[1] + d[3]);
+        all[next] += 0.5 * d[1];
+        all[before] += 0.5 * d[3];
+        all
+    };
+    Quarter { volume, by_r: spread(by_r), by_z: spread(by_z) }
+}
+
+impl Subzones {
+    /// Of a block's elements at the start; lanes behind the last element repeat it.
+    pub fn of(elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        let mut zones = Subzones::default();
+        for l in 0..LANES {
+            let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
+            let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
+            let volumes = [0, 1, 2, 3].map(|c| quarter(c, &r, &z).volume);
+            let whole: f64 = volumes.iter().sum();
+            (0..4).for_each(|c| zones.share[c][l] = volumes[c] / whole);
+        }
+        zones
+    }
+}
+
+impl Workspace {
+    /// Adds the forces of the block's quarters to those on its corners, books their work as artificial, and bounds the increment
+    /// by them: nothing without subzonal pressures. `damping` is the fraction of critical damping that hourglass control has.
+    #[inline(always)]
+    pub(super) fn resist_patterns(
+        &mut self,
+        (dt, damping): (f64, f64),
+        inverse_mass: &[Lanes; 4],
+        corners: &mut Corners,
+    ) {
+        let Some(mut zones) = self.subzones.get(self.at).copied() else { return };
+        let (block, damped) = (self.number(), damping + (1.0 + damping * damping).sqrt());
+        for l in 0..LANES {
+            let (r, z) = (column(&self.r, l), column(&self.z, l));
+            let (v_r, v_z) = (column(&self.v_r, l), column(&self.v_z, l));
+            let quarters = [0, 1, 2, 3].map(|c| quarter(c, &r, &z));
+            let whole = (quarters[0].volume + quarters[1].volume) + (quarters[2].volume + quarters[3].volume);
+            let bulk = self.bulk[l];
+            let (mut f_r, mut f_z, mut work, mut stiff) = ([0.0; 4], [0.0; 4], 0.0, 0.0);
+            let (mut all_r, mut all_z) = ([0.0; 4], [0.0; 4]);
+            for c in 0..4 {
+                let Quarter { volume, by_r, by_z } = &quarters[c];
+                let due = zones.share[c][l] * whole;
+                let room = if *volume > LEAST * due { *volume } else { LEAST * due };
+                let pressure = bulk * (due / room - 1.0);
+                let mean = 0.5 * (zones.pressure[c][l] + pressure);
+                zones.pressure[c][l] = pressure;
+                let (mut growth, mut light) = (0.0, 0.0);
+                for i in 0..4 {
+                    f_r[i] += pressure * by_r[i];
+                    f_z[i] += pressure * by_z[i];
+                    growth += by_r[i] * v_r[i] + by_z[i] * v_z[i];
+                    light += (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
+                    all_r[i] += by_r[i];
+                    all_z[i] += by_z[i];
+                }
+                work -= mean * growth;
+                stiff += light / room;
+            }
+            for i in 0..4 {
+                corners.0[2 * i][l] += UNIT * f_r[i];
+                corners.0[2 * i + 1][l] += UNIT * f_z[i];
+            }
+            self.sums.artificial[l] += dt * UNIT * self.weight[l] * work;
+            // The trace of what the quarters do beside the element as a whole is no smaller than the square of their highest
+            // frequency.
+            let light = |i: usize| (all_r[i] * all_r[i] + all_z[i] * all_z[i]) * inverse_mass[i][l];
+            let square = UNIT * bulk * (stiff - ((light(0) + light(1)) + (light(2) + light(3))) / whole);
+            let rate = self.weight[l] * (if square > 0.0 { square } else { 0.0 }).sqrt() * damped;
+            let (best, limiting) = (self.sums.rate[l], self.sums.limiting[l]);
+            let larger = is_larger(rate, best);
+            self.sums.rate[l] = if larger { rate } else { best };
+            self.sums.limiting[l] = if larger { block } else { limiting };
+        }
+        if let Some(place) = self.subzones.get_mut(self.at) {
+            *place = zones;
+        }
+    }
+}
+
+impl Persist for Subzones {
+    /// The shares are those of the mesh.
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Subzones { share: _, pressure } = self;
+        pressure.persist(archive);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Quarter, quarter};
+    use crate::kernel::quad::gradient;
+
+    const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
+    const Z: [f64; 4] = [0.1, -0.2, 1.7, 2.0];
+
+    #[test]
+    fn quarters_fill_the_element_and_have_its_derivatives() {
+        let quarters = [0, 1, 2, 3].map(|c| quarter(c, &R, &Z));
+        let g = gradient(R, Z);
+        let volume: f64 = quarters.iter().map(|q| q.volume).sum();
+        assert!((volume / g.volume - 1.0).abs() < 1e-14);
+        for i in 0..4 {
+            let (by_r, by_z): (f64, f64) = quarters.iter().fold((0.0, 0.0), |s, q| (s.0 + q.by_r[i], s.1 + q.by_z[i]));
+            assert!((by_r - g.r[i] - g.hoop[i]).abs() < 1e-13 && (by_z - g.z[i]).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_volume() {
+        let step = 1e-6;
+        for c in 0..4 {
+            let Quarter { by_r, by_z, .. } = quarter(c, &R, &Z);
+            for i in 0..4 {
+                let moved = |x: [f64; 4], by: f64| {
+                    let mut x = x;
+                    x[i] += by;
+                    x
+                };
+                let along_r = quarter(c, &moved(R, step), &Z).volume - quarter(c, &moved(R, -step), &Z).volume;
+                let along_z = quarter(c, &R, &moved(Z, step)).volume - quarter(c, &R, &moved(Z, -step)).volume;
+                assert!((along_r / (2.0 * step) - by_r[i]).abs() < 1e-8);
+                assert!((along_z / (2.0 * step) - by_z[i]).abs() < 1e-8);
+            }
+        }
+    }
+}
