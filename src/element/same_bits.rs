@@ -63,6 +63,9 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     };
     let (mut nodes, elements) = (nodes(), elements());
     let mut quads = Quads::new(laws, constants, 2.0, &elements, &nodes).on(arch);
+    if V::EOS && !V::TOTAL {
+        quads = quads.with_subzones(&elements, &nodes);
+    }
     for e in 0..elements.len() {
         quads.set(e, None, Some(25.0 + e as f64));
         quads.set_energy(e, 1e-3 * (1 + e) as f64);

@@ -64,6 +64,13 @@ impl Subzones {
     }
 }
 
+/// What the quarters of a block come to: forces as in [`Corners`] over pi/3, power, and the trace that bounds the increment.
+struct Answers {
+    forces: [Lanes; 8],
+    power: Lanes,
+    stiff: Lanes,
+}
+
 impl Workspace {
     /// Adds the forces of the block's quarters to those on its corners, books their work as artificial, and bounds the increment
     /// by them: nothing without subzonal pressures. `damping` is the fraction of critical damping that hourglass control has.
@@ -75,43 +82,29 @@ impl Workspace {
         corners: &mut Corners,
     ) {
         let Some(mut zones) = self.subzones.get(self.at).copied() else { return };
+        let mut whole = [0.0; LANES];
+        let mut answers = Answers { forces: [[0.0; LANES]; 8], power: [0.0; LANES], stiff: [0.0; LANES] };
+        // The trace of what the quarters do beside the element as a whole is no smaller than the square of their highest
+        // frequency.
+        for l in 0..LANES {
+            let (by_r, by_z, volume) = volume_gradient(column(&self.r, l), column(&self.z, l));
+            let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
+            whole[l] = volume;
+            answers.stiff[l] = -((light(0) + light(1)) + (light(2) + light(3))) / volume;
+        }
+        self.add_quarter::<0>(&mut zones, &whole, inverse_mass, &mut answers);
+        self.add_quarter::<1>(&mut zones, &whole, inverse_mass, &mut answers);
+        self.add_quarter::<2>(&mut zones, &whole, inverse_mass, &mut answers);
+        self.add_quarter::<3>(&mut zones, &whole, inverse_mass, &mut answers);
+        for (to, list) in corners.0.iter_mut().zip(&answers.forces) {
+            for l in 0..LANES {
+                to[l] += UNIT * list[l];
+            }
+        }
         let (block, damped) = (self.number(), damping + (1.0 + damping * damping).sqrt());
         for l in 0..LANES {
-            let (r, z) = (column(&self.r, l), column(&self.z, l));
-            let (v_r, v_z) = (column(&self.v_r, l), column(&self.v_z, l));
-            let quarters = [0, 1, 2, 3].map(|c| quarter(c, &r, &z));
-            let whole = (quarters[0].volume + quarters[1].volume) + (quarters[2].volume + quarters[3].volume);
-            let bulk = self.bulk[l];
-            let (mut f_r, mut f_z, mut work, mut stiff) = ([0.0; 4], [0.0; 4], 0.0, 0.0);
-            let (mut all_r, mut all_z) = ([0.0; 4], [0.0; 4]);
-            for c in 0..4 {
-                let Quarter { volume, by_r, by_z } = &quarters[c];
-                let due = zones.share[c][l] * whole;
-                let room = if *volume > LEAST * due { *volume } else { LEAST * due };
-                let pressure = bulk * (due / room - 1.0);
-                let mean = 0.5 * (zones.pressure[c][l] + pressure);
-                zones.pressure[c][l] = pressure;
-                let (mut growth, mut light) = (0.0, 0.0);
-                for i in 0..4 {
-                    f_r[i] += pressure * by_r[i];
-                    f_z[i] += pressure * by_z[i];
-                    growth += by_r[i] * v_r[i] + by_z[i] * v_z[i];
-                    light += (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
-                    all_r[i] += by_r[i];
-                    all_z[i] += by_z[i];
-                }
-                work -= mean * growth;
-                stiff += light / room;
-            }
-            for i in 0..4 {
-                corners.0[2 * i][l] += UNIT * f_r[i];
-                corners.0[2 * i + 1][l] += UNIT * f_z[i];
-            }
-            self.sums.artificial[l] += dt * UNIT * self.weight[l] * work;
-            // The trace of what the quarters do beside the element as a whole is no smaller than the square of their highest
-            // frequency.
-            let light = |i: usize| (all_r[i] * all_r[i] + all_z[i] * all_z[i]) * inverse_mass[i][l];
-            let square = UNIT * bulk * (stiff - ((light(0) + light(1)) + (light(2) + light(3))) / whole);
+            self.sums.artificial[l] += dt * UNIT * self.weight[l] * answers.power[l];
+            let square = UNIT * self.bulk[l] * answers.stiff[l];
             let rate = self.weight[l] * (if square > 0.0 { square } else { 0.0 }).sqrt() * damped;
             let (best, limiting) = (self.sums.rate[l], self.sums.limiting[l]);
             let larger = is_larger(rate, best);
@@ -120,6 +113,34 @@ impl Workspace {
         }
         if let Some(place) = self.subzones.get_mut(self.at) {
             *place = zones;
+        }
+    }
+
+    /// The pressures of the quarters at one corner.
+    #[inline(always)]
+    fn add_quarter<const CORNER: usize>(
+        &self,
+        zones: &mut Subzones,
+        whole: &Lanes,
+        inverse_mass: &[Lanes; 4],
+        answers: &mut Answers,
+    ) {
+        for l in 0..LANES {
+            let Quarter { volume, by_r, by_z } = quarter(CORNER, &column(&self.r, l), &column(&self.z, l));
+            let (v_r, v_z) = (column(&self.v_r, l), column(&self.v_z, l));
+            let due = zones.share[CORNER][l] * whole[l];
+            let room = if volume > LEAST * due { volume } else { LEAST * due };
+            let pressure = self.bulk[l] * (due / room - 1.0);
+            let mean = 0.5 * (zones.pressure[CORNER][l] + pressure);
+            zones.pressure[CORNER][l] = pressure;
+            let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];
+            let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
+            for i in 0..4 {
+                answers.forces[2 * i][l] += pressure * by_r[i];
+                answers.forces[2 * i + 1][l] += pressure * by_z[i];
+            }
+            answers.power[l] -= mean * ((growth(0) + growth(1)) + (growth(2) + growth(3)));
+            answers.stiff[l] += ((light(0) + light(1)) + (light(2) + light(3))) / room;
         }
     }
 }

@@ -27,6 +27,8 @@ use crate::state::nodes::Node;
 const HOURGLASS_STIFFNESS: f64 = 0.005;
 /// Default hourglass viscosity, the fraction of what is critical at the element's highest frequency.
 const HOURGLASS_VISCOSITY: f64 = 0.05;
+/// The same of what has no shear modulus: with 0.05 Noh's sphere on squares overshoots behind its shock (docs/verification.md).
+const FLUID_VISCOSITY: f64 = 0.15;
 
 /// Moduli of an isotropic material; without bulk modulus where an equation of state takes its place.
 #[derive(Clone, Copy, Debug)]
@@ -328,10 +330,11 @@ impl Compiler<'_> {
         let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
         let fluid = moduli.shear == 0.0;
         let Some(controls) = controls else {
-            let [stiffness, viscosity] = if fluid { [0.0, HOURGLASS_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] };
+            let [stiffness, viscosity] = if fluid { [0.0, FLUID_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] };
             return Some(HourglassControl { stiffness, viscosity, relaxes: !fluid });
         };
-        let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, HOURGLASS_VISCOSITY * controls.factor);
+        let viscosity = if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
+        let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, viscosity * controls.factor);
         if fluid && controls.hourglass != Hourglass::Viscous {
             let message = "hourglass control by stiffness needs a shear modulus";
             let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
