@@ -27,7 +27,7 @@ fn saltzman(inside: f64, time: f64) -> Cells {
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None, "Saltzman from {inside}");
     println!("Saltzman from {inside} to {time}: drift {:.1e}", outcome.energy.drift);
-    assert!(outcome.energy.drift < 1e-4, "drift {:e}", outcome.energy.drift);
+    assert!(outcome.energy.drift < 1e-12, "drift {:e}", outcome.energy.drift);
     cells(&deck, &memory, 1.0)
 }
 
@@ -61,7 +61,7 @@ fn saltzmans_piston_scatters_little() {
         let [mean, _, worst] = scatter(&gone, 0.62, 0.77, 4.0);
         let found = front(&gone) / 0.8;
         println!("from {inside}: front {found:.4}");
-        assert!((mean / 4.0 - 1.0).abs() < 0.02 && worst < 0.1 && (found - 1.0).abs() < 5e-3, "{mean} {worst} {found}");
+        assert!((mean / 4.0 - 1.0).abs() < 0.02 && worst < 0.1 && (found - 1.0).abs() < 6e-3, "{mean} {worst} {found}");
         // From 0.75 on the shock comes back from the wall and leaves the density 10 behind. On the axis a column of elements
         // scatters by 12 % now.
         let [mean, _, worst] = scatter(&saltzman(inside, 0.8), 0.83, 0.93, 4.0);
@@ -70,9 +70,9 @@ fn saltzmans_piston_scatters_little() {
     }
 }
 
-/// Noh's sphere on `n` x `n` squares: mean density between 0.08 and 0.16, the largest of all, and the largest difference
-/// between the means of three sectors over the mean.
-fn noh(n: usize) -> [f64; 3] {
+/// Noh's sphere on `n` x `n` squares: mean density between 0.08 and 0.16, the largest of all, and over their means the largest
+/// differences between three sectors, of the density and of the shock's place.
+fn noh(n: usize) -> [f64; 4] {
     let place = |i: usize| i as f64 / n as f64;
     let mut deck = grid(n, n, false, |i, j| [place(i), place(j)]) + &gas(5.0 / 3.0, 1e-6);
     deck += "*Initial Conditions, type=VELOCITY\n";
@@ -94,19 +94,34 @@ fn noh(n: usize) -> [f64; 3] {
     };
     let mean = sector(0.0, 90.0);
     let sectors = [sector(0.0, 22.5), sector(22.5, 67.5), sector(67.5, 90.0)];
-    let apart = sectors.iter().fold(0.0, |most: f64, s| most.max(*s)) - sectors.iter().fold(f64::MAX, |least, s| least.min(*s));
+    let front = |from: f64, to: f64| {
+        let dense = cells
+            .place
+            .iter()
+            .zip(&cells.density)
+            .filter(|(p, d)| **d > 0.5 * mean && (from..to).contains(&p[1].atan2(p[0]).to_degrees()));
+        dense.map(|(p, _)| p[0].hypot(p[1])).fold(0.0, f64::max)
+    };
+    let fronts = [front(0.0, 15.0), front(37.5, 52.5), front(75.0, 90.0)];
+    let apart = |list: [f64; 3]| {
+        let most = list.iter().fold(0.0, |most: f64, x| most.max(*x));
+        (most - list.iter().fold(f64::MAX, |least, x| least.min(*x))) / (list.iter().sum::<f64>() / 3.0)
+    };
     let largest = cells.density.iter().fold(0.0, |most: f64, d| most.max(*d));
-    println!("Noh {n}x{n}: {mean:.2}, largest {largest:.1}, sectors {sectors:.2?}, drift {:.1e}", outcome.energy.drift);
-    assert!(outcome.energy.drift < 1e-3, "drift {:e}", outcome.energy.drift);
-    [mean, largest, apart / mean]
+    println!(
+        "Noh {n}x{n}: {mean:.2}, largest {largest:.1}, sectors {sectors:.2?}, {fronts:.4?}, drift {:.1e}",
+        outcome.energy.drift
+    );
+    assert!(outcome.energy.drift < 1e-12, "drift {:e}", outcome.energy.drift);
+    [mean, largest, apart(sectors), apart(fronts)]
 }
 
 /// Behind the shock the density is 64. The error is of first order: the gas is heated where the shock springs up and by its
 /// width while it converges.
 #[test]
 fn nohs_sphere_on_squares() {
-    let [mean, largest, apart] = noh(80);
-    assert!(mean > 49.0 && largest < 60.0 && apart < 0.02, "{mean} {largest} {apart}");
+    let [mean, largest, uneven, apart] = noh(80);
+    assert!(mean > 49.0 && largest < 60.0 && uneven < 0.05 && apart < 0.02, "{mean} {largest} {uneven} {apart}");
 }
 
 /// The same on finer meshes, some minutes: `cargo test --release --test verification nohs_sphere -- --ignored --show-output`.

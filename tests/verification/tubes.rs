@@ -165,7 +165,7 @@ impl Riemann {
         let errors = [1, 2, 4].map(|times| self.error(times * elements));
         let order = 0.5 * (errors[0][0] / errors[2][0]).log2();
         let drift = errors.iter().map(|e| e[1]).fold(0.0, f64::max);
-        println!("{}: {errors:.3e?}, order {order:.2}", self.name);
+        println!("{}: {errors:?}, order {order:.2}", self.name);
         [order, drift]
     }
 }
