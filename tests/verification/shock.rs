@@ -113,10 +113,10 @@ fn completed(name: &str, outcome: &Outcome, drift: f64) {
     assert!(outcome.energy.drift < drift, "{name}: drift {:e}", outcome.energy.drift);
 }
 
-/// A cone of 0.1 rad around z = 0 of `n` elements, a triangle at the centre first. A node on the upper ray keeps to it: an
-/// equation ties u_z to u_r tan(0.1). All nodes run towards the centre.
+/// A cone of 10/n rad around z = 0 of `n` elements, nearly squares where the shock comes to, a triangle at the centre first. A node on the upper ray keeps to it: an
+/// equation ties u_z to u_r times the tangent of the angle. All nodes run towards the centre.
 fn wedge(n: usize) -> String {
-    let (angle, node) = (0.1_f64, |i: usize, j: usize| 2 * i + j);
+    let (angle, node) = (10.0 / n as f64, |i: usize, j: usize| 2 * i + j);
     let mut nodes = String::from("*Node, nset=ALL\n 1, 0., 0.\n");
     let mut rest = String::from("*Element, type=CAX3, elset=SOLID\n 1, 1, 2, 3\n*Element, type=CAX4R, elset=SOLID\n");
     let (mut equations, mut speeds) = (String::new(), String::from("*Initial Conditions, type=VELOCITY\n"));
@@ -143,11 +143,11 @@ fn noh(symmetry: &str, n: usize) -> String {
     let line = |i: usize| i as f64 / n as f64;
     let (mut deck, held) = match symmetry {
         "planar" => {
-            let deck = grid(1, n, false, |i, j| [i as f64 * 0.01, line(j)]);
+            let deck = grid(1, n, false, |i, j| [line(i), line(j)]);
             (deck + "*Initial Conditions, type=VELOCITY\n ALL, 2, -1.\n", " ALL, 1, 1\n J0, 2, 2\n")
         }
         "cylindrical" => {
-            let deck = grid(n, 1, false, |i, j| [line(i), j as f64 * 0.01]);
+            let deck = grid(n, 1, false, |i, j| [line(i), line(j)]);
             (deck + "*Initial Conditions, type=VELOCITY\n ALL, 1, -1.\n", " ALL, 2, 2\n I0, 1, 1\n")
         }
         // A cone around z = 0, one element wide: its upper ray is held by equations, so that all moves along rays.
@@ -179,7 +179,7 @@ fn plateau(symmetry: &str, n: usize, density: f64) -> [f64; 3] {
 #[test]
 fn nohs_gas_piles_up_to_its_density() {
     for (symmetry, density, meshes, near, limits) in [
-        ("planar", 4.0, [100, 200], 0.002, 0.006),
+        ("planar", 4.0, [100, 200], 0.005, 0.006),
         ("cylindrical", 16.0, [100, 200], 0.04, 0.01),
         ("spherical", 64.0, [200, 400], 0.075, 0.02),
     ] {
@@ -202,7 +202,8 @@ fn nohs_gas_piles_up_to_its_density() {
 /// SCALE FACTOR=0.5 that is 0.5 % of the energy, here a quarter of it): no load does that work, so it is not booked.
 #[test]
 fn sedovs_blast_reaches_its_radius() {
-    let (n, around) = (60, 12);
+    // Bulk viscosity spreads the shock over the root of an element's area: not too long around.
+    let (n, around) = (60, 24);
     let radii: Vec<f64> = (1..=n).map(|i| 1.2 * f64::from(i) / f64::from(n)).collect();
     let core = 4.0 / 3.0 * PI * radii[0].powi(3);
     // The triangles of the core fill a bit less than the ball, of which this is the half.
