@@ -189,11 +189,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.mask_deleted(failure, nodes, scratch);
         }
-        let owed = if V::EOS && !V::TOTAL {
-            Some(scratch.owe(corners, &self.nodes, (nodes, dt), before))
-        } else {
-            None
-        };
+        let owed =
+            if V::EOS && !V::TOTAL { Some(scratch.owe(corners, &self.nodes, (nodes, dt), before)) } else { None };
         let mut kept = scratch.kept();
         self.strain::<H, V, AREA>(constants, dt, nodes, scratch);
         if scratch.cap < f64::INFINITY {

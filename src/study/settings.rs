@@ -257,7 +257,16 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
             own.map_or((false, None, 1.0, None), |c| (c.by_area, c.distortion, c.most_damage, c.subzonal));
         let name = format!("(STUDY {i})");
         section.controls = Some(name.clone());
-        changed.push(SectionControls { name, hourglass, factor, by_area, distortion, most_damage, subzonal, keeps_failed: None });
+        changed.push(SectionControls {
+            name,
+            hourglass,
+            factor,
+            by_area,
+            distortion,
+            most_damage,
+            subzonal,
+            keeps_failed: None,
+        });
     }
     model.controls = changed;
 }
