@@ -180,11 +180,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         &mut self,
         (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
-        dt: f64,
+        (dt, before): (f64, Accelerated<'_>),
         nodes: &mut Nodes,
         scratch: &mut Workspace,
         corners: &mut Corners,
-        before: Accelerated<'_>,
     ) {
         if F::FAILS {
             self.mask_deleted(failure, nodes, scratch);

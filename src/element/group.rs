@@ -564,7 +564,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
             if V::TIMED {
                 pass.laws.1.begin(&mut block.volumetric, pass.time);
             }
-            block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, scratch, corners, pass.before);
+            let increment = (pass.dt, pass.before);
+            block.update::<H, V, F, AREA>(laws, pass.constants, increment, &mut places, scratch, corners);
             if !scratch.records.is_empty() {
                 scratch.follow(i, block, const { Flows::of::<H, V>() }, &places, pass.dt);
             }
