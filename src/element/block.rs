@@ -3,7 +3,10 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use super::compatible::Accelerated;
 use super::constants::{CHANGE, Constants};
+use super::shock::{principal_compression, section};
+use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -108,10 +111,10 @@ pub(super) struct Kept {
 #[repr(C, align(64))]
 pub struct Workspace {
     /// Coordinates and velocities of the corners.
-    r: [Lanes; 4],
-    z: [Lanes; 4],
-    v_r: [Lanes; 4],
-    v_z: [Lanes; 4],
+    pub(super) r: [Lanes; 4],
+    pub(super) z: [Lanes; 4],
+    pub(super) v_r: [Lanes; 4],
+    pub(super) v_z: [Lanes; 4],
     /// Strain increments rr, zz, hoop, rz.
     pub(super) strain: [Lanes; 4],
     /// Stress before the increment, carried along by the rotation.
@@ -143,6 +146,8 @@ pub struct Workspace {
     pub(super) hourglass: Vec<[Lanes; 2]>,
     /// Of the task's blocks, stresses of the bulk viscosity; empty without any.
     pub(super) viscous: Vec<Lanes>,
+    /// Of the task's blocks, their quarters; empty without subzonal pressures.
+    pub(super) subzones: Vec<Subzones>,
     /// Of the task's blocks, what outputs ask for; empty if none does.
     pub(super) records: Vec<Record>,
     /// Elements that failure deleted in this pass.
@@ -177,7 +182,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         &mut self,
         (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
-        dt: f64,
+        (dt, before): (f64, Accelerated<'_>),
         nodes: &mut Nodes,
         scratch: &mut Workspace,
         corners: &mut Corners,
@@ -185,6 +190,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.mask_deleted(failure, nodes, scratch);
         }
+        let owed =
+            if V::EOS && !V::TOTAL { Some(scratch.owe(corners, &self.nodes, (nodes, dt), before)) } else { None };
         let mut kept = scratch.kept();
         self.strain::<H, V, AREA>(constants, dt, nodes, scratch);
         if let Some(lacking) = &scratch.lacking
@@ -219,8 +226,14 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         }
         self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
         scratch.keep(kept);
+        if V::EOS && !V::TOTAL {
+            scratch.resist_patterns((dt, constants.hourglass.viscosity), &self.inverse_mass, corners);
+        }
         if F::FAILS {
             self.clear_deleted(failure, corners);
+        }
+        if let Some(owed) = owed {
+            scratch.pay(&owed, corners, nodes, dt);
         }
         if V::EOS {
             volumetric.settle(&mut self.volumetric, &scratch.heat, &self.mass);
@@ -339,6 +352,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let cap = scratch.cap;
         // Without an increment behind, the velocities say how fast the volume changes.
         let starts = V::EOS && per_dt == 0.0;
+        let shocks = V::EOS && !V::TOTAL;
         for l in 0..LANES {
             let modulus = if V::EOS { scratch.bulk[l] + shear43 } else { modulus };
             let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
@@ -368,7 +382,19 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
             }
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
-            let fraction = linear - quadratic2 * 2.0 * period * compression;
+            let mut fraction = linear - quadratic2 * 2.0 * period * compression;
+            if shocks {
+                let rates = if starts {
+                    let shear = 0.5 * (dot(g.z, v_r) + dot(g.r, v_z));
+                    [dot(g.r, v_r), dot(g.z, v_z), shear].map(|sum| sum / g.volume)
+                } else {
+                    [0, 1, 3].map(|i: usize| scratch.strain[i][l] * per_dt)
+                };
+                let length = self.mass[l] * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
+                let length = 0.5 * (section(r, z) * length).sqrt() / g.volume;
+                let squeezed = principal_compression(rates, -compression);
+                fraction = length * (linear + quadratic2 * length * 2.0 * period * squeezed);
+            }
             let damping = 2.0 * modulus * period * dilation_rate * fraction;
             let work = scratch.volume[l] * 0.5 * (kept.viscous[l] + damping) * dilation;
             scratch.sums.viscous[l] += work;
@@ -462,12 +488,18 @@ impl Workspace {
     pub(super) fn bytes(&self) -> usize {
         size_of::<[Lanes; 2]>() * self.hourglass.capacity()
             + size_of::<Lanes>() * self.viscous.capacity()
+            + size_of::<Subzones>() * self.subzones.capacity()
             + size_of::<Record>() * self.records.capacity()
     }
 
     /// A lane whose element is not there weighs nothing.
     pub(super) fn mask(&mut self, lane: usize) {
         self.weight[lane] = 0.0;
+    }
+
+    /// Number of the block at hand; a float, as the sums keep it.
+    pub(super) fn number(&self) -> f64 {
+        self.block
     }
 
     /// Whether a lane counts.
@@ -615,7 +647,8 @@ impl Persist for Sums {
 impl Persist for Workspace {
     /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Workspace { sums, records, hourglass, viscous, .. } = self;
+        let Workspace { sums, records, hourglass, viscous, subzones, .. } = self;
         persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), viscous.as_mut_slice());
+        subzones.as_mut_slice().persist(archive);
     }
 }

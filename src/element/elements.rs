@@ -3,6 +3,7 @@
 
 use super::averaging::Averaging;
 use super::block::is_larger;
+use super::compatible::Accelerated;
 use super::connector::Connectors;
 use super::damping::Damping;
 use super::distortion::DistortionControl;
@@ -171,9 +172,11 @@ impl Elements {
             let corners = &mut self.corners[first..first + blocks];
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
+            let before = Accelerated { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half };
             let averaging = self.averagings.get_mut(i).and_then(Option::as_mut);
             let lacking = averaging.map(|a| a.measure(&**group, &dofs.nodes));
-            let totals = group.update(Pass { nodes, dt: dofs.nodes.behind, now, threads, user, corners, lacking });
+            let totals =
+                group.update(Pass { nodes, dt: dofs.nodes.behind, before, now, threads, user, corners, lacking });
             first += blocks;
             group.deleted(&mut self.gone.0);
             self.deformed = self.deformed.max(totals.deformed);

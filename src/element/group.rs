@@ -7,9 +7,11 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
+use crate::element::compatible::Accelerated;
 use crate::element::constants::Constants;
 use crate::element::quiescent::Quiescence;
 use crate::element::record::{Flows, Followed, Record};
+use crate::element::subzonal::Subzones;
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
@@ -158,6 +160,8 @@ pub struct Pass<'a> {
     pub nodes: &'a [Node],
     /// Length of the increment behind.
     pub dt: f64,
+    /// What carried nodes over it.
+    pub before: Accelerated<'a>,
     /// Now.
     pub now: &'a Instant,
     /// Whether other threads may take part.
@@ -206,6 +210,15 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
         self.arch = arch;
+        self
+    }
+
+    /// The same with subzonal pressures, of elements at their places at the start.
+    #[must_use]
+    pub fn with_subzones(mut self, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        for (scratch, part) in self.tasks.iter_mut().zip(elements.chunks(TASK * LANES)) {
+            scratch.subzones = part.chunks(LANES).map(|block| Subzones::of(block, nodes)).collect();
+        }
         self
     }
 
@@ -330,13 +343,14 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
-        let Pass { nodes, dt, now, threads, corners, lacking, .. } = pass;
+        let Pass { nodes, dt, before, now, threads, corners, lacking, .. } = pass;
         let pass = Common {
             laws: &self.laws,
             constants: &self.constants,
             count: self.count,
             nodes,
             dt,
+            before,
             time: now.total_time,
             cap: self.cap,
             lacking,
@@ -543,6 +557,7 @@ struct Common<'a, H, V, F> {
     count: usize,
     nodes: &'a [Node],
     dt: f64,
+    before: Accelerated<'a>,
     time: f64,
     cap: f64,
     lacking: Option<&'a [Lanes]>,
@@ -576,7 +591,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
             if V::TIMED {
                 pass.laws.1.begin(&mut block.volumetric, pass.time);
             }
-            block.update::<H, V, F, AREA>(laws, pass.constants, pass.dt, &mut places, scratch, corners);
+            let increment = (pass.dt, pass.before);
+            block.update::<H, V, F, AREA>(laws, pass.constants, increment, &mut places, scratch, corners);
             if !scratch.records.is_empty() {
                 scratch.follow(i, block, const { Flows::of::<H, V>() }, &places, pass.dt);
             }
@@ -639,7 +655,7 @@ impl Persist for Totals {
 mod tests {
     use pulp::Arch;
 
-    use super::{ElementGroup, Pass, Quads};
+    use super::{Accelerated, ElementGroup, Pass, Quads};
     use crate::element::constants::{Constants, HourglassControl};
     use crate::kernel::lanes::Corners;
     use crate::kernel::lanes::LANES;
@@ -680,6 +696,7 @@ mod tests {
                 quads.update(Pass {
                     nodes: &nodes,
                     dt: 0.3,
+                    before: Accelerated::default(),
                     now,
                     threads: false,
                     user: AtPoints::default(),

@@ -4,6 +4,7 @@
 pub mod averaging;
 mod back_stress;
 pub mod block;
+pub mod compatible;
 pub mod connector;
 pub mod constants;
 pub mod damping;
@@ -27,6 +28,8 @@ pub mod rings;
 #[cfg(test)]
 mod same_bits;
 pub mod shell;
+mod shock;
+mod subzonal;
 mod user_chunk;
 mod user_flow;
 pub mod user_law;

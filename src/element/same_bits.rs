@@ -3,6 +3,7 @@
 
 use pulp::Arch;
 
+use crate::element::compatible::Accelerated;
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
@@ -62,6 +63,9 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     };
     let (mut nodes, elements) = (nodes(), elements());
     let mut quads = Quads::new(laws, constants, 2.0, &elements, &nodes).on(arch);
+    if V::EOS && !V::TOTAL {
+        quads = quads.with_subzones(&elements, &nodes);
+    }
     for e in 0..elements.len() {
         quads.set(e, None, Some(25.0 + e as f64));
         quads.set_energy(e, 1e-3 * (1 + e) as f64);
@@ -74,6 +78,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
         let totals = quads.update(Pass {
             nodes: &nodes,
             dt: DT,
+            before: Accelerated::default(),
             now: &Instant::default(),
             threads: false,
             user: AtPoints::default(),

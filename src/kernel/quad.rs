@@ -53,6 +53,20 @@ pub fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
     Gradient { r: out_r, z: out_z, hoop, volume: 0.5 * moment }
 }
 
+/// Derivatives of the volume of a ring by r and z of its corners, and the volume, in units of pi/3.
+#[inline(always)]
+pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> ([f64; 4], [f64; 4], f64) {
+    let (mut by_r, mut by_z, mut moment) = ([0.0; 4], [0.0; 4], 0.0);
+    for i in 0..4 {
+        let (j, p) = ((i + 1) % 4, (i + 3) % 4);
+        let (next, before) = (r[i] + r[j], r[p] + r[i]);
+        by_r[i] = (r[i] + next) * (z[j] - z[i]) + (r[i] + before) * (z[i] - z[p]);
+        by_z[i] = r[p] * before - r[j] * next;
+        moment += r[i] * by_r[i];
+    }
+    (by_r, by_z, 0.5 * moment)
+}
+
 /// Operators of area weighting (Goudreau and Hallquist 1982, Comput. Meth. Appl. Mech. Eng. 33, 725): gradients in the
 /// middle of the plane section times 2 pi times the radius there, so that ratios to the volume are those of the plane.
 #[inline(always)]

@@ -6,6 +6,14 @@ use super::names::upper;
 use super::types::{Hourglass, SectionControls};
 use crate::deck::{Card, Span};
 
+/// What a card says with YES or NO.
+struct Said {
+    /// The card, where ELEMENT DELETION is NO.
+    keeps_failed: Option<Span>,
+    averaged: Option<bool>,
+    subzonal: Option<bool>,
+}
+
 impl Builder<'_> {
     /// `*SECTION CONTROLS`: hourglass control and what else a section can ask of its elements.
     pub(super) fn section_controls(&mut self, card: &Card) {
@@ -46,8 +54,7 @@ impl Builder<'_> {
                 return;
             }
         };
-        let Ok(averaged) = self.averaged(card) else { return };
-        let Ok(keeps_failed) = self.other_controls(card) else { return };
+        let Ok(Said { keeps_failed, averaged, subzonal }) = self.other_controls(card) else { return };
         // ABAQUS Analysis User's Guide, "Section controls": 1 where elements are deleted, else 0.99.
         let default = if keeps_failed.is_some() { 0.99 } else { 1.0 };
         let word = card.value("MAX DEGRADATION");
@@ -68,21 +75,13 @@ impl Builder<'_> {
             distortion,
             most_damage,
             averaged,
+            subzonal,
             keeps_failed,
         });
     }
 
-    fn averaged(&mut self, card: &Card) -> Result<Option<bool>, ()> {
-        let Some(word) = card.value("AVERAGED PRESSURE") else { return Ok(None) };
-        let said = [("YES", true), ("NO", false)].into_iter().find(|(name, _)| word.is(name));
-        if said.is_none() {
-            self.out_of_range(word.span, format!("AVERAGED PRESSURE is YES or NO, not {}", word.text));
-        }
-        said.map(|(_, says)| Some(says)).ok_or(())
-    }
-
-    /// Controls that are YES or NO: where ELEMENT DELETION is NO, and what of the others means nothing here.
-    fn other_controls(&mut self, card: &Card) -> Result<Option<Span>, ()> {
+    /// Controls that are YES or NO, and what of them means nothing here.
+    fn other_controls(&mut self, card: &Card) -> Result<Said, ()> {
         let mut said = |name: &str| -> Result<Option<bool>, ()> {
             match card.value(name) {
                 None => Ok(None),
@@ -95,6 +94,7 @@ impl Builder<'_> {
             }
         };
         let (deletion, accurate) = (said("ELEMENT DELETION")?, said("SECOND ORDER ACCURACY")?);
+        let (subzonal, averaged) = (said("SUBZONAL")?, said("AVERAGED PRESSURE")?);
         if accurate == Some(true) {
             let help = "elements follow large rotations of an increment to first order";
             self.unsupported(card.span, "SECOND ORDER ACCURACY=YES is not supported", help);
@@ -103,7 +103,7 @@ impl Builder<'_> {
         if card.has("RAMP INITIAL STRESS") {
             self.inert(card, "RAMP INITIAL STRESS is of membranes".into());
         }
-        Ok((deletion == Some(false)).then_some(card.span))
+        Ok(Said { keeps_failed: (deletion == Some(false)).then_some(card.span), averaged, subzonal })
     }
 
     /// LENGTH RATIO of distortion control (0.1 where the deck says nothing); `Ok(None)` without it, `Err` once refused.

@@ -511,6 +511,8 @@ pub struct SectionControls {
     pub most_damage: f64,
     /// `AVERAGED PRESSURE`, where the deck says it: whether triangles average their dilation over nodes.
     pub averaged: Option<bool>,
+    /// SUBZONAL: whether quarters of elements push back; `None` where the deck says nothing.
+    pub subzonal: Option<bool>,
     /// `ELEMENT DELETION=NO`, where the deck says so.
     pub keeps_failed: Option<Span>,
 }

@@ -83,7 +83,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P016",
         title: "hourglass stiffness without shear modulus",
-        text: "The hourglass spring is a fraction of the shear modulus, which a fluid lacks: HOURGLASS=VISCOUS, its default, controls it.",
+        text: "The hourglass spring is a fraction of the shear modulus, which a fluid lacks: HOURGLASS=VISCOUS, its default, controls it. Subzonal pressures in turn are of what has *EOS and no shear modulus.",
     },
     Code {
         code: "P017",

@@ -27,6 +27,8 @@ use crate::state::nodes::Node;
 const HOURGLASS_STIFFNESS: f64 = 0.005;
 /// Default hourglass viscosity, the fraction of what is critical at the element's highest frequency.
 const HOURGLASS_VISCOSITY: f64 = 0.05;
+/// The same of what has no shear modulus: with 0.05 Noh's sphere on squares overshoots behind its shock (docs/verification.md).
+const FLUID_VISCOSITY: f64 = 0.15;
 
 /// Moduli of an isotropic material; without bulk modulus where an equation of state takes its place.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +60,8 @@ pub(super) struct Make<'a, const AREA: bool> {
     spared: f64,
     /// Whether elements that fail stay.
     kept: bool,
+    /// Whether quarters of elements push back.
+    subzonal: bool,
 }
 
 impl<'a, const AREA: bool> Make<'a, AREA> {
@@ -72,13 +76,15 @@ impl<'a, const AREA: bool> Make<'a, AREA> {
         failure: F,
     ) -> Box<dyn ElementGroup> {
         let laws = (hardening, volumetric, failure);
-        Box::new(Quads::<_, _, _, AREA>::weighted(laws, self.constants, self.density, self.corners, self.nodes))
+        let Make { constants, density, corners, nodes, subzonal, .. } = self;
+        let quads = Quads::<_, _, _, AREA>::weighted(laws, constants, density, corners, nodes);
+        Box::new(if subzonal { quads.with_subzones(corners, nodes) } else { quads })
     }
 
     /// The same, weighted by area.
     fn by_area(self) -> Make<'a, true> {
-        let Make { constants, density, corners, nodes, heats, spared, kept } = self;
-        Make { constants, density, corners, nodes, heats, spared, kept }
+        let Make { constants, density, corners, nodes, heats, spared, kept, subzonal } = self;
+        Make { constants, density, corners, nodes, heats, spared, kept, subzonal }
     }
 }
 
@@ -111,7 +117,8 @@ impl Compiler<'_> {
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, elements.len(), &constants, (material, heats));
         let (spared, kept) = self.spared(section, material);
-        let make = Make::<false> { constants, density, corners, nodes, heats, spared, kept };
+        let subzonal = self.subzonal(section, material, elements.len())?;
+        let make = Make::<false> { constants, density, corners, nodes, heats, spared, kept, subzonal };
         if self.is_by_area(section) {
             return self.by_area(section, material, make.by_area());
         }
@@ -279,6 +286,25 @@ impl Compiler<'_> {
         (spared, kept)
     }
 
+    /// Whether quarters of a section's elements push back: where there is an equation of state and no shear modulus, unless its
+    /// controls say no.
+    fn subzonal(&mut self, section: &SolidSection, material: &Material, count: usize) -> Option<bool> {
+        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
+        let wanted = section.controls.as_ref().and_then(named).and_then(|c| c.subzonal);
+        let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
+        if wanted == Some(true) && !fluid {
+            let message = "SUBZONAL=YES needs *EOS and no shear modulus";
+            self.diagnostics.push(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
+            return None;
+        }
+        let subzonal = fluid && wanted != Some(false);
+        if subzonal {
+            let detail = "quarters that are denser than their element push back";
+            self.cause(section.span, "subzonal pressures", count, "elements", detail.into());
+        }
+        Some(subzonal)
+    }
+
     /// Whether the controls of a section weight its elements by area.
     pub(super) fn is_by_area(&self, section: &SolidSection) -> bool {
         let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
@@ -320,10 +346,11 @@ impl Compiler<'_> {
         let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
         let fluid = moduli.shear == 0.0;
         let Some(controls) = controls else {
-            let [stiffness, viscosity] = if fluid { [0.0, HOURGLASS_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] };
+            let [stiffness, viscosity] = if fluid { [0.0, FLUID_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] };
             return Some(HourglassControl { stiffness, viscosity, relaxes: !fluid });
         };
-        let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, HOURGLASS_VISCOSITY * controls.factor);
+        let viscosity = if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
+        let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, viscosity * controls.factor);
         if fluid && controls.hourglass != Hourglass::Viscous {
             let message = "hourglass control by stiffness needs a shear modulus";
             let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");

@@ -265,6 +265,7 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
                 distortion: None,
                 most_damage: 1.0,
                 averaged: None,
+                subzonal: None,
                 keeps_failed: None,
             },
         });

@@ -23,6 +23,7 @@ fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], b
         group.update(Pass {
             nodes,
             dt: 1e-9,
+            before: Default::default(),
             now: &Instant::default(),
             threads: false,
             user: AtPoints::default(),

@@ -12,11 +12,11 @@ cases! { "Shocks":
     noh_cylindrical, "the same towards the axis: heating of the axis",
         "density 16 within 5 %, drift < 0.5 %; density on the axis reported";
     noh_spherical, "the same towards the centre on a mesh of squares: symmetry is lost",
-        "density 64 within 16 % on 80x80 (first order), places of the shock on axis, diagonal and equator within 4 %";
+        "density 64 within 22 % on 80x80 (first order), places of the shock on axis, diagonal and equator within 4 %";
     sedov_on_squares, "a blast in the corner of a mesh of squares: jets along the axis, hourglass patterns",
         "front on axis, diagonal and equator within 5 % of r = 1 and of each other, ETOTAL within 2.5 % of the blast's energy";
     saltzman, "a shock along a skewed mesh: hourglass patterns, elements that turn inside out",
-        "density 4 within 10 % in the mean, shock 4/3 within 3 %, completed";
+        "density 4 within 2.5 % in the mean, shock 4/3 within 3 %, completed";
     release_into_the_void, "a strong release: bulk viscosity in expansion, rounding of a vanishing density",
         "density of the centred rarefaction within 2 % from 0.2 to 0.95, drift < 0.5 %";
 }
@@ -60,7 +60,7 @@ fn noh_planar() -> Verdict {
 }
 
 fn noh_cylindrical() -> Verdict {
-    let mesh = grid(200, 1, false, |i, j| [i as f64 * 0.005, j as f64 * 0.01]);
+    let mesh = grid(200, 1, false, |i, j| [i as f64 * 0.005, j as f64 * 0.005]);
     let scene = noh(mesh, " ALL, 1, -1.\n", " ALL, 2, 2\n I0, 1, 1\n");
     let plateau = density(&scene, |p| p[0], 0.08, 0.16);
     let axis = scene.cells()[0].density;
@@ -93,7 +93,7 @@ fn noh_spherical() -> Verdict {
     let plateau = density(&scene, |p| p[0].hypot(p[1]), 0.08, 0.16);
     let fronts = SECTORS.map(|[from, to]| front(&scene, 32.0, from, to));
     let (_, uneven) = spread(fronts.into_iter());
-    let holds = scene.completed(5e-3) && off(plateau, 64.0) < 0.16 && uneven < 0.04;
+    let holds = scene.completed(5e-3) && off(plateau, 64.0) < 0.22 && uneven < 0.04;
     Verdict { figure: format!("density {plateau:.0}, symmetry {:.1} %", 100.0 * uneven), holds }
 }
 
@@ -136,7 +136,7 @@ fn saltzman() -> Verdict {
     let cells = scene.cells();
     let (mean, uneven) = spread(cells.iter().filter(|c| (0.64..0.76).contains(&c.place[1])).map(|c| c.density));
     let shock = cells.iter().filter(|c| c.density > 2.0).map(|c| c.place[1]).fold(0.0, f64::max);
-    let holds = scene.completed(0.02) && off(mean, 4.0) < 0.1 && off(shock, 0.8) < 0.03;
+    let holds = scene.completed(1e-9) && off(mean, 4.0) < 0.025 && off(shock, 0.8) < 0.03;
     Verdict { figure: format!("density {mean:.2} within {:.0} %, shock at {shock:.3}", 100.0 * uneven), holds }
 }
 

@@ -51,7 +51,7 @@ fn place(radius: f64, j: usize, around: usize) -> [f64; 2] {
 }
 
 /// An ideal gas with R = gamma - 1 and a specific heat of one.
-fn gas(gamma: f64, energy: f64) -> String {
+pub(crate) fn gas(gamma: f64, energy: f64) -> String {
     format!(
         "*Solid Section, elset=SOLID, material=GAS\n*Material, name=GAS\n*Density\n 1.,\n*Eos, type=IDEAL GAS\n {:.17e}, 0.\n\
          *Specific Heat\n 1.,\n*Initial Conditions, type=SPECIFIC ENERGY\n SOLID, {energy:e}\n",
@@ -61,23 +61,23 @@ fn gas(gamma: f64, energy: f64) -> String {
 
 /// Middle of each element of the last frame, its density (mass by the mesh at the start over its volume now) and the mean
 /// of its normal stresses.
-struct Cells {
-    place: Vec<[f64; 2]>,
-    density: Vec<f64>,
-    mean: Vec<f64>,
+pub(crate) struct Cells {
+    pub place: Vec<[f64; 2]>,
+    pub density: Vec<f64>,
+    pub mean: Vec<f64>,
 }
 
-fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
+pub(crate) fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
     let prepared = common::prepared(deck, &[], &revolve::user::Routines::none());
     let nodes = &prepared.state.dofs.nodes;
     let frame = memory.frames.last().expect("a frame");
     let moved = &frame.point_fields.iter().find(|f| f.name == "U").expect("U").values;
     let stress = &frame.cell_fields.iter().find(|f| f.name == "S").expect("S").values;
     let components = moved.len() / nodes.len();
-    let group = &prepared.state.elements.groups[0];
+    let groups = prepared.state.elements.groups.iter();
     let mut cells = Cells { place: Vec::new(), density: Vec::new(), mean: Vec::new() };
-    for e in 0..group.len() {
-        let corners = group.corners(e).map(|n| n as usize);
+    for (e, corners) in groups.flat_map(|group| (0..group.len()).map(|e| group.corners(e))).enumerate() {
+        let corners = corners.map(|n| n as usize);
         let before = corners.map(|n| nodes.start[n]);
         let now = corners.map(|n| [0, 1].map(|axis| nodes.start[n][axis] + moved[components * n + axis]));
         let ratio = revolve::internals::quad::volume(before) / revolve::internals::quad::volume(now);
@@ -105,7 +105,7 @@ impl Cells {
     }
 }
 
-const FRAME: &str = "*Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n";
+pub(crate) const FRAME: &str = "*Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n";
 
 fn completed(name: &str, outcome: &Outcome, drift: f64) {
     assert_eq!(outcome.halt, None, "{name}");
@@ -113,10 +113,10 @@ fn completed(name: &str, outcome: &Outcome, drift: f64) {
     assert!(outcome.energy.drift < drift, "{name}: drift {:e}", outcome.energy.drift);
 }
 
-/// A cone of 0.1 rad around z = 0 of `n` elements, a triangle at the centre first. A node on the upper ray keeps to it: an
-/// equation ties u_z to u_r tan(0.1). All nodes run towards the centre.
+/// A cone of 10/n rad around z = 0 of `n` elements, nearly squares where the shock comes to, a triangle at the centre first. A node on the upper ray keeps to it: an
+/// equation ties u_z to u_r times the tangent of the angle. All nodes run towards the centre.
 fn wedge(n: usize) -> String {
-    let (angle, node) = (0.1_f64, |i: usize, j: usize| 2 * i + j);
+    let (angle, node) = (10.0 / n as f64, |i: usize, j: usize| 2 * i + j);
     let mut nodes = String::from("*Node, nset=ALL\n 1, 0., 0.\n");
     let mut rest = String::from("*Element, type=CAX3, elset=SOLID\n 1, 1, 2, 3\n*Element, type=CAX4R, elset=SOLID\n");
     let (mut equations, mut speeds) = (String::new(), String::from("*Initial Conditions, type=VELOCITY\n"));
@@ -143,11 +143,11 @@ fn noh(symmetry: &str, n: usize) -> String {
     let line = |i: usize| i as f64 / n as f64;
     let (mut deck, held) = match symmetry {
         "planar" => {
-            let deck = grid(1, n, false, |i, j| [i as f64 * 0.01, line(j)]);
+            let deck = grid(1, n, false, |i, j| [line(i), line(j)]);
             (deck + "*Initial Conditions, type=VELOCITY\n ALL, 2, -1.\n", " ALL, 1, 1\n J0, 2, 2\n")
         }
         "cylindrical" => {
-            let deck = grid(n, 1, false, |i, j| [line(i), j as f64 * 0.01]);
+            let deck = grid(n, 1, false, |i, j| [line(i), line(j)]);
             (deck + "*Initial Conditions, type=VELOCITY\n ALL, 1, -1.\n", " ALL, 2, 2\n I0, 1, 1\n")
         }
         // A cone around z = 0, one element wide: its upper ray is held by equations, so that all moves along rays.
@@ -163,7 +163,7 @@ fn noh(symmetry: &str, n: usize) -> String {
 fn plateau(symmetry: &str, n: usize, density: f64) -> [f64; 3] {
     let deck = noh(symmetry, n);
     let (outcome, memory) = run(&deck);
-    completed(symmetry, &outcome, 2e-3);
+    completed(symmetry, &outcome, 1e-12);
     let cells = cells(&deck, &memory, 1.0);
     let distance = |[r, z]: [f64; 2]| match symmetry {
         "planar" => z,
@@ -179,9 +179,9 @@ fn plateau(symmetry: &str, n: usize, density: f64) -> [f64; 3] {
 #[test]
 fn nohs_gas_piles_up_to_its_density() {
     for (symmetry, density, meshes, near, limits) in [
-        ("planar", 4.0, [100, 200], 0.002, 0.006),
-        ("cylindrical", 16.0, [100, 200], 0.04, 0.01),
-        ("spherical", 64.0, [200, 400], 0.075, 0.02),
+        ("planar", 4.0, [100, 200], 0.005, 0.006),
+        ("cylindrical", 16.0, [100, 200], 0.05, 0.01),
+        ("spherical", 64.0, [200, 400], 0.1, 0.02),
     ] {
         let [coarse, fine] = meshes.map(|n| plateau(symmetry, n, density));
         let limit = [0, 1, 2].map(|i| 2.0 * fine[i] - coarse[i]);
@@ -198,11 +198,11 @@ fn nohs_gas_piles_up_to_its_density() {
 }
 
 /// Sedov's blast in a gas with gamma = 1.4: the energy 0.851072 in the middle of a ball brings the shock to r = 1 at t = 1.
-/// The core bursts at once, and central differences lose m a^2 dt^2/8 of what it does in the half increment at the start (at
-/// SCALE FACTOR=0.5 that is 0.5 % of the energy, here a quarter of it): no load does that work, so it is not booked.
+/// The core bursts at once: small increments follow it.
 #[test]
 fn sedovs_blast_reaches_its_radius() {
-    let (n, around) = (60, 12);
+    // Bulk viscosity spreads the shock over the root of an element's area: not too long around.
+    let (n, around) = (60, 24);
     let radii: Vec<f64> = (1..=n).map(|i| 1.2 * f64::from(i) / f64::from(n)).collect();
     let core = 4.0 / 3.0 * PI * radii[0].powi(3);
     // The triangles of the core fill a bit less than the ball, of which this is the half.
@@ -223,7 +223,7 @@ fn sedovs_blast_reaches_its_radius() {
         )
         + FRAME;
     let (outcome, memory) = run(&deck);
-    completed("Sedov", &outcome, 2e-3);
+    completed("Sedov", &outcome, 1e-12);
     let cells = cells(&deck, &memory, 1.0);
     // Half of the greatest mean density of a shell, on the outside of its peak.
     let shell = |i: usize| {

@@ -278,6 +278,7 @@ pub const CARDS: &[Keyword] = &[
         "WEIGHT FACTOR" read "Of hourglass stiffness and viscosity",
         "WEIGHTING" extension "VOLUME (default) or AREA: the equation of motion integrated over the plane section",
         "AVERAGED PRESSURE" extension "YES or NO, of triangles of linear elasticity or rubber: whether their dilation is averaged over nodes; YES without it where they flow, are rubber or have a Poisson's ratio above 0.45",
+        "SUBZONAL" extension "YES (default where *EOS has no shear modulus) or NO: quarters of elements that are denser than the whole push back",
         "CONVERSION CRITERION" refused "elements do not turn into particles",
         "CONVERSION" refused "elements do not turn into particles",
         "KERNEL" refused "elements do not turn into particles",
