@@ -4,6 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::constants::{CHANGE, Constants};
+use super::enhanced::Assumed;
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -18,7 +19,7 @@ use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 
 /// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
-/// of elements that are not folded as it is, ENHANCED on a square (an eighth) included.
+/// of elements that are not folded as it is.
 const SLOW: f64 = 0.25;
 
 /// Elements side by side, each quantity an array over lanes.
@@ -108,10 +109,10 @@ pub(super) struct Kept {
 #[repr(C, align(64))]
 pub struct Workspace {
     /// Coordinates and velocities of the corners.
-    r: [Lanes; 4],
-    z: [Lanes; 4],
-    v_r: [Lanes; 4],
-    v_z: [Lanes; 4],
+    pub(super) r: [Lanes; 4],
+    pub(super) z: [Lanes; 4],
+    pub(super) v_r: [Lanes; 4],
+    pub(super) v_z: [Lanes; 4],
     /// Strain increments rr, zz, hoop, rz.
     pub(super) strain: [Lanes; 4],
     /// Stress before the increment, carried along by the rotation.
@@ -131,6 +132,8 @@ pub struct Workspace {
     /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
     pub(super) bulk: Lanes,
     pub(super) heat: Lanes,
+    /// Of a shear modulus that varies: its value.
+    pub(super) shear: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
@@ -139,6 +142,8 @@ pub struct Workspace {
     pub(super) count: usize,
     /// Of the task's blocks, generalised hourglass stresses along r and z; empty without hourglass stiffness.
     pub(super) hourglass: Vec<[Lanes; 2]>,
+    /// Of the task's blocks, stresses of assumed strains; empty without ENHANCED.
+    pub(super) enhanced: Vec<Assumed>,
     /// Of the task's blocks, stresses of the bulk viscosity; empty without any.
     pub(super) viscous: Vec<Lanes>,
     /// Of the task's blocks, what outputs ask for; empty if none does.
@@ -204,10 +209,15 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), nodes, scratch);
         }
         self.stress::<H>(constants, &mut kept, scratch);
+        let before = self.shares(failure);
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, scratch);
         }
         self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
+        if !scratch.enhanced.is_empty() {
+            let laws = (hardening, failure, before);
+            self.enhance::<H, V, F, AREA>(laws, constants, dt, &mut kept, scratch, corners);
+        }
         scratch.keep(kept);
         if F::FAILS {
             self.clear_deleted(failure, corners);
@@ -439,10 +449,12 @@ impl Workspace {
     /// hourglass control and bulk viscosity.
     pub fn new(constants: &Constants, blocks: usize) -> Self {
         let stiff = constants.hourglass.stiffness != 0.0;
+        let enhanced = constants.hourglass.enhanced != 0.0;
         let viscous = constants.bulk_viscosity != [0.0; 2];
         Workspace {
             cap: f64::INFINITY,
             hourglass: if stiff { vec![[[0.0; LANES]; 2]; blocks] } else { Vec::new() },
+            enhanced: if enhanced { vec![Assumed::default(); blocks] } else { Vec::new() },
             viscous: if viscous { vec![[0.0; LANES]; blocks] } else { Vec::new() },
             ..Workspace::default()
         }
@@ -451,6 +463,7 @@ impl Workspace {
     /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
         size_of::<[Lanes; 2]>() * self.hourglass.capacity()
+            + size_of::<Assumed>() * self.enhanced.capacity()
             + size_of::<Lanes>() * self.viscous.capacity()
             + size_of::<Record>() * self.records.capacity()
     }
@@ -605,7 +618,8 @@ impl Persist for Sums {
 impl Persist for Workspace {
     /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Workspace { sums, records, hourglass, viscous, .. } = self;
-        persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), viscous.as_mut_slice());
+        let Workspace { sums, records, hourglass, enhanced, viscous, .. } = self;
+        persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), enhanced.as_mut_slice());
+        persist_fields!(archive; viscous.as_mut_slice());
     }
 }

@@ -1,11 +1,16 @@
 //! Numbers that all elements of a group share, and what follows from them for one linear element.
 //! Never here: state.
 
-use crate::kernel::quad;
+use crate::kernel::{assumed, quad};
 
 /// The largest fraction of its volume by which an element may change over one increment at the rate at which it does: the
 /// increment adapts before an element turns inside out, and the work of what expands at once is followed.
 pub const CHANGE: f64 = 0.2;
+
+/// By how much the increment stays below what the highest frequency of the whole allows, where the linear bulk viscosity
+/// neither damps nor shortens it by as much: the estimate is that of small motion about the present state, and its modes would
+/// grow at the limit itself.
+const MARGIN: f64 = 0.05;
 
 /// Elastic moduli, hourglass control and bulk viscosity of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +34,8 @@ pub struct HourglassControl {
     pub viscosity: f64,
     /// Whether the spring's force returns with the stress where the material flows.
     pub relaxes: bool,
+    /// Factor on the stresses of assumed strains that vary across the element; 0 without any.
+    pub enhanced: f64,
 }
 
 impl Constants {
@@ -48,12 +55,22 @@ impl Constants {
         if deleted {
             return [[0.0; 8]; 8];
         }
-        quad::stiffness(corners, [self.bulk, self.shear], self.hourglass.stiffness)
+        let moduli = [self.bulk, self.shear];
+        let mut matrix = quad::stiffness(corners, moduli, self.hourglass.stiffness);
+        let factor = self.hourglass.enhanced;
+        if factor > 0.0 && corners[2] != corners[3] {
+            let bent = assumed::stiffness(corners, moduli);
+            let pairs = matrix.as_flattened_mut().iter_mut().zip(bent.as_flattened());
+            pairs.for_each(|(entry, bent)| *entry += factor * bent);
+        }
+        matrix
     }
 
-    /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too.
+    /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too, and by a margin
+    /// where the bulk viscosity gives less.
     pub(super) fn cap(&self, frequency: f64) -> f64 {
         let xi = self.hourglass.viscosity;
-        frequency * (1.0 + xi * (1.0 + 0.5 * xi))
+        let margin = (MARGIN - self.bulk_viscosity[0]).max(0.0);
+        frequency * (1.0 + xi * (1.0 + 0.5 * xi)) * (1.0 + margin)
     }
 }

@@ -352,7 +352,7 @@ mod tests {
     const CONSTANTS: Constants = Constants {
         bulk: 3.0,
         shear: 1.0,
-        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.0, 0.0],
     };
 

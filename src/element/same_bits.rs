@@ -57,7 +57,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch) -> 
     let constants = Constants {
         bulk: 3.0,
         shear: 1.0,
-        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true },
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
     let (mut nodes, elements) = (nodes(), elements());

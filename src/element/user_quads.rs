@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::group::{ElementGroup, PARALLEL, Pass, Totals, tell_deleted, totals};
-use crate::element::constants::{Constants, HourglassControl};
+use crate::element::constants::Constants;
 use crate::element::record::{Followed, Record};
 use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch, Tally};
 use crate::element::user_flow::Returning;
@@ -181,10 +181,6 @@ impl ElementGroup for UserQuads {
         let Some(routine) = user.material.filter(|_| self.description.flow.is_none()) else { return Ok(()) };
         let [bulk, shear] = self.moduli(nodes, routine).map_err(|failed| self.halt(&failed))?;
         (self.constants.bulk, self.constants.shear) = (bulk, shear);
-        if self.description.enhanced {
-            let ratio = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear);
-            self.constants.hourglass.stiffness *= 1.0 + ratio;
-        }
         Ok(())
     }
 
@@ -332,9 +328,9 @@ impl Persist for UserQuads {
             cap,
         } = self;
         // The moduli are those of the routine's answer at time zero, which is not asked for again.
-        let Constants { bulk, shear, hourglass, bulk_viscosity: _ } = constants;
-        let HourglassControl { stiffness, viscosity: _, relaxes: _ } = hourglass;
-        persist_fields!(archive; bulk, shear, stiffness, cap);
+        let Constants { bulk, shear, hourglass: _, bulk_viscosity: _ } = constants;
+
+        persist_fields!(archive; bulk, shear, cap);
         persist_fields!(archive; chunks.as_mut_slice(), scratch.as_mut_slice(), told.as_mut_slice());
     }
 }

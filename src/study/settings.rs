@@ -257,6 +257,7 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
             own.map_or((false, None, 1.0), |c| (c.by_area, c.distortion, c.most_damage));
         let name = format!("(STUDY {i})");
         section.controls = Some(name.clone());
+        let hourglass = Some(hourglass);
         changed.push(SectionControls { name, hourglass, factor, by_area, distortion, most_damage, keeps_failed: None });
     }
     model.controls = changed;
