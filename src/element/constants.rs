@@ -74,3 +74,47 @@ impl Constants {
         frequency * (1.0 + xi * (1.0 + 0.5 * xi)) * (1.0 + margin)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use faer::{Mat, Side};
+
+    use super::{Constants, HourglassControl};
+    use crate::kernel::quad;
+
+    /// The highest frequency of one element by its stiffness (dense eigenvalues, faer).
+    fn highest(matrix: &[[f64; 8]; 8], masses: &[f64; 4]) -> f64 {
+        let entry = |a: usize, b: usize| matrix[a][b] / (masses[a / 2] * masses[b / 2]).sqrt();
+        let dense = Mat::<f64>::from_fn(8, 8, |a, b| 0.5 * (entry(a, b) + entry(b, a)));
+        dense.self_adjoint_eigenvalues(Side::Lower).expect("eigenvalues")[7].sqrt()
+    }
+
+    /// Slender, skewed and tapered elements on the axis, near to and far from it: the bound of single elements without damping
+    /// holds with the assumed strains, which do not shorten the increment.
+    #[test]
+    fn the_bound_by_elements_holds_with_assumed_strains() {
+        let mut largest: f64 = 0.0;
+        for (bulk, shear) in [(1.0, 1.5), (2.0, 0.9), (100.0, 1.0)] {
+            let hourglass = HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: true, enhanced: 1.0 };
+            let constants = Constants { bulk, shear, hourglass, bulk_viscosity: [0.0, 0.0] };
+            for shape in 0..20_000_usize {
+                let noise = |i: usize| ((shape * 7919 + i * 104_729) % 9973) as f64 / 9973.0 - 0.5;
+                let inner = [0.0, 0.3, 2.0, 50.0][shape % 4];
+                let high = [0.05, 0.3, 1.0, 4.0, 20.0][shape % 5];
+                let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+                let mut corners = square.map(|[r, z]| [r, high * z]);
+                for (i, corner) in corners.iter_mut().enumerate() {
+                    corner[0] += inner + if corner[0] > 0.0 { 0.5 * noise(i) } else { 0.25 * (noise(i) + 0.5) };
+                    corner[1] += 0.5 * high * noise(i + 4);
+                    // An edge on the axis.
+                    corner[0] = if inner == 0.0 && corner[0] < 0.5 { 0.0 } else { corner[0] };
+                }
+                let masses = quad::corner_masses(corners, 1.0);
+                let exact = highest(&constants.stiffness(corners, false), &masses);
+                largest = largest.max(0.5 * exact / constants.own_rate(corners, &masses));
+            }
+        }
+        println!("highest frequency over its bound: {largest:.4}");
+        assert!(largest <= 1.0, "{largest}");
+    }
+}

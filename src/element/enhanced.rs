@@ -216,7 +216,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 }
             }
             if FLOWS {
-                assumed.limit[l] = if left < 1.0 { mises } else { assumed.limit[l] };
+                // What melts flows at no stress, which is not the same as a stress that is not known.
+                let flown = if mises > 0.0 { mises } else { f64::MIN_POSITIVE };
+                assumed.limit[l] = if left < 1.0 { flown } else { assumed.limit[l] };
             }
             scratch.sums.artificial[l] += 0.5 * dt * scratch.weight[l] * third * power;
             let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
