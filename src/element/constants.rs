@@ -7,10 +7,8 @@ use crate::kernel::{assumed, quad};
 /// increment adapts before an element turns inside out, and the work of what expands at once is followed.
 pub const CHANGE: f64 = 0.2;
 
-/// By how much the increment stays below what the highest frequency of the whole allows, where the linear bulk viscosity
-/// neither damps nor shortens it by as much: the estimate is that of small motion about the present state, and its modes would
-/// grow at the limit itself.
-const MARGIN: f64 = 0.05;
+/// Linear bulk viscosity below which the highest modes of the whole count as undamped.
+const DAMPED: f64 = 0.05;
 
 /// Elastic moduli, hourglass control and bulk viscosity of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,12 +64,15 @@ impl Constants {
         matrix
     }
 
-    /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too, and by a margin
-    /// where the bulk viscosity gives less.
+    /// Whether bulk viscosity damps the highest modes.
+    pub(super) fn damps(&self) -> bool {
+        self.bulk_viscosity[0] >= DAMPED
+    }
+
+    /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too.
     pub(super) fn cap(&self, frequency: f64) -> f64 {
         let xi = self.hourglass.viscosity;
-        let margin = (MARGIN - self.bulk_viscosity[0]).max(0.0);
-        frequency * (1.0 + xi * (1.0 + 0.5 * xi)) * (1.0 + margin)
+        frequency * (1.0 + xi * (1.0 + 0.5 * xi))
     }
 }
 

@@ -133,6 +133,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
+        // A value of its own: what the loop reads and writes in the scratch memory could be one, and would keep it from
+        // becoming one of vectors.
         let mut assumed = scratch.enhanced[scratch.at];
         let factor = constants.hourglass.enhanced;
         for l in 0..LANES {
@@ -141,94 +143,138 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let g = operators::<AREA>(r, z);
             let shape = shape(r, z, &g);
             let q = [dot(shape, v_r), dot(shape, v_z)];
-            let patterns = patterns(r, z, &g);
-            let (bulk, shear) = (middle.bulk[l], middle.shear[l]);
-            let [along, beside] = moduli(bulk, shear);
-            // A triangle, with two corners in one place, has no pattern.
-            let triangle = (r[2] == r[3]) & (z[2] == z[3]);
-            let [before, share] = [middle.shares[0][l], middle.shares[1][l]];
-            let kept_share = if before > 0.0 { share / before } else { 0.0 };
-
+            let [first, second] = patterns(r, z, &g);
+            let [along, beside] = moduli(middle.bulk[l], middle.shear[l]);
             // Squares of frequencies: of the strains by the bound of all corners, of the patterns by their trace; both times
             // three volumes.
-            let over = |i: usize, x: f64| x * self.inverse_mass[i][l];
-            let sum = |x: [f64; 4]| (over(0, x[0]) + over(1, x[1])) + (over(2, x[2]) + over(3, x[3]));
-            let squares = [0, 1, 2, 3].map(|i| g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]);
-            let strains = 3.0 * SLOW * (bulk + 4.0 / 3.0 * shear) * sum(squares);
-            let pattern_squares = sum([0, 1, 2, 3].map(|i| shape[i] * shape[i]));
-            let trace = |p: &Pattern| {
-                let hoop = sum(p.hoop.map(|h| h * h));
-                let both = sum([0, 1, 2, 3].map(|i| p.hoop[i] * shape[i]));
-                along * (0.0625 * p.per * pattern_squares + hoop) + 0.5 * beside * p.per * p.side[0] * both
-            };
-            let bends = factor * g.volume * g.volume * (trace(&patterns[0]) + trace(&patterns[1]));
-            let slowed = if bends > strains { factor * strains / bends } else { factor };
+            let inverse = column(&self.inverse_mass, l);
+            let strains = dot(squares(g.r, g.z, g.hoop), inverse) * (middle.bulk[l] + 4.0 / 3.0 * middle.shear[l]);
+            let light = products(shape, inverse);
+            let bends = trace(&first, [along, beside], light, shape, inverse)
+                + trace(&second, [along, beside], light, shape, inverse);
+            let (bends, most) = (factor * g.volume * g.volume * bends, 3.0 * SLOW * strains);
+            let slowed = if bends > most { factor * most / bends } else { factor };
+            // A triangle, with two corners in one place, has no pattern.
+            let triangle = (r[2] == r[3]) & (z[2] == z[3]);
+            let (before, share) = (middle.shares[0][l], middle.shares[1][l]);
+            let remains = if before > 0.0 { share / before } else { 0.0 };
             let grows = if triangle { 0.0 } else { dt * slowed * share };
+            let moduli = [grows * along, grows * beside];
 
             let left = kept.returned[l];
             let mises = left * middle.trial[l];
-            let deviator = column(&middle.deviator, l);
-            let limit = assumed.limit[l];
-            let limit = if left < 1.0 {
-                mises
-            } else if limit > 0.0 {
-                limit
-            } else {
-                f64::INFINITY
+            let known = assumed.limit[l];
+            let unflown = if known > 0.0 { known } else { f64::INFINITY };
+            let limit = if left < 1.0 { mises } else { unflown };
+            // Moment beside force in a rectangle of what is perfectly plastic.
+            let used = mises / limit;
+            let rest = 1.0 - used * used;
+            let rest = if rest > LEAST_MOMENT { rest } else { LEAST_MOMENT };
+            let yields = Yields {
+                deviator: column(&middle.deviator, l),
+                left,
+                along,
+                beside,
+                most: (1.0 - left) / (2.0 * middle.shear[l]),
+                bound: PLASTIC_MOMENT * share * limit * rest,
             };
-            let third = UNIT * g.volume * (1.0 / 3.0);
-            let (mut power, mut f_r, mut f_z) = (0.0, [0.0; 4], [0.0; 4]);
-            for (k, p) in patterns.iter().enumerate() {
-                let (e_t, e_h) = (p.strain(q), dot(p.hoop, v_r));
-                let (old_t, old_h) = (assumed.stress[k][0][l], assumed.stress[k][1][l]);
-                let mut t = kept_share * old_t + grows * (along * e_t + beside * e_h);
-                let mut h = kept_share * old_h + grows * (along * e_h + beside * e_t);
-                if FLOWS {
-                    // The edge flows along the stress of the middle, no further than the middle does.
-                    let [a_r, a_z] = p.side;
-                    let plane = a_r * (a_r * deviator[0] + 2.0 * a_z * deviator[3]) + a_z * a_z * deviator[1];
-                    let (s_t, s_h) = (p.per * plane, deviator[2]);
-                    let (w_t, w_h) = (along * s_t + beside * s_h, along * s_h + beside * s_t);
-                    let norm = s_t * w_t + s_h * w_h;
-                    let wanted = (s_t * t + s_h * h) / if norm > 0.0 { norm } else { 1.0 };
-                    let most = (1.0 - left) / (2.0 * shear);
-                    let flowed = if wanted > most { most } else { wanted };
-                    let flowed = if flowed < -most { -most } else { flowed };
-                    t = left * (t - flowed * w_t);
-                    h = left * (h - flowed * w_h);
-                    // Moment beside force in a rectangle of what is perfectly plastic.
-                    let used = mises / limit;
-                    let rest = 1.0 - used * used;
-                    let rest = if rest > LEAST_MOMENT { rest } else { LEAST_MOMENT };
-                    let bound = PLASTIC_MOMENT * share * limit * rest;
-                    let size = (t * t + h * h - t * h).sqrt();
-                    let scale = if size > bound { bound / size } else { 1.0 };
-                    (t, h) = (scale * t, scale * h);
-                }
-                assumed.stress[k][0][l] = t;
-                assumed.stress[k][1][l] = h;
-                power += (old_t + t) * e_t + (old_h + h) * e_h;
-                let bent = 0.25 * third * p.per * t;
-                let (bent_r, bent_z, turned) = (bent * p.side[0], bent * p.side[1], third * h);
-                for i in 0..4 {
-                    f_r[i] += bent_r * shape[i] + turned * p.hoop[i];
-                    f_z[i] += bent_z * shape[i];
-                }
-            }
+            let (rates_1, rates_2) =
+                ([first.strain(q), dot(first.hoop, v_r)], [second.strain(q), dot(second.hoop, v_r)]);
+            let old_1 = [remains * assumed.stress[0][0][l], remains * assumed.stress[0][1][l]];
+            let old_2 = [remains * assumed.stress[1][0][l], remains * assumed.stress[1][1][l]];
+            let (mut new_1, mut new_2) = (elastic(old_1, rates_1, moduli), elastic(old_2, rates_2, moduli));
             if FLOWS {
+                new_1 = yields.flow(&first, new_1);
+                new_2 = yields.flow(&second, new_2);
                 // What melts flows at no stress, which is not the same as a stress that is not known.
                 let flown = if mises > 0.0 { mises } else { f64::MIN_POSITIVE };
-                assumed.limit[l] = if left < 1.0 { flown } else { assumed.limit[l] };
+                assumed.limit[l] = if left < 1.0 { flown } else { known };
             }
+            let power = (assumed.stress[0][0][l] + new_1[0]) * rates_1[0]
+                + (assumed.stress[0][1][l] + new_1[1]) * rates_1[1]
+                + (assumed.stress[1][0][l] + new_2[0]) * rates_2[0]
+                + (assumed.stress[1][1][l] + new_2[1]) * rates_2[1];
+            assumed.stress[0][0][l] = new_1[0];
+            assumed.stress[0][1][l] = new_1[1];
+            assumed.stress[1][0][l] = new_2[0];
+            assumed.stress[1][1][l] = new_2[1];
+            let third = UNIT * g.volume * (1.0 / 3.0);
             scratch.sums.artificial[l] += 0.5 * dt * scratch.weight[l] * third * power;
             let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
+            let acts = flat * third;
+            let (bent_1, bent_2) = (0.25 * acts * first.per * new_1[0], 0.25 * acts * second.per * new_2[0]);
+            let bent_r = bent_1 * first.side[0] + bent_2 * second.side[0];
+            let bent_z = bent_1 * first.side[1] + bent_2 * second.side[1];
+            let (turned_1, turned_2) = (acts * new_1[1], acts * new_2[1]);
             for i in 0..4 {
-                corners.0[2 * i][l] -= flat * f_r[i];
-                corners.0[2 * i + 1][l] -= flat * f_z[i];
+                corners.0[2 * i][l] -= bent_r * shape[i] + (turned_1 * first.hoop[i] + turned_2 * second.hoop[i]);
+                corners.0[2 * i + 1][l] -= bent_z * shape[i];
             }
         }
         scratch.enhanced[scratch.at] = assumed;
     }
+}
+
+/// How the edges of an element flow.
+struct Yields {
+    deviator: [f64; 4],
+    /// Part of the trial stress that is left in the middle.
+    left: f64,
+    along: f64,
+    beside: f64,
+    /// Plastic strain of the middle over its trial stress.
+    most: f64,
+    /// Largest von Mises stress of a pattern.
+    bound: f64,
+}
+
+impl Yields {
+    /// What flow leaves of the stresses of a pattern: the edge flows along the stress of the middle and no further than that
+    /// does.
+    #[inline(always)]
+    fn flow(&self, p: &Pattern, [t, h]: [f64; 2]) -> [f64; 2] {
+        let [a_r, a_z] = p.side;
+        let [rr, zz, hoop, rz] = self.deviator;
+        let (s_t, s_h) = (p.per * (a_r * (a_r * rr + 2.0 * a_z * rz) + a_z * a_z * zz), hoop);
+        let (w_t, w_h) = (self.along * s_t + self.beside * s_h, self.along * s_h + self.beside * s_t);
+        let norm = s_t * w_t + s_h * w_h;
+        let wanted = (s_t * t + s_h * h) / if norm > 0.0 { norm } else { 1.0 };
+        let flowed = if wanted > self.most { self.most } else { wanted };
+        let flowed = if flowed < -self.most { -self.most } else { flowed };
+        let (t, h) = (self.left * (t - flowed * w_t), self.left * (h - flowed * w_h));
+        let size = (t * t + h * h - t * h).sqrt();
+        let scale = if size > self.bound { self.bound / size } else { 1.0 };
+        [scale * t, scale * h]
+    }
+}
+
+/// Stresses after an elastic increment.
+#[inline(always)]
+fn elastic([t, h]: [f64; 2], [rate_t, rate_h]: [f64; 2], [along, beside]: [f64; 2]) -> [f64; 2] {
+    [t + (along * rate_t + beside * rate_h), h + (along * rate_h + beside * rate_t)]
+}
+
+#[inline(always)]
+fn products(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]]
+}
+
+#[inline(always)]
+fn squares(a: [f64; 4], b: [f64; 4], c: [f64; 4]) -> [f64; 4] {
+    [
+        a[0] * a[0] + b[0] * b[0] + c[0] * c[0],
+        a[1] * a[1] + b[1] * b[1] + c[1] * c[1],
+        a[2] * a[2] + b[2] * b[2] + c[2] * c[2],
+        a[3] * a[3] + b[3] * b[3] + c[3] * c[3],
+    ]
+}
+
+/// Trace of a pattern's stiffness over the masses, by three over the volume; `light` is the shape over the masses.
+#[inline(always)]
+fn trace(p: &Pattern, [along, beside]: [f64; 2], light: [f64; 4], shape: [f64; 4], inverse: [f64; 4]) -> f64 {
+    let turned = dot(products(p.hoop, p.hoop), inverse);
+    let (bent, both) = (0.0625 * p.per * dot(light, shape), 0.5 * p.per * p.side[0] * dot(light, p.hoop));
+    along * (bent + turned) + beside * both
 }
 
 impl Middle {

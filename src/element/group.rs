@@ -104,6 +104,10 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
         None
     }
+    /// Whether bulk viscosity damps the highest modes of the elements.
+    fn damps(&self) -> bool {
+        true
+    }
     /// Says that no mode of the whole scene has a higher frequency, angle over time; infinite if it is not known.
     fn cap(&mut self, _frequency: f64) {}
     /// Masses of the corners of an element.
@@ -465,6 +469,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
         Some(self.constants.stiffness(corners, self.is_deleted(element)))
+    }
+
+    fn damps(&self) -> bool {
+        self.constants.damps()
     }
 
     fn cap(&mut self, frequency: f64) {

@@ -261,6 +261,10 @@ impl ElementGroup for UserQuads {
         Some(self.constants.stiffness(corners, self.is_deleted(element)))
     }
 
+    fn damps(&self) -> bool {
+        self.constants.damps()
+    }
+
     fn cap(&mut self, frequency: f64) {
         self.cap = self.constants.cap(frequency);
     }

@@ -28,20 +28,38 @@ impl Pattern {
     }
 }
 
+/// Half the side between the middles of the edges 4-1 and 2-3, and of 1-2 and 3-4.
+#[inline(always)]
+fn sides(x: [f64; 4]) -> [f64; 2] {
+    [0.25 * ((x[1] - x[0]) + (x[2] - x[3])), 0.25 * ((x[3] - x[0]) + (x[2] - x[1]))]
+}
+
+/// Hoop strains by displacements along r that differ across the element along a direction.
+#[inline(always)]
+fn hoop(per: f64, [across_r, across_z]: [f64; 2], g: &Gradient) -> [f64; 4] {
+    let (r, z) = (per * across_r, per * across_z);
+    [
+        (g.r[0] - g.hoop[0]) * r + g.z[0] * z,
+        (g.r[1] - g.hoop[1]) * r + g.z[1] * z,
+        (g.r[2] - g.hoop[2]) * r + g.z[2] * z,
+        (g.r[3] - g.hoop[3]) * r + g.z[3] * z,
+    ]
+}
+
 /// The field along the first direction of the element and linear across it, and the same with the directions swapped.
 #[inline(always)]
 pub fn patterns(r: [f64; 4], z: [f64; 4], g: &Gradient) -> [Pattern; 2] {
-    let first = |x: [f64; 4]| 0.25 * ((x[1] - x[0]) + (x[2] - x[3]));
-    let second = |x: [f64; 4]| 0.25 * ((x[3] - x[0]) + (x[2] - x[1]));
-    let (a, c) = ([first(r), first(z)], [second(r), second(z)]);
-    let (aa, cc) = (a[0] * a[0] + a[1] * a[1], c[0] * c[0] + c[1] * c[1]);
+    let ([a_r, c_r], [a_z, c_z]) = (sides(r), sides(z));
+    let (aa, cc) = (a_r * a_r + a_z * a_z, c_r * c_r + c_z * c_z);
     let (least_a, least_c) = (FLAT * cc, FLAT * aa);
     let (aa, cc) = (if aa > least_a { aa } else { least_a }, if cc > least_c { cc } else { least_c });
-    // With the mean radius V/(2 pi A): grad (v_r/r) = (grad v_r - v_r/r)/r.
+    // With the mean radius V/(2 pi A): grad (v_r/r) = (grad v_r - v_r/r)/r. One division serves both squares.
     let double = (r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]);
     let per = 3.0 * double / (g.volume * g.volume);
-    let hoop = |across: [f64; 2]| [0, 1, 2, 3].map(|i| per * ((g.r[i] - g.hoop[i]) * across[0] + g.z[i] * across[1]));
-    [Pattern { side: a, per: 1.0 / aa, hoop: hoop(c) }, Pattern { side: c, per: 1.0 / cc, hoop: hoop(a) }]
+    let both = 1.0 / (aa * cc);
+    let (per_a, per_c) = (cc * both, aa * both);
+    let (a, c) = ([a_r, a_z], [c_r, c_z]);
+    [Pattern { side: a, per: per_a, hoop: hoop(per, c, g) }, Pattern { side: c, per: per_c, hoop: hoop(per, a, g) }]
 }
 
 /// The hourglass pattern of an element, free of linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45).
@@ -49,8 +67,12 @@ pub fn patterns(r: [f64; 4], z: [f64; 4], g: &Gradient) -> [Pattern; 2] {
 pub fn shape(r: [f64; 4], z: [f64; 4], g: &Gradient) -> [f64; 4] {
     let per = 1.0 / g.volume;
     let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
-    let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
-    [1.0 - rest[0], -1.0 - rest[1], 1.0 - rest[2], -1.0 - rest[3]]
+    [
+        1.0 - (h_r * g.r[0] + h_z * g.z[0]),
+        -1.0 - (h_r * g.r[1] + h_z * g.z[1]),
+        1.0 - (h_r * g.r[2] + h_z * g.z[2]),
+        -1.0 - (h_r * g.r[3] + h_z * g.z[3]),
+    ]
 }
 
 /// Plane stress moduli E/(1 - nu^2), and nu times it, by bulk and shear modulus.
