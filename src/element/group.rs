@@ -367,9 +367,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
         let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
-        totals(self.tasks.iter().map(Workspace::parts), |task| {
+        let totals = totals(self.tasks.iter().map(Workspace::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
-        })
+        });
+        Totals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
     }
 
     fn is_quiescent(&self, task: usize) -> bool {

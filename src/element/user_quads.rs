@@ -189,7 +189,8 @@ impl ElementGroup for UserQuads {
         let passed = self.pass(pass);
         self.failure = passed.err().map(|failed| self.halt(&failed));
         let totals = totals(self.tallies.iter().map(Tally::parts), |_| f64::INFINITY);
-        if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
+        let rate = self.constants.with_assumed(totals.rate, self.cap);
+        Totals { rate: if self.failure.is_some() { f64::NAN } else { rate }, ..totals }
     }
 
     fn value(&self, element: usize, part: Part) -> Option<f64> {

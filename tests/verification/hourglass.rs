@@ -113,10 +113,10 @@ fn stops(stop: f64, sphere: bool, kind: &str) -> Vec<f64> {
     deck += "*End Step\n";
     let (outcome, memory) = run(&deck);
     assert!(outcome.halt.is_none() && outcome.energy.drift < 1e-3, "{outcome:?}");
-    let names = common::prepared(&deck, &[], &Routines::none()).plan.columns.iter().map(|c| c.name.clone());
-    let names: Vec<String> = names.collect();
+    let prepared = common::prepared(&deck, &[], &Routines::none());
+    let names: Vec<&String> = prepared.plan.columns.iter().map(|c| &c.name).collect();
     let values = |name: String| {
-        let at = names.iter().position(|n| *n == name).expect("a column");
+        let at = names.iter().position(|n| **n == name).expect("a column");
         memory.rows.iter().map(move |row| row.1[at])
     };
     let least = |j: usize| {
@@ -249,16 +249,19 @@ fn undamped_vibration_does_not_grow() {
                      *Output, history, number interval=50\n*Energy Output\n ALLKE, ALLIE, ETOTAL\n*End Step\n"
                 );
             let (outcome, memory) = run(&deck);
-            let total = column(&deck, &memory, "ETOTAL");
+            let mut total = column(&deck, &memory, "ETOTAL");
+            // The last increment is cut to the length of the step, which the energy that is conserved depends on.
+            total.pop();
             let scale = column(&deck, &memory, "ALLKE")[0].1;
             let fifths = [1, 2, 3, 4, 5].map(|k| {
                 let rows = &total[..=k * (total.len() - 1) / 5];
                 rows.iter().map(|row| (row.1 - total[0].1).abs() / scale).fold(0.0, f64::max)
             });
-            println!("{kind}{option}: {} increments, error {fifths:.1e?}", outcome.increments);
+            let told = fifths.map(|x| format!("{x:.1e}")).join(", ");
+            println!("{kind}{option}: {} increments, error {told}", outcome.increments);
             assert!(outcome.halt.is_none() && outcome.increments > 60_000, "{outcome:?}");
             // The leapfrog's energy swings; what grows is the worst of the last fifth over that of the first.
-            assert!(fifths[4] < 5e-3 && fifths[4] < 3.0 * fifths[0], "{kind}{option}: {fifths:e?}");
+            assert!(fifths[4] < 5e-3 && fifths[4] < 3.0 * fifths[0], "{kind}{option}: {fifths:?}");
         }
     }
 }
