@@ -5,6 +5,7 @@
 
 use super::compatible::Accelerated;
 use super::constants::{CHANGE, Constants};
+use super::enhanced::Assumed;
 use super::shock::{principal_compression, section};
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
@@ -21,7 +22,7 @@ use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 
 /// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
-/// of elements that are not folded as it is, ENHANCED on a square (an eighth) included.
+/// of elements that are not folded as it is.
 const SLOW: f64 = 0.25;
 
 /// Elements side by side, each quantity an array over lanes.
@@ -136,6 +137,8 @@ pub struct Workspace {
     pub(super) heat: Lanes,
     /// What the volumetric strain increments lack to be averaged ones; `None` where each element has its own.
     pub(super) lacking: Option<Lanes>,
+    /// Of a shear modulus that varies: its value.
+    pub(super) shear: Lanes,
     /// Of the task so far.
     pub(super) sums: Sums,
     block: f64,
@@ -144,6 +147,8 @@ pub struct Workspace {
     pub(super) count: usize,
     /// Of the task's blocks, generalised hourglass stresses along r and z; empty without hourglass stiffness.
     pub(super) hourglass: Vec<[Lanes; 2]>,
+    /// Of the task's blocks, stresses of assumed strains; empty without ENHANCED.
+    pub(super) enhanced: Vec<Assumed>,
     /// Of the task's blocks, stresses of the bulk viscosity; empty without any.
     pub(super) viscous: Vec<Lanes>,
     /// Of the task's blocks, their quarters; empty without subzonal pressures.
@@ -221,10 +226,15 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), nodes, scratch);
         }
         self.stress::<H>(constants, &mut kept, scratch);
+        let before = self.shares(failure);
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, scratch);
         }
         self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
+        if !scratch.enhanced.is_empty() {
+            let laws = (hardening, failure, before);
+            self.enhance::<H, V, F, AREA>(laws, constants, dt, &mut kept, scratch, corners);
+        }
         scratch.keep(kept);
         if V::EOS && !V::TOTAL {
             scratch.resist_patterns((dt, constants.hourglass.viscosity), &self.inverse_mass, corners);
@@ -475,10 +485,12 @@ impl Workspace {
     /// hourglass control and bulk viscosity.
     pub fn new(constants: &Constants, blocks: usize) -> Self {
         let stiff = constants.hourglass.stiffness != 0.0;
+        let enhanced = constants.hourglass.enhanced != 0.0;
         let viscous = constants.bulk_viscosity != [0.0; 2];
         Workspace {
             cap: f64::INFINITY,
             hourglass: if stiff { vec![[[0.0; LANES]; 2]; blocks] } else { Vec::new() },
+            enhanced: if enhanced { vec![Assumed::default(); blocks] } else { Vec::new() },
             viscous: if viscous { vec![[0.0; LANES]; blocks] } else { Vec::new() },
             ..Workspace::default()
         }
@@ -487,6 +499,7 @@ impl Workspace {
     /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
         size_of::<[Lanes; 2]>() * self.hourglass.capacity()
+            + size_of::<Assumed>() * self.enhanced.capacity()
             + size_of::<Lanes>() * self.viscous.capacity()
             + size_of::<Subzones>() * self.subzones.capacity()
             + size_of::<Record>() * self.records.capacity()
@@ -647,8 +660,8 @@ impl Persist for Sums {
 impl Persist for Workspace {
     /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Workspace { sums, records, hourglass, viscous, subzones, .. } = self;
-        persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), viscous.as_mut_slice());
-        subzones.as_mut_slice().persist(archive);
+        let Workspace { sums, records, hourglass, enhanced, viscous, subzones, .. } = self;
+        persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), enhanced.as_mut_slice());
+        persist_fields!(archive; viscous.as_mut_slice(), subzones.as_mut_slice());
     }
 }

@@ -36,6 +36,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             if let Some(hourglass) = scratch.hourglass.get_mut(scratch.at) {
                 hourglass.iter_mut().for_each(|h| h[l] = 0.0);
             }
+            if let Some(assumed) = scratch.enhanced.get_mut(scratch.at) {
+                assumed.clear(l);
+            }
             scratch.weight[l] = 0.0;
             // Laws are asked for lanes with elements only: what another block left would stay.
             scratch.flow[l] = 0.0;

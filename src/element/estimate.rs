@@ -35,12 +35,15 @@ impl Elements {
             if standing.age == 1 {
                 standing.gain = (standing.by_elements / rate - 1.0).max(0.0);
             }
-            if standing.grown > WORN {
+            if standing.grown > WORN && standing.goes_on() {
+                frequency.renew(&self.groups, nodes);
+            } else if standing.grown > WORN {
                 standing.drop();
             }
         } else {
             standing.age += 1;
         }
+        let standing = &frequency.standing;
         if standing.found == 0.0 && standing.age > standing.pause && rate.is_finite() {
             frequency.renew(&self.groups, nodes);
         }

@@ -59,6 +59,8 @@ pub(super) struct Standing {
     pub gain: f64,
     /// Estimates so far.
     pub count: u64,
+    /// Whether the bound takes all that it may grow by at once, so that the increment stays what it is until it is worn out.
+    pub holds: bool,
 }
 
 impl HighestFrequency {
@@ -86,7 +88,10 @@ impl HighestFrequency {
 
     /// Begins a step: with other motions given the highest frequency is another.
     pub(super) fn begin(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, held: &Held<'_>) {
-        self.standing = Standing { count: self.standing.count, ..Standing::default() };
+        // Without damping the highest modes grow where the increment follows the motion, the sooner the nearer it is to what
+        // they allow.
+        let holds = groups.iter().any(|g| !g.is_empty() && !g.damps());
+        self.standing = Standing { count: self.standing.count, holds, ..Standing::default() };
         for (roots, mass) in self.roots.iter_mut().zip(&nodes.mass) {
             *roots = [1.0 / mass.sqrt(); 2];
         }
@@ -251,7 +256,9 @@ impl Standing {
     /// The bound for the pass to come: what has been found, what has deformed since, what the pass may add.
     pub(super) fn cap(&mut self, deformed: f64) -> f64 {
         self.foreseen = 2.0 * deformed;
-        if self.found == 0.0 { f64::INFINITY } else { self.found * (1.0 + self.grown + self.foreseen) }
+        let may_grow = self.grown + self.foreseen;
+        let grown = if self.holds && may_grow < WORN { WORN } else { may_grow };
+        if self.found == 0.0 { f64::INFINITY } else { self.found * (1.0 + grown) }
     }
 
     /// Takes in the pass behind, which deformed by so much; whether the estimate is worn out. Returns by how much the
@@ -260,7 +267,13 @@ impl Standing {
         self.age += 1;
         // The square makes it no less than the exponential.
         self.grown += (deformed + deformed * deformed) * (1.0 + self.grown);
-        (deformed - self.foreseen).max(0.0)
+        let held = self.holds && self.grown < WORN;
+        if held { 0.0 } else { (deformed - self.foreseen).max(0.0) }
+    }
+
+    /// Whether another estimate takes the place of this worn one at once: no increment in between jumps.
+    pub(super) fn goes_on(&self) -> bool {
+        self.holds && self.age as f64 > COST
     }
 
     /// No estimate holds any more; the next one is made when it is likely to pay.
@@ -327,8 +340,8 @@ impl Persist for HighestFrequency {
 
 impl Persist for Standing {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Standing { found, grown, foreseen, age, pause, by_elements, gain, count } = self;
-        persist_fields!(archive; found, grown, foreseen, age, pause, by_elements, gain, count);
+        let Standing { found, grown, foreseen, age, pause, by_elements, gain, count, holds } = self;
+        persist_fields!(archive; found, grown, foreseen, age, pause, by_elements, gain, count, holds);
     }
 }
 
@@ -352,7 +365,7 @@ mod tests {
     const CONSTANTS: Constants = Constants {
         bulk: 3.0,
         shear: 1.0,
-        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.0, 0.0],
     };
 

@@ -118,6 +118,10 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
         None
     }
+    /// Whether bulk viscosity damps the highest modes of the elements.
+    fn damps(&self) -> bool {
+        true
+    }
     /// Says that no mode of the whole scene has a higher frequency, angle over time; infinite if it is not known.
     fn cap(&mut self, _frequency: f64) {}
     /// Masses of the corners of an element.
@@ -393,9 +397,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
         let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
-        totals(self.tasks.iter().map(Workspace::parts), |task| {
+        let totals = totals(self.tasks.iter().map(Workspace::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
-        })
+        });
+        Totals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
     }
 
     fn set_length(&mut self, element: usize, length: f64) {
@@ -504,6 +509,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
         Some(self.constants.stiffness(corners, self.is_deleted(element)))
+    }
+
+    fn damps(&self) -> bool {
+        self.constants.damps()
     }
 
     fn cap(&mut self, frequency: f64) {
@@ -684,7 +693,7 @@ mod tests {
         let constants = Constants {
             bulk: 3.0,
             shear: 1.0,
-            hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true },
+            hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced: 0.0 },
             bulk_viscosity: [0.06, 1.2],
         };
         let run = |arch: Arch| {

@@ -36,6 +36,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 plastic: &mut scratch.back,
                 dissipated: &mut scratch.flow,
                 bulk: &mut scratch.bulk,
+                shear: &mut scratch.shear,
                 heat: &mut scratch.heat,
             };
             law.stretch(&mut self.volumetric, ask);

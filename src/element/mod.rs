@@ -11,6 +11,7 @@ pub mod damping;
 mod deletion;
 pub mod distortion;
 pub mod elements;
+pub mod enhanced;
 mod estimate;
 pub mod frequency;
 pub mod group;

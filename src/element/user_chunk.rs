@@ -5,6 +5,7 @@
 use super::group::block;
 use crate::element::block::{Block, Nodes, Sums, Workspace, column, dot, larger};
 use crate::element::constants::Constants;
+use crate::element::enhanced::Middle;
 use crate::element::points::{Points, Tells};
 use crate::element::record::{Flows, Followed, spin};
 use crate::element::user_flow::{Returning, Under};
@@ -12,6 +13,7 @@ use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes};
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::{of_spin, turned};
+use crate::kernel::stress::mises;
 use crate::material::plasticity::Elastic;
 use crate::material::volumetric::Linear;
 use crate::state::Instant;
@@ -219,11 +221,19 @@ impl Chunk {
                 kept.returned = std::array::from_fn(|l| workspace.returned(column(&block.stress, l), l));
             }
             block.forces::<Linear, false>(common.constants, common.dt, &mut kept, workspace, forces);
+            if common.constants.hourglass.enhanced > 0.0 {
+                workspace.trial = std::array::from_fn(|l| mises(column(&workspace.deviator, l)));
+                let middle = Middle::of(common.constants, workspace);
+                block.resist::<true, false>(common.constants, common.dt, &middle, &kept, workspace, forces);
+            }
             workspace.keep(kept);
             for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {
                 forces.0.iter_mut().for_each(|list| list[l] = 0.0);
                 if let Some(hourglass) = workspace.hourglass.get_mut(place.turn) {
                     hourglass.iter_mut().for_each(|list| list[l] = 0.0);
+                }
+                if let Some(assumed) = workspace.enhanced.get_mut(place.turn) {
+                    assumed.clear(l);
                 }
             }
             if !workspace.records.is_empty() {

@@ -30,8 +30,6 @@ pub struct Description {
     pub heating: Heating,
     /// Mass a volume at the start.
     pub density: f64,
-    /// Whether the hourglass stiffness is times 1 + Poisson's ratio (HOURGLASS=ENHANCED), which the routine's moduli tell.
-    pub enhanced: bool,
 }
 
 /// Who gives the yield stress.

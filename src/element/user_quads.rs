@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::group::{ElementGroup, PARALLEL, Pass, Totals, tell_deleted, totals};
-use crate::element::constants::{Constants, HourglassControl};
+use crate::element::constants::Constants;
 use crate::element::lengths::user_number;
 use crate::element::record::{Followed, Record};
 use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch, Tally};
@@ -179,10 +179,6 @@ impl ElementGroup for UserQuads {
         }
         let [bulk, shear] = self.moduli(nodes, user).map_err(|failed| self.halt(&failed))?;
         (self.constants.bulk, self.constants.shear) = (bulk, shear);
-        if self.description.enhanced {
-            let ratio = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear);
-            self.constants.hourglass.stiffness *= 1.0 + ratio;
-        }
         Ok(())
     }
 
@@ -191,7 +187,8 @@ impl ElementGroup for UserQuads {
         let passed = self.pass(pass);
         self.failure = passed.err().map(|failed| self.halt(&failed));
         let totals = totals(self.tallies.iter().map(Tally::parts), |_| f64::INFINITY);
-        if self.failure.is_some() { Totals { rate: f64::NAN, ..totals } } else { totals }
+        let rate = self.constants.with_assumed(totals.rate, self.cap);
+        Totals { rate: if self.failure.is_some() { f64::NAN } else { rate }, ..totals }
     }
 
     fn value(&self, element: usize, part: Part) -> Option<f64> {
@@ -277,6 +274,10 @@ impl ElementGroup for UserQuads {
         Some(self.constants.stiffness(corners, self.is_deleted(element)))
     }
 
+    fn damps(&self) -> bool {
+        self.constants.damps()
+    }
+
     fn cap(&mut self, frequency: f64) {
         self.cap = self.constants.cap(frequency);
     }
@@ -344,9 +345,9 @@ impl Persist for UserQuads {
             cap,
         } = self;
         // The moduli are those of the routine's answer at time zero, which is not asked for again.
-        let Constants { bulk, shear, hourglass, bulk_viscosity: _ } = constants;
-        let HourglassControl { stiffness, viscosity: _, relaxes: _ } = hourglass;
-        persist_fields!(archive; bulk, shear, stiffness, cap);
+        let Constants { bulk, shear, hourglass: _, bulk_viscosity: _ } = constants;
+
+        persist_fields!(archive; bulk, shear, cap);
         persist_fields!(archive; chunks.as_mut_slice(), scratch.as_mut_slice(), told.as_mut_slice());
     }
 }

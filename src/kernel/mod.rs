@@ -2,6 +2,7 @@
 //! Never here: meshes, allocation inside an increment, text.
 
 pub mod amplitude;
+pub mod assumed;
 pub mod cavity;
 pub mod conduction;
 pub mod facet;

@@ -194,6 +194,7 @@ impl Volumetric for Foam {
             ask.dissipated[l] = flow * (q * q + beta2 * pressure * pressure);
             state.strain[l] += hardening;
             ask.bulk[l] = self.moduli[0];
+            ask.shear[l] = self.moduli[1];
             ask.heat[l] = 0.0;
         }
     }

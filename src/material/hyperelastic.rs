@@ -84,6 +84,7 @@ impl Volumetric for NeoHooke {
             }
             ask.deviator[3][l] = scale * left[3];
             ask.mean[l] = bulk * (j - 1.0);
+            ask.shear[l] = scale * trace * (1.0 / 3.0);
             // The stiffness along the greatest stretch is below bulk J + 4/3 scale tr B; the constants hold 4/3 of the
             // initial shear modulus.
             let stiffer = 4.0 / 3.0 * (scale * trace - shear);
@@ -154,6 +155,9 @@ impl<E: StrainEnergy> Volumetric for Rubber<E> {
                 modulus = if along <= modulus { modulus } else { along };
             }
             ask.bulk[l] = modulus - known;
+            let mean = 0.25 * per * (stiffness[0] + stiffness[1] + stiffness[2]);
+            let softest = LEAST * self.shear;
+            ask.shear[l] = if mean > softest { mean } else { softest };
             ask.heat[l] = 0.0;
         }
     }

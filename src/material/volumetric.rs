@@ -106,8 +106,10 @@ pub struct Stretch<'a> {
     pub plastic: &'a mut [Lanes; 4],
     /// See [`Stretch::plastic`].
     pub dissipated: &'a mut Lanes,
-    /// Answer: modulus of a wave less 4/3 of the shear modulus.
+    /// Answer: modulus of a wave less 4/3 of the shear modulus at the start.
     pub bulk: &'a mut Lanes,
+    /// Answer: shear modulus now, the mean over all directions.
+    pub shear: &'a mut Lanes,
     /// Answer: zero.
     pub heat: &'a mut Lanes,
 }

@@ -25,17 +25,18 @@ impl Builder<'_> {
                 self.unsupported(word.span, "a factor on bulk viscosity by section is not supported", help);
             }
         }
-        let kind = card.value("HOURGLASS").map_or("RELAXSTIFFNESS".into(), |w| upper(&w.text).replace(' ', ""));
+        let kind = card.value("HOURGLASS").map(|w| upper(&w.text).replace(' ', ""));
         let Ok(distortion) = self.distortion_control(card) else { return };
         let weight = card.value("WEIGHT FACTOR").map_or(Some(0.5), |w| w.number(&mut self.diagnostics)).unwrap_or(0.5);
         let factor = card.lines.first().map_or(Some(1.0), |l| self.number_or(l, 0, 1.0)).unwrap_or(1.0);
-        let hourglass = match kind.as_str() {
-            "RELAXSTIFFNESS" => Hourglass::RelaxStiffness,
-            "STIFFNESS" => Hourglass::Stiffness,
-            "VISCOUS" => Hourglass::Viscous,
-            "COMBINED" => Hourglass::Combined(weight),
-            "ENHANCED" => Hourglass::Enhanced,
-            other => {
+        let hourglass = match kind.as_deref() {
+            None => None,
+            Some("RELAXSTIFFNESS") => Some(Hourglass::RelaxStiffness),
+            Some("STIFFNESS") => Some(Hourglass::Stiffness),
+            Some("VISCOUS") => Some(Hourglass::Viscous),
+            Some("COMBINED") => Some(Hourglass::Combined(weight)),
+            Some("ENHANCED") => Some(Hourglass::Enhanced),
+            Some(other) => {
                 let help = "RELAX STIFFNESS, STIFFNESS, VISCOUS, COMBINED and ENHANCED are";
                 self.unsupported(card.span, format!("HOURGLASS={other} is not supported"), help);
                 return;

@@ -498,8 +498,8 @@ pub enum ShellThinning {
 pub struct SectionControls {
     /// Upper-case name.
     pub name: String,
-    /// What resists hourglassing.
-    pub hourglass: Hourglass,
+    /// What resists hourglassing; by the material where the card says nothing.
+    pub hourglass: Option<Hourglass>,
     /// Factor on it.
     pub factor: f64,
     /// Whether the equation of motion is weighted by area instead of by volume.
@@ -528,7 +528,7 @@ pub enum Hourglass {
     Viscous,
     /// Both: this weight for the spring, the rest for the dashpot.
     Combined(f64),
-    /// The bending stiffness of an assumed strain field.
+    /// The stresses of assumed strains that vary across the element.
     Enhanced,
 }
 

@@ -35,8 +35,6 @@ const FLUID_VISCOSITY: f64 = 0.15;
 pub(super) struct Moduli {
     pub(super) bulk: f64,
     pub(super) shear: f64,
-    /// Poisson's ratio; 0 under an equation of state.
-    pub(super) ratio: f64,
 }
 
 /// An equation of state with all its constants.
@@ -111,7 +109,7 @@ impl Compiler<'_> {
         let moduli = self.moduli(material, section.span)?;
         let density = material.density.unwrap_or(0.0);
         add_masses(corners, nodes, density, mass);
-        let hourglass = self.hourglass(section, moduli)?;
+        let hourglass = self.hourglass(section, material, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         let constants = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
         let heats = self.adiabatic() || self.conducts(section);
@@ -155,7 +153,7 @@ impl Compiler<'_> {
                     && material.failures.is_empty()
                     && material.tensile_failure.is_none()
                 {
-                    return Some(Moduli { bulk: 0.0, shear: rubber.shape.shear(), ratio: 0.5 });
+                    return Some(Moduli { bulk: 0.0, shear: rubber.shape.shear() });
                 }
                 format!("material `{}` is rubber that yields or fails, which is not supported", material.name)
             }
@@ -165,7 +163,7 @@ impl Compiler<'_> {
             Material { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
                 let shear = shear_modulus.unwrap_or(0.0);
                 if plastic.is_none() || shear > 0.0 {
-                    return Some(Moduli { bulk: 0.0, shear, ratio: 0.0 });
+                    return Some(Moduli { bulk: 0.0, shear });
                 }
                 format!("material `{}` yields but has no *ELASTIC, TYPE=SHEAR", material.name)
             }
@@ -177,7 +175,7 @@ impl Compiler<'_> {
             }
             Material { elastic: Some([e, nu]), .. } => {
                 let bulk = e / (3.0 * (1.0 - 2.0 * nu));
-                return Some(Moduli { bulk, shear: e / (2.0 * (1.0 + nu)), ratio: *nu });
+                return Some(Moduli { bulk, shear: e / (2.0 * (1.0 + nu)) });
             }
             Material { shear_modulus: Some(_), .. } => {
                 format!("material `{}` has a shear modulus alone: *EOS is missing", material.name)
@@ -341,31 +339,40 @@ impl Compiler<'_> {
         self.with_volumetric(material, section.span, Linear, make)
     }
 
-    /// Hourglass control of a section. What has no shear modulus is controlled by viscosity.
-    pub(super) fn hourglass(&mut self, section: &SolidSection, moduli: Moduli) -> Option<HourglassControl> {
+    /// Hourglass control of a section. Where its controls say nothing, what has no shear modulus is controlled by viscosity,
+    /// rubber by assumed strains, and the rest by a spring that relaxes (ABAQUS Analysis User's Guide, "Section controls";
+    /// Keywords Guide, "SECTION CONTROLS").
+    pub(super) fn hourglass(
+        &mut self,
+        section: &SolidSection,
+        material: &Material,
+        moduli: Moduli,
+    ) -> Option<HourglassControl> {
         let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
         let fluid = moduli.shear == 0.0;
-        let Some(controls) = controls else {
-            let [stiffness, viscosity] = if fluid { [0.0, FLUID_VISCOSITY] } else { [HOURGLASS_STIFFNESS, 0.0] };
-            return Some(HourglassControl { stiffness, viscosity, relaxes: !fluid });
+        let unsaid = match material.hyperelastic {
+            _ if fluid => Hourglass::Viscous,
+            Some(_) => Hourglass::Enhanced,
+            None => Hourglass::RelaxStiffness,
         };
-        let viscosity = if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
-        let (stiffness, viscosity) = (HOURGLASS_STIFFNESS * controls.factor, viscosity * controls.factor);
-        if fluid && controls.hourglass != Hourglass::Viscous {
+        let kind = controls.and_then(|c| c.hourglass).unwrap_or(unsaid);
+        let factor = controls.map_or(1.0, |c| c.factor);
+        if fluid && kind != Hourglass::Viscous {
             let message = "hourglass control by stiffness needs a shear modulus";
             let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
             self.diagnostics.push(finding.help("give HOURGLASS=VISCOUS, or no controls"));
             return None;
         }
-        let [stiffness, viscosity] = match controls.hourglass {
-            Hourglass::RelaxStiffness | Hourglass::Stiffness => [stiffness, 0.0],
-            Hourglass::Viscous => [0.0, viscosity],
-            Hourglass::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity],
-            // Bending stiffness of an assumed strain field that does not lock (Belytschko and Bindeman 1991, Comput. Meth.
-            // Appl. Mech. Eng. 88, 311): E/12 on a square element.
-            Hourglass::Enhanced => [(1.0 + moduli.ratio) / 12.0 * controls.factor, 0.0],
+        let viscosity = factor * if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
+        let stiffness = HOURGLASS_STIFFNESS * factor;
+        let [stiffness, viscosity, enhanced] = match kind {
+            Hourglass::RelaxStiffness | Hourglass::Stiffness => [stiffness, 0.0, 0.0],
+            Hourglass::Viscous => [0.0, viscosity, 0.0],
+            Hourglass::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity, 0.0],
+            Hourglass::Enhanced => [0.0, 0.0, factor],
         };
-        Some(HourglassControl { stiffness, viscosity, relaxes: controls.hourglass == Hourglass::RelaxStiffness })
+        let relaxes = matches!(kind, Hourglass::RelaxStiffness | Hourglass::Enhanced);
+        Some(HourglassControl { stiffness, viscosity, relaxes, enhanced })
     }
 
     fn solid_rows(
@@ -400,9 +407,13 @@ impl Compiler<'_> {
 
     /// The rows of hourglass control and bulk viscosity.
     pub(super) fn control_rows(&mut self, section: &SolidSection, count: usize, constants: &Constants) {
-        let HourglassControl { stiffness, viscosity, relaxes } = constants.hourglass;
+        let HourglassControl { stiffness, viscosity, relaxes, enhanced } = constants.hourglass;
         let kind = if relaxes { "relax stiffness" } else { "stiffness" };
-        let detail = format!("{kind} {stiffness} G, viscosity {viscosity}");
+        let detail = if enhanced > 0.0 {
+            format!("enhanced: assumed strains by direction, factor {enhanced}")
+        } else {
+            format!("{kind} {stiffness} G, viscosity {viscosity}")
+        };
         self.cause(section.span, "hourglass control", count, "elements", detail);
         let [linear, quadratic] = constants.bulk_viscosity;
         if linear != 0.0 || quadratic != 0.0 {
@@ -539,7 +550,7 @@ fn stiffest(rows: &[Vec<f64>]) -> Moduli {
     let largest = |of: fn(f64, f64) -> f64| rows.iter().map(|r| of(r[0], r[1])).fold(0.0, f64::max);
     let bulk = largest(|e, nu| e / (3.0 * (1.0 - 2.0 * nu)));
     let shear = largest(|e, nu| e / (2.0 * (1.0 + nu)));
-    Moduli { bulk, shear, ratio: (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear) }
+    Moduli { bulk, shear }
 }
 
 /// Kinematic hardening by lines of yield stress, slope and temperature.

@@ -13,7 +13,7 @@ use crate::element::group::ElementGroup;
 use crate::element::user_law::{Description, Flow, Yield};
 use crate::element::user_quads::UserQuads;
 use crate::kernel::heating::Heating;
-use crate::model::{Hourglass, Material, Plastic, SolidSection, StateVariables};
+use crate::model::{Material, Plastic, SolidSection, StateVariables};
 use crate::state::nodes::Node;
 
 /// Whether elements of a material ask routines of the user at their points.
@@ -55,16 +55,15 @@ impl Compiler<'_> {
         let takes_lengths = material.user.is_some() || material.fields.is_some();
         self.asks_lengths(section, material, takes_lengths)?;
         add_masses(corners, nodes, density, mass);
-        let hourglass = self.hourglass(section, moduli)?;
+        let hourglass = self.hourglass(section, material, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         // The moduli of a routine's stress come from its first answer.
         let told = matches!(law, UserLaw::Stress(_));
         let [bulk, shear] = if told { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
         let constants = Constants { bulk, shear, hourglass, bulk_viscosity };
-        let enhanced = told && self.is_enhanced(section);
         let heating =
             if self.adiabatic() || self.conducts(section) { heating(material, density) } else { Heating::None };
-        self.user_rows(section, material, &law, (elements.len(), &constants, enhanced), &heating);
+        self.user_rows(section, material, &law, (elements.len(), &constants), &heating);
         let StateVariables { count, delete } = material.state;
         let (properties, flow) = match law {
             UserLaw::Stress(properties) => (properties.clone(), None),
@@ -84,7 +83,6 @@ impl Compiler<'_> {
             flow,
             heating,
             density,
-            enhanced,
         };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect();
         let mut group = UserQuads::new(description, constants, corners, nodes, names);
@@ -108,8 +106,8 @@ impl Compiler<'_> {
             return None;
         } else {
             self.called.push("vumat");
-            // Fractions of a shear modulus that the routine's first call tells, as it does Poisson's ratio.
-            return Some(Moduli { bulk: 1.0, shear: 1.0, ratio: 0.0 });
+            // Fractions of a shear modulus that the routine's first call tells.
+            return Some(Moduli { bulk: 1.0, shear: 1.0 });
         };
         self.diagnostics.push(Diagnostic::error(code, message).at(section.span, "these elements deform"));
         None
@@ -197,7 +195,7 @@ impl Compiler<'_> {
         section: &SolidSection,
         material: &Material,
         law: &UserLaw<'_>,
-        (count, constants, enhanced): (usize, &Constants, bool),
+        (count, constants): (usize, &Constants),
         heating: &Heating,
     ) {
         let name = &material.name;
@@ -207,9 +205,7 @@ impl Compiler<'_> {
         self.cause(section.span, "deformable elements", count, "CAX4R", format!("material {name}, {by}, Jaumann rate"));
         match law {
             UserLaw::Stress(properties) => {
-                let ratio = if enhanced { ", hourglass stiffness times 1 + Poisson's ratio" } else { "" };
-                let detail =
-                    format!("vumat: {} constants, {variables} state variables{ratio}{heated}", properties.len());
+                let detail = format!("vumat: {} constants, {variables} state variables{heated}", properties.len());
                 self.cause(section.span, "user material", count, "points", detail);
             }
             UserLaw::Flow(Yield::User(properties)) => {
@@ -229,12 +225,6 @@ impl Compiler<'_> {
             UserLaw::Flow(Yield::Never) => {}
         }
         self.control_rows(section, count, constants);
-    }
-
-    fn is_enhanced(&self, section: &SolidSection) -> bool {
-        let named =
-            |name: &String| self.model.controls.iter().any(|c| c.name == *name && c.hourglass == Hourglass::Enhanced);
-        section.controls.as_ref().is_some_and(named)
     }
 
     /// Materials that elements of the scene have.

@@ -197,7 +197,7 @@ mod tests {
             let constants = Constants {
                 bulk: 3.0,
                 shear: 1.0,
-                hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
+                hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
                 bulk_viscosity,
             };
             let count = self.nodes.len();

@@ -253,7 +253,7 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
     let mut changed = Vec::new();
     for (i, section) in model.sections.iter_mut().enumerate() {
         let own = section.controls.as_ref().and_then(|name| model.controls.iter().find(|c| c.name == *name));
-        let name = format!("(STUDY {i})");
+        let (hourglass, name) = (Some(hourglass), format!("(STUDY {i})"));
         section.controls = Some(name.clone());
         changed.push(match own {
             Some(own) => SectionControls { name, hourglass, factor, ..own.clone() },

@@ -53,7 +53,7 @@ pub fn run() {
     let constants = Constants {
         bulk,
         shear,
-        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
     let mut bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, nodes);

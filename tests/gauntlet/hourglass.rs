@@ -7,7 +7,7 @@ cases! { "Hourglass":
     point_loads, "forces on single nodes: the pattern that one-point elements do not resist",
         "ALLAE/ALLIE < 15 % (10x10 elements, singular loads), drift < 1 %";
     coarse_bending, "a plate with two elements through its thickness",
-        "deflection of the clamped plate (with shear) within 12 % on 20x2 and 4 % on 40x4, enhanced control (which knows no hoop bending)";
+        "deflection of the clamped plate (with shear) within 2 % on 20x2 and on 40x4, enhanced control";
     a_million_increments_of_free_vibration, "growth of patterns, drift of energy, drift of position over 1e6 increments",
         "energy of the vibration within 1e-6, centre of mass where its velocity brings it within 1e-9, momentum within 1e-10";
 }
@@ -31,7 +31,7 @@ fn coarse_bending() -> Verdict {
         assert!(scene.completed(0.01));
         -tail.iter().map(|v| v.1).sum::<f64>() / tail.len() as f64
     });
-    let holds = off(found[0], exact) < 0.12 && off(found[1], exact) < 0.04;
+    let holds = found.iter().all(|w| off(*w, exact) < 0.02);
     Verdict { figure: format!("{:.3e}, {:.3e} mm; {exact:.3e} by theory", found[0], found[1]), holds }
 }
 

@@ -113,7 +113,7 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
     let constants = Constants {
         bulk,
         shear,
-        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true },
+        hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
     let bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());

@@ -84,7 +84,7 @@ fn a_necking_bar_is_that_of_other_codes() {
     assert!((temperature - 650.8).abs() < 16.0, "{temperature}");
     assert!((strain - 2.095).abs() < 0.05, "{strain}");
     // The neck's edge is one row of elements by then, and its corner follows the hourglass control: 1.95 mm with
-    // HOURGLASS=VISCOUS, 5.3 mm with ENHANCED. So the codes say no more than that the neck is drawn this far.
+    // HOURGLASS=VISCOUS, 3.1 mm with STIFFNESS. So the codes say no more than that the neck is drawn this far.
     assert!((1.9..5.4).contains(&diameter), "{diameter}");
 }
 

@@ -11,6 +11,7 @@ mod cavities;
 mod conduction;
 mod element_output;
 mod fidelity;
+mod hourglass;
 mod large_motion;
 mod links;
 mod loads;

@@ -265,7 +265,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines ["thickness", "points" read "Of Simpson's rule through the thickness: odd, from 3 on; 5 without it"])]),
     row!("SECTION CONTROLS", "Hourglass, distortion and viscosity controls of elements", (unique "NAME"), {
         "NAME" read "Name of the controls",
-        "HOURGLASS" read "RELAX STIFFNESS (default: a spring whose force returns with the stress where the material flows), STIFFNESS, VISCOUS, COMBINED or ENHANCED",
+        "HOURGLASS" read "RELAX STIFFNESS (default: a spring whose force returns with the stress where the material flows), STIFFNESS, VISCOUS (default without shear modulus), COMBINED or ENHANCED (default of *HYPERELASTIC: assumed strains by direction)",
         "DISTORTION CONTROL" read "YES or NO",
         "LENGTH RATIO" read "Of distortion control (0.1): distance from the line between its neighbours, over that at the start, below which a corner is pushed",
         "ELEMENT DELETION" read "YES (default); NO: what *DAMAGE EVOLUTION ruins stays with 1 less MAX DEGRADATION of its stiffness. Refused with *SHEAR FAILURE and *TENSILE FAILURE, which delete",
