@@ -21,13 +21,13 @@ pub struct Folded {
 /// Belytschko 1981, Int. J. Numer. Meth. Eng. 17, 679, eq. 22, where the element is now: free of linear fields, so of
 /// rotations and strains of any size.
 pub fn strongest(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<Folded> {
-    let of_group = |(group, elements): (usize, &Box<dyn ElementGroup>)| {
+    let of_group = |(group, elements): (usize, &dyn ElementGroup)| {
         let alive = (0..elements.len()).filter(|&e| !elements.is_deleted(e));
         let folds = alive.map(|e| (e, fold(elements.corners(e).map(|n| n as usize), nodes)));
         let most = folds.filter(|(_, fold)| fold.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
         most.map(|(element, fold)| Folded { group, element, fold })
     };
-    groups.iter().enumerate().filter_map(of_group).max_by(|a, b| a.fold.total_cmp(&b.fold))
+    groups.iter().map(|g| &**g).enumerate().filter_map(of_group).max_by(|a, b| a.fold.total_cmp(&b.fold))
 }
 
 fn fold(corners: [usize; 4], nodes: &Nodes) -> f64 {

@@ -28,6 +28,7 @@ fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], b
             threads: false,
             user: AtPoints::default(),
             corners,
+            lacking: None,
         });
     }
     *best = best.min(begin.elapsed().as_secs_f64() * 1e9 / (4 * group.len()) as f64);
