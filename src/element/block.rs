@@ -3,9 +3,8 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::compatible::Accelerated;
+use super::assumed::Assumed;
 use super::constants::{CHANGE, Constants};
-use super::enhanced::Assumed;
 use super::shock::{principal_compression, section};
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
@@ -19,7 +18,7 @@ use crate::material::failure::Failure;
 use crate::material::plasticity::{Flow, Hardening};
 use crate::material::volumetric::Volumetric;
 use crate::state::archive::{Archive, Persist, persist_fields};
-use crate::state::nodes::Node;
+use crate::state::nodes::{Accelerated, Node};
 
 /// The largest square of the frequency of an hourglass pattern over that of the strains: a quarter leaves the stable increment
 /// of elements that are not folded as it is.

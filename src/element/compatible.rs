@@ -6,16 +6,7 @@
 
 use super::block::{Nodes, Workspace};
 use crate::kernel::lanes::{Corners, LANES, Lanes};
-
-/// Accelerations of nodes when the increment behind began, and the time over which they acted on velocities: (dt + dt')/2 of
-/// both increments around. No accelerations where nothing is known of them.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Accelerated<'a> {
-    /// Of each node.
-    pub accelerations: &'a [[f64; 2]],
-    /// How long.
-    pub half: f64,
-}
+use crate::state::nodes::Accelerated;
 
 /// Sums before a block's increment, and the energy that its elements lose to the forces of the increment's begin.
 pub(super) struct Owed {

@@ -9,7 +9,7 @@ pub const CHANGE: f64 = 0.2;
 
 /// Part of their modulus over that of a wave by which assumed strains raise the square of the highest frequency, found with
 /// skewed elements of any aspect (the test below).
-const SKEWED: f64 = 0.15;
+const SKEWED: f64 = 0.25;
 /// Linear bulk viscosity below which the highest modes of the whole count as undamped.
 const DAMPED: f64 = 0.05;
 

@@ -3,7 +3,6 @@
 
 use super::averaging::Averaging;
 use super::block::is_larger;
-use super::compatible::Accelerated;
 use super::connector::Connectors;
 use super::damping::Damping;
 use super::distortion::DistortionControl;
@@ -22,7 +21,7 @@ use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
-use crate::state::nodes::Nodes;
+use crate::state::nodes::{Accelerated, Nodes};
 use crate::state::{EffectId, Instant};
 use crate::user::AtPoints;
 

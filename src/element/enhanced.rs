@@ -12,7 +12,6 @@ use crate::kernel::stress::mises;
 use crate::material::failure::Failure;
 use crate::material::plasticity::{Flow, Hardening};
 use crate::material::volumetric::Volumetric;
-use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// The largest trace of the squares of the patterns' frequencies over the square of that of the strains' bound: a folded
 /// element, whose patterns move next to no mass, has no more stiffness than that.
@@ -21,23 +20,6 @@ const SLOW: f64 = 0.5;
 const PLASTIC_MOMENT: f64 = 1.5;
 /// What is left of it at least under full uniform stress, so that no pattern is free.
 const LEAST_MOMENT: f64 = 0.05;
-
-/// What a block keeps of its patterns.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(64))]
-pub struct Assumed {
-    /// Stress of each pattern at the edge of the element: along its direction, and hoop.
-    stress: [[Lanes; 2]; 2],
-    /// Von Mises stress at which the element flows as far as it is known; 0 if not.
-    limit: Lanes,
-}
-
-impl Assumed {
-    /// Takes the stresses of a lane away.
-    pub(super) fn clear(&mut self, lane: usize) {
-        self.stress.as_flattened_mut().iter_mut().for_each(|s| s[lane] = 0.0);
-    }
-}
 
 /// What the middle of each element says of what flows at its edges.
 pub(super) struct Middle {
@@ -325,11 +307,4 @@ fn first_yield<H: Hardening>(hardening: &H, state: &H::State, shear: f64, count:
         }
     }
     high
-}
-
-impl Persist for Assumed {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Assumed { stress, limit } = self;
-        persist_fields!(archive; stress, limit);
-    }
 }

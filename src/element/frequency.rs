@@ -256,9 +256,11 @@ impl Standing {
     /// The bound for the pass to come: what has been found, what has deformed since, what the pass may add.
     pub(super) fn cap(&mut self, deformed: f64) -> f64 {
         self.foreseen = 2.0 * deformed;
-        let may_grow = self.grown + self.foreseen;
-        let grown = if self.holds && may_grow < WORN { WORN } else { may_grow };
-        if self.found == 0.0 { f64::INFINITY } else { self.found * (1.0 + grown) }
+        let (mut grown, mut foreseen) = (self.grown, self.foreseen);
+        if self.holds && grown + foreseen < WORN {
+            (grown, foreseen) = (WORN, 0.0);
+        }
+        if self.found == 0.0 { f64::INFINITY } else { self.found * (1.0 + grown + foreseen) }
     }
 
     /// Takes in the pass behind, which deformed by so much; whether the estimate is worn out. Returns by how much the

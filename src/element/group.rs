@@ -7,7 +7,6 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
-use crate::element::compatible::Accelerated;
 use crate::element::constants::Constants;
 use crate::element::quiescent::Quiescence;
 use crate::element::record::{Flows, Followed, Record};
@@ -22,7 +21,7 @@ use crate::material::volumetric::Volumetric;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
-use crate::state::nodes::Node;
+use crate::state::nodes::{Accelerated, Node};
 use crate::user::AtPoints;
 use crate::variables::{Part, Variable};
 

@@ -1,6 +1,7 @@
 //! Elements: groups of one kind and one material, springs and dashpots, and what follows from all of them together.
 //! Never here: nodes' motion, deck words.
 
+mod assumed;
 pub mod averaging;
 mod back_stress;
 pub mod block;

@@ -3,7 +3,6 @@
 
 use pulp::Arch;
 
-use crate::element::compatible::Accelerated;
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
@@ -21,7 +20,7 @@ use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::strain_energy::{Compression, Ogden, Polynomial};
 use crate::material::volumetric::{Linear, Volumetric};
 use crate::state::Instant;
-use crate::state::nodes::Node;
+use crate::state::nodes::{Accelerated, Node};
 use crate::user::AtPoints;
 use crate::variables::Variable;
 

@@ -271,8 +271,8 @@ mod tests {
         assert_eq!(bits(&quiescent.0), bits(&awake.0));
     }
 
-    /// Free vibration from a start with all frequencies in it: stable at the estimate, unstable a little above the exact
-    /// bound, so that the estimate is worth what it says.
+    /// Free vibration from a start with all frequencies in it: stable at the estimate, which stands 10 % above where nothing
+    /// damps, and unstable a little above the exact bound, so that the estimate is worth what it says.
     #[test]
     fn vibration_is_stable_just_up_to_the_estimate() {
         let noise = |i: usize| 0.3 * (((i * 7919) % 101) as f64 / 101.0 - 0.5);
@@ -300,6 +300,6 @@ mod tests {
             largest
         };
         assert!(run(1.0) < 1e-12);
-        assert!(run(1.03) > 1e-10);
+        assert!(run(1.1 * 1.03) > 1e-10);
     }
 }

@@ -42,6 +42,16 @@ impl Node {
     }
 }
 
+/// Accelerations of nodes when the increment behind began, and the time over which they acted on velocities: (dt + dt')/2 of
+/// both increments around. No accelerations where nothing is known of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Accelerated<'a> {
+    /// Of each node.
+    pub accelerations: &'a [[f64; 2]],
+    /// How long.
+    pub half: f64,
+}
+
 /// All of them, in the order of the solver.
 #[derive(Clone, Debug, Default)]
 pub struct Nodes {

@@ -16,7 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["job", "explain"],
     &["solve"],
     &["plan"],
-    &["constraint", "load", "heat", "element", "material"],
+    &["heat", "constraint", "load", "element", "material"],
     &["user", "mesh"],
     &["model", "output"],
     &["variables", "state"],
