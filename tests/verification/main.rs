@@ -33,6 +33,7 @@ mod steps;
 mod surfaces;
 mod taylor;
 mod thermal_stress;
+mod triangles;
 mod tubes;
 mod vessels;
 mod waves;

@@ -439,7 +439,7 @@ fn a_table_of_us_up_is_us_up() {
         let deck = grid(1, 1, false, |i, j| [0.01 * i as f64, 0.01 * j as f64])
             + HEAD
             + &format!(
-                " {rho},\n*Eos, type={eos}*Amplitude, name=A\n 0., 0., 1., 0.05, 6., -0.3\n*Step\n*Dynamic, Explicit\n , 6.\n"
+                " {rho},\n*Eos, type={eos}*Amplitude, name=A\n 0., 0., 1., 0.05, 6., -0.3\n*Step\n*Dynamic, Explicit, direct user control\n 4.e-3, 6.\n"
             )
             + "*Boundary\n ALL, 1, 1\n J0, 2, 2\n*Boundary, amplitude=A\n J1, 2, 2, 0.01\n*Output, history, number interval=60\n\
                *Element Output, elset=SOLID\n PRESS, SPECIFIC_ENERGY\n*End Step\n";

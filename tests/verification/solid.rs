@@ -114,9 +114,8 @@ fn an_element_that_turns_inside_out_halts_the_run_with_its_name() {
         for part in ["element ", "increment", "time"] {
             assert!(halt.reason.contains(part), "{}", halt.reason);
         }
-        // Where the deck gives increments: by how much they exceed what elements bear.
-        let told = halt.reason.contains("times the stable one");
-        assert_eq!(told, card.contains("direct"), "{}", halt.reason);
+        // The node is too fast, not the increment too long.
+        assert!(!halt.reason.contains("times the stable one"), "{}", halt.reason);
         let frame = memory.frames.last().expect("a frame");
         assert!(frame.point_fields.iter().all(|f| f.values.iter().all(|v| v.is_finite())));
     }
