@@ -260,8 +260,9 @@ fn undamped_vibration_does_not_grow() {
             let told = fifths.map(|x| format!("{x:.1e}")).join(", ");
             println!("{kind}{option}: {} increments, error {told}", outcome.increments);
             assert!(outcome.halt.is_none() && outcome.increments > 60_000, "{outcome:?}");
-            // The leapfrog's energy swings; what grows is the worst of the last fifth over that of the first.
-            assert!(fifths[4] < 5e-3 && fifths[4] < 3.0 * fifths[0], "{kind}{option}: {fifths:?}");
+            // The leapfrog's energy swings; what grows is the worst of the last fifth over that of the first, unless both are
+            // next to nothing.
+            assert!(fifths[4] < 5e-3 && fifths[4] < 3.0 * fifths[0].max(1e-5), "{kind}{option}: {fifths:?}");
         }
     }
 }
