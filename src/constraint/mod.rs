@@ -2,6 +2,7 @@
 //! Never here: loads.
 
 pub mod bonds;
+pub mod contact;
 mod dependence;
 pub mod equation;
 pub mod motion;
@@ -19,7 +20,7 @@ use crate::state::magnitude::Clock;
 
 /// A constraint over a step. In each increment the integrator calls [`Constraint::passes_on`], [`Constraint::accelerations`],
 /// [`Constraint::velocities`] and, behind the motion, [`Constraint::motion`]; constraints follow each other in the order of the
-/// plan: prescribed motions, equations, walls, ties.
+/// plan: prescribed motions, equations, walls, contact, ties.
 pub trait Constraint: Persist + Send + Sync {
     /// Its row of the ledger.
     fn id(&self) -> EffectId;

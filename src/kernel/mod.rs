@@ -8,6 +8,7 @@ pub mod conduction;
 pub mod facet;
 pub mod hardening;
 pub mod heating;
+pub mod interaction;
 pub mod lanes;
 pub mod levels;
 pub mod plane_stress;

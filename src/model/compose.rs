@@ -163,6 +163,7 @@ impl Step {
             loads: Vec::new(),
             fields: Vec::new(),
             contacts: Vec::new(),
+            surface_contacts: Vec::new(),
             mass_scalings: Vec::new(),
             energy_limit: None,
             outputs: Vec::new(),

@@ -4,7 +4,7 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, IncrementControl, InitialKind,
+    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, Friction, IncrementControl, InitialKind,
     Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Step,
     Target,
 };
@@ -335,6 +335,16 @@ impl Check<'_> {
             if !self.model.rigid_surfaces.contains_key(&contact.surface) {
                 self.error("M114", contact.span, format!("there is no analytical surface `{}`", contact.surface));
             }
+        }
+        for contact in &step.surface_contacts {
+            for sides in &contact.sides {
+                let elements: Vec<usize> = sides.faces.iter().map(|f| f.0).collect();
+                self.elements(contact.span, &elements);
+            }
+            let Friction { at_rest, sliding, decay, largest } = contact.law.friction;
+            let good = [at_rest, sliding, decay, largest].iter().all(|x| *x >= 0.0);
+            self.value(good, contact.span, || "numbers of friction must not be below zero".into());
+            self.value(contact.fits >= 0.0, contact.span, || "ADJUST must not be below zero".into());
         }
         for scaling in &step.mass_scalings {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());

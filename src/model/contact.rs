@@ -1,10 +1,9 @@
-//! Contact with analytical surfaces: `*SURFACE, TYPE=SEGMENTS`, `*RIGID SURFACE`, `*CONTACT PAIR`, `*SURFACE INTERACTION`,
-//! `*FRICTION`.
+//! Contact with analytical surfaces: `*SURFACE, TYPE=SEGMENTS`, `*RIGID SURFACE`, `*CONTACT PAIR`.
 //! Never here: surfaces of elements, what contact does.
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Contact, Interaction, Profile, RigidBody, RigidSurface, Segment};
+use super::types::{Contact, Friction, Overclosure, Profile, RigidBody, RigidSurface, Segment};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
@@ -187,30 +186,7 @@ impl Builder<'_> {
         self.unknown("M114", "analytical surface", word, &names);
     }
 
-    pub(super) fn surface_interaction(&mut self, card: &Card) {
-        let Some(name) = self.required(card, "NAME") else { return };
-        self.model.interactions.push(Interaction { name: upper(&name.text), friction: 0.0 });
-        self.contact_note(card);
-    }
-
-    pub(super) fn friction(&mut self, card: &Card) {
-        self.contact_note(card);
-        let Some(line) = self.first_line(card) else { return };
-        let Some(friction) = self.number_or(line, 0, 0.0) else { return };
-        if friction < 0.0 || !friction.is_finite() {
-            self.out_of_range(line.span, format!("the coefficient of friction must not be below zero, not {friction}"));
-            return;
-        }
-        if let Some(interaction) = self.model.interactions.last_mut() {
-            interaction.friction = friction;
-        }
-    }
-
-    pub(super) fn surface_behavior(&mut self, card: &Card) {
-        self.contact_note(card);
-    }
-
-    fn contact_note(&mut self, card: &Card) {
+    pub(super) fn contact_note(&mut self, card: &Card) {
         if !self.deck.cards.iter().any(|c| c.keyword.name == "CONTACT PAIR") {
             self.inert(card, "it serves contact only".into());
         }
@@ -225,10 +201,12 @@ impl Builder<'_> {
             return;
         }
         for line in &card.lines {
-            let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
+            let Some(first) = line.field(0) else {
                 self.diagnostics.push(Diagnostic::error("M102", "a pair has two surfaces").at(line.span, "here"));
                 continue;
             };
+            // A surface alone meets itself.
+            let second = line.field(1).unwrap_or(first);
             let (known, scope) = (&self.model.rigid_surfaces, &self.scope);
             let find =
                 |w: &Word| [qualified(scope, &w.text), upper(&w.text)].into_iter().find(|n| known.contains_key(n));
@@ -236,9 +214,13 @@ impl Builder<'_> {
                 (Some(surface), None) => (surface, second),
                 (None, Some(surface)) => (surface, first),
                 _ if self.lost.explains("surface", first) || self.lost.explains("surface", second) => continue,
+                (None, None) => {
+                    self.surface_pair(card, line, [first, second], adds);
+                    continue;
+                }
                 _ => {
-                    let message = "one surface of a pair must be an analytical one, the other must deform";
-                    self.unsupported(line.span, message, "contact of deformable surfaces is not simulated");
+                    let message = "both surfaces of this pair are analytical ones";
+                    self.unsupported(line.span, message, "two rigid surfaces without elements do not meet");
                     continue;
                 }
             };
@@ -284,11 +266,25 @@ impl Builder<'_> {
             }
         }
         let interactions = &self.model.interactions;
+        let mut refused = Vec::new();
         for contact in self.model.steps.iter_mut().flat_map(|s| &mut s.contacts) {
             let name = contact.interaction.as_ref().map(|w| upper(&w.text));
             let found = interactions.iter().find(|i| Some(&i.name) == name.as_ref());
-            contact.friction = found.map_or(0.0, |i| i.friction);
+            let Some(found) = found else { continue };
+            if found.law.overclosure != Overclosure::Hard || found.law.friction != Friction::of(found.law.friction.at_rest) {
+                let message = format!("interaction `{}` is more than one coefficient of friction", found.name);
+                let finding = Diagnostic::error("M105", message).at(contact.span, "with an analytical surface");
+                refused.push(finding.help("make the surface of RAX2 elements, or take HARD contact and one coefficient"));
+                continue;
+            }
+            contact.friction = found.law.friction.at_rest;
         }
+        for contact in self.model.steps.iter_mut().flat_map(|s| &mut s.surface_contacts) {
+            let name = contact.interaction.as_ref().map(|w| upper(&w.text));
+            let found = interactions.iter().find(|i| Some(&i.name) == name.as_ref());
+            contact.law = found.map(|i| i.law.clone()).unwrap_or_default();
+        }
+        refused.into_iter().for_each(|finding| self.diagnostics.push(finding));
     }
 
     /// Nodes of a surface of nodes or of element faces, ascending.

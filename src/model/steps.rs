@@ -6,7 +6,7 @@ use super::history::{History, StepTime};
 use super::names::upper;
 use super::types::{
     Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind, OutputRequest,
-    PrescribedField, Restart, Step,
+    PrescribedField, Restart, Step, SurfaceContact,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
@@ -36,6 +36,7 @@ pub(super) struct StepState {
     /// Output requests of earlier steps.
     pub earlier_outputs: Vec<OutputRequest>,
     pub contacts: Vec<Contact>,
+    pub surface_contacts: Vec<SurfaceContact>,
     pub mass_scalings: Vec<MassScaling>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
@@ -144,6 +145,7 @@ impl Builder<'_> {
             loads,
             fields,
             contacts: state.contacts,
+            surface_contacts: state.surface_contacts,
             mass_scalings: state.mass_scalings,
             energy_limit: state.energy_limit,
             outputs: state.outputs,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 
 use crate::deck::{Sources, Span, Word};
+pub use crate::kernel::interaction::{Friction, Law, Overclosure};
 pub use crate::kernel::profile::{Profile, Segment};
 use crate::variables::Place;
 use crate::variables::asked::Asked;
@@ -612,8 +613,30 @@ pub struct RigidSurface {
 pub struct Interaction {
     /// Upper-case name.
     pub name: String,
-    /// Coulomb coefficient.
-    pub friction: f64,
+    /// What it does.
+    pub law: Law,
+}
+
+/// Contact of two surfaces of elements, or of one with itself.
+#[derive(Clone, Debug)]
+pub struct SurfaceContact {
+    /// Both surfaces; the same twice where one meets itself.
+    pub sides: [Sides; 2],
+    /// Gaps at the start up to this are taken as none, length.
+    pub fits: f64,
+    /// Name of its surface interaction, which may be defined anywhere in the deck.
+    pub interaction: Option<Word>,
+    /// What that does.
+    pub law: Law,
+    /// The data line.
+    pub span: Span,
+}
+
+impl SurfaceContact {
+    /// Whether it is a surface that may meet itself.
+    pub fn is_of_one(&self) -> bool {
+        self.sides[0].name == self.sides[1].name
+    }
 }
 
 /// Contact of a surface with an analytical one.
@@ -803,8 +826,10 @@ pub struct Step {
     pub loads: Vec<Load>,
     /// Field variables in force, each with the nodes to which no later one gives another value.
     pub fields: Vec<PrescribedField>,
-    /// Contact in force.
+    /// Contact with analytical surfaces in force.
     pub contacts: Vec<Contact>,
+    /// Contact of surfaces of elements in force.
+    pub surface_contacts: Vec<SurfaceContact>,
     /// Mass scaling in force, in the order of the deck.
     pub mass_scalings: Vec<MassScaling>,
     /// Limits on energies in force.

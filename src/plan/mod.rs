@@ -6,6 +6,7 @@ mod bodies;
 mod bytes;
 pub mod codes;
 mod connectors;
+mod contact;
 mod doubts;
 mod equations;
 mod fields;
@@ -120,7 +121,7 @@ pub struct StepPlan {
     pub load_velocity: LoadVelocity,
     /// Loads; those that resist come last.
     pub loads: Vec<Box<dyn Load>>,
-    /// Constraints: prescribed motions, equations, walls, ties.
+    /// Constraints: prescribed motions, equations, walls, contact, ties.
     pub constraints: Vec<Box<dyn Constraint>>,
     /// Limits on energies; `None` without any.
     pub energy_limit: Option<EnergyLimit>,
@@ -275,6 +276,7 @@ impl Compiler<'_> {
         constraints.extend(self.equations(step, state, &given));
         // Tied nodes follow what walls do to a body that moves freely.
         constraints.extend(walls);
+        constraints.extend(self.contact(step, state, &given.all));
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
         let scaling = self.mass_scaling(index, state);
         let energy_limit = self.energy_limit(step);

@@ -2,7 +2,7 @@
 //! Never here: the target.
 
 use super::{Ablation, one_way};
-use crate::model::{ConnectorLaw, Load, LoadKind, Model};
+use crate::model::{ConnectorLaw, Friction, Load, LoadKind, Model};
 
 pub(super) const LIST: &[Ablation] = &[
     Ablation {
@@ -53,7 +53,8 @@ pub(super) const LIST: &[Ablation] = &[
 
 fn has_friction(model: &Model) -> bool {
     let of_load = |l: &Load| matches!(l.kind, LoadKind::Cavity { friction, .. } if friction > 0.0);
-    model.steps.iter().any(|s| s.loads.iter().any(of_load) || s.contacts.iter().any(|c| c.friction > 0.0))
+    model.steps.iter().any(|s| s.loads.iter().any(of_load) || s.contacts.iter().any(|c| c.friction > 0.0)
+        || s.surface_contacts.iter().any(|c| c.law.friction.is_there()))
 }
 
 fn no_friction(model: &mut Model) {
@@ -64,6 +65,7 @@ fn no_friction(model: &mut Model) {
             }
         }
         step.contacts.iter_mut().for_each(|c| c.friction = 0.0);
+        step.surface_contacts.iter_mut().for_each(|c| c.law.friction = Friction::default());
     }
 }
 

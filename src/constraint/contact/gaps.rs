@@ -1,0 +1,295 @@
+//! The gap between a facet and what it faces, weighted with the hat function of each of its two points, and how it depends on the
+//! points of both: signed distance of the other surface at fixed material points of the facet, integrated over the surface of
+//! revolution by two Gauss points on each piece with one nearest facet.
+//! Never here: what is done about the gap.
+//!
+//! The distance of the other surface at a fixed point of this one is the only one of the usual measures whose gradient is the
+//! rate of the gap on inclined facets; with the same weight on both sides their axial forces cancel to rounding
+//! (segment-to-segment contact after Puso and Laursen 2004, Comput. Methods Appl. Mech. Engrg. 193, 601; pieces after
+//! Zavarise and De Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
+
+use super::curve::{Beyond, Curve, Shape};
+
+/// The share of one point in the gaps of both points of a facet.
+#[derive(Clone, Copy, Debug)]
+pub struct Share {
+    /// The point, of either surface.
+    pub point: u32,
+    /// Derivative of the gap of each of the facet's points by its place.
+    pub of: [[f64; 2]; 2],
+}
+
+/// What one facet sees.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// Where its shares begin and end.
+    pub shares: [u32; 2],
+    /// Area of the surface of revolution in front of which there is something, by the hat of each point.
+    pub area: [f64; 2],
+    /// Gap times that area.
+    pub gap: [f64; 2],
+}
+
+/// A facet that this one faces, along the way `s` from 0 to 1 on this one.
+#[derive(Clone, Copy, Debug)]
+struct Facing {
+    facet: u32,
+    /// Projection onto the other facet, in lengths of it, at s = 0, and its rate.
+    along: [f64; 2],
+    /// Signed distance from its line at s = 0, and its rate.
+    distance: [f64; 2],
+}
+
+impl Facing {
+    fn new(facet: u32, own: &Shape, other: &Shape) -> Facing {
+        let d = [own.from[0] - other.from[0], own.from[1] - other.from[1]];
+        let inverse = 1.0 / (other.length * other.length);
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        Facing {
+            facet,
+            along: [dot(d, other.along) * inverse, dot(own.along, other.along) * inverse],
+            distance: [dot(d, other.normal), dot(own.along, other.normal)],
+        }
+    }
+
+    fn at(&self, s: f64) -> f64 {
+        self.along[0] + self.along[1] * s
+    }
+
+    fn apart(&self, s: f64) -> f64 {
+        self.distance[0] + self.distance[1] * s
+    }
+}
+
+/// Room that gaps are found with, and all shares of an increment.
+#[derive(Clone, Debug, Default)]
+pub struct Gaps {
+    /// Shares of all facets, in their order.
+    pub shares: Vec<Share>,
+    facing: Vec<Facing>,
+    cuts: Vec<f64>,
+}
+
+/// Facets face each other where the cosine between their normals is below this.
+const FACING: f64 = -0.1;
+/// Pieces of a facet below this part of it are left out.
+const SHORTEST: f64 = 1e-12;
+/// Points nearer to a corner than this part of the facet take the normal of the other facet.
+const AT_CORNER: f64 = 1e-9;
+/// Half the distance of two Gauss points of an interval from -1 to 1.
+const GAUSS: f64 = 0.577_350_269_189_625_8;
+
+impl Gaps {
+    /// Room for this many facets.
+    pub fn new(facets: usize) -> Gaps {
+        Gaps {
+            shares: Vec::with_capacity(16 * facets),
+            facing: Vec::with_capacity(64),
+            cuts: Vec::with_capacity(256),
+        }
+    }
+
+    /// What the facet `k` of one curve sees of those `candidates` of another that are within `reach` in front of it.
+    pub fn see(&mut self, own: &Curve, k: usize, other: &Curve, candidates: &[u32], reach: f64) -> Seen {
+        let begin = self.shares.len() as u32;
+        let mut seen = Seen { shares: [begin; 2], ..Seen::default() };
+        self.find_facing(own, k, other, candidates, reach);
+        if self.facing.is_empty() {
+            return seen;
+        }
+        self.cut(other);
+        for piece in 0..self.cuts.len() - 1 {
+            let (from, to) = (self.cuts[piece], self.cuts[piece + 1]);
+            if to - from > SHORTEST {
+                self.piece([from, to], own, k, other, reach, &mut seen);
+            }
+        }
+        seen.shares[1] = self.shares.len() as u32;
+        seen
+    }
+
+    /// Those of the candidates that face the facet and are near it now, whenever the lists were made.
+    fn find_facing(&mut self, own: &Curve, k: usize, other: &Curve, candidates: &[u32], reach: f64) {
+        self.facing.clear();
+        let shape = &own.shapes[k];
+        let [low, high] = shape.bounds();
+        for &j in candidates {
+            let near = &other.shapes[j as usize];
+            let cosine = shape.normal[0] * near.normal[0] + shape.normal[1] * near.normal[1];
+            if cosine >= FACING || !other.there[j as usize] {
+                continue;
+            }
+            let [l, h] = near.bounds();
+            if (0..2).all(|i| l[i] <= high[i] + reach && h[i] >= low[i] - reach) {
+                self.facing.push(Facing::new(j, shape, near));
+            }
+        }
+    }
+
+    /// Where the nearest facet changes: over their ends, and between neighbours where both lines are equally far.
+    fn cut(&mut self, other: &Curve) {
+        let (cuts, facing) = (&mut self.cuts, &self.facing);
+        cuts.clear();
+        cuts.extend([0.0, 1.0]);
+        let mut add = |s: f64| {
+            if s > 0.0 && s < 1.0 {
+                cuts.push(s);
+            }
+        };
+        for f in facing {
+            let inverse = 1.0 / f.along[1];
+            add(-f.along[0] * inverse);
+            add((1.0 - f.along[0]) * inverse);
+            let Beyond::Facet(next) = other.beyond[f.facet as usize][1] else { continue };
+            if let Some(g) = facing.iter().find(|g| g.facet == next) {
+                add((g.distance[0] - f.distance[0]) / (f.distance[1] - g.distance[1]));
+            }
+        }
+        cuts.sort_unstable_by(f64::total_cmp);
+    }
+
+    /// A piece of the facet on which one facet of the other curve is the nearest.
+    fn piece(&mut self, [from, to]: [f64; 2], own: &Curve, k: usize, other: &Curve, reach: f64, seen: &mut Seen) {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let shape = own.shapes[k];
+        let Some((nearest, at)) = self.nearest(&shape, middle, other) else { return };
+        let j = nearest.facet as usize;
+        let end = usize::from(at > 1.0);
+        let inside = (0.0..=1.0).contains(&at);
+        if !inside && other.beyond[j][end] == Beyond::Nothing {
+            return;
+        }
+        let met = &other.shapes[j];
+        for s in [middle - half * GAUSS, middle + half * GAUSS] {
+            let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
+            let (gap, normal, part) = if inside {
+                (nearest.apart(s), met.normal, nearest.at(s))
+            } else {
+                let (gap, normal) = corner(place, met, end, nearest.apart(s), shape.length);
+                (gap, normal, end as f64)
+            };
+            if gap >= reach || gap <= -other.depth[j] {
+                continue;
+            }
+            let r = 0.5 * (place[0] + met.from[0] + part * met.along[0]);
+            let weight = std::f64::consts::TAU * r * half * shape.length;
+            self.add(seen, own.facets[k], other.facets[j], s, part, [weight * normal[0], weight * normal[1]]);
+            for (l, hat) in [1.0 - s, s].into_iter().enumerate() {
+                seen.area[l] += hat * weight;
+                seen.gap[l] += hat * weight * gap;
+            }
+        }
+    }
+
+    /// The facet nearest to a point, and where on it: below 0 and above 1 beyond its ends.
+    fn nearest(&self, shape: &Shape, s: f64, other: &Curve) -> Option<(Facing, f64)> {
+        let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
+        let mut best: Option<(f64, Facing, f64)> = None;
+        for f in &self.facing {
+            let (at, met) = (f.at(s), &other.shapes[f.facet as usize]);
+            let part = at.clamp(0.0, 1.0);
+            let d = [0, 1].map(|i| place[i] - met.from[i] - part * met.along[i]);
+            let square = d[0] * d[0] + d[1] * d[1];
+            if best.is_none_or(|b| square < b.0) {
+                best = Some((square, *f, at));
+            }
+        }
+        best.map(|(_, f, at)| (f, at))
+    }
+
+    /// Adds what a Gauss point gives to the points of both facets: with the hats of this one, `force` a unit of pressure.
+    fn add(&mut self, seen: &Seen, own: [u32; 2], other: [u32; 2], s: f64, part: f64, force: [f64; 2]) {
+        let hats = [1.0 - s, s];
+        let shares = [(own[0], hats[0]), (own[1], hats[1]), (other[0], part - 1.0), (other[1], -part)];
+        let begin = seen.shares[0] as usize;
+        for (point, share) in shares {
+            if share == 0.0 {
+                continue;
+            }
+            let of = hats.map(|hat| [hat * share * force[0], hat * share * force[1]]);
+            match self.shares[begin..].iter_mut().find(|c| c.point == point) {
+                Some(known) => {
+                    for (sum, more) in known.of.iter_mut().flatten().zip(of.iter().flatten()) {
+                        *sum += more;
+                    }
+                }
+                None => self.shares.push(Share { point, of }),
+            }
+        }
+    }
+
+    /// Bytes of the arrays.
+    pub fn bytes(&self) -> usize {
+        size_of::<Share>() * self.shares.capacity()
+            + size_of::<Facing>() * self.facing.capacity()
+            + size_of::<f64>() * self.cuts.capacity()
+    }
+}
+
+/// Signed distance from a corner, at one end of a facet whose line is `apart`, and the direction that it grows in.
+fn corner(place: [f64; 2], met: &Shape, end: usize, apart: f64, length: f64) -> (f64, [f64; 2]) {
+    let q = [met.from[0] + end as f64 * met.along[0], met.from[1] + end as f64 * met.along[1]];
+    let d = [place[0] - q[0], place[1] - q[1]];
+    let distance = (d[0] * d[0] + d[1] * d[1]).sqrt();
+    let sign = if apart >= 0.0 { 1.0 } else { -1.0 };
+    if distance < AT_CORNER * length {
+        return (sign * distance, met.normal);
+    }
+    (sign * distance, [sign * d[0] / distance, sign * d[1] / distance])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Gaps, Seen};
+    use crate::constraint::contact::curve::Curve;
+
+    fn curve(places: &[[f64; 2]], first: u32) -> Curve {
+        let facets = (0..places.len() as u32 - 1).map(|i| [first + i, first + i + 1]).collect::<Vec<_>>();
+        let (depth, zeros) = (vec![1.0; facets.len()], vec![[-1.0, 0.0]; first as usize]);
+        let all: Vec<[f64; 2]> = zeros.into_iter().chain(places.iter().copied()).collect();
+        let mut curve = Curve::new(facets, depth, &all);
+        curve.shape(&all);
+        curve
+    }
+
+    /// What acts on one surface acts on the other, on inclined facets of unequal length; over a flat one the gap grows as fast as
+    /// the facet rises.
+    #[test]
+    fn shares_of_both_surfaces_cancel() {
+        let own = [[1.0, 0.9], [2.0, 1.1]];
+        let other = [[2.3, 0.2], [1.4, 0.3], [0.7, 0.1]];
+        let flat = [[2.3, 0.5], [1.4, 0.5], [0.7, 0.5]];
+        for below in [other, flat] {
+            let (a, b) = (curve(&own, 0), curve(&below, 2));
+            let mut gaps = Gaps::new(4);
+            let seen: Seen = gaps.see(&a, 0, &b, &[0, 1], 10.0);
+            let sum = |i: usize| {
+                let own: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
+                let other: f64 = gaps.shares.iter().filter(|c| c.point >= 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
+                (own, other)
+            };
+            for i in [0, 1] {
+                let (own, other) = sum(i);
+                assert!((own + other).abs() < 1e-14, "{own} {other}");
+            }
+            assert!(seen.area.iter().all(|a| *a > 0.0));
+        }
+        let (a, b) = (curve(&own, 0), curve(&flat, 2));
+        let mut gaps = Gaps::new(4);
+        let seen = gaps.see(&a, 0, &b, &[0, 1], 10.0);
+        let rise: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][1] + c.of[1][1]).sum();
+        assert!((rise / (seen.area[0] + seen.area[1]) - 1.0).abs() < 1e-14);
+    }
+
+    /// A point beyond the end of a surface sees nothing of it; beyond a corner that goes on it sees the corner.
+    #[test]
+    fn ends_let_go_and_corners_hold() {
+        let own = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
+        let mut gaps = Gaps::new(4);
+        let ending = curve(&[[2.0, 0.0], [0.0, 0.0]], 2);
+        assert_eq!(gaps.see(&own, 0, &ending, &[0], 10.0).area, [0.0; 2]);
+        let around = curve(&[[2.0, -1.0], [2.0, 0.0], [0.0, 0.0]], 2);
+        let seen = gaps.see(&own, 0, &around, &[0, 1], 10.0);
+        assert!(seen.gap[0] / seen.area[0] > 0.5 && seen.gap[1] / seen.area[1] > 0.5, "{seen:?}");
+    }
+}

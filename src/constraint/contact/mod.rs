@@ -1,0 +1,437 @@
+//! Contact of surfaces with each other and with themselves: no overlap grows, whatever the stiffness of what meets.
+//! Never here: analytical surfaces, deck words, which surfaces there are.
+//!
+//! Each point of one surface of a pair carries a pressure, the multiplier of the gap in front of it, weighted with its hat
+//! function over the surface of revolution ([`gaps`]). In each increment impulses are found with which the velocity ahead closes
+//! no gap by more than it has, `G v + max(g, 0)/dt >= 0` with pressures not below zero, and friction within Coulomb's cone
+//! ([`sweeps`]). An overlap that is there is stopped and not thrown out. Nothing here limits the increment.
+
+pub mod curve;
+mod gaps;
+mod search;
+mod sweeps;
+
+use self::curve::{Carrier, Curve, Point};
+use self::gaps::{Gaps, Seen};
+use self::search::Search;
+use self::sweeps::{Motion, Row, Rows, Span, Term};
+use super::Constraint;
+use crate::kernel::interaction::Law;
+use crate::state::EffectId;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::dofs::{Dof, Dofs};
+use crate::state::magnitude::Clock;
+
+/// Two surfaces that may meet, or one that may meet itself.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// Its row of the ledger.
+    pub id: EffectId,
+    /// The curve whose points carry pressures.
+    pub own: usize,
+    /// The other one; `None` where it is the same.
+    pub other: Option<usize>,
+    /// Which of the laws of the contact it follows.
+    pub law: usize,
+    /// Gaps at the start up to this are taken as none.
+    pub fits: f64,
+    search: Search,
+    seen: Vec<Seen>,
+    /// The first of its keys: each point of the own curve has one.
+    first_key: u32,
+}
+
+impl Pair {
+    /// A pair of curves; `length` is the smaller of the longest facets of both.
+    pub fn new(id: EffectId, own: usize, other: Option<usize>, law: usize, fits: f64, length: f64) -> Pair {
+        Pair { id, own, other, law, fits, search: Search::new(length, 0, 0), seen: Vec::new(), first_key: 0 }
+    }
+}
+
+/// All contact of a step.
+#[derive(Clone, Debug, Default)]
+pub struct Contact {
+    points: Vec<Point>,
+    curves: Vec<Curve>,
+    pairs: Vec<Pair>,
+    laws: Vec<Law>,
+    /// Degrees of freedom of each point along r and z; [`NONE`] where it has none.
+    dofs_of: Vec<[u32; 2]>,
+    /// What each degree of freedom is of the scene, and whether its motion is prescribed.
+    dofs: Vec<(Dof, bool)>,
+    /// Pressure and shear stress of each key over the increment behind.
+    pressures: Vec<[f64; 2]>,
+    /// The gap of each key at the start where that is taken as none; empty where none is.
+    fits: Vec<f64>,
+    places: Vec<[f64; 2]>,
+    /// Where points were when lists were made; empty where there are none.
+    listed: Vec<[f64; 2]>,
+    gaps: Gaps,
+    rows: Rows,
+    motion: Motion,
+    /// Velocities without contact.
+    predicted: Vec<f64>,
+    /// Impulses along the normal and along the surface.
+    impulses: Vec<[f64; 2]>,
+    /// Acceleration of each body that moves freely by contact in the increment behind.
+    pushed: Vec<(usize, f64)>,
+    /// Time over which forces acted on velocities last.
+    half: f64,
+}
+
+/// An overlap of two surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// How deep, in the mean over the hat function of a point.
+    pub depth: f64,
+    /// Where that point is.
+    pub place: [f64; 2],
+}
+
+/// No degree of freedom: a rigid body does not move along r.
+const NONE: u32 = u32::MAX;
+
+impl Contact {
+    /// The contact of some pairs of curves over points.
+    pub fn new(points: Vec<Point>, curves: Vec<Curve>, mut pairs: Vec<Pair>, laws: Vec<Law>) -> Contact {
+        let mut contact = Contact { laws, ..Contact::default() };
+        contact.number(&points);
+        let mut keys = 0;
+        for pair in &mut pairs {
+            let own = &curves[pair.own];
+            let others = pair.other.map_or(own.facets.len(), |o| curves[o].facets.len());
+            pair.search = Search::new(pair.search.length, own.facets.len(), others);
+            pair.seen = vec![Seen::default(); own.facets.len()];
+            pair.first_key = keys;
+            keys += own.own.len() as u32;
+        }
+        let facets: usize = pairs.iter().map(|p| curves[p.own].facets.len()).sum();
+        contact.pressures = vec![[0.0; 2]; keys as usize];
+        contact.places = vec![[0.0; 2]; points.len()];
+        contact.listed = Vec::with_capacity(points.len());
+        contact.gaps = Gaps::new(facets);
+        contact.rows.terms.reserve(32 * keys as usize);
+        contact.rows.rows.reserve(keys as usize);
+        (contact.points, contact.curves, contact.pairs) = (points, curves, pairs);
+        contact
+    }
+
+    /// Looks at how surfaces lie when points are at these places, at the start: takes gaps as none where a pair says so, and gives
+    /// the deepest overlap of each pair, with its place.
+    pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<Option<Overlap>> {
+        self.places.copy_from_slice(places);
+        self.curves.iter_mut().for_each(|c| c.shape(places));
+        self.list();
+        self.measure();
+        let mut deepest: Vec<Option<Overlap>> = vec![None; self.pairs.len()];
+        let mut fits = vec![0.0; self.pressures.len()];
+        for row in &self.rows.rows {
+            let at = self.pairs.partition_point(|p| p.first_key <= row.key) - 1;
+            let (pair, gap) = (&self.pairs[at], row.gap / row.area);
+            if gap > 0.0 && gap <= pair.fits {
+                fits[row.key as usize] = gap;
+            }
+            let point = self.curves[pair.own].own[(row.key - pair.first_key) as usize];
+            if gap < deepest[at].map_or(0.0, |d: Overlap| -d.depth) {
+                deepest[at] = Some(Overlap { depth: -gap, place: places[point as usize] });
+            }
+        }
+        if fits.iter().any(|f| *f > 0.0) {
+            self.fits = fits;
+        }
+        self.listed.clear();
+        deepest
+    }
+
+    /// Gives degrees of freedom to points.
+    fn number(&mut self, points: &[Point]) {
+        for point in points {
+            self.dofs_of.push(match point.carrier {
+                Carrier::Node(n) => {
+                    self.dofs.extend([0, 1].map(|axis| (Dof::Node(n, axis), !point.free[axis])));
+                    [self.dofs.len() as u32 - 2, self.dofs.len() as u32 - 1]
+                }
+                Carrier::Body(b, _) => {
+                    let known = self.dofs.iter().position(|d| d.0 == Dof::Body(b));
+                    [NONE, known.unwrap_or_else(|| {
+                        self.dofs.push((Dof::Body(b), false));
+                        self.dofs.len() - 1
+                    }) as u32]
+                }
+            });
+        }
+        let count = self.dofs.len();
+        self.motion = Motion { velocity: vec![0.0; count], inverse_mass: vec![0.0; count] };
+        self.predicted = vec![0.0; count];
+        self.impulses = vec![[0.0; 2]; count];
+    }
+
+    /// Places at the start of the increment and velocities without contact, from where all has been carried freely.
+    fn look(&mut self, dofs: &Dofs, dt: f64) {
+        for (place, point) in self.places.iter_mut().zip(&self.points) {
+            *place = match point.carrier {
+                Carrier::Node(n) => {
+                    let node = &dofs.nodes[n];
+                    [node.r - dt * node.v_r, node.z - dt * node.v_z]
+                }
+                Carrier::Body(b, [r, z]) => [r, z + dofs.bodies[b].before.displacement],
+            };
+        }
+        for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {
+            let (velocity, inverse_mass) = match dof {
+                Dof::Node(n, axis) => {
+                    let node = &dofs.nodes[n];
+                    (if axis == 0 { node.v_r } else { node.v_z }, dofs.nodes.inverse_mass[n])
+                }
+                Dof::Body(b) => (dofs.bodies[b].velocity_half, dofs.bodies[b].inverse_mass),
+            };
+            self.motion.velocity[i] = velocity;
+            self.motion.inverse_mass[i] = if prescribed { 0.0 } else { inverse_mass };
+        }
+        self.predicted.copy_from_slice(&self.motion.velocity);
+    }
+
+    /// Makes lists anew where something has moved too far since they were made.
+    fn list(&mut self) {
+        let slack = self.pairs.iter().map(|p| p.search.slack()).fold(f64::INFINITY, f64::min);
+        let far = |(a, b): (&[f64; 2], &[f64; 2])| {
+            let d = [a[0] - b[0], a[1] - b[1]];
+            d[0] * d[0] + d[1] * d[1] > slack * slack
+        };
+        if self.listed.len() == self.places.len() && !self.places.iter().zip(&self.listed).any(far) {
+            return;
+        }
+        self.listed.clear();
+        self.listed.extend_from_slice(&self.places);
+        for pair in &mut self.pairs {
+            pair.search.build(&self.curves[pair.own], pair.other.map(|o| &self.curves[o]));
+        }
+    }
+
+    /// The gaps of all pairs as rows.
+    fn measure(&mut self) {
+        let Contact { curves, pairs, gaps, rows, dofs_of, fits, .. } = self;
+        gaps.shares.clear();
+        rows.rows.clear();
+        rows.terms.clear();
+        for pair in pairs.iter_mut() {
+            let own = &curves[pair.own];
+            let other = pair.other.map_or(own, |o| &curves[o]);
+            let mut any = false;
+            for k in 0..own.facets.len() {
+                let candidates = pair.search.candidates(k);
+                pair.seen[k] = if candidates.is_empty() {
+                    Seen::default()
+                } else {
+                    gaps.see(own, k, other, candidates, pair.search.reach())
+                };
+                any |= pair.seen[k].area != [0.0; 2];
+            }
+            if any {
+                for index in 0..own.own.len() {
+                    add_row(rows, pair, own, index, gaps, dofs_of, fits);
+                }
+            }
+        }
+    }
+
+    /// Impulses of the rows on degrees of freedom, and the pressures that are kept.
+    fn gather_impulses(&mut self) {
+        let Contact { rows, impulses, pressures, half, .. } = self;
+        pressures.fill([0.0; 2]);
+        impulses.fill([0.0; 2]);
+        for row in &rows.rows {
+            pressures[row.key as usize] = [row.pressed / *half, row.sheared / *half];
+            for term in &rows.terms[row.terms[0] as usize..row.terms[1] as usize] {
+                let on = &mut impulses[term.dof as usize];
+                on[0] += term.normal * row.pressed;
+                on[1] += term.slip * row.sheared;
+            }
+        }
+    }
+
+    /// Changes velocities and places, and books the work of the impulses: an impulse does itself times the mean of the velocities
+    /// before and after. What acts on a prescribed motion is work of that motion.
+    fn act(&mut self, dofs: &mut Dofs, dt: f64) {
+        let half = self.half;
+        let Dofs { bodies, nodes, energies } = dofs;
+        let mut work = [0.0; 2];
+        for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {
+            let [normal, slip] = self.impulses[i];
+            if normal == 0.0 && slip == 0.0 {
+                continue;
+            }
+            let change = self.motion.inverse_mass[i] * (normal + slip);
+            let mean = match dof {
+                Dof::Node(n, axis) => {
+                    let before = self.predicted[i] - half * nodes.acceleration[n][axis];
+                    nodes.acceleration[n][axis] += change / half;
+                    *nodes[n].velocity(axis) += change;
+                    *nodes[n].coordinate(axis) += dt * change;
+                    let node = &nodes[n];
+                    0.5 * (before + if axis == 0 { node.v_r } else { node.v_z })
+                }
+                Dof::Body(b) => {
+                    let body = &mut bodies[b];
+                    let before = body.before.velocity - (half - 0.5 * dt) * body.acceleration;
+                    let so_far = body.velocity_half - before - half * body.acceleration;
+                    body.velocity_half += change;
+                    body.displacement += dt * change;
+                    if !prescribed {
+                        // What surfaces did before in this increment acts over the new velocity.
+                        energies.contact -= 0.5 * body.mass * so_far * change;
+                    }
+                    0.5 * (before + body.velocity_half)
+                }
+            };
+            if prescribed {
+                energies.external -= (normal + slip) * mean;
+            }
+            work[0] += normal * mean;
+            work[1] += slip * mean;
+        }
+        energies.contact -= work[0];
+        energies.friction -= work[1];
+    }
+
+    /// What bodies that move freely took in this increment, in place of what they took in the one behind.
+    fn push_bodies(&mut self, dofs: &mut Dofs) {
+        let half = self.half;
+        for (b, pushed) in &mut self.pushed {
+            let at = self.dofs.iter().position(|d| d.0 == Dof::Body(*b));
+            let impulse = at.map_or(0.0, |i| self.impulses[i][0] + self.impulses[i][1]);
+            let body = &mut dofs.bodies[*b];
+            body.contact -= *pushed;
+            *pushed = impulse * body.inverse_mass / half;
+            body.contact += *pushed;
+        }
+    }
+}
+
+/// The row of one point, from what the facets around it see.
+fn add_row(
+    rows: &mut Rows,
+    pair: &Pair,
+    own: &Curve,
+    index: usize,
+    gaps: &Gaps,
+    dofs_of: &[[u32; 2]],
+    fits: &[f64],
+) {
+    let begin = rows.terms.len();
+    let mut row = Row::of(pair.first_key + index as u32, pair.law as u32);
+    for &(facet, end) in own.around_own(index) {
+        let (seen, end) = (&pair.seen[facet as usize], end as usize);
+        row.area += seen.area[end];
+        row.gap += seen.gap[end];
+        for share in &gaps.shares[seen.shares[0] as usize..seen.shares[1] as usize] {
+            let (of, dofs) = (share.of[end], dofs_of[share.point as usize]);
+            // The direction along the surface is the normal's, a quarter turn counter-clockwise.
+            add_term(&mut rows.terms, begin, dofs[0], of[0], -of[1]);
+            add_term(&mut rows.terms, begin, dofs[1], of[1], of[0]);
+        }
+    }
+    if row.area <= 0.0 {
+        rows.terms.truncate(begin);
+        return;
+    }
+    if let Some(fit) = fits.get(row.key as usize) {
+        row.gap -= fit * row.area;
+    }
+    row.terms = [begin as u32, rows.terms.len() as u32];
+    rows.rows.push(row);
+}
+
+fn add_term(terms: &mut Vec<Term>, begin: usize, dof: u32, normal: f64, slip: f64) {
+    if dof == NONE || (normal == 0.0 && slip == 0.0) {
+        return;
+    }
+    match terms[begin..].iter_mut().find(|t| t.dof == dof) {
+        Some(known) => {
+            known.normal += normal;
+            known.slip += slip;
+        }
+        None => terms.push(Term { dof, normal, slip }),
+    }
+}
+
+impl Constraint for Contact {
+    fn id(&self) -> EffectId {
+        self.pairs.first().map_or(0, |p| p.id)
+    }
+
+    fn begin(&mut self, dofs: &mut Dofs) {
+        self.pushed.clear();
+        for (dof, prescribed) in &mut self.dofs {
+            if let Dof::Body(b) = *dof {
+                *prescribed = dofs.bodies[b].prescribed;
+                self.pushed.extend((!*prescribed).then_some((b, 0.0)));
+            }
+        }
+    }
+
+    fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
+        if self.half == 0.0 {
+            return;
+        }
+        for (&(dof, prescribed), impulse) in self.dofs.iter().zip(&self.impulses) {
+            if let (Dof::Body(b), true) = (dof, prescribed) {
+                dofs.bodies[b].reaction -= (impulse[0] + impulse[1]) / self.half;
+            }
+        }
+    }
+
+    fn motion(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>, dt: f64) {
+        self.half = dofs.nodes.half;
+        self.look(dofs, dt);
+        self.curves.iter_mut().for_each(|c| c.shape(&self.places));
+        self.list();
+        self.measure();
+        let span = Span { ahead: dt, half: self.half };
+        self.rows.solve(&mut self.motion, &self.laws, &self.pressures, span);
+        self.gather_impulses();
+        self.act(dofs, dt);
+        self.push_bodies(dofs);
+    }
+
+    fn pull(&self, dof: Dof) -> f64 {
+        if self.half == 0.0 {
+            return 0.0;
+        }
+        let at = self.dofs.iter().position(|d| *d == (dof, true));
+        at.map_or(0.0, |i| (self.impulses[i][0] + self.impulses[i][1]) / self.half)
+    }
+
+    fn moves_nodes(&self) -> bool {
+        true
+    }
+
+    fn bytes(&self) -> usize {
+        let of_pair = |p: &Pair| p.search.bytes() + size_of::<Seen>() * p.seen.capacity() + size_of::<Pair>();
+        self.pairs.iter().map(of_pair).sum::<usize>()
+            + self.curves.iter().map(Curve::bytes).sum::<usize>()
+            + self.gaps.bytes()
+            + self.rows.bytes()
+            + self.points.capacity() * (size_of::<Point>() + 2 * size_of::<[f64; 2]>() + size_of::<[u32; 2]>())
+            + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 5 * size_of::<f64>())
+            + self.pressures.capacity() * size_of::<[f64; 2]>()
+            + self.fits.capacity() * size_of::<f64>()
+    }
+
+    fn copy(&self) -> Box<dyn Constraint> {
+        Box::new(self.clone())
+    }
+}
+
+impl Persist for Contact {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Contact { curves, pressures, impulses, pushed, half, listed, .. } = self;
+        if archive.reads() {
+            // Lists are made from what is read; rows do not depend on when they were made.
+            listed.clear();
+        }
+        curves.iter_mut().for_each(|c| c.persist(archive));
+        persist_fields!(archive; pressures.as_mut_slice(), impulses.as_mut_slice(), half);
+        pushed.iter_mut().for_each(|p| p.1.persist(archive));
+    }
+}

@@ -1,0 +1,253 @@
+//! The impulses with which surfaces end an increment without going on into each other: projected Gauss-Seidel sweeps over the
+//! gaps of all pairs, in a fixed order, warm from the pressures of the increment before (Jean 1999, Comput. Methods Appl. Mech.
+//! Engrg. 177, 235).
+//! Never here: where gaps come from.
+
+use crate::kernel::interaction::{Law, Overclosure};
+
+/// The share of one degree of freedom in a gap, along the normal and along the surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    /// The degree of freedom.
+    pub dof: u32,
+    /// Derivative of the gap by it.
+    pub normal: f64,
+    /// Derivative of the slip by it.
+    pub slip: f64,
+}
+
+/// The weighted gap of one point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row {
+    /// Where its terms begin and end.
+    pub terms: [u32; 2],
+    /// Which of the points that carry multipliers it is.
+    pub key: u32,
+    /// Which law it follows.
+    pub law: u32,
+    /// Area of its hat function.
+    pub area: f64,
+    /// Gap times area, less what was there at the start where that is taken off.
+    pub gap: f64,
+    /// Rate at which the gap times area may close in this increment.
+    bias: f64,
+    /// Change of the rate by an impulse a unit of area, along the normal and along the surface.
+    gives: [f64; 2],
+    /// Impulses a unit of area.
+    pub pressed: f64,
+    /// Along the surface.
+    pub sheared: f64,
+    /// Of friction in this increment.
+    coefficient: f64,
+}
+
+impl Row {
+    /// A row without gap or area.
+    pub fn of(key: u32, law: u32) -> Row {
+        Row { key, law, ..Row::default() }
+    }
+}
+
+/// All that moves in contact: velocities and inverse masses of its degrees of freedom.
+#[derive(Clone, Debug, Default)]
+pub struct Motion {
+    /// Velocities over the increment.
+    pub velocity: Vec<f64>,
+    /// One over the mass; 0 of what is prescribed.
+    pub inverse_mass: Vec<f64>,
+}
+
+impl Motion {
+    fn rate(&self, terms: &[Term]) -> f64 {
+        terms.iter().map(|t| t.normal * self.velocity[t.dof as usize]).sum()
+    }
+
+    fn slip(&self, terms: &[Term]) -> f64 {
+        terms.iter().map(|t| t.slip * self.velocity[t.dof as usize]).sum()
+    }
+
+    fn push(&mut self, terms: &[Term], impulse: f64) {
+        for t in terms {
+            self.velocity[t.dof as usize] += self.inverse_mass[t.dof as usize] * t.normal * impulse;
+        }
+    }
+
+    fn shear(&mut self, terms: &[Term], impulse: f64) {
+        for t in terms {
+            self.velocity[t.dof as usize] += self.inverse_mass[t.dof as usize] * t.slip * impulse;
+        }
+    }
+}
+
+/// The increment that impulses act in.
+#[derive(Clone, Copy, Debug)]
+pub struct Span {
+    /// Length of the increment ahead.
+    pub ahead: f64,
+    /// Time over which forces act on velocities: half of both increments around.
+    pub half: f64,
+}
+
+/// Rows and their terms.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    /// Terms of all rows.
+    pub terms: Vec<Term>,
+    /// In the order in which sweeps take them.
+    pub rows: Vec<Row>,
+    /// Sweeps of the last increment.
+    pub sweeps: u32,
+}
+
+/// Change of the rates in a sweep, as a part of the fastest approach, at which sweeps end.
+const TOLERANCE: f64 = 1e-9;
+/// Part of the fastest velocity of all that rounding can make of the approach.
+const ROUNDING: f64 = 1e-10;
+/// Sweeps at most.
+pub const MOST_SWEEPS: u32 = 200;
+/// Rounds for the root of a pressure-overclosure relationship.
+const ROUNDS: usize = 30;
+
+impl Rows {
+    /// Finds the impulses; velocities in `motion` are those they give. `laws` are those of the rows, `before` the pressure and
+    /// shear stress of each key in the increment before. Nothing is done where nothing approaches.
+    pub fn solve(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) {
+        self.sweeps = 0;
+        let approach = self.prepare(motion, laws, span);
+        if approach <= 0.0 {
+            self.rows.clear();
+            return;
+        }
+        let fastest = self.terms.iter().fold(0.0_f64, |v, t| v.max(motion.velocity[t.dof as usize].abs()));
+        let reference = approach.max(ROUNDING * fastest);
+        self.keep_near(motion, laws, approach, span);
+        let Rows { terms, rows, .. } = self;
+        for row in rows.iter_mut() {
+            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let [pressure, shear] = before[row.key as usize];
+            row.pressed = pressure * span.half;
+            let most = most_shear(row, &laws[row.law as usize], span.half);
+            row.sheared = (shear * span.half).clamp(-most, most);
+            motion.push(own, row.pressed);
+            motion.shear(own, row.sheared);
+        }
+        while self.sweeps < MOST_SWEEPS {
+            self.sweeps += 1;
+            if self.sweep(motion, laws, span) <= TOLERANCE * reference {
+                break;
+            }
+        }
+    }
+
+    /// What rows need; returns the fastest approach beyond what is let through, as a velocity.
+    fn prepare(&mut self, motion: &Motion, laws: &[Law], span: Span) -> f64 {
+        let Rows { terms, rows, .. } = self;
+        rows.retain_mut(|row| {
+            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            row.gives = [0.0; 2];
+            for t in own {
+                let w = motion.inverse_mass[t.dof as usize];
+                row.gives[0] += w * t.normal * t.normal;
+                row.gives[1] += w * t.slip * t.slip;
+            }
+            row.gives[0] > 0.0 && row.area > 0.0
+        });
+        let mut approach: f64 = 0.0;
+        for row in rows.iter_mut() {
+            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let law = &laws[row.law as usize];
+            row.bias = (row.gap - law.overclosure.begins() * row.area).max(0.0) / span.ahead;
+            row.coefficient = match law.friction.decay {
+                0.0 => law.friction.at_rest,
+                _ => law.friction.coefficient(motion.slip(own).abs() / row.area),
+            };
+            let short = -(motion.rate(own) + row.bias) / row.area;
+            // What gives way presses wherever it is closed, at whatever rate.
+            let closed = law.overclosure != Overclosure::Hard && row.bias == 0.0;
+            let by_closure = if closed { (-row.gap / row.area + law.overclosure.begins()) / span.ahead } else { 0.0 };
+            approach = approach.max(short).max(by_closure);
+        }
+        approach
+    }
+
+    /// Leaves out rows that nothing in this increment can close.
+    fn keep_near(&mut self, motion: &Motion, laws: &[Law], approach: f64, span: Span) {
+        let Rows { terms, rows, .. } = self;
+        rows.retain(|row| {
+            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let begins = laws[row.law as usize].overclosure.begins() * row.area;
+            row.gap - begins + span.ahead * motion.rate(own) <= 2.0 * span.ahead * row.area * approach
+        });
+    }
+
+    /// One sweep; returns the largest change of a rate, as a velocity.
+    fn sweep(&mut self, motion: &mut Motion, laws: &[Law], span: Span) -> f64 {
+        let Rows { terms, rows, .. } = self;
+        let mut largest: f64 = 0.0;
+        for row in rows.iter_mut() {
+            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let law = &laws[row.law as usize];
+            let rate = motion.rate(own);
+            let pressed = match &law.overclosure {
+                Overclosure::Hard => (row.pressed - (rate + row.bias) / row.gives[0]).max(0.0),
+                soft => give_way(row, soft, rate - row.gives[0] * row.pressed, span),
+            };
+            let change = pressed - row.pressed;
+            if change != 0.0 {
+                row.pressed = pressed;
+                motion.push(own, change);
+                largest = largest.max(change.abs() * row.gives[0] / row.area);
+            }
+            if row.coefficient > 0.0 && row.gives[1] > 0.0 {
+                let most = most_shear(row, law, span.half);
+                let sheared = (row.sheared - motion.slip(own) / row.gives[1]).clamp(-most, most);
+                let change = sheared - row.sheared;
+                if change != 0.0 {
+                    row.sheared = sheared;
+                    motion.shear(own, change);
+                    largest = largest.max(change.abs() * row.gives[1] / row.area);
+                }
+            }
+        }
+        largest
+    }
+
+    /// Bytes of the arrays.
+    pub fn bytes(&self) -> usize {
+        size_of::<Term>() * self.terms.capacity() + size_of::<Row>() * self.rows.capacity()
+    }
+}
+
+/// The largest impulse along the surface.
+fn most_shear(row: &Row, law: &Law, half: f64) -> f64 {
+    let most = if row.pressed > 0.0 { row.coefficient * row.pressed } else { 0.0 };
+    most.min(law.friction.largest * half)
+}
+
+/// The impulse of a law that gives way: the pressure at the overlap with which the increment ends, so that no stiffness limits the
+/// increment. `free` is the rate without it. One root: the pressure falls as the impulse grows.
+fn give_way(row: &Row, law: &Overclosure, free: f64, span: Span) -> f64 {
+    let overlap = |impulse: f64| -(row.gap + span.ahead * (free + row.gives[0] * impulse)) / row.area;
+    let steeper = span.half * span.ahead * row.gives[0] / row.area;
+    let [first, _] = law.pressure(overlap(0.0));
+    let (mut low, mut high) = (0.0, span.half * first);
+    let mut impulse = row.pressed.clamp(low, high);
+    for _ in 0..ROUNDS {
+        let [pressure, slope] = law.pressure(overlap(impulse));
+        let left = impulse - span.half * pressure;
+        if left > 0.0 {
+            high = impulse;
+        } else {
+            low = impulse;
+        }
+        let mut next = impulse - left / (1.0 + slope * steeper);
+        if !(low..=high).contains(&next) {
+            next = 0.5 * (low + high);
+        }
+        if (next - impulse).abs() <= 1e-14 * high {
+            return next;
+        }
+        impulse = next;
+    }
+    impulse
+}

@@ -1,0 +1,106 @@
+//! How surfaces that meet interact: pressure over the closure of the gap, friction over the pressure.
+//! Never here: where they meet.
+
+/// Pressure over overclosure (ABAQUS Analysis User's Guide, "Contact pressure-overclosure relationships").
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Overclosure {
+    /// Surfaces never overlap, whatever the pressure.
+    #[default]
+    Hard,
+    /// Pressure a length of overlap.
+    Linear(f64),
+    /// Pressure at no gap, and the gap at which it begins:
+    /// p = p0/(e - 1) ((h/c + 1)(exp(h/c + 1) - 1)) for overlaps h above -c.
+    Exponential([f64; 2]),
+    /// Rows of pressure and overlap, ascending; the last slope goes on.
+    Table(Vec<[f64; 2]>),
+}
+
+impl Overclosure {
+    /// The gap at which pressure begins.
+    pub fn begins(&self) -> f64 {
+        match self {
+            Overclosure::Hard | Overclosure::Linear(_) => 0.0,
+            Overclosure::Exponential([_, gap]) => *gap,
+            Overclosure::Table(rows) => rows.first().map_or(0.0, |row| -row[1]),
+        }
+    }
+
+    /// Pressure at an overlap, and how fast it grows.
+    pub fn pressure(&self, overlap: f64) -> [f64; 2] {
+        match self {
+            Overclosure::Hard => [0.0, 0.0],
+            Overclosure::Linear(stiffness) if overlap > 0.0 => [stiffness * overlap, *stiffness],
+            Overclosure::Linear(_) => [0.0, 0.0],
+            Overclosure::Exponential([at_zero, gap]) => {
+                let x = overlap / gap + 1.0;
+                if x <= 0.0 {
+                    return [0.0, 0.0];
+                }
+                let (factor, grown) = (at_zero / (std::f64::consts::E - 1.0), libm::exp(x));
+                [factor * x * (grown - 1.0), factor * (grown - 1.0 + x * grown) / gap]
+            }
+            Overclosure::Table(rows) => tabulated(rows, overlap),
+        }
+    }
+}
+
+fn tabulated(rows: &[[f64; 2]], overlap: f64) -> [f64; 2] {
+    let [Some(first), Some(_)] = [rows.first(), rows.get(1)] else { return [0.0, 0.0] };
+    if overlap <= first[1] {
+        return [0.0, 0.0];
+    }
+    let next = rows.partition_point(|row| row[1] < overlap).clamp(1, rows.len() - 1);
+    let ([p, h], [q, k]) = (rows[next - 1], rows[next]);
+    let slope = (q - p) / (k - h);
+    [p + slope * (overlap - h), slope]
+}
+
+/// Coulomb friction, with a coefficient that may decay with the rate of slip (ABAQUS Analysis User's Guide, "Frictional
+/// behavior").
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient at rest, or at any rate.
+    pub at_rest: f64,
+    /// Coefficient at great rates of slip.
+    pub sliding: f64,
+    /// How fast one becomes the other, time a length.
+    pub decay: f64,
+    /// The largest shear stress (`TAUMAX`).
+    pub largest: f64,
+}
+
+impl Default for Friction {
+    fn default() -> Self {
+        Friction::of(0.0)
+    }
+}
+
+impl Friction {
+    /// One coefficient.
+    pub fn of(coefficient: f64) -> Friction {
+        Friction { at_rest: coefficient, sliding: coefficient, decay: 0.0, largest: f64::INFINITY }
+    }
+
+    /// Whether there is any.
+    pub fn is_there(&self) -> bool {
+        self.at_rest > 0.0 || self.sliding > 0.0
+    }
+
+    /// The coefficient at a rate of slip.
+    pub fn coefficient(&self, rate: f64) -> f64 {
+        if self.decay == 0.0 {
+            return self.at_rest;
+        }
+        self.sliding + (self.at_rest - self.sliding) * libm::exp(-self.decay * rate)
+    }
+}
+
+/// How two surfaces interact.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Law {
+    /// Along the normal.
+    pub overclosure: Overclosure,
+    /// Along the surface.
+    pub friction: Friction,
+}

@@ -1,0 +1,63 @@
+//! Contact of surfaces of elements with each other and with themselves: the pairs of `*CONTACT PAIR` without an analytical
+//! surface.
+//! Never here: analytical surfaces, how surfaces interact, what contact does.
+
+use super::builder::Builder;
+use super::types::{Law, Sides, SurfaceContact};
+use crate::deck::{Card, DataLine, Diagnostic, Word};
+
+impl Builder<'_> {
+    /// A pair of surfaces of elements is added, or deleted.
+    pub(super) fn surface_pair(&mut self, card: &Card, line: &DataLine, words: [&Word; 2], adds: bool) {
+        let Some(first) = self.contact_sides(words[0]) else { return };
+        let Some(second) = self.contact_sides(words[1]) else { return };
+        let fits = match card.value("ADJUST") {
+            None => 0.0,
+            Some(word) => match self.adjust(word) {
+                Some(fits) => fits,
+                None => return,
+            },
+        };
+        let same = |c: &SurfaceContact| {
+            let names = [&c.sides[0].name, &c.sides[1].name];
+            names == [&first.name, &second.name] || names == [&second.name, &first.name]
+        };
+        let pairs = &mut self.state().surface_contacts;
+        let before = pairs.len();
+        // A pair that is given again takes the place of the earlier one.
+        pairs.retain(|c| !same(c));
+        if !adds {
+            if pairs.len() == before {
+                let message = "there is no such contact pair to delete";
+                self.diagnostics.push(Diagnostic::error("M114", message).at(line.span, "in force here"));
+            }
+            return;
+        }
+        let (interaction, law) = (card.value("INTERACTION").cloned(), Law::default());
+        pairs.push(SurfaceContact { sides: [first, second], fits, interaction, law, span: line.span });
+    }
+
+    /// The sides of a surface of elements.
+    fn contact_sides(&mut self, word: &Word) -> Option<Sides> {
+        let key = self.surface_key(word)?;
+        let faces = self.model.surfaces[&key].faces.clone();
+        if faces.is_empty() {
+            self.out_of_range(word.span, format!("surface `{}` has no faces", word.text));
+            return None;
+        }
+        Some(Sides { name: key, surface: true, faces })
+    }
+
+    /// The largest gap at the start that is taken as none.
+    fn adjust(&mut self, word: &Word) -> Option<f64> {
+        let Some(value) = word.text.trim().parse::<f64>().ok() else {
+            self.unsupported(word.span, "ADJUST with a set of nodes is not supported", "give the largest gap to close");
+            return None;
+        };
+        if value >= 0.0 && value.is_finite() {
+            return Some(value);
+        }
+        self.out_of_range(word.span, format!("ADJUST is the largest gap to close, not {value}"));
+        None
+    }
+}

@@ -1,0 +1,246 @@
+//! Contact of surfaces of elements: which curves there are, which of a pair carries the pressures, what is told of how they start.
+//! Never here: analytical surfaces, the contact itself.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Compiler, State};
+use crate::constraint::Constraint;
+use crate::constraint::contact::curve::{Carrier, Curve, Point};
+use crate::constraint::contact::{Contact, Overlap, Pair};
+use crate::deck::Diagnostic;
+use crate::kernel::interaction::{Law, Overclosure};
+use crate::model::{Side, Sides, Step, SurfaceContact};
+
+/// A facet is met from behind no deeper than this many of its lengths.
+const DEEPEST: f64 = 2.0;
+/// Overlaps at the start up to this part of a facet are chords of curved surfaces that fit.
+const FIT: f64 = 0.05;
+
+/// Points and curves as they are found.
+#[derive(Default)]
+struct Found {
+    points: Vec<Point>,
+    places: Vec<[f64; 2]>,
+    point_of_node: HashMap<usize, u32>,
+    curves: Vec<Curve>,
+    /// The longest facet and the mean length of each, and whether what carries it deforms.
+    lengths: Vec<[f64; 2]>,
+    deforms: Vec<bool>,
+    by_name: HashMap<String, usize>,
+}
+
+impl Compiler<'_> {
+    /// All contact of surfaces of elements in a step.
+    pub(super) fn contact(
+        &mut self,
+        step: &Step,
+        state: &State,
+        prescribed: &HashSet<(usize, usize)>,
+    ) -> Option<Box<dyn Constraint>> {
+        let (mut found, mut pairs, mut laws) = (Found::default(), Vec::new(), Vec::<Law>::new());
+        let mut spans = Vec::new();
+        for contact in &step.surface_contacts {
+            let curves = [0, 1].map(|i| self.curve(contact, i, state, prescribed, &mut found));
+            let [Some(first), Some(second)] = curves else { continue };
+            if !found.deforms[first] && !found.deforms[second] {
+                let message = "both surfaces of this pair are rigid";
+                let finding = Diagnostic::error("P021", message).at(contact.span, "nothing of it deforms");
+                self.diagnostics.push(finding.help("one of them must belong to what deforms"));
+                continue;
+            }
+            let law = laws.iter().position(|l| *l == contact.law).unwrap_or_else(|| {
+                laws.push(contact.law.clone());
+                laws.len() - 1
+            });
+            let [own, other] = found.order(first, second);
+            let length = found.lengths[first][0].min(found.lengths[second][0]);
+            let id = self.contact_row(contact, &found, own);
+            let other = (own != other).then_some(other);
+            pairs.push(Pair::new(id, own, other, law, contact.fits, length));
+            spans.push((contact, length));
+        }
+        if pairs.is_empty() {
+            return None;
+        }
+        let Found { points, places, curves, .. } = found;
+        let mut contact = Contact::new(points, curves, pairs, laws);
+        let overlaps = contact.start(&places);
+        for ((contact, length), overlap) in spans.into_iter().zip(overlaps) {
+            self.tell_start(contact, length, overlap);
+        }
+        Some(Box::new(contact))
+    }
+
+    fn contact_row(&mut self, contact: &SurfaceContact, found: &Found, own: usize) -> usize {
+        let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
+        let between = if contact.is_of_one() { format!("{a} with itself") } else { format!("{a} and {b}") };
+        let kind = match &contact.law.overclosure {
+            Overclosure::Hard => "hard",
+            Overclosure::Linear(_) => "linear",
+            Overclosure::Exponential(_) => "exponential",
+            Overclosure::Table(_) => "tabular",
+        };
+        let friction = match contact.law.friction.at_rest {
+            _ if !contact.law.friction.is_there() => String::new(),
+            f64::INFINITY => ", rough".into(),
+            coefficient => format!(", friction {coefficient}"),
+        };
+        let count = found.curves[own].facets.len();
+        self.cause(contact.span, "contact", count, "facets", format!("{between}, {kind}{friction}"))
+    }
+
+    /// One surface of a pair; `None` where it cannot be in contact, which is told.
+    fn curve(
+        &mut self,
+        contact: &SurfaceContact,
+        which: usize,
+        state: &State,
+        prescribed: &HashSet<(usize, usize)>,
+        found: &mut Found,
+    ) -> Option<usize> {
+        let sides = &contact.sides[which];
+        if let Some(&known) = found.by_name.get(&sides.name) {
+            return Some(known);
+        }
+        let kept = self.kept.concerned();
+        let mut facets = Vec::new();
+        for &(element, side) in &sides.faces {
+            let Some(mut ends) = self.model.mesh.ends(element, side) else { continue };
+            // The body lies to the left of the way; seen from the side of its normal a shell lies to the right.
+            if side == Side::Positive {
+                ends.reverse();
+            }
+            let mut facet = [0; 2];
+            for (point, node) in facet.iter_mut().zip(ends) {
+                *point = match found.point_of_node.get(&node) {
+                    Some(&known) => known,
+                    None => match self.contact_point(node, state, prescribed, &kept) {
+                        Ok(at) => found.add(node, at, self.model.mesh.points[node]),
+                        Err(why) => {
+                            let finding = Diagnostic::error("P021", why).at(contact.span, "this pair");
+                            self.diagnostics.push(finding);
+                            return None;
+                        }
+                    },
+                };
+            }
+            facets.push((facet, element));
+        }
+        // What lies on the axis is the inside of a body.
+        facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
+        if facets.is_empty() {
+            let message = format!("surface `{}` has no facets that could meet anything", sides.name);
+            self.diagnostics.push(Diagnostic::error("P021", message).at(contact.span, "this pair"));
+            return None;
+        }
+        Some(found.add_curve(sides, &facets, self.skin_of(sides)))
+    }
+
+    /// What carries a point of a surface in contact, and along which axes it moves freely.
+    fn contact_point(
+        &self,
+        node: usize,
+        state: &State,
+        prescribed: &HashSet<(usize, usize)>,
+        kept: &HashSet<(usize, usize)>,
+    ) -> Result<Point, String> {
+        let mesh = &self.model.mesh;
+        if let Some(place) = self.places.free_node(node) {
+            if kept.contains(&(place, 0)) || kept.contains(&(place, 1)) {
+                let name = &mesh.node_names[node];
+                let why = "follows others (*EQUATION, *MPC, *COUPLING, *TIE): leave it out of the surface";
+                return Err(format!("node {name} is in contact and {why}"));
+            }
+            debug_assert!(place < state.dofs.nodes.len());
+            let free = [0, 1].map(|axis| !prescribed.contains(&(place, axis)));
+            return Ok(Point { carrier: Carrier::Node(place), free });
+        }
+        let body = self.places.tied.get(&node).or_else(|| self.body_of_node.get(&node));
+        match body {
+            Some(&body) => Ok(Point { carrier: Carrier::Body(body, mesh.points[node]), free: [false, true] }),
+            None => Err(format!("node {} belongs to no body", mesh.node_names[node])),
+        }
+    }
+
+    /// The edges that one element alone has of all solids that hang together with a surface by elements of their sections.
+    fn skin_of(&self, sides: &Sides) -> Vec<[[f64; 2]; 2]> {
+        let mesh = &self.model.mesh;
+        let solids = mesh.elements.iter().filter(|e| e.nodes.len() > 2);
+        let around = |nodes: &[usize]| -> Vec<[usize; 2]> {
+            (0..nodes.len()).map(|i| [nodes[i], nodes[(i + 1) % nodes.len()]]).filter(|e| e[0] != e[1]).collect()
+        };
+        let mut edges: HashMap<[usize; 2], usize> = HashMap::new();
+        for [a, b] in solids.clone().flat_map(|e| around(&e.nodes)) {
+            *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+        let free = solids.flat_map(|e| around(&e.nodes)).filter(|[a, b]| edges[&[*a.min(b), *a.max(b)]] == 1);
+        let skin = free.map(|e| e.map(|n| mesh.points[n]));
+        let shells = sides.faces.iter().filter(|f| matches!(f.1, Side::Positive | Side::Negative));
+        let shells = shells.filter_map(|&(e, side)| mesh.ends(e, side)).map(|e| e.map(|n| mesh.points[n]));
+        skin.chain(shells).filter(|e| e[0][0] != 0.0 || e[1][0] != 0.0).collect()
+    }
+
+    /// Says where the surfaces of a pair lie in each other.
+    fn tell_start(&mut self, contact: &SurfaceContact, length: f64, overlap: Option<Overlap>) {
+        let Some(Overlap { depth, place: [r, z] }) = overlap.filter(|o| o.depth > FIT * length) else { return };
+        let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
+        let message = format!("`{a}` and `{b}` lie in each other at the start, up to {depth:.3e} deep");
+        let label = format!("deepest near ({r:.4e}, {z:.4e}); the overlap stays and grows no deeper");
+        let finding = Diagnostic::warning("P111", message).at(contact.span, label);
+        self.diagnostics.push(finding.help("move the bodies apart"));
+    }
+}
+
+impl Found {
+    fn add(&mut self, node: usize, point: Point, place: [f64; 2]) -> u32 {
+        let index = self.points.len() as u32;
+        self.points.push(point);
+        self.places.push(place);
+        self.point_of_node.insert(node, index);
+        index
+    }
+
+    fn add_curve(&mut self, sides: &Sides, facets: &[([u32; 2], usize)], skin: Vec<[[f64; 2]; 2]>) -> usize {
+        let ends = |f: &[u32; 2]| f.map(|p| self.places[p as usize]);
+        let lengths: Vec<f64> = facets.iter().map(|(f, _)| length(ends(f))).collect();
+        let depth = facets.iter().zip(&lengths).map(|((f, _), l)| depth(ends(f), *l, &skin)).collect();
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        let node = |p: u32| matches!(self.points[p as usize].carrier, Carrier::Node(_));
+        self.deforms.push(facets.iter().any(|(f, _)| f.iter().any(|p| node(*p))));
+        self.lengths.push([longest, lengths.iter().sum::<f64>() / lengths.len() as f64]);
+        self.curves.push(Curve::new(facets.iter().map(|f| f.0).collect(), depth, &self.places));
+        self.by_name.insert(sides.name.clone(), self.curves.len() - 1);
+        self.curves.len() - 1
+    }
+
+    /// Which of two curves carries the pressures, and the other: the finer of two that deform, never a rigid one.
+    fn order(&self, first: usize, second: usize) -> [usize; 2] {
+        let swaps = match (self.deforms[first], self.deforms[second]) {
+            (true, true) => self.lengths[second][1] < self.lengths[first][1],
+            (deforms, _) => !deforms,
+        };
+        if swaps { [second, first] } else { [first, second] }
+    }
+}
+
+fn length([a, b]: [[f64; 2]; 2]) -> f64 {
+    libm::hypot(b[0] - a[0], b[1] - a[1])
+}
+
+/// How deep behind a facet something is still in contact with it: half the way to the next skin behind it, and no more than
+/// [`DEEPEST`] lengths.
+fn depth([a, b]: [[f64; 2]; 2], length: f64, skin: &[[[f64; 2]; 2]]) -> f64 {
+    let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    let inward = [-(b[1] - a[1]) / length, (b[0] - a[0]) / length];
+    let mut nearest = 2.0 * DEEPEST * length;
+    for &[p, q] in skin {
+        let (d, e) = ([p[0] - middle[0], p[1] - middle[1]], [q[0] - p[0], q[1] - p[1]]);
+        let cross = inward[0] * e[1] - inward[1] * e[0];
+        let way = (d[0] * e[1] - d[1] * e[0]) / cross;
+        let part = (d[0] * inward[1] - d[1] * inward[0]) / cross;
+        if (0.0..=1.0).contains(&part) && way > 1e-6 * length && way < nearest {
+            nearest = way;
+        }
+    }
+    0.5 * nearest
+}
