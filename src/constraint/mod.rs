@@ -11,12 +11,14 @@ pub mod tie;
 pub mod user_motion;
 pub mod wall;
 
+use self::contact::curve::Carrier;
 use crate::load::Slot;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
+use crate::variables::Part;
 
 /// A constraint over a step. In each increment the integrator calls [`Constraint::passes_on`], [`Constraint::accelerations`],
 /// [`Constraint::velocities`] and, behind the motion, [`Constraint::motion`]; constraints follow each other in the order of the
@@ -82,6 +84,16 @@ pub trait Constraint: Persist + Send + Sync {
     /// Nodes that a rigid body carries.
     fn carries(&self) -> &[usize] {
         &[]
+    }
+
+    /// A number that it shows at a point of a surface.
+    fn at_point(&self, _carrier: Carrier, _part: Part) -> Option<f64> {
+        None
+    }
+
+    /// A number that it shows of two surfaces in contact.
+    fn of_pair(&self, _pair: usize, _part: Part) -> Option<f64> {
+        None
     }
 
     /// Bytes that it holds.

@@ -192,6 +192,10 @@ impl<'a> Builder<'a> {
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
             "CONTACT PAIR" => self.contact_pair(card),
+            "CONTACT" => self.general_contact(card),
+            "CONTACT INCLUSIONS" | "CONTACT EXCLUSIONS" | "CONTACT PROPERTY ASSIGNMENT" => {
+                self.general_contact_card(card);
+            }
             "SURFACE INTERACTION" => self.surface_interaction(card),
             "SURFACE BEHAVIOR" => self.surface_behavior(card),
             "FRICTION" => self.friction(card),

@@ -164,6 +164,7 @@ impl Step {
             fields: Vec::new(),
             contacts: Vec::new(),
             surface_contacts: Vec::new(),
+            general_contact: None,
             mass_scalings: Vec::new(),
             energy_limit: None,
             outputs: Vec::new(),

@@ -187,7 +187,7 @@ impl Builder<'_> {
     }
 
     pub(super) fn contact_note(&mut self, card: &Card) {
-        if !self.deck.cards.iter().any(|c| c.keyword.name == "CONTACT PAIR") {
+        if !self.deck.cards.iter().any(|c| matches!(c.keyword.name, "CONTACT PAIR" | "CONTACT")) {
             self.inert(card, "it serves contact only".into());
         }
     }

@@ -23,6 +23,7 @@ mod eos;
 mod equations;
 mod failure;
 mod fields;
+mod general_contact;
 mod gmsh_file;
 mod heat_loads;
 mod history;

@@ -187,6 +187,7 @@ impl Builder<'_> {
             "ELEMENT OUTPUT" => OutputCard::Element,
             "ENERGY OUTPUT" => OutputCard::Energy,
             "INTEGRATED OUTPUT" => OutputCard::Integrated,
+            "CONTACT OUTPUT" => OutputCard::Contact,
             _ => OutputCard::Incrementation,
         };
         if request.kind == OutputKind::Field && region != Region::Whole {

@@ -5,7 +5,7 @@ use super::builder::Builder;
 use super::history::{History, StepTime};
 use super::names::upper;
 use super::types::{
-    Boundary, Contact, EnergyLimit, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind, OutputRequest,
+    Boundary, Contact, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind, OutputRequest,
     PrescribedField, Restart, Step, SurfaceContact,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span};
@@ -37,6 +37,7 @@ pub(super) struct StepState {
     pub earlier_outputs: Vec<OutputRequest>,
     pub contacts: Vec<Contact>,
     pub surface_contacts: Vec<SurfaceContact>,
+    pub general_contact: Option<GeneralContact>,
     pub mass_scalings: Vec<MassScaling>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
@@ -146,6 +147,7 @@ impl Builder<'_> {
             fields,
             contacts: state.contacts,
             surface_contacts: state.surface_contacts,
+            general_contact: state.general_contact,
             mass_scalings: state.mass_scalings,
             energy_limit: state.energy_limit,
             outputs: state.outputs,

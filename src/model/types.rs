@@ -639,6 +639,30 @@ impl SurfaceContact {
     }
 }
 
+/// What a word of general contact means.
+#[derive(Clone, Debug)]
+pub enum ContactDomain {
+    /// All that is outside.
+    All,
+    /// A surface.
+    Surface(Sides),
+}
+
+/// General contact (`*CONTACT`): which surfaces may meet is found from the mesh.
+#[derive(Clone, Debug, Default)]
+pub struct GeneralContact {
+    /// The card.
+    pub span: Span,
+    /// Whether all that is outside may meet everything (`ALL EXTERIOR`).
+    pub all: bool,
+    /// What may meet beside that, with its data line.
+    pub included: Vec<([ContactDomain; 2], Span)>,
+    /// What may not.
+    pub excluded: Vec<[ContactDomain; 2]>,
+    /// Names of interactions, the last that covers a pair counts.
+    pub assigned: Vec<([ContactDomain; 2], Word)>,
+}
+
 /// Contact of a surface with an analytical one.
 #[derive(Clone, Debug)]
 pub struct Contact {
@@ -830,6 +854,8 @@ pub struct Step {
     pub contacts: Vec<Contact>,
     /// Contact of surfaces of elements in force.
     pub surface_contacts: Vec<SurfaceContact>,
+    /// General contact in force.
+    pub general_contact: Option<GeneralContact>,
     /// Mass scaling in force, in the order of the deck.
     pub mass_scalings: Vec<MassScaling>,
     /// Limits on energies in force.
@@ -1115,6 +1141,8 @@ pub enum OutputCard {
     Incrementation,
     /// `*INTEGRATED OUTPUT`.
     Integrated,
+    /// `*CONTACT OUTPUT`.
+    Contact,
 }
 
 impl OutputCard {
@@ -1129,6 +1157,7 @@ impl OutputCard {
             OutputCard::Energy => &[Place::Energy],
             OutputCard::Incrementation => &[Place::Increment],
             OutputCard::Integrated => &[Place::Section],
+            OutputCard::Contact => &[Place::Node, Place::Pair],
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::general_contact::pair_name;
 use super::{Compiler, State};
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
@@ -39,7 +40,8 @@ impl Compiler<'_> {
     ) -> Option<Box<dyn Constraint>> {
         let (mut found, mut pairs, mut laws) = (Found::default(), Vec::new(), Vec::<Law>::new());
         let mut spans = Vec::new();
-        for contact in &step.surface_contacts {
+        let wanted = self.pairs(step);
+        for contact in &wanted {
             let curves = [0, 1].map(|i| self.curve(contact, i, state, prescribed, &mut found));
             let [Some(first), Some(second)] = curves else { continue };
             if !found.deforms[first] && !found.deforms[second] {
@@ -52,11 +54,14 @@ impl Compiler<'_> {
                 laws.push(contact.law.clone());
                 laws.len() - 1
             });
-            let [own, other] = found.order(first, second);
+            let curves = found.order(first, second);
             let length = found.lengths[first][0].min(found.lengths[second][0]);
-            let id = self.contact_row(contact, &found, own);
-            let other = (own != other).then_some(other);
-            pairs.push(Pair::new(id, own, other, law, contact.fits, length));
+            let id = self.contact_row(contact, &found, curves[0]);
+            let name = pair_name(contact);
+            let number = self.pair_names().iter().position(|n| *n == name).unwrap_or_default();
+            let mut pair = Pair::new(id, number, curves, law, length);
+            (pair.fits, pair.first) = (contact.fits, curves[0] == first);
+            pairs.push(pair);
             spans.push((contact, length));
         }
         if pairs.is_empty() {

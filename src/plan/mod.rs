@@ -10,6 +10,7 @@ mod contact;
 mod doubts;
 mod equations;
 mod fields;
+mod general_contact;
 mod heat;
 mod heat_ties;
 pub mod ledger;
@@ -170,6 +171,8 @@ struct Compiler<'a> {
     kept: links::Kept,
     /// Degrees of freedom of nodes without mass that nothing keeps.
     idle: HashSet<(usize, usize)>,
+    /// Names of pairs of surfaces that may meet.
+    pair_names: Vec<String>,
     /// Routines of the user that something calls.
     called: Vec<&'static str>,
 }
@@ -196,6 +199,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         surface_ties,
         kept: links::Kept::default(),
         idle: HashSet::new(),
+        pair_names: Vec::new(),
         called: Vec::new(),
         diagnostics: Diagnostics::default(),
         ledger: Ledger::default(),
@@ -213,6 +217,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     state.elements.fields = compiler.predefined_fields(&state);
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
     state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
+    compiler.name_pairs();
     let (columns, fields) = compiler.variables(&mut state);
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
     compiler.scale_and_estimate(&mut state);

@@ -26,6 +26,8 @@ pub enum Source {
     Element(usize, usize),
     /// A surface that integrals are taken over, of [`Plan::sections`](super::Plan::sections).
     Section(usize),
+    /// Two surfaces in contact, by their number among those of all steps.
+    Pair(usize),
     /// The whole model.
     Model,
 }
@@ -210,6 +212,7 @@ impl Compiler<'_> {
                 Region::Elements(set) => self.element_columns(asked, set, state, columns),
                 Region::Nodes(set) => self.node_columns(asked, set, columns),
                 Region::Surface(key, name) => self.section_columns(asked, key, name, state, columns),
+                Region::Whole if request.card == OutputCard::Contact => self.pair_columns(asked, columns),
                 Region::Whole => columns.extend(self.model_variables(asked, request.card).map(model_column)),
             }
             if columns.len() == before {
@@ -232,7 +235,7 @@ impl Compiler<'_> {
         let by_default = match card {
             OutputCard::Output | OutputCard::Energy => Some(Place::Energy),
             OutputCard::Incrementation => Some(Place::Increment),
-            OutputCard::Node | OutputCard::Element | OutputCard::Integrated => None,
+            OutputCard::Node | OutputCard::Element | OutputCard::Integrated | OutputCard::Contact => None,
         };
         let named = asked.variables();
         let meant = move |v: &Variable| match asked {
@@ -246,8 +249,7 @@ impl Compiler<'_> {
         let model = self.model;
         let Some(members) = model.node_sets.get(set).map(|s| &s.members) else { return };
         let mut parts = self.parts(asked, Variable::is_of_nodes);
-        let conducts = self.solves_for_temperatures();
-        parts.retain(|p| conducts || p.variable.row().preselected != Preselected::Conducting);
+        parts.retain(|p| self.has_nodal(p.variable));
         for &node in members {
             let place = if members.len() == 1 { set } else { &model.mesh.node_names[node] };
             if let Some(&rotation) = self.places.rotations.get(&node) {
@@ -261,6 +263,24 @@ impl Compiler<'_> {
             };
             let moving = parts.iter().filter(|p| !p.variable.is_of_rotations());
             columns.extend(moving.map(|&part| column(part, place, source)));
+        }
+    }
+
+    /// Columns of each pair of surfaces that may meet.
+    fn pair_columns(&self, asked: Asked, columns: &mut Vec<Column>) {
+        let asked = if matches!(asked, Asked::Preselect) { Asked::All } else { asked };
+        let parts = self.parts(asked, |v| v.place() == Place::Pair);
+        for (index, name) in self.pair_names().iter().enumerate() {
+            columns.extend(parts.iter().map(|&part| column(part, name, Source::Pair(index))));
+        }
+    }
+
+    /// Whether nodes of this scene can have a variable of nodes.
+    fn has_nodal(&self, variable: Variable) -> bool {
+        match variable.row().preselected {
+            Preselected::Conducting => self.solves_for_temperatures(),
+            Preselected::Meeting => !self.pair_names().is_empty(),
+            _ => true,
         }
     }
 
@@ -369,7 +389,6 @@ impl Compiler<'_> {
         let groups = &state.elements.groups;
         let somewhere =
             |part: &Part| groups.iter().enumerate().any(|(g, group)| (0..group.len()).any(|e| has(state, g, e, *part)));
-        let conducts = self.solves_for_temperatures();
         let mut fields = Vec::new();
         let turns = !self.places.rotations.is_empty();
         for &variable in Variable::ALL {
@@ -378,7 +397,7 @@ impl Compiler<'_> {
             }
             let parts = self.parts_of(variable);
             match variable.place() {
-                Place::Node if variable.row().preselected == Preselected::Conducting && !conducts => {}
+                Place::Node if !self.has_nodal(variable) => {}
                 Place::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
                 Place::Point | Place::Element if variable.row().numbered => {
                     let field = |p: Part| {
@@ -402,7 +421,7 @@ impl Compiler<'_> {
             Preselected::Always => true,
             Preselected::Deforming => self.deforms(),
             Preselected::Deleting => self.deletes(),
-            Preselected::Conducting => true,
+            Preselected::Conducting | Preselected::Meeting => true,
         }
     }
 
@@ -442,6 +461,8 @@ fn why_absent(asked: Asked, request: &OutputRequest) -> String {
         (Some(Place::Point | Place::Element), Region::Whole | Region::Nodes(_)) if history => {
             format!("{name} lives in elements; a history of it needs *ELEMENT OUTPUT, ELSET=")
         }
+        (Some(Place::Pair), _) if !history => format!("{name} is one of pairs of surfaces: a history, *CONTACT OUTPUT"),
+        (Some(Place::Pair), _) => format!("{name} is one of pairs of surfaces of elements: *CONTACT OUTPUT without NSET"),
         (Some(Place::Section), _) => format!("{name} is one of surfaces that deform: *INTEGRATED OUTPUT, SURFACE="),
         (Some(Place::Facet), _) if history => format!("{name} is shown on facets in frames, not in histories"),
         (Some(Place::Energy), _) if !history => format!("{name} is an energy of the whole model: *OUTPUT, HISTORY"),

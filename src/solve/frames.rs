@@ -5,13 +5,14 @@ use indexmap::IndexMap;
 
 use super::energy::Energy;
 use super::run::Run;
+use crate::constraint::contact::curve::Carrier;
 use crate::constraint::{Constraint, reaction};
 use crate::element::values;
 use crate::model::Position;
 use crate::output::{Field, Frame};
 use crate::plan::{Column, FrameField, Section, Source};
 use crate::state::dofs::{Dof, Dofs};
-use crate::variables::{Part, Place, Variable};
+use crate::variables::{Part, Place, Preselected, Variable};
 
 /// A number of a node of what deforms; not a number where nodes do not have it.
 pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize, part: Part) -> f64 {
@@ -63,6 +64,8 @@ impl Run<'_> {
             Source::Node(node) => self.node_value(node, part),
             Source::Element(group, e) => self.element_value((group, e), part),
             Source::Section(index) => self.section_value(&self.plan.sections[index], part),
+            // A pair that is not in force in this step transmits nothing.
+            Source::Pair(index) => self.constraints.iter().find_map(|c| c.of_pair(index, part)).unwrap_or(0.0),
         }
     }
 
@@ -91,8 +94,14 @@ impl Run<'_> {
         match (part.variable, self.heat()) {
             (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
             (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
+            (v, _) if v.row().preselected == Preselected::Meeting => self.contact_value(Carrier::Node(node), part),
             _ => node_value(&self.dofs, &self.constraints, node, part),
         }
+    }
+
+    /// A number of a point of a surface in contact; not a number of other points.
+    fn contact_value(&self, carrier: Carrier, part: Part) -> f64 {
+        self.constraints.iter().find_map(|c| c.at_point(carrier, part)).unwrap_or(f64::NAN)
     }
 
     /// A number of an element; not a number where its group does not have it. The temperature of one that conducts is that of
@@ -116,6 +125,9 @@ impl Run<'_> {
             (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
             (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
             (Variable::NodalTemperature | Variable::ReactionFlux, _) => f64::NAN,
+            (v, _) if v.row().preselected == Preselected::Meeting => {
+                self.contact_value(Carrier::Body(body, self.plan.mesh.points[node]), part)
+            }
             (_, 0) => 0.0,
             (Variable::Displacement, _) => state.displacement,
             (Variable::Velocity, _) => self.dofs.velocity(Dof::Body(body)),

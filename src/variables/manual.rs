@@ -20,6 +20,7 @@ const CHAPTERS: &[(Place, &str, &str)] = &[
     (Place::Element, "Of whole elements", "`*ELEMENT OUTPUT`: in frames on cells; histories with ELSET"),
     (Place::Facet, "On facets of loaded surfaces", "In every frame of a loaded surface, on cells"),
     (Place::Section, "Of surfaces, integrated", "`*INTEGRATED OUTPUT`: histories"),
+    (Place::Pair, "Of two surfaces in contact", "`*CONTACT OUTPUT`: histories, a column for each pair"),
     (Place::Energy, "Energies of the whole model", "`*ENERGY OUTPUT`: histories"),
     (Place::Increment, "Of increments", "`*INCREMENTATION OUTPUT`: histories"),
 ];
@@ -60,6 +61,7 @@ fn by_default(variable: Variable) -> &'static str {
         (Place::Energy, _, true) | (_, Preselected::Deforming, _) => "where something deforms",
         (_, Preselected::Deleting, _) => "where elements can be deleted",
         (_, Preselected::Never, _) => "",
+        (_, Preselected::Meeting, _) => "where surfaces meet",
         (_, Preselected::Conducting, _) => "preselected where temperatures are solved for",
     }
 }

@@ -27,6 +27,8 @@ pub enum Place {
     Increment,
     /// Of a surface that integrals are taken over.
     Section,
+    /// Of two surfaces that meet.
+    Pair,
 }
 
 /// When a field is shown without being asked for by its name (`PRESELECT`, or no request at all).
@@ -42,6 +44,8 @@ pub enum Preselected {
     Deleting,
     /// Where temperatures of nodes are solved for; the variable exists only there.
     Conducting,
+    /// Where surfaces of elements are in contact; the variable exists only there.
+    Meeting,
 }
 
 /// One entry of the table.
@@ -115,6 +119,10 @@ variables! {
     RotationalVelocity: node("VR", &["VR3"], "Rotational velocity of nodes of shells"),
     RotationalAcceleration: node("AR", &["AR3"], "Rotational acceleration of nodes of shells"),
     ReactionMoment: node("RM", &["RM3"], "Reaction moment of rotations of shells that are prescribed"),
+    ContactPressure: node("CPRESS", &[], "Contact pressure, at the nodes of the surface of a pair that carries it").meeting(),
+    ContactShear: node("CSHEAR", &["CSHEAR1"], "Frictional shear stress there, positive to the left of the way out of the surface").meeting(),
+    ContactOpening: node("COPEN", &[], "Gap there, below zero of an overlap, where something is near").meeting(),
+    ContactSlip: node("CSLIP", &["CSLIP1"], "Slip so far there while in contact").meeting(),
     Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop").preselected(Preselected::Deforming),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(Preselected::Deforming)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
@@ -175,6 +183,9 @@ variables! {
     Layer: facet("LAYER", "Number (from 1) of the layer of a target that takes the largest part of a facet; 0 outside", f64::max),
     SurfaceForce: section("SOF", &["SOF1", "SOF2"], "Force on a surface, of what deforms behind it: the reaction that holds it"),
     SectionArea: section("SOAREA", &[], "Current area of a surface"),
+    NormalContactForce: pair("CFN", &["CFN1", "CFN2"], "Force of contact pressure on the first surface of a pair: radial, summed around, and axial"),
+    ShearContactForce: pair("CFS", &["CFS1", "CFS2"], "Force of friction on the first surface of a pair"),
+    ContactArea: pair("CAREA", &[], "Area in contact"),
     KineticEnergy: energy("ALLKE", "Kinetic energy"),
     Work: energy("ALLWK", "External work: of prescribed loads and motions"),
     FrictionEnergy: energy("ALLFD", "Energy dissipated by friction"),
@@ -184,7 +195,7 @@ variables! {
     AllPlasticEnergy: energy("ALLPD", "Energy dissipated by plastic flow").only_deforming(),
     ViscousEnergy: energy("ALLVD", "Energy dissipated by bulk viscosity, dashpots and damping").only_deforming(),
     ArtificialEnergy: energy("ALLAE", "Artificial strain energy: taken by hourglass control").only_deforming(),
-    ConstraintWork: energy("ALLCW", "Constraint work: lost where nodes meet analytical planes").only_deforming(),
+    ConstraintWork: energy("ALLCW", "Constraint work: lost where surfaces meet").only_deforming(),
     DistortionEnergy: energy("ALLDC", "Energy dissipated by distortion control").only_deforming(),
     ExternalHeat: energy("ALLHF", "Heat from outside: through fluxes, films and temperatures that are held").conducting(),
     InternalHeat: energy("ALLIHE", "Heat taken up: ALLHF and what plastic work makes").conducting(),
@@ -225,6 +236,10 @@ const fn section(name: &'static str, labels: &'static [&'static str], words: &'s
     Row { place: Place::Section, deforming: true, ..node(name, labels, words) }
 }
 
+const fn pair(name: &'static str, labels: &'static [&'static str], words: &'static str) -> Row {
+    Row { place: Place::Pair, deforming: true, ..node(name, labels, words) }
+}
+
 const fn energy(name: &'static str, words: &'static str) -> Row {
     Row { place: Place::Energy, ..node(name, &[], words) }
 }
@@ -252,6 +267,10 @@ impl Row {
 
     const fn conducting(self) -> Row {
         Row { preselected: Preselected::Conducting, deforming: true, ..self }
+    }
+
+    const fn meeting(self) -> Row {
+        Row { preselected: Preselected::Meeting, deforming: true, ..self }
     }
 
     const fn only_deforming(self) -> Row {

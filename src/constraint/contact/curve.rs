@@ -153,13 +153,6 @@ impl Curve {
         }
     }
 
-    /// Whether two facets of the curve have a point in common.
-    #[inline]
-    pub fn touch(&self, j: usize, k: usize) -> bool {
-        let ([a, b], [c, d]) = (self.facets[j], self.facets[k]);
-        a == c || a == d || b == c || b == d
-    }
-
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let each = size_of::<[u32; 2]>() + size_of::<[Beyond; 2]>() + size_of::<f64>() + 1 + size_of::<Shape>();

@@ -9,11 +9,13 @@
 pub mod curve;
 mod gaps;
 mod search;
+mod shown;
 mod sweeps;
 
 use self::curve::{Carrier, Curve, Point};
 use self::gaps::{Gaps, Seen};
 use self::search::Search;
+use self::shown::Shown;
 use self::sweeps::{Motion, Row, Rows, Span, Term};
 use super::Constraint;
 use crate::kernel::interaction::Law;
@@ -21,18 +23,23 @@ use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::magnitude::Clock;
+use crate::variables::Part;
 
 /// Two surfaces that may meet, or one that may meet itself.
 #[derive(Clone, Debug)]
 pub struct Pair {
     /// Its row of the ledger.
     pub id: EffectId,
+    /// Its number among the pairs of all steps.
+    pub number: usize,
     /// The curve whose points carry pressures.
     pub own: usize,
     /// The other one; `None` where it is the same.
     pub other: Option<usize>,
     /// Which of the laws of the contact it follows.
     pub law: usize,
+    /// Whether the own curve is the first surface of the pair as it was given: forces are those on that.
+    pub first: bool,
     /// Gaps at the start up to this are taken as none.
     pub fits: f64,
     search: Search,
@@ -42,9 +49,12 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// A pair of curves; `length` is the smaller of the longest facets of both.
-    pub fn new(id: EffectId, own: usize, other: Option<usize>, law: usize, fits: f64, length: f64) -> Pair {
-        Pair { id, own, other, law, fits, search: Search::new(length, 0, 0), seen: Vec::new(), first_key: 0 }
+    /// A pair with a row of the ledger and a number, of one curve with another or, where that is `None`, with itself. `length` is
+    /// the smaller of the longest facets of both.
+    pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], law: usize, length: f64) -> Pair {
+        let other = (own != other).then_some(other);
+        let search = Search::new(length, 0, 0);
+        Pair { id, number, own, other, law, first: true, fits: 0.0, search, seen: Vec::new(), first_key: 0 }
     }
 }
 
@@ -77,6 +87,8 @@ pub struct Contact {
     pushed: Vec<(usize, f64)>,
     /// Time over which forces acted on velocities last.
     half: f64,
+    /// What is shown of it.
+    shown: Shown,
 }
 
 /// An overlap of two surfaces.
@@ -107,6 +119,7 @@ impl Contact {
         }
         let facets: usize = pairs.iter().map(|p| curves[p.own].facets.len()).sum();
         contact.pressures = vec![[0.0; 2]; keys as usize];
+        contact.shown = Shown::new(keys as usize, pairs.len(), &points);
         contact.places = vec![[0.0; 2]; points.len()];
         contact.listed = Vec::with_capacity(points.len());
         contact.gaps = Gaps::new(facets);
@@ -242,7 +255,7 @@ impl Contact {
         impulses.fill([0.0; 2]);
         for row in &rows.rows {
             pressures[row.key as usize] = [row.pressed / *half, row.sheared / *half];
-            for term in &rows.terms[row.terms[0] as usize..row.terms[1] as usize] {
+            for term in rows.terms_of(row) {
                 let on = &mut impulses[term.dof as usize];
                 on[0] += term.normal * row.pressed;
                 on[1] += term.slip * row.sheared;
@@ -387,11 +400,21 @@ impl Constraint for Contact {
         self.curves.iter_mut().for_each(|c| c.shape(&self.places));
         self.list();
         self.measure();
+        self.show_openings();
         let span = Span { ahead: dt, half: self.half };
         self.rows.solve(&mut self.motion, &self.laws, &self.pressures, span);
         self.gather_impulses();
         self.act(dofs, dt);
         self.push_bodies(dofs);
+        self.show(dt);
+    }
+
+    fn at_point(&self, carrier: Carrier, part: Part) -> Option<f64> {
+        self.value_at(carrier, part)
+    }
+
+    fn of_pair(&self, pair: usize, part: Part) -> Option<f64> {
+        self.value_of(pair, part)
     }
 
     fn pull(&self, dof: Dof) -> f64 {
@@ -411,6 +434,7 @@ impl Constraint for Contact {
         self.pairs.iter().map(of_pair).sum::<usize>()
             + self.curves.iter().map(Curve::bytes).sum::<usize>()
             + self.gaps.bytes()
+            + self.shown.bytes()
             + self.rows.bytes()
             + self.points.capacity() * (size_of::<Point>() + 2 * size_of::<[f64; 2]>() + size_of::<[u32; 2]>())
             + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 5 * size_of::<f64>())
@@ -425,7 +449,7 @@ impl Constraint for Contact {
 
 impl Persist for Contact {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Contact { curves, pressures, impulses, pushed, half, listed, .. } = self;
+        let Contact { curves, pressures, impulses, pushed, half, listed, shown, .. } = self;
         if archive.reads() {
             // Lists are made from what is read; rows do not depend on when they were made.
             listed.clear();
@@ -433,5 +457,6 @@ impl Persist for Contact {
         curves.iter_mut().for_each(|c| c.persist(archive));
         persist_fields!(archive; pressures.as_mut_slice(), impulses.as_mut_slice(), half);
         pushed.iter_mut().for_each(|p| p.1.persist(archive));
+        shown.persist(archive);
     }
 }

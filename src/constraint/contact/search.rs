@@ -49,8 +49,8 @@ impl Search {
         }
     }
 
-    /// Makes the lists. A curve that meets itself (`other` is `None`) has each two facets once, under the lower index, unless
-    /// they have a point in common.
+    /// Makes the lists. A curve that meets itself (`other` is `None`) has each two facets once, under the lower index. Facets
+    /// with a point in common do not meet.
     pub fn build(&mut self, own: &Curve, other: Option<&Curve>) {
         let (against, margin) = (other.unwrap_or(own), self.reach() + 2.0 * self.slack());
         let axis = longer_extent(against);
@@ -76,8 +76,9 @@ impl Search {
             for &(_, j) in order[from..].iter().take_while(|o| o.0 <= high[axis] + margin) {
                 let [l, h] = against.shapes[j as usize].bounds();
                 let apart = (0..2).any(|i| l[i] > high[i] + margin || h[i] < low[i] - margin);
-                let own_neighbour = other.is_none() && (j as usize <= k || own.touch(j as usize, k));
-                if !apart && !own_neighbour {
+                let seen_already = other.is_none() && j as usize <= k;
+                let neighbours = own.facets[k].iter().any(|p| against.facets[j as usize].contains(p));
+                if !apart && !seen_already && !neighbours {
                     self.list.push(j);
                 }
             }

@@ -58,11 +58,13 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// Rate of a gap times its area.
     fn rate(&self, terms: &[Term]) -> f64 {
         terms.iter().map(|t| t.normal * self.velocity[t.dof as usize]).sum()
     }
 
-    fn slip(&self, terms: &[Term]) -> f64 {
+    /// Rate of the slip times the area.
+    pub fn slip(&self, terms: &[Term]) -> f64 {
         terms.iter().map(|t| t.slip * self.velocity[t.dof as usize]).sum()
     }
 
@@ -210,6 +212,11 @@ impl Rows {
             }
         }
         largest
+    }
+
+    /// The terms of a row.
+    pub fn terms_of(&self, row: &Row) -> &[Term] {
+        &self.terms[row.terms[0] as usize..row.terms[1] as usize]
     }
 
     /// Bytes of the arrays.

@@ -146,6 +146,16 @@ pub const CARDS: &[Keyword] = &[
         "MINIMUM DISTANCE" refused "of implicit analyses",
     }, [(rows ["first surface", "second surface", "orientation" refused "friction is the same in every direction",
         "second orientation" refused "friction is the same in every direction"])]),
+    row!("CONTACT", "General contact; *CONTACT INCLUSIONS says of what", (), {
+        "OP" read "MOD (default) goes on with what is in force, NEW begins anew",
+    }, []),
+    row!("CONTACT INCLUSIONS", "What may meet in general contact", (), {
+        "ALL EXTERIOR" read "All that is outside may meet everything, itself too",
+    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out"])]),
+    row!("CONTACT EXCLUSIONS", "What does not meet in general contact", (), {
+    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out"])]),
+    row!("CONTACT PROPERTY ASSIGNMENT", "Interactions of general contact; the last that covers two surfaces counts", (), {
+    }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out", "interaction"])]),
     row!("SURFACE INTERACTION", "Begins an interaction of surfaces", (unique "NAME"), {
         "NAME" read "Name",
         "PAD THICKNESS" refused "nothing lies between surfaces",

@@ -44,6 +44,17 @@ pub const CARDS: &[Keyword] = &[
         "FILTER" inert "output is not filtered: it holds what is computed",
         "ELASTIC DEFORMATION" refused "of implicit analyses",
     }, [(list "element variable")]),
+    row!("CONTACT OUTPUT", "Variables of contact of an *OUTPUT request", (), {
+        "NSET" read "Nodes of a history",
+        "VARIABLE" read "PRESELECT or ALL",
+        "CPSET" inert "every pair has its columns",
+        "GENERAL CONTACT" inert "every pair has its columns",
+        "SURFACE" inert "every pair has its columns",
+        "SECOND SURFACE" inert "every pair has its columns",
+        "MASTER" inert "every pair has its columns",
+        "SLAVE" inert "every pair has its columns",
+        "FILTER" inert "output is not filtered: it holds what is computed",
+    }, [(list "contact variable")]),
     row!("ENERGY OUTPUT", "Energies of an *OUTPUT request", (), {
         "ELSET" read "Elements; the whole model if absent",
         "VARIABLE" read "PRESELECT or ALL",

@@ -22,7 +22,6 @@ pub const OUTPUT_ONLY: &[Keyword] = &[
     row!(OutputOnly, "MONITOR", "One degree of freedom in the status file"),
     row!(OutputOnly, "PRINT", "What the message and status files hold"),
     row!(OutputOnly, "FILTER", "Filter for history output"),
-    row!(OutputOnly, "CONTACT OUTPUT", "Contact variables of an *OUTPUT request"),
     row!(OutputOnly, "SURFACE OUTPUT", "Surface variables of an *OUTPUT request"),
     row!(OutputOnly, "RADIATION OUTPUT", "Radiation variables of an *OUTPUT request"),
     row!(OutputOnly, "MODAL OUTPUT", "Modal variables of an *OUTPUT request"),
@@ -32,7 +31,6 @@ pub const OUTPUT_ONLY: &[Keyword] = &[
 /// Known, and the answer would change without them.
 pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "LATENT HEAT", "Heat of phase change"),
-    row!(UnsupportedPhysics, "CONTACT", "General contact"),
     row!(UnsupportedPhysics, "ACOUSTIC MEDIUM", "Acoustic material"),
     row!(UnsupportedPhysics, "ADAPTIVE MESH", "Adaptive meshing"),
     row!(UnsupportedPhysics, "ADAPTIVE MESH CONTROLS", "Controls of adaptive meshing"),
@@ -65,9 +63,6 @@ pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "CONNECTOR DAMPING", "Connectors"),
     row!(UnsupportedPhysics, "CONNECTOR MOTION", "Connectors"),
     row!(UnsupportedPhysics, "CONNECTOR LOAD", "Connectors"),
-    row!(UnsupportedPhysics, "CONTACT INCLUSIONS", "What general contact covers"),
-    row!(UnsupportedPhysics, "CONTACT EXCLUSIONS", "What general contact leaves out"),
-    row!(UnsupportedPhysics, "CONTACT PROPERTY ASSIGNMENT", "Interactions of general contact"),
     row!(UnsupportedPhysics, "CONTACT CONTROLS", "Controls of contact"),
     row!(UnsupportedPhysics, "CONTACT CONTROLS ASSIGNMENT", "Controls of general contact"),
     row!(UnsupportedPhysics, "CONTACT CLEARANCE", "Initial gaps of contact"),

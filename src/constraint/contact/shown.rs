@@ -1,0 +1,142 @@
+//! What contact shows: pressure, shear, opening and slip at points, forces and areas of pairs.
+//! Never here: what happens in contact.
+
+use super::curve::{Carrier, Point};
+use super::{Contact, Pair};
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::variables::{Part, Variable};
+
+/// What is kept for those who look.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shown {
+    /// Gap of each key; not a number where nothing is near.
+    opening: Vec<f64>,
+    /// Slip of each key so far while in contact.
+    slip: Vec<f64>,
+    /// Of each pair: force of pressure and of friction on the own surface, along r and z, and the area in contact.
+    forces: Vec<[f64; 5]>,
+    /// Points by what carries them: nodes first, ascending.
+    by_node: Vec<(usize, u32)>,
+    on_bodies: Vec<(Carrier, u32)>,
+}
+
+impl Shown {
+    pub(super) fn new(keys: usize, pairs: usize, points: &[Point]) -> Shown {
+        let mut shown = Shown {
+            opening: vec![f64::NAN; keys],
+            slip: vec![0.0; keys],
+            forces: vec![[0.0; 5]; pairs],
+            ..Shown::default()
+        };
+        for (index, point) in points.iter().enumerate() {
+            match point.carrier {
+                Carrier::Node(node) => shown.by_node.push((node, index as u32)),
+                carrier => shown.on_bodies.push((carrier, index as u32)),
+            }
+        }
+        shown.by_node.sort_unstable();
+        shown
+    }
+
+    fn point(&self, carrier: Carrier) -> Option<u32> {
+        match carrier {
+            Carrier::Node(node) => {
+                self.by_node.binary_search_by_key(&node, |p| p.0).ok().map(|at| self.by_node[at].1)
+            }
+            carrier => self.on_bodies.iter().find(|p| p.0 == carrier).map(|p| p.1),
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<f64>() * (self.opening.capacity() + self.slip.capacity() + 5 * self.forces.capacity())
+            + size_of::<(usize, u32)>() * self.by_node.capacity()
+            + size_of::<(Carrier, u32)>() * self.on_bodies.capacity()
+    }
+}
+
+impl Contact {
+    /// Keeps the gaps that the increment begins with.
+    pub(super) fn show_openings(&mut self) {
+        let Contact { rows, shown, .. } = self;
+        shown.opening.fill(f64::NAN);
+        for row in &rows.rows {
+            shown.opening[row.key as usize] = row.gap / row.area;
+        }
+    }
+
+    /// Keeps slip and forces of an increment of the length `dt`.
+    pub(super) fn show(&mut self, dt: f64) {
+        let Contact { rows, motion, shown, .. } = self;
+        for row in rows.rows.iter().filter(|row| row.pressed > 0.0) {
+            shown.slip[row.key as usize] += dt * motion.slip(rows.terms_of(row)) / row.area;
+        }
+        for index in 0..self.pairs.len() {
+            self.shown.forces[index] = self.forces(&self.pairs[index]);
+        }
+    }
+
+    /// Forces on the own surface of a pair, and the area where it is pressed.
+    fn forces(&self, pair: &Pair) -> [f64; 5] {
+        let (own, mut sum) = (&self.curves[pair.own], [0.0; 5]);
+        for (facet, seen) in own.facets.iter().zip(&pair.seen).filter(|(_, s)| s.area != [0.0; 2]) {
+            for (end, point) in facet.iter().enumerate() {
+                let Ok(at) = own.own.binary_search(point) else { continue };
+                let [pressure, shear] = self.pressures[pair.first_key as usize + at];
+                if pressure == 0.0 {
+                    continue;
+                }
+                sum[4] += seen.area[end];
+                let shares = &self.gaps.shares[seen.shares[0] as usize..seen.shares[1] as usize];
+                for share in shares.iter().filter(|s| facet.contains(&s.point)) {
+                    let of = share.of[end];
+                    sum[0] += pressure * of[0];
+                    sum[1] += pressure * of[1];
+                    sum[2] -= shear * of[1];
+                    sum[3] += shear * of[0];
+                }
+            }
+        }
+        sum
+    }
+
+    pub(super) fn value_at(&self, carrier: Carrier, part: Part) -> Option<f64> {
+        let point = self.shown.point(carrier)?;
+        let keys = self.pairs.iter().filter_map(|pair| {
+            let at = self.curves[pair.own].own.binary_search(&point).ok()?;
+            Some(pair.first_key as usize + at)
+        });
+        let mut found: Option<f64> = None;
+        for key in keys {
+            let [pressure, shear] = self.pressures[key];
+            let value = match part.variable {
+                Variable::ContactPressure => found.unwrap_or(0.0) + pressure,
+                Variable::ContactShear => found.unwrap_or(0.0) + shear,
+                Variable::ContactOpening => self.shown.opening[key].min(found.unwrap_or(f64::NAN)),
+                Variable::ContactSlip => found.unwrap_or(0.0) + self.shown.slip[key],
+                _ => return None,
+            };
+            found = Some(value);
+        }
+        found
+    }
+
+    pub(super) fn value_of(&self, number: usize, part: Part) -> Option<f64> {
+        let at = self.pairs.iter().position(|p| p.number == number)?;
+        // What acts on the other surface is the opposite.
+        let sign = if self.pairs[at].first { 1.0 } else { -1.0 };
+        let forces = self.shown.forces[at];
+        match part.variable {
+            Variable::NormalContactForce => Some(sign * forces[part.component]),
+            Variable::ShearContactForce => Some(sign * forces[2 + part.component]),
+            Variable::ContactArea => Some(forces[4]),
+            _ => None,
+        }
+    }
+}
+
+impl Persist for Shown {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Shown { opening, slip, forces, by_node: _, on_bodies: _ } = self;
+        persist_fields!(archive; opening.as_mut_slice(), slip.as_mut_slice(), forces.as_mut_slice());
+    }
+}

@@ -1,0 +1,64 @@
+//! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS`, `*CONTACT PROPERTY ASSIGNMENT`.
+//! Never here: which surfaces there are, pairs that the deck names one by one.
+
+use super::builder::Builder;
+use super::names::upper;
+use super::types::{ContactDomain, GeneralContact, Sides};
+use crate::deck::{Card, DataLine, Diagnostic, Word};
+
+impl Builder<'_> {
+    /// ABAQUS Keywords Reference Guide, *CONTACT: OP=MOD (default) goes on with what is in force, NEW begins anew.
+    pub(super) fn general_contact(&mut self, card: &Card) {
+        let new = self.is_new(card);
+        let in_force = &mut self.state().general_contact;
+        if new || in_force.is_none() {
+            *in_force = Some(GeneralContact { span: card.span, ..GeneralContact::default() });
+        }
+    }
+
+    /// One of the cards below *CONTACT.
+    pub(super) fn general_contact_card(&mut self, card: &Card) {
+        if self.state().general_contact.is_none() {
+            let message = format!("*{} belongs below a *CONTACT", card.keyword.name);
+            self.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *CONTACT above"));
+            return;
+        }
+        if card.has("ALL EXTERIOR")
+            && let Some(general) = &mut self.state().general_contact
+        {
+            general.all = true;
+        }
+        for line in &card.lines {
+            let Some(domains) = self.domains(line) else { continue };
+            let interaction = line.field(2).filter(|w| !w.text.is_empty()).cloned();
+            let Some(general) = &mut self.state().general_contact else { continue };
+            match card.keyword.name {
+                "CONTACT INCLUSIONS" => general.included.push((domains, line.span)),
+                "CONTACT EXCLUSIONS" => general.excluded.push(domains),
+                _ => {
+                    let Some(word) = interaction else { continue };
+                    general.assigned.push((domains, word.clone()));
+                    self.interactions_used.push(word);
+                }
+            }
+        }
+    }
+
+    /// The two surfaces of a line: the first is all that is outside where it is left out, the second the first.
+    fn domains(&mut self, line: &DataLine) -> Option<[ContactDomain; 2]> {
+        let first = self.domain(line.field(0))?;
+        let second = match line.field(1).filter(|w| !w.text.is_empty()) {
+            None if line.field(0).is_none_or(|w| w.text.is_empty()) => ContactDomain::All,
+            None => first.clone(),
+            some => self.domain(some)?,
+        };
+        Some([first, second])
+    }
+
+    fn domain(&mut self, word: Option<&Word>) -> Option<ContactDomain> {
+        let Some(word) = word.filter(|w| !w.text.is_empty()) else { return Some(ContactDomain::All) };
+        let key = self.surface_key(word)?;
+        let faces = self.model.surfaces[&key].faces.clone();
+        Some(ContactDomain::Surface(Sides { name: upper(&key), surface: true, faces }))
+    }
+}

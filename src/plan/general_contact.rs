@@ -1,0 +1,232 @@
+//! General contact as pairs of surfaces: the outside of each body, which of them may meet and how they interact.
+//! Never here: curves, the contact itself.
+
+use std::collections::{HashMap, HashSet};
+
+use super::Compiler;
+use crate::model::{ContactDomain, ElementKind, GeneralContact, Law, Mesh, Side, Sides, Step, SurfaceContact};
+
+type Face = (usize, Side);
+
+/// Two surfaces that may meet, or twice the same, while exclusions and assignments take them apart.
+#[derive(Clone)]
+struct Meeting {
+    sides: [Sides; 2],
+    interaction: Option<usize>,
+    span: crate::deck::Span,
+}
+
+impl Meeting {
+    fn is_of_one(&self) -> bool {
+        self.sides[0].name == self.sides[1].name
+    }
+}
+
+impl Compiler<'_> {
+    /// All pairs of surfaces of elements in force in a step: those that the deck names, and those of general contact.
+    pub(super) fn pairs(&self, step: &Step) -> Vec<SurfaceContact> {
+        let mut pairs = step.surface_contacts.clone();
+        if let Some(general) = &step.general_contact {
+            pairs.extend(self.general_pairs(general));
+        }
+        pairs
+    }
+
+    /// Names of all pairs of all steps, as histories have them.
+    pub(super) fn pair_names(&self) -> &[String] {
+        &self.pair_names
+    }
+
+    /// Finds these names.
+    pub(super) fn name_pairs(&mut self) {
+        let mut names: Vec<String> = Vec::new();
+        for contact in self.model.steps.iter().flat_map(|s| self.pairs(s)) {
+            let name = pair_name(&contact);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        self.pair_names = names;
+    }
+
+    fn general_pairs(&self, general: &GeneralContact) -> Vec<SurfaceContact> {
+        let all = self.outsides();
+        let mut meetings = Vec::new();
+        if general.all {
+            add_all(&all, general.span, &mut meetings);
+        }
+        for (domains, span) in &general.included {
+            match domains {
+                [ContactDomain::All, ContactDomain::All] if !general.all => add_all(&all, *span, &mut meetings),
+                [ContactDomain::All, ContactDomain::All] => {}
+                [ContactDomain::Surface(a), ContactDomain::Surface(b)] => {
+                    meetings.push(Meeting { sides: [a.clone(), b.clone()], interaction: None, span: *span });
+                }
+                [ContactDomain::All, ContactDomain::Surface(one)] | [ContactDomain::Surface(one), ContactDomain::All] => {
+                    let others = all.iter().filter(|o| one.faces.iter().all(|f| !o.faces.contains(f)));
+                    let with = |o: &Sides| Meeting { sides: [one.clone(), o.clone()], interaction: None, span: *span };
+                    meetings.extend(others.map(with));
+                }
+            }
+        }
+        for domains in &general.excluded {
+            meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).filter(|m| !m.1).map(|m| m.0).collect();
+        }
+        for (index, (domains, _)) in general.assigned.iter().enumerate() {
+            let take = |(mut m, covered): (Meeting, bool)| {
+                m.interaction = if covered { Some(index) } else { m.interaction };
+                m
+            };
+            meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).map(take).collect();
+        }
+        meetings.retain(|m| m.sides.iter().any(|s| self.is_deforming(s)));
+        let law = |index: usize| {
+            let name = general.assigned[index].1.text.to_uppercase();
+            self.model.interactions.iter().find(|i| i.name == name).map(|i| i.law.clone())
+        };
+        let contact = |m: Meeting| SurfaceContact {
+            law: m.interaction.and_then(law).unwrap_or_else(Law::default),
+            interaction: m.interaction.map(|i| general.assigned[i].1.clone()),
+            sides: m.sides,
+            fits: 0.0,
+            span: m.span,
+        };
+        meetings.into_iter().map(contact).collect()
+    }
+
+    fn is_deforming(&self, sides: &Sides) -> bool {
+        sides.faces.iter().any(|f| self.places.elements.contains_key(&f.0))
+    }
+
+    /// The outside of each body, by elements that hang together by nodes; of shells both sides, one after the other.
+    fn outsides(&self) -> Vec<Sides> {
+        let mesh = &self.model.mesh;
+        let known = |e: &usize| self.places.elements.contains_key(e) || self.body_of_element.contains_key(e);
+        let elements: Vec<usize> =
+            (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
+        let mut surfaces: Vec<Sides> = Vec::new();
+        for piece in pieces(mesh, &elements) {
+            let name = self.name_of_piece(&piece, &surfaces);
+            let solid = outside_of_solids(mesh, &piece);
+            let shells = piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
+            let both = |side: Side| shells.clone().map(move |&e| (e, side)).collect::<Vec<Face>>();
+            let parts = [("", solid), ("_SPOS", both(Side::Positive)), ("_SNEG", both(Side::Negative))];
+            let parts = parts.into_iter().filter(|p| !p.1.is_empty());
+            surfaces.extend(parts.map(|(end, faces)| Sides { name: format!("{name}{end}"), surface: true, faces }));
+        }
+        surfaces
+    }
+
+    /// The name of the instance, or of the smallest set that holds all of it, with a number where it is taken.
+    fn name_of_piece(&self, piece: &[usize], taken: &[Sides]) -> String {
+        let model = self.model;
+        let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
+        let holds = |members: &[usize]| piece.iter().all(|e| members.binary_search(e).is_ok());
+        let sets = model.element_sets.iter().filter(|s| holds(&s.1.members));
+        let set = sets.min_by_key(|s| s.1.members.len()).map(|s| s.0.clone());
+        let base = instance.or(set).unwrap_or_else(|| format!("ELEMENT{}", model.mesh.elements[piece[0]].name));
+        let is_taken = |name: &str| taken.iter().any(|t| t.name.trim_end_matches("_SPOS").trim_end_matches("_SNEG") == name);
+        let numbered = |n: usize| if n == 1 { base.clone() } else { format!("{base}{n}") };
+        (1..).map(numbered).find(|name| !is_taken(name)).unwrap_or(base.clone())
+    }
+}
+
+/// `A_B`, or `A` of a surface that may meet itself.
+pub(super) fn pair_name(contact: &SurfaceContact) -> String {
+    let [a, b] = [0, 1].map(|i| contact.sides[i].name.to_uppercase());
+    if a == b { a } else { format!("{a}_{b}") }
+}
+
+/// Every two surfaces, and each with itself. Both sides of a shell meet each other around its edges at most.
+fn add_all(all: &[Sides], span: crate::deck::Span, meetings: &mut Vec<Meeting>) {
+    for (i, a) in all.iter().enumerate() {
+        for b in &all[i..] {
+            meetings.push(Meeting { sides: [a.clone(), b.clone()], interaction: None, span });
+        }
+    }
+}
+
+/// Takes a meeting apart into what two domains cover and what they do not.
+fn apart(meeting: Meeting, domains: &[ContactDomain; 2]) -> Vec<(Meeting, bool)> {
+    if let [ContactDomain::All, ContactDomain::All] = domains {
+        return vec![(meeting, true)];
+    }
+    let way = |m: Meeting, [first, second]: [&ContactDomain; 2]| -> Vec<(Meeting, bool)> {
+        if m.is_of_one() {
+            let whole = [first, second].map(|d| split(&m.sides[0], d).1.faces.is_empty());
+            return vec![(m, whole == [true; 2])];
+        }
+        let (a, rest_a) = split(&m.sides[0], first);
+        let (b, rest_b) = split(&m.sides[1], second);
+        if a.faces.is_empty() || b.faces.is_empty() {
+            return vec![(m, false)];
+        }
+        let of = |sides: [Sides; 2], covered: bool| (Meeting { sides, ..m.clone() }, covered);
+        let parts = [of([a.clone(), b], true), of([a, rest_b], false), of([rest_a, m.sides[1].clone()], false)];
+        parts.into_iter().filter(|p| p.0.sides.iter().all(|s| !s.faces.is_empty())).collect()
+    };
+    let [first, second] = domains;
+    let parts = way(meeting, [first, second]);
+    parts.into_iter().flat_map(|(m, covered)| if covered { vec![(m, true)] } else { way(m, [second, first]) }).collect()
+}
+
+/// What of a surface is in a domain, and what is not. A part has a name of its own.
+fn split(sides: &Sides, domain: &ContactDomain) -> (Sides, Sides) {
+    let part = |end: &str, faces: Vec<Face>| {
+        let name = if faces.len() == sides.faces.len() { sides.name.clone() } else { format!("{}{end}", sides.name) };
+        Sides { name, surface: true, faces }
+    };
+    match domain {
+        ContactDomain::All => (sides.clone(), part("", Vec::new())),
+        ContactDomain::Surface(surface) => {
+            let known: HashSet<Face> = surface.faces.iter().copied().collect();
+            let (within, without) = sides.faces.iter().partition(|f| known.contains(*f));
+            (part(&format!(".{}", surface.name), within), part(&format!(".NOT.{}", surface.name), without))
+        }
+    }
+}
+
+/// Elements that hang together by nodes, in the order of their first ones.
+pub(super) fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
+    let mut root: Vec<usize> = (0..mesh.points.len()).collect();
+    fn find(root: &mut [usize], mut n: usize) -> usize {
+        while root[n] != n {
+            root[n] = root[root[n]];
+            n = root[n];
+        }
+        n
+    }
+    for &e in elements {
+        let nodes = &mesh.elements[e].nodes;
+        for &n in &nodes[1..] {
+            let (a, b) = (find(&mut root, nodes[0]), find(&mut root, n));
+            root[b] = a;
+        }
+    }
+    let mut by_root: HashMap<usize, usize> = HashMap::new();
+    let mut pieces: Vec<Vec<usize>> = Vec::new();
+    for &e in elements {
+        let key = find(&mut root, mesh.elements[e].nodes[0]);
+        let at = *by_root.entry(key).or_insert_with(|| {
+            pieces.push(Vec::new());
+            pieces.len() - 1
+        });
+        pieces[at].push(e);
+    }
+    pieces
+}
+
+/// Faces of solids that one element alone has.
+fn outside_of_solids(mesh: &Mesh, piece: &[usize]) -> Vec<Face> {
+    let solids = || piece.iter().filter(|&&e| mesh.elements[e].kind.is_solid());
+    let faces = |e: usize| {
+        let nodes = &mesh.elements[e].nodes;
+        (0..nodes.len()).map(move |i| (i, [nodes[i], nodes[(i + 1) % nodes.len()]])).filter(|f| f.1[0] != f.1[1])
+    };
+    let mut count: HashMap<[usize; 2], usize> = HashMap::new();
+    for (_, [a, b]) in solids().flat_map(|&e| faces(e)) {
+        *count.entry([a.min(b), a.max(b)]).or_default() += 1;
+    }
+    let free = |&(_, [a, b]): &(usize, [usize; 2])| count[&[a.min(b), a.max(b)]] == 1;
+    solids().flat_map(|&e| faces(e).filter(free).map(move |(i, _)| (e, Side::Face(i as u8 + 1)))).collect()
+}
