@@ -63,6 +63,9 @@ pub trait Constraint: Persist + Send + Sync {
         0.0
     }
 
+    /// Elements with these corner nodes are no more.
+    fn release(&mut self, _gone: &[[u32; 4]]) {}
+
     /// A node has another mass; its kinetic energy grew by so much along r and z.
     fn mass_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 

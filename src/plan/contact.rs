@@ -3,7 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::general_contact::pair_name;
+use super::general_contact::{pair_name, pieces};
 use super::{Compiler, State};
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
@@ -138,7 +138,48 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error("P021", message).at(contact.span, "this pair"));
             return None;
         }
-        Some(found.add_curve(sides, &facets, self.skin_of(sides)))
+        let bare = facets.len();
+        if self.deletes() {
+            self.hidden_facets(state, prescribed, found, &mut facets);
+        }
+        Some(found.add_curve(sides, &facets, bare, self.skin_of(sides)))
+    }
+
+    /// Adds the faces between elements of the bodies that bare facets belong to, one for each side: they lie bare when the element
+    /// in front is deleted.
+    fn hidden_facets(
+        &self,
+        state: &State,
+        prescribed: &HashSet<(usize, usize)>,
+        found: &mut Found,
+        facets: &mut Vec<([u32; 2], usize)>,
+    ) {
+        let mesh = &self.model.mesh;
+        let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
+        let solids: Vec<usize> = self.places.elements.keys().copied().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
+        let kept = self.kept.concerned();
+        for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
+            let edges = |e: usize| {
+                let nodes = &mesh.elements[e].nodes;
+                (0..nodes.len()).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]])
+            };
+            let all: HashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
+            for &e in piece {
+                for edge in edges(e).filter(|[a, b]| all.contains(&[*b, *a])) {
+                    let points = edge.map(|node| match found.point_of_node.get(&node) {
+                        Some(&known) => Some(known),
+                        None => {
+                            let point = self.contact_point(node, state, prescribed, &kept).ok()?;
+                            Some(found.add(node, point, mesh.points[node]))
+                        }
+                    });
+                    // What follows other nodes is left out: it never lies bare to contact.
+                    if let [Some(a), Some(b)] = points {
+                        facets.push(([a, b], e));
+                    }
+                }
+            }
+        }
     }
 
     /// What carries a point of a surface in contact, and along which axes it moves freely.
@@ -205,15 +246,25 @@ impl Found {
         index
     }
 
-    fn add_curve(&mut self, sides: &Sides, facets: &[([u32; 2], usize)], skin: Vec<[[f64; 2]; 2]>) -> usize {
+    fn add_curve(
+        &mut self,
+        sides: &Sides,
+        facets: &[([u32; 2], usize)],
+        bare: usize,
+        skin: Vec<[[f64; 2]; 2]>,
+    ) -> usize {
         let ends = |f: &[u32; 2]| f.map(|p| self.places[p as usize]);
         let lengths: Vec<f64> = facets.iter().map(|(f, _)| length(ends(f))).collect();
-        let depth = facets.iter().zip(&lengths).map(|((f, _), l)| depth(ends(f), *l, &skin)).collect();
+        let mut depths: Vec<f64> =
+            facets[..bare].iter().zip(&lengths).map(|((f, _), l)| depth(ends(f), *l, &skin)).collect();
+        // Behind a facet that comes to lie bare there may be no more than one element.
+        depths.extend(lengths[bare..].iter().map(|l| 0.5 * l));
+        let lengths = &lengths[..bare];
         let longest = lengths.iter().copied().fold(0.0, f64::max);
         let node = |p: u32| matches!(self.points[p as usize].carrier, Carrier::Node(_));
-        self.deforms.push(facets.iter().any(|(f, _)| f.iter().any(|p| node(*p))));
+        self.deforms.push(facets[..bare].iter().any(|(f, _)| f.iter().any(|p| node(*p))));
         self.lengths.push([longest, lengths.iter().sum::<f64>() / lengths.len() as f64]);
-        self.curves.push(Curve::new(facets.iter().map(|f| f.0).collect(), depth, &self.places));
+        self.curves.push(Curve::new(facets.iter().map(|f| f.0).collect(), depths, bare, &self.places));
         self.by_name.insert(sides.name.clone(), self.curves.len() - 1);
         self.curves.len() - 1
     }

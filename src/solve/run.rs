@@ -400,6 +400,7 @@ impl<'a> Run<'a> {
         let gone = self.elements.newly_gone();
         if !gone.is_empty() {
             self.loads.iter_mut().for_each(|load| load.release(gone));
+            self.constraints.iter_mut().for_each(|c| c.release(gone));
             if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
                 heat.release(gone);
             }

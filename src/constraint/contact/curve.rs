@@ -1,7 +1,8 @@
-//! Curves of facets that may meet others: their points, what carries them, how facets follow each other, their shape now.
+//! Curves of facets that may meet others: their points, what carries them, how facets follow each other, their shape now, and
+//! what of them comes and goes as elements are deleted.
 //! Never here: which facets meet, what acts where they do.
 
-use crate::state::archive::{Archive, Persist};
+use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// What carries a point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,12 +42,21 @@ pub struct Curve {
     pub beyond: Vec<[Beyond; 2]>,
     /// How far behind a facet something is still in contact with it: half of what the body is thick there.
     pub depth: Vec<f64>,
-    /// Whether each is still there.
+    /// Whether each lies bare. Where elements can be deleted, faces between two of them are facets from the start, one for each
+    /// side, which become bare when the element in front goes.
     pub there: Vec<bool>,
+    /// Whether the element behind each is still there.
+    behind: Vec<bool>,
     /// The points, each once, with the facets around each and which of their ends it is.
     pub own: Vec<u32>,
     around: Vec<Vec<(u32, u8)>>,
-    /// Shapes at the start of the increment.
+    /// Those facets that lie bare.
+    pub bare: Vec<u32>,
+    /// Indices among the own points of those that bare facets have, and of those that no element has any more.
+    pub bare_own: Vec<u32>,
+    /// See there.
+    pub orphans: Vec<u32>,
+    /// Shapes at the start of the increment, of facets that lie bare.
     pub shapes: Vec<Shape>,
 }
 
@@ -81,8 +91,9 @@ impl Shape {
 }
 
 impl Curve {
-    /// A curve of facets between points at `places`, which lie on the axis where r is zero.
-    pub fn new(facets: Vec<[u32; 2]>, depth: Vec<f64>, places: &[[f64; 2]]) -> Curve {
+    /// A curve of facets between points at `places`, which lie on the axis where r is zero. Those of the facets from `bare` on are
+    /// hidden at the start.
+    pub fn new(facets: Vec<[u32; 2]>, depth: Vec<f64>, bare: usize, places: &[[f64; 2]]) -> Curve {
         let mut own: Vec<u32> = facets.iter().flatten().copied().collect();
         own.sort_unstable();
         own.dedup();
@@ -98,23 +109,69 @@ impl Curve {
         let mut curve = Curve {
             beyond: vec![[Beyond::Nothing; 2]; count],
             depth,
-            there: vec![true; count],
+            there: (0..count).map(|k| k < bare).collect(),
+            behind: vec![true; count],
+            bare: Vec::with_capacity(count),
+            bare_own: Vec::with_capacity(own.len()),
+            orphans: Vec::with_capacity(if bare < count { own.len() } else { 0 }),
             own,
             around,
             shapes: vec![Shape::default(); count],
             facets,
         };
+        curve.list();
         curve.join(places);
         curve
     }
 
+    /// Lists what lies bare.
+    pub fn list(&mut self) {
+        let Curve { there, behind, own, around, bare, bare_own, orphans, .. } = self;
+        bare.clear();
+        bare.extend((0..there.len() as u32).filter(|k| there[*k as usize]));
+        bare_own.clear();
+        bare_own.extend((0..own.len() as u32).filter(|i| around[*i as usize].iter().any(|f| there[f.0 as usize])));
+        orphans.clear();
+        let left = |i: &u32| around[*i as usize].iter().all(|f| !behind[f.0 as usize]);
+        if behind.contains(&false) {
+            orphans.extend((0..own.len() as u32).filter(left));
+        }
+    }
+
+    /// The facet from one point to another.
+    fn facet(&self, from: u32, to: u32) -> Option<usize> {
+        let at = self.own.binary_search(&from).ok()?;
+        let found = self.around[at].iter().find(|(k, end)| *end == 0 && self.facets[*k as usize][1] == to);
+        found.map(|f| f.0 as usize)
+    }
+
+    /// Elements with these corners, run through counter-clockwise, are no more: their facets go, those of elements beside them
+    /// lie bare. Returns whether anything of the curve has changed.
+    pub fn release(&mut self, gone: impl Iterator<Item = [u32; 4]> + Clone) -> bool {
+        let edges = |corners: [u32; 4]| (0..4).map(move |i| [corners[i], corners[(i + 1) % 4]]).filter(|e| e[0] != e[1]);
+        let mut changed = false;
+        for [a, b] in gone.clone().flat_map(edges) {
+            if let Some(k) = self.facet(a, b) {
+                changed |= self.behind[k];
+                (self.there[k], self.behind[k]) = (false, false);
+            }
+        }
+        for [a, b] in gone.flat_map(edges) {
+            if let Some(k) = self.facet(b, a).filter(|k| self.behind[*k] && changed) {
+                self.there[k] = true;
+            }
+        }
+        changed
+    }
+
     /// Finds what lies beyond each end: of several facets that go on from a point the one that turns least from the way.
-    fn join(&mut self, places: &[[f64; 2]]) {
+    pub fn join(&mut self, places: &[[f64; 2]]) {
         let way = |facet: [u32; 2]| {
             let [a, b] = facet.map(|p| places[p as usize]);
             Shape::new(a, b)
         };
-        for k in 0..self.facets.len() {
+        for at in 0..self.bare.len() {
+            let k = self.bare[at] as usize;
             for end in [0, 1] {
                 let point = self.facets[k][end];
                 let here = way(self.facets[k]);
@@ -147,23 +204,42 @@ impl Curve {
 
     /// Takes the shapes of facets between points at these places.
     pub fn shape(&mut self, places: &[[f64; 2]]) {
-        for (shape, facet) in self.shapes.iter_mut().zip(&self.facets) {
-            let [a, b] = facet.map(|p| places[p as usize]);
-            *shape = Shape::new(a, b);
+        for &k in &self.bare {
+            let [a, b] = self.facets[k as usize].map(|p| places[p as usize]);
+            self.shapes[k as usize] = Shape::new(a, b);
         }
     }
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
-        let each = size_of::<[u32; 2]>() + size_of::<[Beyond; 2]>() + size_of::<f64>() + 1 + size_of::<Shape>();
-        let of_point = size_of::<u32>() + size_of::<Vec<(u32, u8)>>() + 2 * size_of::<(u32, u8)>();
+        let each = size_of::<[u32; 2]>() + size_of::<[Beyond; 2]>() + size_of::<f64>() + 6 + size_of::<Shape>();
+        let of_point = 3 * size_of::<u32>() + size_of::<Vec<(u32, u8)>>() + 2 * size_of::<(u32, u8)>();
         each * self.facets.capacity() + of_point * self.own.capacity()
+    }
+}
+
+impl Persist for Beyond {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let mut code = match *self {
+            Beyond::Facet(k) => k,
+            Beyond::Axis => u32::MAX,
+            Beyond::Nothing => u32::MAX - 1,
+        };
+        code.persist(archive);
+        *self = match code {
+            u32::MAX => Beyond::Axis,
+            code if code == u32::MAX - 1 => Beyond::Nothing,
+            k => Beyond::Facet(k),
+        };
     }
 }
 
 impl Persist for Curve {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Curve { facets: _, beyond: _, depth: _, there, own: _, around: _, shapes: _ } = self;
-        there.as_mut_slice().persist(archive);
+        let Curve { facets: _, beyond, depth: _, there, behind, own: _, around: _, .. } = self;
+        persist_fields!(archive; there.as_mut_slice(), behind.as_mut_slice(), beyond.as_mut_slice());
+        if archive.reads() {
+            self.list();
+        }
     }
 }

@@ -108,6 +108,41 @@ impl Gaps {
         seen
     }
 
+    /// What a point that no element has sees of a curve: its gap, with shares of one unit of area. `None` where nothing is near.
+    pub fn see_point(
+        &mut self,
+        (point, place): (u32, [f64; 2]),
+        other: &Curve,
+        candidates: &[u32],
+        reach: f64,
+    ) -> Option<(f64, [u32; 2])> {
+        let begin = self.shares.len() as u32;
+        self.facing.clear();
+        let own = Shape { from: place, ..Shape::default() };
+        self.facing.extend(candidates.iter().map(|&j| Facing::new(j, &own, &other.shapes[j as usize])));
+        let (nearest, at) = self.nearest(&own, 0.0, other)?;
+        let (j, end) = (nearest.facet as usize, usize::from(at > 1.0));
+        let met = &other.shapes[j];
+        let inside = (0.0..=1.0).contains(&at);
+        if !inside && other.beyond[j][end] == Beyond::Nothing {
+            return None;
+        }
+        let ((gap, normal), part) = match inside {
+            true => ((nearest.apart(0.0), met.normal), at),
+            false => (corner(place, met, end, nearest.apart(0.0), met.length), end as f64),
+        };
+        if gap >= reach || gap <= -other.depth[j] {
+            return None;
+        }
+        let ends = other.facets[j];
+        for (point, share) in [(point, 1.0), (ends[0], part - 1.0), (ends[1], -part)] {
+            if share != 0.0 {
+                self.shares.push(Share { point, of: [[share * normal[0], share * normal[1]], [0.0; 2]] });
+            }
+        }
+        Some((gap, [begin, self.shares.len() as u32]))
+    }
+
     /// Those of the candidates that face the facet and are near it now, whenever the lists were made.
     fn find_facing(&mut self, own: &Curve, k: usize, other: &Curve, candidates: &[u32], reach: f64) {
         self.facing.clear();
@@ -116,7 +151,7 @@ impl Gaps {
         for &j in candidates {
             let near = &other.shapes[j as usize];
             let cosine = shape.normal[0] * near.normal[0] + shape.normal[1] * near.normal[1];
-            if cosine >= FACING || !other.there[j as usize] {
+            if cosine >= FACING {
                 continue;
             }
             let [l, h] = near.bounds();
@@ -247,7 +282,8 @@ mod tests {
         let facets = (0..places.len() as u32 - 1).map(|i| [first + i, first + i + 1]).collect::<Vec<_>>();
         let (depth, zeros) = (vec![1.0; facets.len()], vec![[-1.0, 0.0]; first as usize]);
         let all: Vec<[f64; 2]> = zeros.into_iter().chain(places.iter().copied()).collect();
-        let mut curve = Curve::new(facets, depth, &all);
+        let bare = facets.len();
+        let mut curve = Curve::new(facets, depth, bare, &all);
         curve.shape(&all);
         curve
     }

@@ -13,7 +13,7 @@ mod shown;
 mod sweeps;
 
 use self::curve::{Carrier, Curve, Point};
-use self::gaps::{Gaps, Seen};
+use self::gaps::{Gaps, Seen, Share};
 use self::search::Search;
 use self::shown::Shown;
 use self::sweeps::{Motion, Row, Rows, Span, Term};
@@ -74,6 +74,8 @@ pub struct Contact {
     /// The gap of each key at the start where that is taken as none; empty where none is.
     fits: Vec<f64>,
     places: Vec<[f64; 2]>,
+    /// Points that are looked at: of bare facets, and those that no element has.
+    near: Vec<u32>,
     /// Where points were when lists were made; empty where there are none.
     listed: Vec<[f64; 2]>,
     gaps: Gaps,
@@ -87,6 +89,8 @@ pub struct Contact {
     pushed: Vec<(usize, f64)>,
     /// Time over which forces acted on velocities last.
     half: f64,
+    /// Whether elements have gone since the increment before.
+    uncovered: bool,
     /// What is shown of it.
     shown: Shown,
 }
@@ -115,17 +119,21 @@ impl Contact {
             pair.search = Search::new(pair.search.length, own.facets.len(), others);
             pair.seen = vec![Seen::default(); own.facets.len()];
             pair.first_key = keys;
-            keys += own.own.len() as u32;
+            // Points of the other curve carry one where no element has them any more.
+            let others = pair.other.map(|o| &curves[o]).filter(|c| c.bare.len() < c.facets.len());
+            keys += (own.own.len() + others.map_or(0, |c| c.own.len())) as u32;
         }
         let facets: usize = pairs.iter().map(|p| curves[p.own].facets.len()).sum();
         contact.pressures = vec![[0.0; 2]; keys as usize];
         contact.shown = Shown::new(keys as usize, pairs.len(), &points);
         contact.places = vec![[0.0; 2]; points.len()];
         contact.listed = Vec::with_capacity(points.len());
+        contact.near = Vec::with_capacity(2 * points.len());
         contact.gaps = Gaps::new(facets);
         contact.rows.terms.reserve(32 * keys as usize);
         contact.rows.rows.reserve(keys as usize);
         (contact.points, contact.curves, contact.pairs) = (points, curves, pairs);
+        contact.list_points();
         contact
     }
 
@@ -144,7 +152,7 @@ impl Contact {
             if gap > 0.0 && gap <= pair.fits {
                 fits[row.key as usize] = gap;
             }
-            let point = self.curves[pair.own].own[(row.key - pair.first_key) as usize];
+            let Some(&point) = self.curves[pair.own].own.get((row.key - pair.first_key) as usize) else { continue };
             if gap < deepest[at].map_or(0.0, |d: Overlap| -d.depth) {
                 deepest[at] = Some(Overlap { depth: -gap, place: places[point as usize] });
             }
@@ -181,27 +189,41 @@ impl Contact {
 
     /// Places at the start of the increment and velocities without contact, from where all has been carried freely.
     fn look(&mut self, dofs: &Dofs, dt: f64) {
-        for (place, point) in self.places.iter_mut().zip(&self.points) {
-            *place = match point.carrier {
+        for &p in &self.near {
+            let (at, point) = (p as usize, &self.points[p as usize]);
+            let [r, z] = self.dofs_of[at];
+            match point.carrier {
                 Carrier::Node(n) => {
                     let node = &dofs.nodes[n];
-                    [node.r - dt * node.v_r, node.z - dt * node.v_z]
+                    self.places[at] = [node.r - dt * node.v_r, node.z - dt * node.v_z];
+                    self.motion.velocity[r as usize] = node.v_r;
+                    self.motion.velocity[z as usize] = node.v_z;
+                    for dof in [r, z] {
+                        let held = self.dofs[dof as usize].1;
+                        self.motion.inverse_mass[dof as usize] = if held { 0.0 } else { dofs.nodes.inverse_mass[n] };
+                    }
                 }
-                Carrier::Body(b, [r, z]) => [r, z + dofs.bodies[b].before.displacement],
-            };
-        }
-        for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {
-            let (velocity, inverse_mass) = match dof {
-                Dof::Node(n, axis) => {
-                    let node = &dofs.nodes[n];
-                    (if axis == 0 { node.v_r } else { node.v_z }, dofs.nodes.inverse_mass[n])
+                Carrier::Body(b, [start_r, start_z]) => {
+                    let (body, held) = (&dofs.bodies[b], self.dofs[z as usize].1);
+                    self.places[at] = [start_r, start_z + body.before.displacement];
+                    self.motion.velocity[z as usize] = body.velocity_half;
+                    self.motion.inverse_mass[z as usize] = if held { 0.0 } else { body.inverse_mass };
                 }
-                Dof::Body(b) => (dofs.bodies[b].velocity_half, dofs.bodies[b].inverse_mass),
-            };
-            self.motion.velocity[i] = velocity;
-            self.motion.inverse_mass[i] = if prescribed { 0.0 } else { inverse_mass };
+            }
         }
         self.predicted.copy_from_slice(&self.motion.velocity);
+    }
+
+    /// Lists the points that bare facets have and those that no element has.
+    fn list_points(&mut self) {
+        self.near.clear();
+        for curve in &self.curves {
+            let points = curve.bare_own.iter().chain(&curve.orphans).map(|&i| curve.own[i as usize]);
+            self.near.extend(points);
+        }
+        self.near.sort_unstable();
+        self.near.dedup();
+        self.listed.clear();
     }
 
     /// Makes lists anew where something has moved too far since they were made.
@@ -217,32 +239,46 @@ impl Contact {
         self.listed.clear();
         self.listed.extend_from_slice(&self.places);
         for pair in &mut self.pairs {
-            pair.search.build(&self.curves[pair.own], pair.other.map(|o| &self.curves[o]));
+            pair.search.build(&self.curves[pair.own], pair.other.map(|o| &self.curves[o]), &self.places);
         }
     }
 
     /// The gaps of all pairs as rows.
     fn measure(&mut self) {
-        let Contact { curves, pairs, gaps, rows, dofs_of, fits, .. } = self;
+        let Contact { curves, pairs, gaps, rows, dofs_of, fits, places, .. } = self;
         gaps.shares.clear();
         rows.rows.clear();
         rows.terms.clear();
         for pair in pairs.iter_mut() {
             let own = &curves[pair.own];
             let other = pair.other.map_or(own, |o| &curves[o]);
-            let mut any = false;
-            for k in 0..own.facets.len() {
-                let candidates = pair.search.candidates(k);
-                pair.seen[k] = if candidates.is_empty() {
-                    Seen::default()
-                } else {
-                    gaps.see(own, k, other, candidates, pair.search.reach())
+            let (mut any, reach) = (false, pair.search.reach());
+            for (at, &k) in own.bare.iter().enumerate() {
+                let candidates = pair.search.facets.of(at);
+                pair.seen[k as usize] = match candidates.is_empty() {
+                    true => Seen::default(),
+                    false => gaps.see(own, k as usize, other, candidates, reach),
                 };
-                any |= pair.seen[k].area != [0.0; 2];
+                any |= pair.seen[k as usize].area != [0.0; 2];
             }
             if any {
-                for index in 0..own.own.len() {
-                    add_row(rows, pair, own, index, gaps, dofs_of, fits);
+                for &index in &own.bare_own {
+                    add_row(rows, pair, own, index as usize, gaps, dofs_of, fits);
+                }
+            }
+            let orphans = [(own, other, &pair.search.orphans, 0), (other, own, &pair.search.other_orphans, own.own.len())];
+            // A curve that meets itself has its orphans once.
+            for (of, against, lists, offset) in orphans.into_iter().take(if pair.other.is_some() { 2 } else { 1 }) {
+                for (at, &index) in of.orphans.iter().enumerate() {
+                    let (candidates, point) = (lists.of(at), of.own[index as usize]);
+                    if candidates.is_empty() {
+                        continue;
+                    }
+                    let seen = gaps.see_point((point, places[point as usize]), against, candidates, reach);
+                    let Some((gap, shares)) = seen else { continue };
+                    let key = pair.first_key + (offset + index as usize) as u32;
+                    let shares = &gaps.shares[shares[0] as usize..shares[1] as usize];
+                    add_orphan_row(rows, (key, pair.law as u32), gap, shares, dofs_of);
                 }
             }
         }
@@ -333,7 +369,7 @@ fn add_row(
 ) {
     let begin = rows.terms.len();
     let mut row = Row::of(pair.first_key + index as u32, pair.law as u32);
-    for &(facet, end) in own.around_own(index) {
+    for &(facet, end) in own.around_own(index).iter().filter(|f| own.there[f.0 as usize]) {
         let (seen, end) = (&pair.seen[facet as usize], end as usize);
         row.area += seen.area[end];
         row.gap += seen.gap[end];
@@ -351,6 +387,20 @@ fn add_row(
     if let Some(fit) = fits.get(row.key as usize) {
         row.gap -= fit * row.area;
     }
+    row.terms = [begin as u32, rows.terms.len() as u32];
+    rows.rows.push(row);
+}
+
+/// The row of a point that no element has: its area is one, its multiplier an impulse.
+fn add_orphan_row(rows: &mut Rows, (key, law): (u32, u32), gap: f64, shares: &[Share], dofs_of: &[[u32; 2]]) {
+    let begin = rows.terms.len();
+    for share in shares {
+        let (of, dofs) = (share.of[0], dofs_of[share.point as usize]);
+        add_term(&mut rows.terms, begin, dofs[0], of[0], -of[1]);
+        add_term(&mut rows.terms, begin, dofs[1], of[1], of[0]);
+    }
+    let mut row = Row::of(key, law);
+    (row.area, row.gap) = (1.0, gap);
     row.terms = [begin as u32, rows.terms.len() as u32];
     rows.rows.push(row);
 }
@@ -383,6 +433,17 @@ impl Constraint for Contact {
         }
     }
 
+    fn release(&mut self, gone: &[[u32; 4]]) {
+        let Contact { curves, shown, uncovered, .. } = self;
+        for curve in curves.iter_mut() {
+            let points = gone.iter().filter_map(|corners| shown.points(corners));
+            if curve.release(points) {
+                curve.list();
+                *uncovered = true;
+            }
+        }
+    }
+
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>) {
         if self.half == 0.0 {
             return;
@@ -396,7 +457,13 @@ impl Constraint for Contact {
 
     fn motion(&mut self, dofs: &mut Dofs, _clock: &Clock<'_>, dt: f64) {
         self.half = dofs.nodes.half;
+        if self.uncovered {
+            self.list_points();
+        }
         self.look(dofs, dt);
+        if std::mem::take(&mut self.uncovered) {
+            self.curves.iter_mut().for_each(|c| c.join(&self.places));
+        }
         self.curves.iter_mut().for_each(|c| c.shape(&self.places));
         self.list();
         self.measure();
@@ -449,14 +516,14 @@ impl Constraint for Contact {
 
 impl Persist for Contact {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Contact { curves, pressures, impulses, pushed, half, listed, shown, .. } = self;
-        if archive.reads() {
-            // Lists are made from what is read; rows do not depend on when they were made.
-            listed.clear();
-        }
+        let Contact { curves, pressures, impulses, pushed, half, shown, uncovered, .. } = self;
         curves.iter_mut().for_each(|c| c.persist(archive));
         persist_fields!(archive; pressures.as_mut_slice(), impulses.as_mut_slice(), half);
         pushed.iter_mut().for_each(|p| p.1.persist(archive));
-        shown.persist(archive);
+        persist_fields!(archive; shown, uncovered);
+        if archive.reads() {
+            // Lists are made from what is read; rows do not depend on when they were made.
+            self.list_points();
+        }
     }
 }

@@ -47,6 +47,15 @@ impl Shown {
         }
     }
 
+    /// The points of an element's corners; `None` where one is in no contact.
+    pub(super) fn points(&self, corners: &[u32; 4]) -> Option<[u32; 4]> {
+        let mut points = [0; 4];
+        for (point, corner) in points.iter_mut().zip(corners) {
+            *point = self.point(Carrier::Node(*corner as usize))?;
+        }
+        Some(points)
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of::<f64>() * (self.opening.capacity() + self.slip.capacity() + 5 * self.forces.capacity())
             + size_of::<(usize, u32)>() * self.by_node.capacity()
@@ -78,7 +87,11 @@ impl Contact {
     /// Forces on the own surface of a pair, and the area where it is pressed.
     fn forces(&self, pair: &Pair) -> [f64; 5] {
         let (own, mut sum) = (&self.curves[pair.own], [0.0; 5]);
-        for (facet, seen) in own.facets.iter().zip(&pair.seen).filter(|(_, s)| s.area != [0.0; 2]) {
+        for &k in &own.bare {
+            let (facet, seen) = (&own.facets[k as usize], &pair.seen[k as usize]);
+            if seen.area == [0.0; 2] {
+                continue;
+            }
             for (end, point) in facet.iter().enumerate() {
                 let Ok(at) = own.own.binary_search(point) else { continue };
                 let [pressure, shear] = self.pressures[pair.first_key as usize + at];
