@@ -4,9 +4,9 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, Friction, IncrementControl, InitialKind,
-    Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning, Side, Step,
-    Target,
+    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, Friction, IncrementControl,
+    InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning,
+    Side, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;

@@ -271,10 +271,13 @@ impl Builder<'_> {
             let name = contact.interaction.as_ref().map(|w| upper(&w.text));
             let found = interactions.iter().find(|i| Some(&i.name) == name.as_ref());
             let Some(found) = found else { continue };
-            if found.law.overclosure != Overclosure::Hard || found.law.friction != Friction::of(found.law.friction.at_rest) {
+            if found.law.overclosure != Overclosure::Hard
+                || found.law.friction != Friction::of(found.law.friction.at_rest)
+            {
                 let message = format!("interaction `{}` is more than one coefficient of friction", found.name);
                 let finding = Diagnostic::error("M105", message).at(contact.span, "with an analytical surface");
-                refused.push(finding.help("make the surface of RAX2 elements, or take HARD contact and one coefficient"));
+                refused
+                    .push(finding.help("make the surface of RAX2 elements, or take HARD contact and one coefficient"));
                 continue;
             }
             contact.friction = found.law.friction.at_rest;

@@ -31,8 +31,8 @@ impl Builder<'_> {
             match card.has("EXPONENTIAL DECAY") {
                 true => Friction {
                     at_rest,
-                    sliding: self.number_or(line, 1, at_rest)?,
-                    decay: self.number_or(line, 2, 0.0)?,
+                    sliding: self.number(line, 1, "coefficient at great rates of slip")?,
+                    decay: self.number(line, 2, "decay")?,
                     ..Friction::default()
                 },
                 false => Friction::of(at_rest),

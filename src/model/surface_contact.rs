@@ -3,6 +3,7 @@
 //! Never here: analytical surfaces, how surfaces interact, what contact does.
 
 use super::builder::Builder;
+use super::names::{qualified, upper};
 use super::types::{Law, Sides, SurfaceContact};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
@@ -34,11 +35,17 @@ impl Builder<'_> {
             return;
         }
         let (interaction, law) = (card.value("INTERACTION").cloned(), Law::default());
-        pairs.push(SurfaceContact { sides: [first, second], fits, interaction, law, span: line.span });
+        pairs.push(SurfaceContact { sides: [first, second], general: false, fits, interaction, law, span: line.span });
     }
 
     /// The sides of a surface of elements.
     fn contact_sides(&mut self, word: &Word) -> Option<Sides> {
+        let names = [qualified(&self.scope, &word.text), upper(&word.text)];
+        if names.iter().any(|n| self.model.node_surfaces.contains_key(n)) {
+            let message = format!("`{}` is a surface of nodes, which meets analytical surfaces alone", word.text);
+            self.unsupported(word.span, message, "give a surface of element faces");
+            return None;
+        }
         let key = self.surface_key(word)?;
         let faces = self.model.surfaces[&key].faces.clone();
         if faces.is_empty() {

@@ -622,6 +622,8 @@ pub struct Interaction {
 pub struct SurfaceContact {
     /// Both surfaces; the same twice where one meets itself.
     pub sides: [Sides; 2],
+    /// Whether it is one of general contact.
+    pub general: bool,
     /// Gaps at the start up to this are taken as none, length.
     pub fits: f64,
     /// Name of its surface interaction, which may be defined anywhere in the deck.

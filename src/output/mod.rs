@@ -41,6 +41,8 @@ pub struct Frame {
     pub points: Vec<[f64; 2]>,
     /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
     pub cells: Vec<Vec<usize>>,
+    /// Whether what a cell stood for is deleted, for each cell; empty where none is.
+    pub deleted: Vec<bool>,
     /// Arrays over points.
     pub point_fields: Vec<Field>,
     /// Arrays over cells.

@@ -12,6 +12,10 @@ use super::{Field, Frame};
 /// Bytes of a block before compression: setting the compressor up again costs as much as compressing some tens of KiB.
 const BLOCK: usize = 1 << 20;
 
+/// Name of VTK's array of blanking, and its value of a hidden cell (vtkDataSetAttributes, HIDDENCELL).
+pub const BLANKING: &str = "vtkGhostType";
+const HIDDEN: u8 = 32;
+
 /// Makes the text of `.vtu` files. It keeps the compressor and its buffers, which cost more than the small arrays of a
 /// frame.
 #[derive(Debug)]
@@ -42,7 +46,7 @@ impl VtuWriter {
         self.line("</FieldData>");
         let _ = writeln!(self.text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
         self.section("PointData", &frame.point_fields);
-        self.section("CellData", &frame.cell_fields);
+        self.cell_data(frame);
         self.line("<Points>");
         let places = frame.points.iter().flat_map(|p| [p[0], p[1], 0.0]);
         self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
@@ -63,6 +67,17 @@ impl VtuWriter {
             self.field(field);
         }
         let _ = writeln!(self.text, "</{name}>");
+    }
+
+    /// Arrays over cells. Those of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`), so that ParaView
+    /// leaves them out without being asked.
+    fn cell_data(&mut self, frame: &Frame) {
+        self.line("<CellData>");
+        frame.cell_fields.iter().for_each(|field| self.field(field));
+        if !frame.deleted.is_empty() {
+            self.array("UInt8", BLANKING, "", frame.deleted.iter().map(|gone| if *gone { HIDDEN } else { 0 }));
+        }
+        self.line("</CellData>");
     }
 
     /// One array; vectors in the plane get a third component, as VTK's filters expect.

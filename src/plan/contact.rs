@@ -3,14 +3,15 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::general_contact::{pair_name, pieces};
+use super::general_contact::pair_name;
+use super::pieces::pieces;
 use super::{Compiler, State};
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
 use crate::constraint::contact::{Contact, Overlap, Pair};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{Law, Overclosure};
-use crate::model::{Side, Sides, Step, SurfaceContact};
+use crate::model::{GeneralContact, Side, Sides, Step, SurfaceContact};
 
 /// A facet is met from behind no deeper than this many of its lengths.
 const DEEPEST: f64 = 2.0;
@@ -56,7 +57,10 @@ impl Compiler<'_> {
             });
             let curves = found.order(first, second);
             let length = found.lengths[first][0].min(found.lengths[second][0]);
-            let id = self.contact_row(contact, &found, curves[0]);
+            let id = match &step.general_contact {
+                Some(general) if contact.general => self.general_row(general, &wanted),
+                _ => self.contact_row(contact, &found, curves[0]),
+            };
             let name = pair_name(contact);
             let number = self.pair_names().iter().position(|n| *n == name).unwrap_or_default();
             let mut pair = Pair::new(id, number, curves, law, length);
@@ -92,6 +96,16 @@ impl Compiler<'_> {
         };
         let count = found.curves[own].facets.len();
         self.cause(contact.span, "contact", count, "facets", format!("{between}, {kind}{friction}"))
+    }
+
+    /// One row for all pairs of general contact.
+    fn general_row(&mut self, general: &GeneralContact, pairs: &[SurfaceContact]) -> usize {
+        let own: Vec<String> = pairs.iter().filter(|p| p.general).map(pair_name).collect();
+        let mut detail = own.iter().take(6).cloned().collect::<Vec<_>>().join(" ");
+        if own.len() > 6 {
+            detail += " …";
+        }
+        self.cause(general.span, "general contact", own.len(), "pairs", detail)
     }
 
     /// One surface of a pair; `None` where it cannot be in contact, which is told.
@@ -156,7 +170,8 @@ impl Compiler<'_> {
     ) {
         let mesh = &self.model.mesh;
         let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
-        let solids: Vec<usize> = self.places.elements.keys().copied().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
+        let solids: Vec<usize> =
+            self.places.elements.keys().copied().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
         let kept = self.kept.concerned();
         for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
             let edges = |e: usize| {

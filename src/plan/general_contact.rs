@@ -4,6 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::Compiler;
+use super::pieces::pieces;
 use crate::model::{ContactDomain, ElementKind, GeneralContact, Law, Mesh, Side, Sides, Step, SurfaceContact};
 
 type Face = (usize, Side);
@@ -55,14 +56,15 @@ impl Compiler<'_> {
         if general.all {
             add_all(&all, general.span, &mut meetings);
         }
-        for (domains, span) in &general.included {
+        // What may all meet needs no further words.
+        for (domains, span) in general.included.iter().filter(|_| !general.all) {
             match domains {
-                [ContactDomain::All, ContactDomain::All] if !general.all => add_all(&all, *span, &mut meetings),
-                [ContactDomain::All, ContactDomain::All] => {}
+                [ContactDomain::All, ContactDomain::All] => add_all(&all, *span, &mut meetings),
                 [ContactDomain::Surface(a), ContactDomain::Surface(b)] => {
                     meetings.push(Meeting { sides: [a.clone(), b.clone()], interaction: None, span: *span });
                 }
-                [ContactDomain::All, ContactDomain::Surface(one)] | [ContactDomain::Surface(one), ContactDomain::All] => {
+                [ContactDomain::All, ContactDomain::Surface(one)]
+                | [ContactDomain::Surface(one), ContactDomain::All] => {
                     let others = all.iter().filter(|o| one.faces.iter().all(|f| !o.faces.contains(f)));
                     let with = |o: &Sides| Meeting { sides: [one.clone(), o.clone()], interaction: None, span: *span };
                     meetings.extend(others.map(with));
@@ -88,6 +90,7 @@ impl Compiler<'_> {
             law: m.interaction.and_then(law).unwrap_or_else(Law::default),
             interaction: m.interaction.map(|i| general.assigned[i].1.clone()),
             sides: m.sides,
+            general: true,
             fits: 0.0,
             span: m.span,
         };
@@ -108,7 +111,8 @@ impl Compiler<'_> {
         for piece in pieces(mesh, &elements) {
             let name = self.name_of_piece(&piece, &surfaces);
             let solid = outside_of_solids(mesh, &piece);
-            let shells = piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
+            let shells =
+                piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
             let both = |side: Side| shells.clone().map(move |&e| (e, side)).collect::<Vec<Face>>();
             let parts = [("", solid), ("_SPOS", both(Side::Positive)), ("_SNEG", both(Side::Negative))];
             let parts = parts.into_iter().filter(|p| !p.1.is_empty());
@@ -125,7 +129,8 @@ impl Compiler<'_> {
         let sets = model.element_sets.iter().filter(|s| holds(&s.1.members));
         let set = sets.min_by_key(|s| s.1.members.len()).map(|s| s.0.clone());
         let base = instance.or(set).unwrap_or_else(|| format!("ELEMENT{}", model.mesh.elements[piece[0]].name));
-        let is_taken = |name: &str| taken.iter().any(|t| t.name.trim_end_matches("_SPOS").trim_end_matches("_SNEG") == name);
+        let is_taken =
+            |name: &str| taken.iter().any(|t| t.name.trim_end_matches("_SPOS").trim_end_matches("_SNEG") == name);
         let numbered = |n: usize| if n == 1 { base.clone() } else { format!("{base}{n}") };
         (1..).map(numbered).find(|name| !is_taken(name)).unwrap_or(base.clone())
     }
@@ -184,36 +189,6 @@ fn split(sides: &Sides, domain: &ContactDomain) -> (Sides, Sides) {
             (part(&format!(".{}", surface.name), within), part(&format!(".NOT.{}", surface.name), without))
         }
     }
-}
-
-/// Elements that hang together by nodes, in the order of their first ones.
-pub(super) fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
-    let mut root: Vec<usize> = (0..mesh.points.len()).collect();
-    fn find(root: &mut [usize], mut n: usize) -> usize {
-        while root[n] != n {
-            root[n] = root[root[n]];
-            n = root[n];
-        }
-        n
-    }
-    for &e in elements {
-        let nodes = &mesh.elements[e].nodes;
-        for &n in &nodes[1..] {
-            let (a, b) = (find(&mut root, nodes[0]), find(&mut root, n));
-            root[b] = a;
-        }
-    }
-    let mut by_root: HashMap<usize, usize> = HashMap::new();
-    let mut pieces: Vec<Vec<usize>> = Vec::new();
-    for &e in elements {
-        let key = find(&mut root, mesh.elements[e].nodes[0]);
-        let at = *by_root.entry(key).or_insert_with(|| {
-            pieces.push(Vec::new());
-            pieces.len() - 1
-        });
-        pieces[at].push(e);
-    }
-    pieces
 }
 
 /// Faces of solids that one element alone has.

@@ -20,6 +20,7 @@ mod mass_scaling;
 mod motions;
 mod outputs;
 mod overlaps;
+mod pieces;
 mod shells;
 mod soft_material;
 mod solid;

@@ -462,7 +462,9 @@ fn why_absent(asked: Asked, request: &OutputRequest) -> String {
             format!("{name} lives in elements; a history of it needs *ELEMENT OUTPUT, ELSET=")
         }
         (Some(Place::Pair), _) if !history => format!("{name} is one of pairs of surfaces: a history, *CONTACT OUTPUT"),
-        (Some(Place::Pair), _) => format!("{name} is one of pairs of surfaces of elements: *CONTACT OUTPUT without NSET"),
+        (Some(Place::Pair), _) => {
+            format!("{name} is one of pairs of surfaces of elements: *CONTACT OUTPUT without NSET")
+        }
         (Some(Place::Section), _) => format!("{name} is one of surfaces that deform: *INTEGRATED OUTPUT, SURFACE="),
         (Some(Place::Facet), _) if history => format!("{name} is shown on facets in frames, not in histories"),
         (Some(Place::Energy), _) if !history => format!("{name} is an energy of the whole model: *OUTPUT, HISTORY"),

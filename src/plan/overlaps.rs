@@ -1,11 +1,12 @@
 //! Bodies of elements that lie in each other at the start although nothing joins them: told before a run.
 //! Never here: contact, what happens later.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use super::Compiler;
+use super::pieces::pieces;
 use crate::deck::{Diagnostic, Span};
-use crate::model::ElementKind;
+use crate::model::{Sides, SurfaceContact};
 
 /// Part of a skin's face by which a node may lie behind it: chords of curved surfaces that fit.
 const FIT: f64 = 0.05;
@@ -31,9 +32,13 @@ impl Compiler<'_> {
     /// Says which pieces overlap, once for each two.
     pub(super) fn tell_overlaps(&mut self) {
         let pieces = self.pieces();
+        let pairs: Vec<SurfaceContact> = match pieces.len() {
+            0 | 1 => Vec::new(),
+            _ => self.model.steps.iter().flat_map(|s| self.pairs(s)).collect(),
+        };
         for a in 0..pieces.len() {
             for b in a + 1..pieces.len() {
-                if !pieces[a].meets(&pieces[b]) {
+                if !pieces[a].meets(&pieces[b]) || self.may_meet(&pairs, [&pieces[a], &pieces[b]]) {
                     continue;
                 }
                 let found = [self.inside(&pieces[a], &pieces[b]), self.inside(&pieces[b], &pieces[a])];
@@ -55,7 +60,7 @@ impl Compiler<'_> {
         let [first, second] = pieces.map(|p| self.section_of(p.elements[0]));
         let finding = Diagnostic::warning("P112", message).at(first, "of this body");
         let finding = if second == first { finding } else { finding.at(second, "and of this one") };
-        self.diagnostics.push(finding.help("move them apart, or give them common nodes"));
+        self.diagnostics.push(finding.help("move them apart, give them common nodes, or let them meet (*CONTACT)"));
     }
 
     fn section_of(&self, element: usize) -> Span {
@@ -66,44 +71,21 @@ impl Compiler<'_> {
     /// The pieces that solids make, in the order of their first elements.
     fn pieces(&self) -> Vec<Piece> {
         let mesh = &self.model.mesh;
-        let mut root: Vec<usize> = (0..mesh.points.len()).collect();
-        fn find(root: &mut [usize], mut n: usize) -> usize {
-            while root[n] != n {
-                root[n] = root[root[n]];
-                n = root[n];
-            }
-            n
-        }
-        let solids: Vec<usize> = (0..mesh.elements.len())
-            .filter(|&e| matches!(mesh.elements[e].kind, ElementKind::Cax3 | ElementKind::Cax4r))
-            .collect();
-        for &e in &solids {
-            let nodes = &mesh.elements[e].nodes;
-            let first = find(&mut root, nodes[0]);
-            for &n in &nodes[1..] {
-                let other = find(&mut root, n);
-                root[other] = first;
-            }
-        }
-        let mut by_root: BTreeMap<usize, usize> = BTreeMap::new();
-        let mut pieces: Vec<Piece> = Vec::new();
-        for e in solids {
-            let key = find(&mut root, mesh.elements[e].nodes[0]);
-            let at = *by_root.entry(key).or_insert_with(|| {
-                let (low, high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-                pieces.push(Piece { elements: Vec::new(), low, high });
-                pieces.len() - 1
-            });
-            let piece = &mut pieces[at];
-            piece.elements.push(e);
-            for &n in &mesh.elements[e].nodes {
-                for i in [0, 1] {
-                    piece.low[i] = piece.low[i].min(mesh.points[n][i]);
-                    piece.high[i] = piece.high[i].max(mesh.points[n][i]);
-                }
-            }
-        }
-        pieces
+        let solids: Vec<usize> = (0..mesh.elements.len()).filter(|&e| mesh.elements[e].kind.is_solid()).collect();
+        let piece = |elements: Vec<usize>| {
+            let places: Vec<[f64; 2]> =
+                elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]).collect();
+            let most = |f: fn(f64, f64) -> f64| [0, 1].map(|i| places.iter().map(|p| p[i]).reduce(f).unwrap_or(0.0));
+            Piece { low: most(f64::min), high: most(f64::max), elements }
+        };
+        pieces(mesh, &solids).into_iter().map(piece).collect()
+    }
+
+    /// Whether a step has contact between two pieces.
+    fn may_meet(&self, pairs: &[SurfaceContact], pieces: [&Piece; 2]) -> bool {
+        let on = |sides: &Sides, piece: &Piece| sides.faces.iter().any(|f| piece.elements.binary_search(&f.0).is_ok());
+        let between = |c: &SurfaceContact, [a, b]: [&Piece; 2]| on(&c.sides[0], a) && on(&c.sides[1], b);
+        pairs.iter().any(|c| between(c, pieces) || between(c, [pieces[1], pieces[0]]))
     }
 
     /// How many nodes of one piece lie within another, further behind its skin than what fits, and how deep.

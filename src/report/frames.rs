@@ -12,6 +12,7 @@ use super::mesh::{Drawn, bounds, drawn};
 use crate::kernel::stress::mises;
 use crate::model::mesh_data::MeshFile;
 use crate::model::vtk_file;
+use crate::output::vtu::BLANKING;
 use crate::variables::Variable;
 
 /// The most frames of a page.
@@ -34,6 +35,8 @@ pub struct Raw {
     pub points: Vec<[f64; 2]>,
     /// Corners of each cell.
     pub cells: Vec<Vec<usize>>,
+    /// Whether each cell is one of a deleted element; empty where none is.
+    pub deleted: Vec<bool>,
     /// Scalars: name, whether on cells, values.
     pub scalars: Vec<(String, bool, Vec<f64>)>,
 }
@@ -64,11 +67,16 @@ pub fn read(time: f64, path: &Path) -> Result<Raw, String> {
     for (name, values) in &mesh.point_arrays {
         scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
     }
+    let mut deleted = Vec::new();
     for (name, values) in &mesh.cell_arrays {
+        if name == BLANKING {
+            deleted = values.iter().map(|v| *v != 0.0).collect();
+            continue;
+        }
         scalars.extend(split(name, values, mesh.cells.len(), &text).into_iter().map(|(n, v)| (n, true, v)));
     }
     let MeshFile { points, cells, .. } = mesh;
-    Ok(Raw { time, points: points.iter().map(|p| [p[0], p[1]]).collect(), cells, scalars })
+    Ok(Raw { time, points: points.iter().map(|p| [p[0], p[1]]).collect(), cells, deleted, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {

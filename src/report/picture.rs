@@ -151,6 +151,7 @@ impl Picture {
     fn of(frame: &Raw, field: usize, scene: &Value) -> Picture {
         let (_, on_cells, values) = &frame.scalars[field];
         let mesh = drawn(&frame.points, &frame.cells, CELLS);
+        let there = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
         let corner_mean = |cell: usize| {
             let corners = &frame.cells[cell];
             corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64
@@ -163,7 +164,7 @@ impl Picture {
             let corners = corners.iter().map(|&p| frame.points[mesh.points[p]]).collect();
             Cell { corners, value: Some(value).filter(|v| belongs && v.is_finite()) }
         };
-        let cells: Vec<Cell> = mesh.corners.iter().zip(&mesh.cells).map(cell).collect();
+        let cells: Vec<Cell> = mesh.corners.iter().zip(&mesh.cells).filter(|c| there(*c.1)).map(cell).collect();
         let values = || cells.iter().filter_map(|c| c.value);
         let range = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
         let points: Vec<[f64; 2]> = cells.iter().flat_map(|c| c.corners.iter().copied()).collect();

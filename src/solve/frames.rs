@@ -99,9 +99,10 @@ impl Run<'_> {
         }
     }
 
-    /// A number of a point of a surface in contact; not a number of other points.
+    /// A number of a point of a surface in contact. Elsewhere nothing presses, and there is no gap.
     fn contact_value(&self, carrier: Carrier, part: Part) -> f64 {
-        self.constraints.iter().find_map(|c| c.at_point(carrier, part)).unwrap_or(f64::NAN)
+        let nowhere = if part.variable == Variable::ContactOpening { f64::NAN } else { 0.0 };
+        self.constraints.iter().find_map(|c| c.at_point(carrier, part)).unwrap_or(nowhere)
     }
 
     /// A number of an element; not a number where its group does not have it. The temperature of one that conducts is that of
@@ -162,6 +163,11 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
     frame.cells = elements.iter().map(|&e| corners(e)).collect();
     let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
+    let gone = |&(group, e): &(usize, usize)| run.elements.groups[group].is_deleted(e);
+    if solid.iter().any(gone) {
+        frame.deleted = solid.iter().map(gone).collect();
+        frame.deleted.resize(elements.len(), false);
+    }
     for field in &run.plan.fields {
         let values = match (field.variable().place(), field.position) {
             (Place::Node, _) => of_nodes(run, field, &of_point),

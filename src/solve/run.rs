@@ -549,7 +549,9 @@ impl<'a> Run<'a> {
         }
         let clock = Clock { now: self.now, told: &self.told };
         for constraint in &mut self.constraints {
+            let started = self.timing.start();
             constraint.motion(&mut self.dofs, &clock, dt);
+            self.timing.stop(started, constraint.id());
         }
         if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
             heat.advance(&clock, dt);

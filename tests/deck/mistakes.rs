@@ -104,7 +104,7 @@ const WRONG: &[(&str, &str, usize)] = &[
     ("no_procedure", "*Dynamic, Explicit\\n , 0.1 => *Static\\n 0.1, 1.", 1),
     ("implicit", "*Dynamic, Explicit => *Dynamic", 1),
     ("time_in_the_first_field", ", 0.1 => 0.1", 1),
-    ("general_contact", "*Output, field => *Contact\\n*Contact Inclusions, ALL EXTERIOR\\n*Output, field", 1),
+    ("contact_below_nothing", "*Output, field => *Contact Inclusions, ALL EXTERIOR\\n*Output, field", 1),
     ("face", "UPPER, S3 => UPPER, S5 ;; *Output, field => *Dsload\\n END, P, 1.\\n*Output, field", 1),
     ("amplitude", "*Boundary => *Boundary, amplitude=RAMP", 1),
     ("three_at_once", "material=METAL => material=METALL ;; *Elastic => *Elastc ;; FOOT, 2, 2 => FEET, 2, 2", 3),

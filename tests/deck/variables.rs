@@ -37,9 +37,26 @@ fn steel() -> String {
     )
 }
 
+/// Whether a variable is there only where surfaces meet.
+fn is_of_contact(variable: Variable) -> bool {
+    variable.row().preselected == Preselected::Meeting || variable.place() == Place::Pair
+}
+
+/// The block under a lid that falls on it.
+fn pressed(deck: &str) -> String {
+    let lid = "*Node, nset=LIDS\n 101, 1., 2.\n 102, 3., 2.\n 103, 3., 3.\n 104, 1., 3.\n*Element, type=CAX4R, elset=LID\n \
+               101, 101, 102, 103, 104\n*Surface, name=LID\n LID, S1\n*Solid Section, elset=LID, material=M\n\
+               *Initial Conditions, type=VELOCITY\n LIDS, 2, -3.\n";
+    deck.replacen("*Step\n", &format!("{lid}*Step\n"), 1)
+        .replace("*Boundary\n J0, 2, 2\n", "*Boundary\n J0, 2, 2\n*Contact Pair\n J1, LID\n")
+}
+
 /// What has a variable: the block, or a ring of shells that flies the same way.
 fn scene(variable: Variable, requests: &str) -> String {
     let solid = block_with(variable, requests);
+    if is_of_contact(variable) {
+        return pressed(&solid);
+    }
     let Some((_, rest)) =
         solid.split_once("*Solid Section, elset=SOLID, material=M").filter(|_| variable.is_of_shells())
     else {
@@ -144,6 +161,7 @@ fn history(variable: Variable, name: &str) -> (String, &'static str) {
         Place::Point | Place::Element => ("*Element Output, elset=ONE", "@ONE"),
         Place::Energy => ("*Energy Output", ""),
         Place::Increment => ("*Incrementation Output", ""),
+        Place::Pair => ("*Contact Output", "@J1_LID"),
         Place::Section => ("*Integrated Output, surface=J0", "@J0"),
         Place::Facet => unreachable!("facets have no histories"),
     };
@@ -168,7 +186,8 @@ fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
 
 #[test]
 fn a_rigid_body_has_the_histories_of_a_node() {
-    let plain = |v: &&Variable| v.place() == Place::Node && !is_of_conduction(**v) && !v.is_of_shells();
+    let plain =
+        |v: &&Variable| v.place() == Place::Node && !is_of_conduction(**v) && !v.is_of_shells() && !is_of_contact(**v);
     for &variable in Variable::ALL.iter().filter(plain) {
         let request = format!("*Output, history\n*Node Output, nset=REF\n {}\n*End Step", variable.name());
         let (columns, _) = run(&ogive().replace("*End Step", &request));
@@ -201,7 +220,9 @@ fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
                 let shown = field(fields, name).expect("a field of its name");
                 assert_eq!(shown.components, all.len());
                 assert!(all.len() == 1 || shown.component_names == all, "{:?}", shown.component_names);
-                assert!(shown.values.iter().all(|v| v.is_finite()), "{}", shown.name);
+                // A gap is one of points that are near another surface.
+                let near = |v: &f64| v.is_finite() || variable == Variable::ContactOpening;
+                assert!(shown.values.iter().all(near) && shown.values.iter().any(|v| v.is_finite()), "{}", shown.name);
             }
         }
         let count = frame.point_fields.len() + frame.cell_fields.len();

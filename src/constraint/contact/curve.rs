@@ -148,7 +148,8 @@ impl Curve {
     /// Elements with these corners, run through counter-clockwise, are no more: their facets go, those of elements beside them
     /// lie bare. Returns whether anything of the curve has changed.
     pub fn release(&mut self, gone: impl Iterator<Item = [u32; 4]> + Clone) -> bool {
-        let edges = |corners: [u32; 4]| (0..4).map(move |i| [corners[i], corners[(i + 1) % 4]]).filter(|e| e[0] != e[1]);
+        let edges =
+            |corners: [u32; 4]| (0..4).map(move |i| [corners[i], corners[(i + 1) % 4]]).filter(|e| e[0] != e[1]);
         let mut changed = false;
         for [a, b] in gone.clone().flat_map(edges) {
             if let Some(k) = self.facet(a, b) {
@@ -175,7 +176,8 @@ impl Curve {
             for end in [0, 1] {
                 let point = self.facets[k][end];
                 let here = way(self.facets[k]);
-                let others = self.around(point).filter(|&(j, e)| e as usize != end && self.there[j as usize] && j as usize != k);
+                let others =
+                    self.around(point).filter(|&(j, e)| e as usize != end && self.there[j as usize] && j as usize != k);
                 let turn = |j: u32| {
                     let next = way(self.facets[j as usize]);
                     -(here.normal[0] * next.normal[0] + here.normal[1] * next.normal[1])

@@ -82,11 +82,7 @@ const GAUSS: f64 = 0.577_350_269_189_625_8;
 impl Gaps {
     /// Room for this many facets.
     pub fn new(facets: usize) -> Gaps {
-        Gaps {
-            shares: Vec::with_capacity(16 * facets),
-            facing: Vec::with_capacity(64),
-            cuts: Vec::with_capacity(256),
-        }
+        Gaps { shares: Vec::with_capacity(16 * facets), facing: Vec::with_capacity(64), cuts: Vec::with_capacity(256) }
     }
 
     /// What the facet `k` of one curve sees of those `candidates` of another that are within `reach` in front of it.

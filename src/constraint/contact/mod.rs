@@ -144,6 +144,7 @@ impl Contact {
         self.curves.iter_mut().for_each(|c| c.shape(places));
         self.list();
         self.measure();
+        self.show_openings();
         let mut deepest: Vec<Option<Overlap>> = vec![None; self.pairs.len()];
         let mut fits = vec![0.0; self.pressures.len()];
         for row in &self.rows.rows {
@@ -174,10 +175,13 @@ impl Contact {
                 }
                 Carrier::Body(b, _) => {
                     let known = self.dofs.iter().position(|d| d.0 == Dof::Body(b));
-                    [NONE, known.unwrap_or_else(|| {
-                        self.dofs.push((Dof::Body(b), false));
-                        self.dofs.len() - 1
-                    }) as u32]
+                    [
+                        NONE,
+                        known.unwrap_or_else(|| {
+                            self.dofs.push((Dof::Body(b), false));
+                            self.dofs.len() - 1
+                        }) as u32,
+                    ]
                 }
             });
         }
@@ -266,7 +270,8 @@ impl Contact {
                     add_row(rows, pair, own, index as usize, gaps, dofs_of, fits);
                 }
             }
-            let orphans = [(own, other, &pair.search.orphans, 0), (other, own, &pair.search.other_orphans, own.own.len())];
+            let orphans =
+                [(own, other, &pair.search.orphans, 0), (other, own, &pair.search.other_orphans, own.own.len())];
             // A curve that meets itself has its orphans once.
             for (of, against, lists, offset) in orphans.into_iter().take(if pair.other.is_some() { 2 } else { 1 }) {
                 for (at, &index) in of.orphans.iter().enumerate() {
@@ -358,15 +363,7 @@ impl Contact {
 }
 
 /// The row of one point, from what the facets around it see.
-fn add_row(
-    rows: &mut Rows,
-    pair: &Pair,
-    own: &Curve,
-    index: usize,
-    gaps: &Gaps,
-    dofs_of: &[[u32; 2]],
-    fits: &[f64],
-) {
+fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps, dofs_of: &[[u32; 2]], fits: &[f64]) {
     let begin = rows.terms.len();
     let mut row = Row::of(pair.first_key + index as u32, pair.law as u32);
     for &(facet, end) in own.around_own(index).iter().filter(|f| own.there[f.0 as usize]) {

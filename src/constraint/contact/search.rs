@@ -97,7 +97,8 @@ impl Order {
 impl Search {
     /// Room for lists of curves of so many facets.
     pub fn new(length: f64, facets: usize, others: usize) -> Search {
-        let room = |count: usize, list: usize| Lists { first: Vec::with_capacity(count), list: Vec::with_capacity(list) };
+        let room =
+            |count: usize, list: usize| Lists { first: Vec::with_capacity(count), list: Vec::with_capacity(list) };
         Search {
             length,
             facets: room(facets + 1, 16 * (facets + others)),

@@ -40,9 +40,7 @@ impl Shown {
 
     fn point(&self, carrier: Carrier) -> Option<u32> {
         match carrier {
-            Carrier::Node(node) => {
-                self.by_node.binary_search_by_key(&node, |p| p.0).ok().map(|at| self.by_node[at].1)
-            }
+            Carrier::Node(node) => self.by_node.binary_search_by_key(&node, |p| p.0).ok().map(|at| self.by_node[at].1),
             carrier => self.on_bodies.iter().find(|p| p.0 == carrier).map(|p| p.1),
         }
     }

@@ -53,8 +53,11 @@ pub(super) const LIST: &[Ablation] = &[
 
 fn has_friction(model: &Model) -> bool {
     let of_load = |l: &Load| matches!(l.kind, LoadKind::Cavity { friction, .. } if friction > 0.0);
-    model.steps.iter().any(|s| s.loads.iter().any(of_load) || s.contacts.iter().any(|c| c.friction > 0.0)
-        || s.surface_contacts.iter().any(|c| c.law.friction.is_there()))
+    model.steps.iter().any(|s| {
+        s.loads.iter().any(of_load)
+            || s.contacts.iter().any(|c| c.friction > 0.0)
+            || s.surface_contacts.iter().any(|c| c.law.friction.is_there())
+    })
 }
 
 fn no_friction(model: &mut Model) {
