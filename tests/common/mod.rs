@@ -1,6 +1,7 @@
 //! What several tests share: the seed deck, runs in memory, exact depths by quadrature.
 #![allow(dead_code)] // Each binary uses a part.
 
+pub mod bodies;
 pub mod mesh;
 pub mod routines;
 pub mod solid;

@@ -10,6 +10,7 @@ mod bars;
 mod cavities;
 mod conduction;
 mod element_output;
+mod erosion;
 mod fidelity;
 mod hourglass;
 mod large_motion;
