@@ -18,6 +18,7 @@ use revolve::user::{
 };
 
 use crate::common;
+use crate::common::bodies::{assembly, elastic, part, rigid_line};
 use crate::common::solid::{grid, material};
 use crate::common::{Memory, prepared, project};
 
@@ -256,6 +257,45 @@ fn linked() -> String {
 #[test]
 fn links_and_loads_over_two_steps() {
     let outcome = goes_on("links", &linked(), Routines::none);
+    assert_eq!(outcome.halt, None);
+    let energy = &outcome.energy;
+    assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
+}
+
+/// A rigid nose, thrown, and two blocks that meet it and each other, with friction, a gap taken as none, and a law that gives way;
+/// over two steps, in the second of which one pair more is in force.
+fn meeting() -> String {
+    let block = |name: &str, n: usize, from: f64| {
+        part(name, [n, 5], |i, j| [i as f64 / n as f64, from + 0.1 * j as f64 * (1.0 + 0.02 * (i as f64 - 2.0))], "")
+    };
+    let nose = [[0.4, 1.4], [0.4, 1.1], [0.0, 0.98]];
+    let mass = "*Element, type=MASS, elset=M\n 900, 1000\n*Mass, elset=M\n 0.2,\n";
+    let step = |time: f64, cards: &str| {
+        format!(
+            "*Step\n*Dynamic, Explicit\n , {time}\n{cards}*Output, field, number interval=3\n*Node Output\n U, V, A\n*Element Output\n \
+             S, PEEQ\n*Output, history, number interval=17\n*Node Output, nset=NOSE.REF\n U2, V2, A2\n*Energy Output\n ALL\n*End Step\n"
+        )
+    };
+    block("LOWER", 4, -0.51)
+        + &block("UPPER", 5, 0.0)
+        + &rigid_line("NOSE", &nose, mass)
+        + &assembly(&["LOWER", "UPPER", "NOSE"], "*Rigid Body, ref node=NOSE.REF, elset=NOSE.E\n")
+        + &elastic("LOWER", [1.0, 0.3, 1.0], "*Plastic\n 0.02, 0.\n 0.05, 0.3\n")
+        + &elastic("UPPER", [1.0, 0.3, 1.0], "")
+        + "*Surface Interaction, name=DRY\n*Friction, exponential decay\n 0.3, 0.1, 20.\n*Surface Interaction, name=SOFT\n\
+           *Friction\n 0.2,\n*Surface Behavior, pressure-overclosure=LINEAR\n 5.,\n\
+           *Initial Conditions, type=VELOCITY\n NOSE.REF, 2, -0.2\n UPPER.ALL, 2, -0.05\n"
+        + &step(
+            1.5,
+            "*Boundary\n LOWER.J0, 2, 2\n*Contact Pair, interaction=DRY, adjust=0.03\n UPPER.J0, LOWER.J1\n\
+             *Contact Pair, interaction=SOFT\n NOSE.SKIN, UPPER.J1\n",
+        )
+        + &step(1.0, "*Contact Pair, interaction=DRY\n LOWER.I1, UPPER.I1\n")
+}
+
+#[test]
+fn bodies_that_meet() {
+    let outcome = goes_on("contact", &meeting(), Routines::none);
     assert_eq!(outcome.halt, None);
     let energy = &outcome.energy;
     assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");

@@ -3,6 +3,7 @@
 //! Goal: no sum depends on how elements are spread over threads. Tolerance: none.
 //! Source: the run on one thread.
 
+use crate::common::bodies::{assembly, elastic, part};
 use crate::common::solid::{grid, material, run};
 
 /// Increments of a run, and the bits of its rows and of the fields of its last frame.
@@ -91,4 +92,29 @@ fn equations_of_state() {
          *Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 2.1e11\n"
     );
     agrees("ideal gas", &bar(&gas, 1e4, 5e-6));
+}
+
+/// Two blocks, of more nodes than it takes to spread them, meet with friction.
+#[test]
+fn contact() {
+    let block = |name: &str, n: usize, from: f64| {
+        part(
+            name,
+            [n, 60],
+            |i, j| [i as f64 / n as f64, from + j as f64 / 60.0 + 0.02 * (3.0 * i as f64 / n as f64).sin()],
+            "",
+        )
+    };
+    let deck = block("LOWER", 60, -1.0)
+        + &block("UPPER", 80, 0.001)
+        + &assembly(&["LOWER", "UPPER"], "")
+        + &elastic("LOWER", [1.0, 0.3, 1.0], "*Plastic\n 0.01, 0.\n 0.02, 1.\n")
+        + &elastic("UPPER", [1.0, 0.3, 1.0], "")
+        + "*Surface Interaction, name=DRY\n*Friction\n 0.1,\n*Initial Conditions, type=VELOCITY\n UPPER.ALL, 2, -0.05\n\
+           *Step\n*Dynamic, Explicit\n , 0.4\n*Contact Pair, interaction=DRY\n LOWER.J1, UPPER.J0\n\
+           *Output, field, number interval=1\n*Node Output\n U, V\n*Element Output\n S, PEEQ\n\
+           *Output, history, number interval=10\n*Energy Output\n ALLKE, ALLCW, ALLFD, ALLPD, ETOTAL\n*End Step\n";
+    let (outcome, _) = run(&deck);
+    assert!(outcome.energy.contact > 0.0 && outcome.energy.friction > 0.0, "{:?}", outcome.energy);
+    agrees("contact", &deck);
 }

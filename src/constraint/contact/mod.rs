@@ -8,6 +8,7 @@
 
 pub mod curve;
 mod gaps;
+mod light;
 mod search;
 mod shown;
 mod sweeps;
@@ -422,12 +423,17 @@ impl Constraint for Contact {
 
     fn begin(&mut self, dofs: &mut Dofs) {
         self.pushed.clear();
-        for (dof, prescribed) in &mut self.dofs {
+        self.rows.bodies.clear();
+        for (i, (dof, prescribed)) in self.dofs.iter_mut().enumerate() {
             if let Dof::Body(b) = *dof {
                 *prescribed = dofs.bodies[b].prescribed;
-                self.pushed.extend((!*prescribed).then_some((b, 0.0)));
+                if !*prescribed {
+                    self.pushed.push((b, 0.0));
+                    self.rows.bodies.push(i as u32);
+                }
             }
         }
+        self.rows.light.reserve(self.rows.bodies.len());
     }
 
     fn release(&mut self, gone: &[[u32; 4]]) {

@@ -3,6 +3,7 @@
 //! Engrg. 177, 235).
 //! Never here: where gaps come from.
 
+use super::light::Light;
 use crate::kernel::interaction::{Law, Overclosure};
 
 /// The share of one degree of freedom in a gap, along the normal and along the surface.
@@ -30,13 +31,15 @@ pub struct Row {
     /// Gap times area, less what was there at the start where that is taken off.
     pub gap: f64,
     /// Rate at which the gap times area may close in this increment.
-    bias: f64,
+    pub(super) bias: f64,
     /// Change of the rate by an impulse a unit of area, along the normal and along the surface.
-    gives: [f64; 2],
+    pub(super) gives: [f64; 2],
     /// Impulses a unit of area.
     pub pressed: f64,
     /// Along the surface.
     pub sheared: f64,
+    /// Whether friction holds it.
+    pub(super) sticks: bool,
     /// Of friction in this increment.
     coefficient: f64,
 }
@@ -45,6 +48,16 @@ impl Row {
     /// A row without gap or area.
     pub fn of(key: u32, law: u32) -> Row {
         Row { key, law, ..Row::default() }
+    }
+
+    /// Takes how it gives way.
+    pub(super) fn give(&mut self, own: &[Term], motion: &Motion) {
+        self.gives = [0.0; 2];
+        for t in own {
+            let w = motion.inverse_mass[t.dof as usize];
+            self.gives[0] += w * t.normal * t.normal;
+            self.gives[1] += w * t.slip * t.slip;
+        }
     }
 }
 
@@ -59,7 +72,7 @@ pub struct Motion {
 
 impl Motion {
     /// Rate of a gap times its area.
-    fn rate(&self, terms: &[Term]) -> f64 {
+    pub(super) fn rate(&self, terms: &[Term]) -> f64 {
         terms.iter().map(|t| t.normal * self.velocity[t.dof as usize]).sum()
     }
 
@@ -99,6 +112,10 @@ pub struct Rows {
     pub rows: Vec<Row>,
     /// Sweeps of the last increment.
     pub sweeps: u32,
+    /// Degrees of freedom of rigid bodies that move freely.
+    pub bodies: Vec<u32>,
+    /// Those of them that are lighter than what they meet.
+    pub(super) light: Vec<Light>,
 }
 
 /// Change of the rates in a sweep, as a part of the fastest approach, at which sweeps end.
@@ -123,6 +140,21 @@ impl Rows {
         let fastest = self.terms.iter().fold(0.0_f64, |v, t| v.max(motion.velocity[t.dof as usize].abs()));
         let reference = approach.max(ROUNDING * fastest);
         self.keep_near(motion, laws, approach, span);
+        self.hold_light(motion, laws);
+        self.begin_warm(motion, laws, before, span);
+        self.start_light(motion);
+        while self.sweeps < MOST_SWEEPS {
+            self.sweeps += 1;
+            let change = self.sweep(motion, laws, span);
+            if change.max(self.move_light(motion)) <= TOLERANCE * reference {
+                break;
+            }
+        }
+        self.release_light(motion);
+    }
+
+    /// Begins with the pressures of the increment before. Friction that depends on the rate of slip takes that which they leave.
+    fn begin_warm(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) {
         let Rows { terms, rows, .. } = self;
         for row in rows.iter_mut() {
             let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
@@ -133,10 +165,11 @@ impl Rows {
             motion.push(own, row.pressed);
             motion.shear(own, row.sheared);
         }
-        while self.sweeps < MOST_SWEEPS {
-            self.sweeps += 1;
-            if self.sweep(motion, laws, span) <= TOLERANCE * reference {
-                break;
+        for row in rows.iter_mut() {
+            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let friction = &laws[row.law as usize].friction;
+            if friction.decay != 0.0 {
+                row.coefficient = friction.coefficient(motion.slip(own).abs() / row.area);
             }
         }
     }
@@ -146,12 +179,7 @@ impl Rows {
         let Rows { terms, rows, .. } = self;
         rows.retain_mut(|row| {
             let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
-            row.gives = [0.0; 2];
-            for t in own {
-                let w = motion.inverse_mass[t.dof as usize];
-                row.gives[0] += w * t.normal * t.normal;
-                row.gives[1] += w * t.slip * t.slip;
-            }
+            row.give(own, motion);
             row.gives[0] > 0.0 && row.area > 0.0
         });
         let mut approach: f64 = 0.0;
@@ -159,10 +187,7 @@ impl Rows {
             let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
             let law = &laws[row.law as usize];
             row.bias = (row.gap - law.overclosure.begins() * row.area).max(0.0) / span.ahead;
-            row.coefficient = match law.friction.decay {
-                0.0 => law.friction.at_rest,
-                _ => law.friction.coefficient(motion.slip(own).abs() / row.area),
-            };
+            row.coefficient = law.friction.at_rest;
             let short = -(motion.rate(own) + row.bias) / row.area;
             // What gives way presses wherever it is closed, at whatever rate.
             let closed = law.overclosure != Overclosure::Hard && row.bias == 0.0;
@@ -202,7 +227,9 @@ impl Rows {
             }
             if row.coefficient > 0.0 && row.gives[1] > 0.0 {
                 let most = most_shear(row, law, span.half);
-                let sheared = (row.sheared - motion.slip(own) / row.gives[1]).clamp(-most, most);
+                let held = row.sheared - motion.slip(own) / row.gives[1];
+                let sheared = held.clamp(-most, most);
+                row.sticks = held == sheared;
                 let change = sheared - row.sheared;
                 if change != 0.0 {
                     row.sheared = sheared;
@@ -221,7 +248,8 @@ impl Rows {
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
-        size_of::<Term>() * self.terms.capacity() + size_of::<Row>() * self.rows.capacity()
+        let of_bodies = size_of::<u32>() * self.bodies.capacity() + size_of::<Light>() * self.light.capacity();
+        size_of::<Term>() * self.terms.capacity() + size_of::<Row>() * self.rows.capacity() + of_bodies
     }
 }
 

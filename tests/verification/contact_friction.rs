@@ -1,0 +1,181 @@
+//! How surfaces of elements act on each other where they meet: friction, and pressure over the closure.
+//!
+//! Goal: what the laws of an interaction say, no more and no less, and energies that show it.
+//! Source: Newton's second law of a ring on a shaft with Lame's pressure; statics of a loaded block. Each test says its tolerance
+//! and why.
+
+use revolve::output::Frame;
+
+use crate::common::bodies::{Ran, assembly, elastic, part, point_field, rigid_line, run};
+
+const PRESSURE: f64 = 1e-4;
+/// Pressure on the shaft, of a ring twice as wide, for that outside it, in plane stress: 2 b^2/(a^2 + b^2 + nu (b^2 - a^2)).
+const LAME: f64 = 8.0 / 5.9;
+/// How long the pressure takes to come, and the mean of the ramp.
+const RAMP: f64 = 60.0;
+
+/// A rigid line of so many facets.
+fn rigid(name: &str, from: [f64; 2], to: [f64; 2], facets: usize) -> String {
+    let part = |i: usize| i as f64 / facets as f64;
+    let corners: Vec<_> = (0..=facets).map(|i| [0, 1].map(|k| from[k] + part(i) * (to[k] - from[k]))).collect();
+    rigid_line(name, &corners, "")
+}
+
+fn rigid_body(name: &str) -> String {
+    format!("*Rigid Body, ref node={name}.REF, elset={name}.E\n")
+}
+
+/// A ring between 1 and 2, 1 long, pressed on a rigid shaft by a pressure from outside, with a velocity along it.
+fn ring(cells: usize, friction: &str, speed: f64, time: f64) -> Ran {
+    let deck = part("RING", [cells; 2], |i, j| [1.0 + i as f64 / cells as f64, j as f64 / cells as f64], "")
+        + &rigid("SHAFT", [1.0, 3.0], [1.0, -1.0], 4 * cells)
+        + &assembly(&["RING", "SHAFT"], &rigid_body("SHAFT"))
+        + &elastic("RING", [1.0, 0.3, 1.0], "")
+        + &format!(
+            "*Surface Interaction, name=DRY\n{friction}*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., {RAMP}, 1.\n"
+        )
+        + &format!(
+            "*Initial Conditions, type=VELOCITY\n RING.ALL, 2, {speed:e}\n*Step\n*Dynamic, Explicit\n , {time}\n"
+        )
+        + &format!("*Boundary\n SHAFT.REF, 2, 2\n*Dsload, amplitude=RAMP\n RING.I1, P, {PRESSURE:e}\n")
+        + "*Contact Pair, interaction=DRY\n RING.I0, SHAFT.SKIN\n*Output, field, number interval=100\n*Node Output\n V, U\n\
+           *Output, history, number interval=100\n*Energy Output\n ALLKE, ALLFD, ALLCW\n*End Step\n";
+    run(&deck).whole()
+}
+
+/// Mean axial velocity over time.
+fn speeds(ran: &Ran) -> Vec<[f64; 2]> {
+    let nodes = ran.nodes("RING");
+    let mass: f64 = nodes.iter().map(|n| ran.state.dofs.nodes.mass[n[1]]).sum();
+    ran.memory.frames.iter().map(|f| [f.time, ran.momentum_of(&nodes, f) / mass]).collect()
+}
+
+/// Slope of a line through the points between two times.
+fn slope(points: &[[f64; 2]], from: f64, to: f64) -> f64 {
+    let part: Vec<_> = points.iter().filter(|p| (from..=to).contains(&p[0])).collect();
+    let mean = |i: usize| part.iter().map(|p| p[i]).sum::<f64>() / part.len() as f64;
+    let [t, v] = [mean(0), mean(1)];
+    let above: f64 = part.iter().map(|p| (p[0] - t) * (p[1] - v)).sum();
+    above / part.iter().map(|p| (p[0] - t) * (p[0] - t)).sum::<f64>()
+}
+
+/// Deceleration by a coefficient of 1: the ring weighs 3 pi and touches over 2 pi.
+const PER_COEFFICIENT: f64 = LAME * PRESSURE * 2.0 / 3.0;
+
+/// The deceleration is constant while the pressure is, then the foot stays where it is, and what the ring had is ALLFD.
+#[test]
+fn a_ring_slides_on_a_shaft_and_comes_to_rest() {
+    for (cells, mu) in [(4, 0.1), (8, 0.1), (16, 0.1), (8, 0.05)] {
+        let fall = mu * PER_COEFFICIENT;
+        // The ramp is worth half of its time: rest after 200.
+        let (speed, stop) = (170.0 * fall, 200.0);
+        let ran = ring(cells, &format!("*Friction\n {mu},\n"), speed, 300.0);
+        let speeds = speeds(&ran);
+        let deceleration = -slope(&speeds, RAMP + 15.0, stop - 10.0) / fall;
+        let foot = |frame: &Frame| point_field(frame, "U")[1];
+        let later: Vec<_> = ran.memory.frames.iter().filter(|f| f.time > stop + 10.0).map(foot).collect();
+        let way = later[later.len() - 1];
+        let crept = later.iter().fold(0.0_f64, |most, u| most.max((u - way).abs())) / way;
+        let energy = ran.outcome.energy;
+        let heat = energy.friction / energy.initial;
+        println!(
+            "ring on a shaft, {cells} cells, {mu}: deceleration {deceleration:.5}, crept {crept:.1e} of the way, friction {heat:.5} \
+             of what it had, contact {:.1e}, drift {:.1e}",
+            energy.contact / energy.initial,
+            energy.drift
+        );
+        assert!((deceleration - 1.0).abs() < 2e-3, "{deceleration}");
+        // At the ends of the foot the ring still swings over what is held.
+        assert!(crept < 2e-5, "{crept}");
+        assert!(
+            (heat - 1.0).abs() < 1e-3 && energy.contact.abs() < 1e-8 * energy.initial && energy.drift < 1e-5,
+            "{energy:?}"
+        );
+    }
+}
+
+/// dv/dt = -(N/m) (mu + (rest - mu) exp(-d v)); u = exp(d v) obeys u' = -d (N/m) (mu u + rest - mu) over the time that the
+/// pressure is worth.
+#[test]
+fn friction_decays_to_that_of_sliding() {
+    let [at_rest, sliding, decay] = [0.1, 0.05, 800.0];
+    let speed = 170.0 * 0.06 * PER_COEFFICIENT;
+    let ran = ring(8, &format!("*Friction, exponential decay\n {at_rest}, {sliding}, {decay}\n"), speed, 250.0);
+    let (speeds, more) = (speeds(&ran), (at_rest - sliding) / sliding);
+    let mut worst = 0.0_f64;
+    for s in speeds.iter().filter(|s| s[0] > RAMP + 15.0) {
+        let time = s[0] - 0.5 * RAMP;
+        let u = ((decay * speed).exp() + more) * (-decay * sliding * PER_COEFFICIENT * time).exp() - more;
+        let expected = u.max(1.0).ln() / decay;
+        if expected > 0.02 * speed {
+            worst = worst.max((s[1] - expected).abs() / speed);
+        }
+    }
+    println!("friction that decays: velocity off by {worst:.1e} of the first");
+    assert!(worst < 2e-3, "{worst}");
+}
+
+/// The largest shear stress is less than friction gives.
+#[test]
+fn shear_stress_has_its_largest() {
+    let most = 0.06 * LAME * PRESSURE;
+    let ran = ring(8, &format!("*Friction, taumax={most:e}\n 0.1,\n"), 170.0 * 0.06 * PER_COEFFICIENT, 190.0);
+    let deceleration = -slope(&speeds(&ran), RAMP + 15.0, 190.0) / (0.06 * PER_COEFFICIENT);
+    println!("largest shear stress: deceleration {deceleration:.5}");
+    assert!((deceleration - 1.0).abs() < 2e-3, "{deceleration}");
+}
+
+/// A disc pressed on a rigid plane.
+fn disc(cells: usize, ratio: f64, interaction: &str, pressure: f64, foot: &str) -> Ran {
+    let deck = part("DISC", [cells; 2], |i, j| [i as f64 / cells as f64, j as f64 / cells as f64], "")
+        + &rigid("PLANE", [0.0, 0.0], [2.0, 0.0], 3)
+        + &assembly(&["DISC", "PLANE"], &rigid_body("PLANE"))
+        + &elastic("DISC", [1.0, ratio, 1.0], "*Damping, alpha=0.6\n")
+        + &format!(
+            "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 60., 1.\n*Surface Interaction, name=LAW\n{interaction}*Step\n*Dynamic, Explicit\n , 200.\n*Boundary\n PLANE.REF, 2, 2\n{foot}"
+        )
+        + &format!(
+            "*Dsload, amplitude=RAMP\n DISC.J1, P, {pressure:e}\n*Contact Pair, interaction=LAW\n DISC.J0, PLANE.SKIN\n"
+        )
+        + "*Output, field, number interval=1\n*Node Output\n U\n*Element Output\n S\n*End Step\n";
+    run(&deck).whole()
+}
+
+/// On a rough plane the foot of a disc stays as wide as it is.
+#[test]
+fn a_rough_foot_is_held() {
+    let rough = disc(6, 0.3, "*Friction, rough\n", 1e-4, "");
+    let held = disc(6, 0.3, "", 1e-4, " DISC.J0, 1, 1\n");
+    let [rough, held] = [&rough, &held].map(|ran| point_field(ran.end(), "U"));
+    let largest = held.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+    let off = rough.iter().zip(held).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / largest;
+    println!("rough foot: displacements off by {off:.1e}");
+    assert!(off < 1e-7, "{off}");
+}
+
+/// A loaded block sinks in as deep as the law says for its pressure.
+#[test]
+fn a_loaded_block_closes_the_gap_as_its_law_says() {
+    let (p, e) = (1e-3, std::f64::consts::E);
+    // p0/(e - 1) x (exp(x) - 1), x = h/c + 1.
+    let exponential = |p0: f64, c: f64| {
+        let mut x = 1.0_f64;
+        for _ in 0..60 {
+            let (value, slope) = (x * (x.exp() - 1.0), x.exp() - 1.0 + x * x.exp());
+            x -= (value - p * (e - 1.0) / p0) / slope;
+        }
+        c * (x - 1.0)
+    };
+    for (law, closed) in [
+        ("linear\n 0.1,", 0.01),
+        ("exponential\n 0.01, 2e-3", exponential(2e-3, 0.01)),
+        ("exponential\n 0.01, 1e-4", exponential(1e-4, 0.01)),
+        ("tabular\n 0., 0.\n 5e-4, 0.004\n 2e-3, 0.006", 0.004 + 0.002 / 3.0),
+        ("tabular\n 0., -0.01\n 5e-4, 0.\n 7e-4, 0.002", 0.005),
+    ] {
+        let ran = disc(2, 0.0, &format!("*Surface Behavior, pressure-overclosure={law}\n"), p, "");
+        let foot = -point_field(ran.end(), "U")[1];
+        println!("{law:?}: closed by {foot:.9} ({closed:.9}), drift {:.1e}", ran.outcome.energy.drift);
+        assert!((foot / closed - 1.0).abs() < 5e-6, "{law}: {foot} {closed}");
+    }
+}

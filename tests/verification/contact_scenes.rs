@@ -1,0 +1,260 @@
+//! Scenes of two bodies that meet with corners, sides and slopes.
+//!
+//! Goal: books that close, energy that is never created, momentum that stays, forces without noise.
+//! Source: conservation; the figures of tests say what was reached.
+
+use std::fmt::Write as _;
+
+use revolve::output::Frame;
+
+use crate::common::bodies::{Ran, assembly, cell_field, elastic, part, point_field, rigid_line, run};
+
+/// A fixed sequence of numbers between 0 and 1 (splitmix64).
+struct Dice(u64);
+
+impl Dice {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.next()
+    }
+
+    fn count(&mut self, from: usize, to: usize) -> usize {
+        (from as f64 + (to + 1 - from) as f64 * self.next()) as usize
+    }
+
+    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[(all.len() as f64 * self.next()) as usize]
+    }
+}
+
+const SKIN: &str = "*Surface, name=SKIN\n EI0, S4\n EI1, S2\n EJ0, S1\n EJ1, S3\n";
+
+/// A block with a wavy face towards the other.
+struct Block {
+    cells: [usize; 2],
+    from: f64,
+    width: f64,
+    height: f64,
+    wave: [f64; 4],
+}
+
+impl Block {
+    fn new(dice: &mut Dice) -> Block {
+        let from = if dice.next() < 0.5 { 0.0 } else { dice.between(0.2, 1.0) };
+        Block {
+            cells: [dice.count(2, 5), dice.count(2, 5)],
+            from,
+            width: dice.between(0.5, 1.5),
+            height: dice.between(0.5, 1.2),
+            wave: [dice.between(0.0, 0.15), dice.between(1.0, 6.0), dice.between(0.0, 6.0), dice.between(-0.3, 0.3)],
+        }
+    }
+
+    fn radius(&self, i: usize) -> f64 {
+        self.from + self.width * i as f64 / self.cells[0] as f64
+    }
+
+    /// The wavy face at a node.
+    fn face(&self, i: usize) -> f64 {
+        let [amplitude, number, phase, slope] = self.wave;
+        amplitude * libm::sin(number * self.radius(i) + phase) + slope * (self.radius(i) - self.from - 0.5 * self.width)
+    }
+
+    /// The highest or lowest point of the face, times `sign`.
+    fn extreme(&self, sign: f64) -> f64 {
+        (0..=self.cells[0]).map(|i| sign * self.face(i)).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// The scene of a number, with increments so many times the stable ones; and what it is.
+fn scene(seed: u64, factor: f64) -> (String, String) {
+    let mut dice = Dice(seed);
+    let [lower, upper] = [Block::new(&mut dice), Block::new(&mut dice)];
+    let apart = lower.extreme(1.0) + upper.extreme(-1.0) + 0.01;
+    let below = |i: usize, j: usize| {
+        let part = j as f64 / lower.cells[1] as f64;
+        [lower.radius(i), part * lower.face(i) - (1.0 - part) * lower.height]
+    };
+    let above = |i: usize, j: usize| {
+        let part = j as f64 / upper.cells[1] as f64;
+        [upper.radius(i), apart + (1.0 - part) * upper.face(i) + part * upper.height]
+    };
+    let rigid = dice.next() < 0.25;
+    let (speed, sideways) = (dice.between(0.01, 0.1), dice.one_of(&[0.0, 0.02, -0.02]));
+    let friction = dice.one_of(&[0.0, 0.05, 0.1, 0.3]);
+    let material = |name: &str, dice: &mut Dice| {
+        let yields = dice.one_of(&[0.0, 0.01, 0.03]);
+        let plastic =
+            if yields > 0.0 { format!("*Plastic\n {yields}, 0.\n {}, 1.\n", 2.0 * yields) } else { String::new() };
+        let numbers = [dice.one_of(&[0.5, 1.0, 4.0]), dice.one_of(&[0.0, 0.3, 0.45]), dice.between(0.5, 2.0)];
+        elastic(name, numbers, &plastic)
+    };
+    let materials = material("LOWER", &mut dice) + &material("UPPER", &mut dice);
+    let more = if rigid { "*Rigid Body, ref node=UPPER.REF, elset=UPPER.SOLID\n" } else { "" };
+    let top = if rigid { format!("{SKIN}*Node, nset=REF\n 1000, 0., 0.\n") } else { SKIN.into() };
+    let moving = if rigid { "UPPER.REF" } else { "UPPER.ALL" };
+    let pair = if dice.next() < 0.5 { "LOWER.SKIN, UPPER.SKIN" } else { "UPPER.SKIN, LOWER.SKIN" };
+    let mut deck = part("LOWER", lower.cells, below, SKIN) + &part("UPPER", upper.cells, above, &top);
+    deck += &assembly(&["LOWER", "UPPER"], more);
+    deck += &materials;
+    write!(
+        deck,
+        "*Surface Interaction, name=DRY\n*Friction\n {friction},\n*Initial Conditions, type=VELOCITY\n {moving}, 2, {}\n \
+         LOWER.ALL, 2, {speed}\n LOWER.ALL, 1, {sideways}\n*Step\n*Dynamic, Explicit, scale factor={factor}\n , {}\n*Contact Pair, interaction=DRY\n {pair}\n\
+         *Output, history, frequency=1\n*Energy Output\n ALLCW, ALLKE\n*End Step\n",
+        -speed,
+        dice.between(4.0, 8.0) / (speed / 0.05).max(1.0)
+    )
+    .expect("text");
+    (deck, format!("rigid {rigid}, friction {friction}, speed {speed:.3}"))
+}
+
+/// Two hundred scenes: none creates energy or moves the centre of mass. The books close as well as increments are short, for strains
+/// are large and meshes coarse: with a quarter of the stable increment.
+#[test]
+fn random_scenes_create_no_energy() {
+    let (mut worst, mut met, mut drifts) = ([0.0_f64; 2], 0, Vec::new());
+    for seed in 0..200 {
+        let (deck, what) = scene(seed, 0.25);
+        let ran = run(&deck).whole();
+        let energy = ran.outcome.energy;
+        let momentum = (ran.momentum() - momentum_at_start(&ran)).abs() / (2.0 * energy.initial).sqrt();
+        let created = ran.column("ALLCW").iter().fold(0.0_f64, |most, c| most.max(-c[1])) / energy.initial;
+        assert!(created < 1e-6 && momentum < 1e-13, "scene {seed} ({what}): {created:e} {momentum:e} {energy:?}");
+        assert!(energy.friction > -1e-12 * energy.initial, "scene {seed} ({what}): {energy:?}");
+        met += usize::from(energy.contact > 1e-6 * energy.initial);
+        worst = [worst[0].max(created), worst[1].max(momentum)];
+        drifts.push(energy.drift);
+    }
+    drifts.sort_by(f64::total_cmp);
+    println!(
+        "200 scenes, {met} meet: created {:.1e}, momentum {:.1e}; drift {:.1e} in the middle, {:.1e} at most",
+        worst[0], worst[1], drifts[100], drifts[199]
+    );
+    assert!(met > 150, "{met}");
+    assert!(drifts[100] < 1e-4 && drifts[199] < 5e-3, "{drifts:?}");
+}
+
+/// Axial momentum at the start.
+fn momentum_at_start(ran: &Ran) -> f64 {
+    let (nodes, bodies) = (&ran.prepared.state.dofs.nodes, &ran.prepared.state.dofs.bodies);
+    let of_nodes: f64 = nodes.as_slice().iter().zip(&nodes.mass).map(|(n, m)| m * n.v_z).sum();
+    of_nodes + bodies.iter().map(|b| b.mass * b.velocity).sum::<f64>()
+}
+
+/// A rigid nose of corners, from the top to the axis, of a mass at 60 m/s, into a block of E 70, yield .3 GPa; mm, t, s.
+fn nose(mass: f64, corners: &[[f64; 2]], cells: usize) -> Ran {
+    let place = |i: usize, j: usize| [10.0 * i as f64 / cells as f64, 10.0 * (j as f64 / cells as f64 - 1.0)];
+    let point = format!("*Element, type=MASS, elset=M\n 900, 1000\n*Mass, elset=M\n {mass:e},\n");
+    let deck = part("BLOCK", [cells; 2], place, "")
+        + &rigid_line("NOSE", corners, &point)
+        + &assembly(&["BLOCK", "NOSE"], "*Rigid Body, ref node=NOSE.REF, elset=NOSE.E\n")
+        + &elastic("BLOCK", [70e3, 0.3, 2.7e-9], "*Plastic\n 300., 0.\n 400., 1.\n")
+        + "*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n NOSE.REF, 2, -6e4\n*Step\n*Dynamic, Explicit\n , 5e-5\n\
+           *Boundary\n BLOCK.J0, 2, 2\n*Contact Pair, interaction=DRY\n NOSE.SKIN, BLOCK.J1\n\
+           *Output, field, number interval=20\n*Node Output\n U\n*Output, history, frequency=1\n*Node Output, nset=NOSE.REF\n A2, V2, U2\n\
+           *Energy Output\n ALLCW\n*End Step\n";
+    run(&deck).whole()
+}
+
+/// How deep the corners of a nose that has moved lie behind the upper face of the block, by the nearest of its facets.
+fn overlap(ran: &Ran, corners: &[[f64; 2]], cells: usize, frame: &Frame, moved: f64) -> f64 {
+    let (mesh, u) = (&ran.prepared.plan.mesh, point_field(frame, "U"));
+    let first = (0..mesh.points.len()).find(|&n| mesh.node_names[n] == format!("BLOCK.{}", 1 + cells * (cells + 1)));
+    let first = first.expect("the face");
+    let face: Vec<_> = (first..=first + cells).map(|n| [0, 1].map(|i| mesh.points[n][i] + u[2 * n + i])).collect();
+    let depth = |&[r, z]: &[f64; 2]| {
+        let place = [r, z + moved];
+        let along = |w: &[[f64; 2]]| [w[1][0] - w[0][0], w[1][1] - w[0][1]];
+        let over = face.windows(2).find(|w| w[0][0] <= r && r < w[1][0]);
+        let above = over.map_or(0.0, |w| w[0][1] + along(w)[1] * (r - w[0][0]) / along(w)[0] - place[1]);
+        let nearest = face.windows(2).map(|w| {
+            let ([dr, dz], d) = (along(w), [place[0] - w[0][0], place[1] - w[0][1]]);
+            let part = ((d[0] * dr + d[1] * dz) / (dr * dr + dz * dz)).clamp(0.0, 1.0);
+            (d[0] - part * dr).hypot(d[1] - part * dz)
+        });
+        if above > 0.0 { nearest.fold(above, f64::min) } else { 0.0 }
+    };
+    corners.iter().map(depth).fold(0.0, f64::max)
+}
+
+/// A pointed cone and a flat plug with a chamfer: the force is one pulse (its variation over twice its largest value), corners lie
+/// in the other surface by a part of an element, books close. A cell of the plug's mesh of 0.5 mm that slips over a corner at once
+/// adds to the pulse there.
+#[test]
+fn a_rigid_nose_enters_a_block() {
+    let cone: &[[f64; 2]] = &[[3.0, 8.0], [3.0, 3.0], [0.0, 0.0]];
+    let plug: &[[f64; 2]] = &[[3.0, 8.0], [3.0, 1.0], [2.0, 0.0], [0.0, 0.0]];
+    let cases = [
+        ("cone", 4e-6, cone, 20, [1.5, 0.4]),
+        ("plug", 1.2e-5, plug, 20, [2.0, 0.31]),
+        ("plug", 1.2e-5, plug, 40, [1.5, 0.31]),
+    ];
+    for (name, mass, corners, cells, [most, deep]) in cases {
+        let ran = nose(mass, corners, cells);
+        let of = |what: &str| ran.column(&format!("{what}@NOSE.REF"));
+        let force = of("A2");
+        let varied: f64 = force.windows(2).map(|w| (w[1][1] - w[0][1]).abs()).sum();
+        let pulse = 0.5 * varied / force.iter().fold(0.0_f64, |most, f| most.max(f[1].abs()));
+        let rest = of("V2").iter().find(|v| v[1] > 0.0).expect("it comes to rest")[0];
+        let moved = of("U2");
+        let at = |time: f64| {
+            moved.iter().min_by(|a, b| (a[0] - time).abs().total_cmp(&(b[0] - time).abs())).expect("a row")[1]
+        };
+        let frames = ran.memory.frames.iter();
+        let inside =
+            frames.map(|f| overlap(&ran, corners, cells, f, at(f.time))).fold(0.0, f64::max) * cells as f64 / 10.0;
+        let energy = ran.outcome.energy;
+        let created = ran.column("ALLCW").iter().fold(0.0_f64, |most, c| most.max(-c[1])) / energy.initial;
+        println!(
+            "{name}, h {:.2} mm: {pulse:.2} pulses, rest {rest:.3e} s, corners {inside:.3} h deep, lost {:.1e}, created {created:.1e}, \
+             drift {:.1e}",
+            10.0 / cells as f64,
+            energy.contact / energy.initial,
+            energy.drift
+        );
+        assert!(pulse < most && inside < deep, "{name}: {pulse} {inside}");
+        assert!(energy.drift < 1e-4 && created < 1e-6 && energy.contact < 1e-2 * energy.initial, "{name}: {energy:?}");
+    }
+}
+
+/// A plate of this mass, pushed by a pressure of 1e-6 over a disc of area pi, which is thrown on it.
+fn light(mass: f64) -> Ran {
+    let cells = 8;
+    let point = format!("*Element, type=MASS, elset=M\n 900, 1000\n*Mass, elset=M\n {mass:e},\n");
+    let deck = part("DISC", [cells; 2], |i, j| [i as f64 / cells as f64, j as f64 / cells as f64 - 1.0], "")
+        + &rigid_line("PLATE", &[[2.0, 1e-9], [0.0, 1e-9]], &point)
+        + &assembly(&["DISC", "PLATE"], "*Rigid Body, ref node=PLATE.REF, elset=PLATE.E\n")
+        + &elastic("DISC", [1.0, 0.3, 1.0], "*Damping, alpha=1.5\n")
+        + "*Surface Interaction, name=DRY\n*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 20., 1.\n\
+           *Initial Conditions, type=VELOCITY\n PLATE.REF, 2, -1e-6\n*Step\n*Dynamic, Explicit\n , 60.\n"
+        + &format!(
+            "*Boundary\n DISC.J0, 2, 2\n*Cload, amplitude=RAMP\n PLATE.REF, 2, {:e}\n",
+            -1e-6 * std::f64::consts::PI
+        )
+        + "*Contact Pair, interaction=DRY\n PLATE.SKIN, DISC.J1\n*Output, field, number interval=1\n*Element Output\n S\n\
+           *Output, history, number interval=100\n*Energy Output\n ALLCW\n*End Step\n";
+    run(&deck).whole()
+}
+
+/// A rigid plate of any mass hands on the load that it carries: the nodes that it meets have a mass of .2.
+#[test]
+fn a_light_plate_hands_on_its_load() {
+    for mass in [1.0, 0.1, 1e-2, 1e-3, 1e-4] {
+        let ran = light(mass);
+        let off = cell_field(ran.end(), "S").chunks(4).fold(0.0_f64, |most, s| most.max((s[1] / 1e-6 + 1.0).abs()));
+        println!(
+            "plate of {:.0e} of what it meets: stress off by {off:.1e}, drift {:.1e}",
+            mass / 0.196,
+            ran.outcome.energy.drift
+        );
+        assert!(off < 2e-6, "{mass}: {off}");
+    }
+}
