@@ -4,11 +4,9 @@
 //! Source: closed forms of plates, of a rigid-plastic shell, of an incompressible sphere; other codes' Taylor bars. Each test
 //! says its tolerance and why.
 
-use std::f64::consts::PI;
-use std::fmt::Write as _;
-
 use crate::common;
 use crate::common::solid::{column, grid, last, material, run};
+use crate::common::spheres;
 use revolve::user::Routines;
 
 const KINDS: [&str; 5] = ["RELAX STIFFNESS", "STIFFNESS", "VISCOUS", "COMBINED", "ENHANCED"];
@@ -130,62 +128,14 @@ fn what_a_plate_that_flows_does() {
     }
 }
 
-/// Velocity that stops a rigid-plastic incompressible shell of beryllium (8 to 10 cm, Y = 0.0033 Mbar) at an inner radius:
-/// kinetic energy against plastic work, both by quadrature over the shell (Howell and Ball 2002, J. Comput. Phys. 175, 128).
-fn stopping_speed(stop: f64, sphere: bool) -> f64 {
-    let (rho, yield_stress, inner, outer) = (1.845_f64, 0.0033, 8.0_f64, 10.0);
-    let n = 20_000;
-    let h = (outer - inner) / f64::from(n);
-    let (mut work, mut mass) = (0.0, 0.0);
-    for i in 0..n {
-        let r = inner + (f64::from(i) + 0.5) * h;
-        if sphere {
-            let now = (r.powi(3) - inner.powi(3) + stop.powi(3)).cbrt();
-            work += 4.0 * PI * r * r * h * yield_stress * 2.0 * (r / now).ln();
-            mass += 4.0 * PI * r * r * h * 0.5 * rho * (inner / r).powi(4);
-        } else {
-            let now = (r * r - inner * inner + stop * stop).sqrt();
-            work += 2.0 * PI * r * h * yield_stress * 2.0 / 3f64.sqrt() * (r / now).ln();
-            mass += 2.0 * PI * r * h * 0.5 * rho * (inner / r).powi(2);
-        }
-    }
-    (work / mass).sqrt()
-}
-
 /// Inner radius at which each ray of a shell of 32 elements through the thickness stops, over that by theory; 24 elements in
 /// the quarter of a sphere, 2 along a cylinder.
 fn stops(stop: f64, sphere: bool, kind: &str) -> Vec<f64> {
-    let (n, around) = (32, if sphere { 24 } else { 2 });
-    let speed = stopping_speed(stop, sphere);
-    let radius = |i: usize| 8.0 + 2.0 * i as f64 / n as f64;
-    let direction = |j: usize| {
-        let angle = 0.5 * PI * j as f64 / around as f64;
-        if j == around { [0.0, 1.0] } else { [angle.cos(), angle.sin()] }
-    };
-    let place = |i: usize, j: usize| match sphere {
-        true => direction(j).map(|d| radius(i) * d),
-        false => [radius(i), 0.25 * j as f64],
-    };
-    let (bulk, shear): (f64, f64) = (1.180, 1.51);
-    let nu = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
-    let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
-    let body = grid(n, around, false, place) + &material(young, nu, 1.845, "*Plastic\n 0.0033, 0.\n");
-    let mut deck = controlled(&body, kind) + "*Initial Conditions, type=VELOCITY\n";
-    for (i, j) in (0..=around).flat_map(|j| (0..=n).map(move |i| (i, j))) {
-        let v = -speed * (8.0 / radius(i)).powi(if sphere { 2 } else { 1 });
-        let [r, z] = if sphere { direction(j) } else { [1.0, 0.0] };
-        let node = 1 + i + j * (n + 1);
-        write!(deck, " {node}, 1, {:e}\n {node}, 2, {:e}\n", v * r, v * z).expect("text");
-    }
-    for j in 0..=around {
-        write!(deck, "*Nset, nset=RAY{j}\n {},\n", 1 + j * (n + 1)).expect("text");
-    }
-    let held = if sphere { " J0, 2, 2\n J1, 1, 1\n" } else { " ALL, 2, 2\n" };
-    deck += &format!("*Step\n*Dynamic, Explicit\n , 180.\n*Boundary\n{held}*Output, history, time interval=0.5\n");
-    for j in 0..=around {
-        write!(deck, "*Node Output, nset=RAY{j}\n COOR1, COOR2\n").expect("text");
-    }
-    deck += "*End Step\n";
+    let around = if sphere { 24 } else { 2 };
+    let deck = controlled(&spheres::verney(stop, sphere, [32, around], spheres::EVEN), kind)
+        + "*Output, history, time interval=0.5\n"
+        + &spheres::coordinates(around)
+        + "*End Step\n";
     let (outcome, memory) = run(&deck);
     assert!(outcome.halt.is_none() && outcome.energy.drift < 1e-3, "{outcome:?}");
     let prepared = common::prepared(&deck, &[], &Routines::none());
@@ -250,45 +200,14 @@ fn no_hourglass_control_decides_on_the_copper_taylor_bar() {
 }
 
 /// A hollow neo-Hookean sphere, 16x24 elements, whose inner radius is driven to three times its length: radii of the outer
-/// nodes over that of an incompressible sphere, and the drift of energy.
+/// nodes over that of an incompressible sphere, kinetic over internal energy, and the drift of energy.
 fn blown_up(ratio: f64, more: &str) -> (Vec<f64>, f64, f64) {
-    let (n, m, inner, outer) = (16, 24, 0.01_f64, 0.02_f64);
-    let direction = |j: usize| {
-        let angle = 0.5 * PI * j as f64 / m as f64;
-        if j == m { [0.0, 1.0] } else { [angle.cos(), angle.sin()] }
-    };
-    let place = |i: usize, j: usize| direction(j).map(|d| (inner + (outer - inner) * i as f64 / n as f64) * d);
-    let mut deck = grid(n, m, false, place)
-        + &format!(
-            "*Solid Section, elset=SOLID, material=R\n*Material, name=R\n*Density\n 1000.,\n*Hyperelastic, neo hooke\n 5.e5, {:e}\n",
-            2.0 / (ratio * 1e6)
-        )
-        + more;
-    for j in 0..=m {
-        write!(deck, "*Nset, nset=RAY{j}\n {},\n", (n + 1) * (j + 1)).expect("text");
-    }
-    deck += "*Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 0.05, 1.\n*Step\n*Dynamic, Explicit\n , 0.05\n*Boundary\n J0, 2, 2\n J1, 1, 1\n*Boundary, amplitude=A\n";
-    for j in 0..=m {
-        let [r, z] = direction(j);
-        let node = 1 + j * (n + 1);
-        if j < m {
-            writeln!(deck, " {node}, 1, 1, {:e}", 2.0 * inner * r).expect("text");
-        }
-        if j > 0 {
-            writeln!(deck, " {node}, 2, 2, {:e}", 2.0 * inner * z).expect("text");
-        }
-    }
-    deck += "*Output, history, number interval=20\n*Energy Output\n ALLKE, ALLIE\n";
-    for j in 0..=m {
-        write!(deck, "*Node Output, nset=RAY{j}\n COOR1, COOR2\n").expect("text");
-    }
-    deck += "*End Step\n";
+    let deck = spheres::rubber_sphere(ratio, [16, 24], more);
     let (outcome, memory) = run(&deck);
     assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
-    let exact = (outer.powi(3) + 26.0 * inner.powi(3)).cbrt();
     let of = |name: &str| last(&deck, &memory, name);
-    let radius = |j: usize| of(&format!("COOR1@RAY{j}")).hypot(of(&format!("COOR2@RAY{j}"))) / exact;
-    ((0..=m).map(radius).collect(), of("ALLKE") / of("ALLIE"), outcome.energy.drift)
+    let radius = |j: usize| of(&format!("COOR1@RAY{j}")).hypot(of(&format!("COOR2@RAY{j}"))) / spheres::blown_up();
+    ((0..=24).map(radius).collect(), of("ALLKE") / of("ALLIE"), outcome.energy.drift)
 }
 
 /// Without a word on the card. The kinetic energy would show a pattern that grows: at the end of a smooth step the sphere rests.
