@@ -5,13 +5,13 @@
 
 use super::assumed::Assumed;
 use super::constants::{CHANGE, Constants};
-use super::shock::{principal_compression, section};
+use super::shock::principal_compression;
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::kernel::quad::{UNIT, operators};
+use crate::kernel::quad::{UNIT, operators, section};
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress::mises;
 use crate::material::failure::Failure;

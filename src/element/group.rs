@@ -300,8 +300,7 @@ fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
     for l in 0..LANES {
         // Lanes behind the last element repeat it.
         let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
-        let [a, b, c, d] = corners;
-        sizes[0][l] = 0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (d[0] - b[0]) * (c[1] - a[1]));
+        sizes[0][l] = quad::section(corners.map(|c| c[0]), corners.map(|c| c[1]));
         sizes[1][l] = quad::volume(corners);
     }
     sizes
