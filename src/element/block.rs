@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::assumed::Assumed;
-use super::constants::{CHANGE, Constants};
+use super::constants::{CHANGE, Constants, damped};
 use super::shock::principal_compression;
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
@@ -455,7 +455,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let capped = share < 1.0;
             let xi = if capped { fraction * share * pressing } else { fraction };
             // In a cold gas, where xi has no bound, the root itself.
-            let damped = if V::EOS { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
+            let damped = if V::EOS { xi + (1.0 + xi * xi).sqrt() } else { damped(xi) };
             let highest = if capped { cap } else { omega };
             // Two over the increment in which the element would lose or gain as much of its volume as it may.
             let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));

@@ -7,7 +7,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
-use crate::element::constants::Constants;
+use crate::element::constants::{Constants, damped};
 use crate::element::quiescent::Quiescence;
 use crate::element::record::{Flows, Followed, Record};
 use crate::element::subzonal::Subzones;
@@ -394,7 +394,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         }
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
-        let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
+        let still = self.cap * damped(xi);
         let totals = totals(self.tasks.iter().map(Workspace::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
         });
