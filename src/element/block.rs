@@ -225,13 +225,13 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), nodes, scratch);
         }
         self.stress::<H>(constants, &mut kept, scratch);
-        let before = self.shares(failure);
+        let shares = if scratch.enhanced.is_empty() { [1.0; LANES] } else { self.shares(failure) };
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, scratch);
         }
         self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
         if !scratch.enhanced.is_empty() {
-            let laws = (hardening, failure, before);
+            let laws = (hardening, failure, shares);
             self.enhance::<H, V, F, AREA>(laws, constants, dt, &mut kept, scratch, corners);
         }
         scratch.keep(kept);
