@@ -4,8 +4,7 @@
 use super::Description;
 use super::shown::Shown;
 use crate::kernel::facet::Facet;
-use crate::kernel::quad::corner_masses;
-use crate::kernel::solid;
+use crate::kernel::quad::{corner_masses, section};
 use crate::load::View;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::{on_ends, push};
@@ -222,7 +221,10 @@ impl Block {
                     let places = element.map(|n| nodes[n as usize].place());
                     // The part of the volume, or under area weighting of the section, that belongs to each corner.
                     let shares = match rings {
-                        Some(rings) => element.map(|n| 0.25 * solid::section(places) * rings[n as usize]),
+                        Some(rings) => {
+                            let quarter = 0.25 * section(places.map(|p| p[0]), places.map(|p| p[1]));
+                            element.map(|n| quarter * rings[n as usize])
+                        }
                         None => corner_masses(places, 1.0),
                     };
                     for (&node, share) in element.iter().zip(shares) {
