@@ -35,7 +35,15 @@ impl Builder<'_> {
             return;
         }
         let (interaction, law) = (card.value("INTERACTION").cloned(), Law::default());
-        pairs.push(SurfaceContact { sides: [first, second], general: false, fits, interaction, law, span: line.span });
+        pairs.push(SurfaceContact {
+            sides: [first, second],
+            general: false,
+            thin: card.has("NO THICKNESS"),
+            fits,
+            interaction,
+            law,
+            span: line.span,
+        });
     }
 
     /// The sides of a surface of elements.

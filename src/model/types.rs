@@ -624,6 +624,8 @@ pub struct SurfaceContact {
     pub sides: [Sides; 2],
     /// Whether it is one of general contact.
     pub general: bool,
+    /// Whether shells meet at their middle surface (`NO THICKNESS`).
+    pub thin: bool,
     /// Gaps at the start up to this are taken as none, length.
     pub fits: f64,
     /// Name of its surface interaction, which may be defined anywhere in the deck.

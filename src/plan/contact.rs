@@ -15,6 +15,8 @@ use crate::model::{GeneralContact, Side, Sides, Step, SurfaceContact};
 
 /// A facet is met from behind no deeper than this many of its lengths.
 const DEEPEST: f64 = 2.0;
+/// The same of a shell at least.
+const LEAST_DEPTH: f64 = 0.1;
 /// Overlaps at the start up to this part of a facet are chords of curved surfaces that fit.
 const FIT: f64 = 0.05;
 
@@ -28,7 +30,7 @@ struct Found {
     /// The longest facet and the mean length of each, and whether what carries it deforms.
     lengths: Vec<[f64; 2]>,
     deforms: Vec<bool>,
-    by_name: HashMap<String, usize>,
+    by_name: HashMap<(String, bool), usize>,
 }
 
 impl Compiler<'_> {
@@ -118,7 +120,8 @@ impl Compiler<'_> {
         found: &mut Found,
     ) -> Option<usize> {
         let sides = &contact.sides[which];
-        if let Some(&known) = found.by_name.get(&sides.name) {
+        let key = (sides.name.clone(), contact.thin);
+        if let Some(&known) = found.by_name.get(&key) {
             return Some(known);
         }
         let kept = self.kept.concerned();
@@ -156,7 +159,10 @@ impl Compiler<'_> {
         if self.deletes() {
             self.hidden_facets(state, prescribed, found, &mut facets);
         }
-        Some(found.add_curve(sides, &facets, bare, self.skin_of(sides)))
+        let lift = facets.iter().map(|f| if contact.thin { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
+        let curve = found.add_curve(&facets, lift, bare, self.skin_of(sides));
+        found.by_name.insert(key, curve);
+        Some(curve)
     }
 
     /// Adds the faces between elements of the bodies that bare facets belong to, one for each side: they lie bare when the element
@@ -195,6 +201,12 @@ impl Compiler<'_> {
                 }
             }
         }
+    }
+
+    /// Thickness of a shell at the start; 0 of other elements.
+    fn thickness_of(&self, element: usize) -> f64 {
+        let section = self.model.shell_sections.iter().find(|s| s.elements.binary_search(&element).is_ok());
+        section.map_or(0.0, |s| s.thickness)
     }
 
     /// What carries a point of a surface in contact, and along which axes it moves freely.
@@ -263,8 +275,8 @@ impl Found {
 
     fn add_curve(
         &mut self,
-        sides: &Sides,
         facets: &[([u32; 2], usize)],
+        lift: Vec<f64>,
         bare: usize,
         skin: Vec<[[f64; 2]; 2]>,
     ) -> usize {
@@ -274,13 +286,16 @@ impl Found {
             facets[..bare].iter().zip(&lengths).map(|((f, _), l)| depth(ends(f), *l, &skin)).collect();
         // Behind a facet that comes to lie bare there may be no more than one element.
         depths.extend(lengths[bare..].iter().map(|l| 0.5 * l));
+        // What lies behind the middle surface of a shell is on its other side.
+        for (depth, (half, length)) in depths.iter_mut().zip(lift.iter().zip(&lengths)).filter(|d| *d.1.0 > 0.0) {
+            *depth = half.max(LEAST_DEPTH * length);
+        }
         let lengths = &lengths[..bare];
         let longest = lengths.iter().copied().fold(0.0, f64::max);
         let node = |p: u32| matches!(self.points[p as usize].carrier, Carrier::Node(_));
         self.deforms.push(facets[..bare].iter().any(|(f, _)| f.iter().any(|p| node(*p))));
         self.lengths.push([longest, lengths.iter().sum::<f64>() / lengths.len() as f64]);
-        self.curves.push(Curve::new(facets.iter().map(|f| f.0).collect(), depths, bare, &self.places));
-        self.by_name.insert(sides.name.clone(), self.curves.len() - 1);
+        self.curves.push(Curve::new(facets.iter().map(|f| f.0).collect(), depths, bare, &self.places).lifted(lift));
         self.curves.len() - 1
     }
 

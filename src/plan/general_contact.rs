@@ -91,6 +91,7 @@ impl Compiler<'_> {
             interaction: m.interaction.map(|i| general.assigned[i].1.clone()),
             sides: m.sides,
             general: true,
+            thin: false,
             fits: 0.0,
             span: m.span,
         };
@@ -142,10 +143,14 @@ pub(super) fn pair_name(contact: &SurfaceContact) -> String {
     if a == b { a } else { format!("{a}_{b}") }
 }
 
-/// Every two surfaces, and each with itself. Both sides of a shell meet each other around its edges at most.
+/// Every two surfaces, and each with itself, but not both sides of one shell.
 fn add_all(all: &[Sides], span: crate::deck::Span, meetings: &mut Vec<Meeting>) {
     for (i, a) in all.iter().enumerate() {
         for b in &all[i..] {
+            let sides_of_one = a.name != b.name && a.faces[0].0 == b.faces[0].0;
+            if sides_of_one {
+                continue;
+            }
             meetings.push(Meeting { sides: [a.clone(), b.clone()], interaction: None, span });
         }
     }

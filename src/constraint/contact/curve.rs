@@ -40,6 +40,8 @@ pub struct Curve {
     pub facets: Vec<[u32; 2]>,
     /// What lies beyond the first and the second.
     pub beyond: Vec<[Beyond; 2]>,
+    /// How far in front of its facets the surface lies: half the thickness of shells.
+    pub lift: Vec<f64>,
     /// How far behind a facet something is still in contact with it: half of what the body is thick there.
     pub depth: Vec<f64>,
     /// Whether each lies bare. Where elements can be deleted, faces between two of them are facets from the start, one for each
@@ -108,6 +110,7 @@ impl Curve {
         let count = facets.len();
         let mut curve = Curve {
             beyond: vec![[Beyond::Nothing; 2]; count],
+            lift: vec![0.0; count],
             depth,
             there: (0..count).map(|k| k < bare).collect(),
             behind: vec![true; count],
@@ -122,6 +125,17 @@ impl Curve {
         curve.list();
         curve.join(places);
         curve
+    }
+
+    /// The same of shells, whose surface lies in front of the facets.
+    pub fn lifted(mut self, lift: Vec<f64>) -> Curve {
+        self.lift = lift;
+        self
+    }
+
+    /// The largest lift of its facets.
+    pub fn highest(&self) -> f64 {
+        self.lift.iter().copied().fold(0.0, f64::max)
     }
 
     /// Lists what lies bare.
@@ -214,7 +228,7 @@ impl Curve {
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
-        let each = size_of::<[u32; 2]>() + size_of::<[Beyond; 2]>() + size_of::<f64>() + 6 + size_of::<Shape>();
+        let each = size_of::<[u32; 2]>() + size_of::<[Beyond; 2]>() + 2 * size_of::<f64>() + 6 + size_of::<Shape>();
         let of_point = 3 * size_of::<u32>() + size_of::<Vec<(u32, u8)>>() + 2 * size_of::<(u32, u8)>();
         each * self.facets.capacity() + of_point * self.own.capacity()
     }
@@ -238,7 +252,7 @@ impl Persist for Beyond {
 
 impl Persist for Curve {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Curve { facets: _, beyond, depth: _, there, behind, own: _, around: _, .. } = self;
+        let Curve { facets: _, beyond, lift: _, depth: _, there, behind, own: _, around: _, .. } = self;
         persist_fields!(archive; there.as_mut_slice(), behind.as_mut_slice(), beyond.as_mut_slice());
         if archive.reads() {
             self.list();

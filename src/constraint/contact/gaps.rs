@@ -127,6 +127,7 @@ impl Gaps {
             true => ((nearest.apart(0.0), met.normal), at),
             false => (corner(place, met, end, nearest.apart(0.0), met.length), end as f64),
         };
+        let gap = gap - other.lift[j];
         if gap >= reach || gap <= -other.depth[j] {
             return None;
         }
@@ -144,6 +145,7 @@ impl Gaps {
         self.facing.clear();
         let shape = &own.shapes[k];
         let [low, high] = shape.bounds();
+        let near_enough = |j: u32| reach + own.lift[k] + other.lift[j as usize];
         for &j in candidates {
             let near = &other.shapes[j as usize];
             let cosine = shape.normal[0] * near.normal[0] + shape.normal[1] * near.normal[1];
@@ -151,6 +153,7 @@ impl Gaps {
                 continue;
             }
             let [l, h] = near.bounds();
+            let reach = near_enough(j);
             if (0..2).all(|i| l[i] <= high[i] + reach && h[i] >= low[i] - reach) {
                 self.facing.push(Facing::new(j, shape, near));
             }
@@ -199,6 +202,7 @@ impl Gaps {
                 let (gap, normal) = corner(place, met, end, nearest.apart(s), shape.length);
                 (gap, normal, end as f64)
             };
+            let gap = gap - own.lift[k] - other.lift[j];
             if gap >= reach || gap <= -other.depth[j] {
                 continue;
             }

@@ -54,7 +54,7 @@ impl Pair {
     /// the smaller of the longest facets of both.
     pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], law: usize, length: f64) -> Pair {
         let other = (own != other).then_some(other);
-        let search = Search::new(length, 0, 0);
+        let search = Search::new(length, 0.0, 0, 0);
         Pair { id, number, own, other, law, first: true, fits: 0.0, search, seen: Vec::new(), first_key: 0 }
     }
 }
@@ -117,7 +117,8 @@ impl Contact {
         for pair in &mut pairs {
             let own = &curves[pair.own];
             let others = pair.other.map_or(own.facets.len(), |o| curves[o].facets.len());
-            pair.search = Search::new(pair.search.length, own.facets.len(), others);
+            let lift = own.highest() + pair.other.map_or(own.highest(), |o| curves[o].highest());
+            pair.search = Search::new(pair.search.length, lift, own.facets.len(), others);
             pair.seen = vec![Seen::default(); own.facets.len()];
             pair.first_key = keys;
             // Points of the other curve carry one where no element has them any more.

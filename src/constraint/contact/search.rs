@@ -17,6 +17,8 @@ type Bounds = [[f64; 2]; 2];
 pub struct Search {
     /// The length that reach and slack are parts of: the smaller of the longest facets of both.
     pub length: f64,
+    /// How far in front of their facets both surfaces lie at most.
+    pub lift: f64,
     /// By place among the bare facets of the own curve.
     pub facets: Lists,
     /// By place among the own curve's orphans, in front of the other curve.
@@ -96,11 +98,12 @@ impl Order {
 
 impl Search {
     /// Room for lists of curves of so many facets.
-    pub fn new(length: f64, facets: usize, others: usize) -> Search {
+    pub fn new(length: f64, lift: f64, facets: usize, others: usize) -> Search {
         let room =
             |count: usize, list: usize| Lists { first: Vec::with_capacity(count), list: Vec::with_capacity(list) };
         Search {
             length,
+            lift,
             facets: room(facets + 1, 16 * (facets + others)),
             orphans: room(facets + 1, 4 * facets),
             other_orphans: room(others + 1, 4 * others),
@@ -121,7 +124,7 @@ impl Search {
     /// Makes the lists. A curve that meets itself (`other` is `None`) has each two facets once, under the lower index. Facets
     /// with a point in common do not meet.
     pub fn build(&mut self, own: &Curve, other: Option<&Curve>, places: &[[f64; 2]]) {
-        let (against, margin) = (other.unwrap_or(own), self.reach() + 2.0 * self.slack());
+        let (against, margin) = (other.unwrap_or(own), self.reach() + self.lift + 2.0 * self.slack());
         let Search { facets, orphans, other_orphans, order, .. } = self;
         order.sort(against);
         facets.clear();

@@ -41,7 +41,7 @@ pub struct Row {
     /// Whether friction holds it.
     pub(super) sticks: bool,
     /// Of friction in this increment.
-    coefficient: f64,
+    pub(super) coefficient: f64,
 }
 
 impl Row {

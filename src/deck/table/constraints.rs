@@ -134,7 +134,7 @@ pub const CARDS: &[Keyword] = &[
         "SMALL SLIDING" refused "nodes slide as far as they go",
         "OP" read "ADD (default) or DELETE",
         "ADJUST" read "Gaps at the start up to this are taken as none; not with analytical surfaces",
-        "NO THICKNESS" inert "of shells",
+        "NO THICKNESS" read "Shells meet at their middle surface and not in front of it by half their thickness",
         "GEOMETRIC CORRECTION" refused "the analytical surface is exact",
         "EXTENSION ZONE" refused "of implicit analyses",
         "HCRIT" refused "of implicit analyses",
