@@ -5,7 +5,7 @@
 
 use super::assumed::Assumed;
 use super::constants::{CHANGE, Constants, damped};
-use super::shock::principal_compression;
+use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
@@ -362,6 +362,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         // Without an increment behind, the velocities say how fast the volume changes.
         let starts = V::EOS && per_dt == 0.0;
         let shocks = V::EOS && !V::TOTAL;
+        let directed = if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 };
         for l in 0..LANES {
             let modulus = if V::EOS { scratch.bulk[l] + shear43 } else { modulus };
             let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
@@ -392,6 +393,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             }
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let mut fraction = linear - quadratic2 * 2.0 * period * compression;
+            let mut sided = [0.0; 4];
             if shocks {
                 let rates = if starts {
                     let shear = 0.5 * (dot(g.z, v_r) + dot(g.r, v_z));
@@ -403,6 +405,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 let length = 0.5 * (section(r, z) * length).sqrt() / g.volume;
                 let squeezed = principal_compression(rates, -compression);
                 fraction = length * (linear + quadratic2 * length * 2.0 * period * squeezed);
+                let viscosity = if dilation_rate < 0.0 { directed * modulus * period * fraction } else { 0.0 };
+                sided = by_direction(rates, dilation_rate, viscosity);
             }
             let damping = 2.0 * modulus * period * dilation_rate * fraction;
             let work = scratch.volume[l] * 0.5 * (kept.viscous[l] + damping) * dilation;
@@ -434,10 +438,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
             scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
             let (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
-            let s_rr = UNIT * (self.stress[0][l] + damping);
-            let s_zz = UNIT * (self.stress[1][l] + damping);
-            let s_hoop = UNIT * (self.stress[2][l] + damping);
-            let s_rz = UNIT * self.stress[3][l];
+            // What viscosity does by direction is heat by the compatible energy.
+            let viscous = if shocks { [0, 1, 2].map(|i: usize| damping + sided[i]) } else { [damping; 3] };
+            let s_rr = UNIT * (self.stress[0][l] + viscous[0]);
+            let s_zz = UNIT * (self.stress[1][l] + viscous[1]);
+            let s_hoop = UNIT * (self.stress[2][l] + viscous[2]);
+            let s_rz = UNIT * if shocks { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
             // Weighted by area the equation of motion itself is integrated over the section, its terms with 1/r included; the
             // ring is put back node by node (area.rs).
             let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
