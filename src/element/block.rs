@@ -5,12 +5,11 @@
 
 use super::assumed::Assumed;
 use super::constants::{CHANGE, Constants, damped};
+use super::control::{Control, Lane, Seen, Spring};
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
-use crate::kernel::lanes::Corners;
-use crate::kernel::lanes::LANES;
-use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::{Corners, LANES, Lanes, column, dot};
 use crate::kernel::quad::{UNIT, operators, section};
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress::mises;
@@ -229,10 +228,13 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, scratch);
         }
-        self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
-        if !scratch.enhanced.is_empty() {
+        if scratch.enhanced.is_empty() {
+            self.forces::<V, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut Spring);
+        } else {
+            let mut seen = Seen::default();
+            self.forces::<V, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut seen);
             let laws = (hardening, failure, shares);
-            self.enhance::<H, V, F, AREA>(laws, constants, dt, &mut kept, scratch, corners);
+            self.enhance::<H, V, F, AREA>(laws, (constants, dt), &seen, &mut kept, scratch, corners);
         }
         scratch.keep(kept);
         if V::EOS && !V::TOTAL {
@@ -339,13 +341,13 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    pub(super) fn forces<V: Volumetric, const AREA: bool>(
+    pub(super) fn forces<V: Volumetric, C: Control, const AREA: bool>(
         &mut self,
-        constants: &Constants,
-        dt: f64,
+        (constants, dt): (&Constants, f64),
         kept: &mut Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
+        control: &mut C,
     ) {
         let shear43 = 4.0 / 3.0 * constants.shear;
         let modulus = constants.bulk + shear43;
@@ -420,24 +422,30 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
             let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
             let shape = [1.0 - rest[0], -1.0 - rest[1], 1.0 - rest[2], -1.0 - rest[3]];
-            let (q_r, q_z) = (dot(shape, v_r), dot(shape, v_z));
-            let square = dot(g.r, g.r) + dot(g.z, g.z);
-            // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: no more stiffness than
-            // that the pattern stays slow beside the strains, and a fraction of what is critical at their frequency.
-            let light = |i: usize| shape[i] * shape[i] * self.inverse_mass[i][l];
-            let moved = omega / ((light(0) + light(1)) + (light(2) + light(3)));
-            let (wanted, most) = (stiffness * square * per, SLOW * dt * omega * moved);
-            let spring = if wanted < most { wanted } else { most };
-            let dashpot = viscosity2 * moved;
-            let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
-            let left = kept.returned[l];
-            let (new_r, new_z) = (left * (old_r + spring * q_r), left * (old_z + spring * q_z));
-            kept.hourglass[0][l] = new_r;
-            kept.hourglass[1][l] = new_z;
-            let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
-            let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
-            scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
-            let (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
+            let (mut f_r, mut f_z) = (0.0, 0.0);
+            if C::ENHANCED {
+                let squares = (corner(0) + corner(1)) + (corner(2) + corner(3));
+                control.see(l, &Lane { g: &g, per, shape, v_r, v_z, squares });
+            } else {
+                let (q_r, q_z) = (dot(shape, v_r), dot(shape, v_z));
+                let square = dot(g.r, g.r) + dot(g.z, g.z);
+                // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: no more stiffness
+                // than that the pattern stays slow beside the strains, and a fraction of what is critical at their frequency.
+                let light = |i: usize| shape[i] * shape[i] * self.inverse_mass[i][l];
+                let moved = omega / ((light(0) + light(1)) + (light(2) + light(3)));
+                let (wanted, most) = (stiffness * square * per, SLOW * dt * omega * moved);
+                let spring = if wanted < most { wanted } else { most };
+                let dashpot = viscosity2 * moved;
+                let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
+                let left = kept.returned[l];
+                let (new_r, new_z) = (left * (old_r + spring * q_r), left * (old_z + spring * q_z));
+                kept.hourglass[0][l] = new_r;
+                kept.hourglass[1][l] = new_z;
+                let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
+                let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
+                scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
+                (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
+            }
             // What viscosity does by direction is heat by the compatible energy.
             let viscous = if shocks { [0, 1, 2].map(|i: usize| damping + sided[i]) } else { [damping; 3] };
             let s_rr = UNIT * (self.stress[0][l] + viscous[0]);
@@ -473,16 +481,6 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             scratch.sums.limiting[l] = if larger { block } else { limiting };
         }
     }
-}
-
-#[inline(always)]
-pub(super) fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
-    [list[0][l], list[1][l], list[2][l], list[3][l]]
-}
-
-#[inline(always)]
-pub(super) fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
-    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }
 
 impl Workspace {

@@ -1,50 +1,39 @@
 //! Hourglass control by the stresses of assumed strains that vary across an element (HOURGLASS=ENHANCED): they bend as the
 //! material does and flow with it.
-//! Never here: the geometry of the strains, uniform stress.
+//! Never here: the geometry of the strains, how edges flow, uniform stress.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{Block, Kept, Workspace, column, dot};
+use super::block::{Block, Kept, Workspace};
 use super::constants::Constants;
-use crate::kernel::assumed::{Pattern, moduli, patterns, shape};
-use crate::kernel::lanes::{Corners, LANES, Lanes};
-use crate::kernel::quad::{UNIT, operators};
-use crate::kernel::stress::mises;
+use super::control::Seen;
+use super::edges::{Yields, largest};
+use super::middle::Middle;
+use crate::kernel::assumed::Directions;
+use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::quad::UNIT;
 use crate::material::failure::Failure;
 use crate::material::plasticity::{Flow, Hardening};
 use crate::material::volumetric::Volumetric;
 
-/// The largest trace of the squares of the patterns' frequencies over the square of that of the strains' bound: a folded
-/// element, whose patterns move next to no mass, has no more stiffness than that.
-const SLOW: f64 = 0.5;
-/// Stress of the full plastic moment of a rectangle over that at which its edge yields.
-const PLASTIC_MOMENT: f64 = 1.5;
-/// What is left of it at least under full uniform stress, so that no pattern is free.
-const LEAST_MOMENT: f64 = 0.05;
-
-/// What the middle of each element says of what flows at its edges.
-pub(super) struct Middle {
-    /// Deviator of the elastic trial, reckoned from the middle of the yield surface, and its von Mises stress.
-    pub deviator: [Lanes; 4],
-    pub trial: Lanes,
-    /// Moduli.
-    pub bulk: Lanes,
-    pub shear: Lanes,
-    /// Part of the stress that damage leaves, before and after.
-    pub shares: [Lanes; 2],
+/// What of laws decides over the arithmetic here.
+pub(super) trait Laws {
+    /// Whether something flows.
+    const FLOWS: bool;
+    /// Whether something fails.
+    const FAILS: bool;
 }
 
-impl Middle {
-    /// Of a material without damage that has these moduli everywhere.
-    #[inline(always)]
-    pub fn of(constants: &Constants, scratch: &Workspace) -> Middle {
-        Middle {
-            deviator: scratch.deviator,
-            trial: scratch.trial,
-            bulk: [constants.bulk; LANES],
-            shear: [constants.shear; LANES],
-            shares: [[1.0; LANES]; 2],
-        }
-    }
+impl<H: Hardening, V: Volumetric, F: Failure> Laws for (H, V, F) {
+    const FLOWS: bool = H::PLASTIC || V::FLOWS;
+    const FAILS: bool = F::FAILS;
+}
+
+/// A routine of the user, which may let its material flow.
+pub(super) struct Routine;
+
+impl Laws for Routine {
+    const FLOWS: bool = true;
+    const FAILS: bool = false;
 }
 
 /// What damage leaves of the stress of each lane.
@@ -60,21 +49,23 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         shares(failure, &self.failure)
     }
 
-    /// The patterns' share of an increment of laws that are built in.
+    /// The patterns' share of an increment of laws that are built in, by what damage left before it.
     #[inline(always)]
     pub(super) fn enhance<H: Hardening<State = S>, V: Volumetric, F: Failure<State = X>, const AREA: bool>(
         &self,
         (hardening, failure, before): (&H, &F, Lanes),
-        constants: &Constants,
-        dt: f64,
+        (constants, dt): (&Constants, f64),
+        seen: &Seen,
         kept: &mut Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
         let mut middle = Middle::of(constants, scratch);
-        middle.shares = [before, shares(failure, &self.failure)];
+        if F::FAILS {
+            middle.fail(&before, &shares(failure, &self.failure));
+        }
         if V::EOS {
-            self.moduli::<V>(constants, &mut middle, scratch);
+            middle.vary::<V>(constants, scratch);
         }
         if V::FLOWS {
             middle.unflow(kept, scratch);
@@ -82,35 +73,17 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         if H::PLASTIC && scratch.enhanced[scratch.at].limit[0] == 0.0 {
             scratch.enhanced[scratch.at].limit = first_yield(hardening, &self.state, constants.shear, scratch.count);
         }
-        if H::PLASTIC || V::FLOWS {
-            self.resist::<true, AREA>(constants, dt, &middle, kept, scratch, corners);
-        } else {
-            self.resist::<false, AREA>(constants, dt, &middle, kept, scratch, corners);
-        }
+        let increment = (constants.hourglass.enhanced, dt);
+        self.resist::<(H, V, F), AREA>(increment, (seen, &middle), kept, scratch, corners);
     }
 
-    /// Moduli of now where they vary.
+    /// Stresses of the patterns at the end of the increment, and their corner forces: free of branches, and what is divided
+    /// shares divisions.
     #[inline(always)]
-    fn moduli<V: Volumetric>(&self, constants: &Constants, middle: &mut Middle, scratch: &Workspace) {
-        for l in 0..LANES {
-            let mut bulk = scratch.bulk[l];
-            if V::TOTAL {
-                let shear = scratch.shear[l];
-                bulk += 4.0 / 3.0 * (constants.shear - shear);
-                bulk = if bulk > shear { bulk } else { shear };
-                middle.shear[l] = shear;
-            }
-            middle.bulk[l] = bulk;
-        }
-    }
-
-    /// Stresses of the patterns at the end of the increment, and their corner forces.
-    #[inline(always)]
-    pub(super) fn resist<const FLOWS: bool, const AREA: bool>(
+    pub(super) fn resist<L: Laws, const AREA: bool>(
         &self,
-        constants: &Constants,
-        dt: f64,
-        middle: &Middle,
+        (factor, dt): (f64, f64),
+        (seen, middle): (&Seen, &Middle),
         kept: &Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
@@ -118,165 +91,76 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         // A value of its own: what the loop reads and writes in the scratch memory could be one, and would keep it from
         // becoming one of vectors.
         let mut assumed = scratch.enhanced[scratch.at];
-        let factor = constants.hourglass.enhanced;
         for l in 0..LANES {
             let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
-            let (v_r, v_z) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
-            let g = operators::<AREA>(r, z);
-            let shape = shape(r, z, &g);
-            let q = [dot(shape, v_r), dot(shape, v_z)];
-            let [first, second] = patterns(r, z, &g);
-            let [along, beside] = moduli(middle.bulk[l], middle.shear[l]);
+            let (directions, operators) = (Directions::of(r, z, seen.ring[l]), seen.operators(l));
+            let modulus = [middle.along[l], middle.beside[l]];
             // Squares of frequencies: of the strains by the bound of all corners, of the patterns by their trace; both times
-            // three volumes.
-            let inverse = column(&self.inverse_mass, l);
-            let strains = dot(squares(g.r, g.z, g.hoop), inverse) * (middle.bulk[l] + 4.0 / 3.0 * middle.shear[l]);
-            let light = products(shape, inverse);
-            let bends = trace(&first, [along, beside], light, shape, inverse)
-                + trace(&second, [along, beside], light, shape, inverse);
-            let (bends, most) = (factor * g.volume * g.volume * bends, 3.0 * SLOW * strains);
-            let slowed = if bends > most { factor * most / bends } else { factor };
+            // three over the volume and the modulus along.
+            let trace = directions.trace(operators, column(&self.inverse_mass, l), middle.ratio[l]);
+            let slowest = middle.slow[l] * seen.squares[l] / trace;
+            let slowed = if slowest < factor { slowest } else { factor };
             // A triangle, with two corners in one place, has no pattern.
             let triangle = (r[2] == r[3]) & (z[2] == z[3]);
-            let (before, share) = (middle.shares[0][l], middle.shares[1][l]);
-            let remains = if before > 0.0 { share / before } else { 0.0 };
-            let grows = if triangle { 0.0 } else { dt * slowed * share };
-            let moduli = [grows * along, grows * beside];
+            let mut grows = if triangle { 0.0 } else { dt * slowed };
+            if L::FAILS {
+                grows *= middle.share[l];
+            }
+            let [along, beside] = [grows * modulus[0], grows * modulus[1]];
 
-            let left = kept.returned[l];
-            let mises = left * middle.trial[l];
-            let known = assumed.limit[l];
-            let unflown = if known > 0.0 { known } else { f64::INFINITY };
-            let limit = if left < 1.0 { mises } else { unflown };
-            // Moment beside force in a rectangle of what is perfectly plastic.
-            let used = mises / limit;
-            let rest = 1.0 - used * used;
-            let rest = if rest > LEAST_MOMENT { rest } else { LEAST_MOMENT };
-            let yields = Yields {
-                deviator: column(&middle.deviator, l),
-                left,
-                along,
-                beside,
-                most: (1.0 - left) / (2.0 * middle.shear[l]),
-                bound: PLASTIC_MOMENT * share * limit * rest,
-            };
-            let (rates_1, rates_2) =
-                ([first.strain(q), dot(first.hoop, v_r)], [second.strain(q), dot(second.hoop, v_r)]);
-            let old_1 = [remains * assumed.stress[0][0][l], remains * assumed.stress[0][1][l]];
-            let old_2 = [remains * assumed.stress[1][0][l], remains * assumed.stress[1][1][l]];
-            let (mut new_1, mut new_2) = (elastic(old_1, rates_1, moduli), elastic(old_2, rates_2, moduli));
-            if FLOWS {
-                new_1 = yields.flow(&first, new_1);
-                new_2 = yields.flow(&second, new_2);
+            let strained = directions.along([seen.rate[0][l], seen.rate[1][l]]);
+            let turned = directions.around([seen.hoop_rate[0][l], seen.hoop_rate[1][l]]);
+            let mut stress = [[0.0; 2]; 2];
+            for p in 0..2 {
+                stress[p] = [assumed.stress[p][0][l], assumed.stress[p][1][l]];
+                if L::FAILS {
+                    stress[p] = [middle.remains[l] * stress[p][0], middle.remains[l] * stress[p][1]];
+                }
+                stress[p][0] += along * strained[p] + beside * turned[p];
+                stress[p][1] += along * turned[p] + beside * strained[p];
+            }
+            if L::FLOWS {
+                let (left, known) = (kept.returned[l], assumed.limit[l]);
+                let mises = left * middle.trial[l];
+                let unflown = if known > 0.0 { known } else { f64::INFINITY };
+                let limit = if left < 1.0 { mises } else { unflown };
+                let mut bound = largest(mises, limit);
+                if L::FAILS {
+                    bound *= middle.share[l];
+                }
                 // What melts flows at no stress, which is not the same as a stress that is not known.
                 let flown = if mises > 0.0 { mises } else { f64::MIN_POSITIVE };
                 assumed.limit[l] = if left < 1.0 { flown } else { known };
+                let yields = Yields {
+                    normal: directions.normal([middle.deviator[0][l], middle.deviator[1][l], middle.deviator[3][l]]),
+                    hoop: middle.deviator[2][l],
+                    left,
+                    modulus,
+                    most: (1.0 - left) * middle.compliance[l],
+                    bound,
+                };
+                stress = yields.flow(stress);
             }
-            let power = (assumed.stress[0][0][l] + new_1[0]) * rates_1[0]
-                + (assumed.stress[0][1][l] + new_1[1]) * rates_1[1]
-                + (assumed.stress[1][0][l] + new_2[0]) * rates_2[0]
-                + (assumed.stress[1][1][l] + new_2[1]) * rates_2[1];
-            assumed.stress[0][0][l] = new_1[0];
-            assumed.stress[0][1][l] = new_1[1];
-            assumed.stress[1][0][l] = new_2[0];
-            assumed.stress[1][1][l] = new_2[1];
-            let third = UNIT * g.volume * (1.0 / 3.0);
-            scratch.sums.artificial[l] += 0.5 * dt * scratch.weight[l] * third * power;
-            let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
-            let acts = flat * third;
-            let (bent_1, bent_2) = (0.25 * acts * first.per * new_1[0], 0.25 * acts * second.per * new_2[0]);
-            let bent_r = bent_1 * first.side[0] + bent_2 * second.side[0];
-            let bent_z = bent_1 * first.side[1] + bent_2 * second.side[1];
-            let (turned_1, turned_2) = (acts * new_1[1], acts * new_2[1]);
+            let mut power = 0.0;
+            for p in 0..2 {
+                let [t, h] = stress[p];
+                power += (assumed.stress[p][0][l] + t) * strained[p] + (assumed.stress[p][1][l] + h) * turned[p];
+                assumed.stress[p][0][l] = t;
+                assumed.stress[p][1][l] = h;
+            }
+            let third = UNIT / 3.0 * seen.volume[l];
+            scratch.sums.artificial[l] += 0.5 * dt * scratch.weight[l] * (third * power);
+            let acts = if AREA { third / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { third };
+            let [first, second] = stress;
+            let [bent, turned] =
+                directions.forces([acts * first[0], acts * second[0]], [acts * first[1], acts * second[1]]);
+            let (shape, [by_r, by_z]) = operators;
             for i in 0..4 {
-                corners.0[2 * i][l] -= bent_r * shape[i] + (turned_1 * first.hoop[i] + turned_2 * second.hoop[i]);
-                corners.0[2 * i + 1][l] -= bent_z * shape[i];
+                corners.0[2 * i][l] -= bent[0] * shape[i] + (turned[0] * by_r[i] + turned[1] * by_z[i]);
+                corners.0[2 * i + 1][l] -= bent[1] * shape[i];
             }
         }
         scratch.enhanced[scratch.at] = assumed;
-    }
-}
-
-/// How the edges of an element flow.
-struct Yields {
-    deviator: [f64; 4],
-    /// Part of the trial stress that is left in the middle.
-    left: f64,
-    along: f64,
-    beside: f64,
-    /// Plastic strain of the middle over its trial stress.
-    most: f64,
-    /// Largest von Mises stress of a pattern.
-    bound: f64,
-}
-
-impl Yields {
-    /// What flow leaves of the stresses of a pattern: the edge flows along the stress of the middle and no further than that
-    /// does.
-    #[inline(always)]
-    fn flow(&self, p: &Pattern, [t, h]: [f64; 2]) -> [f64; 2] {
-        let [a_r, a_z] = p.side;
-        let [rr, zz, hoop, rz] = self.deviator;
-        let (s_t, s_h) = (p.per * (a_r * (a_r * rr + 2.0 * a_z * rz) + a_z * a_z * zz), hoop);
-        let (w_t, w_h) = (self.along * s_t + self.beside * s_h, self.along * s_h + self.beside * s_t);
-        let norm = s_t * w_t + s_h * w_h;
-        let wanted = (s_t * t + s_h * h) / if norm > 0.0 { norm } else { 1.0 };
-        let flowed = if wanted > self.most { self.most } else { wanted };
-        let flowed = if flowed < -self.most { -self.most } else { flowed };
-        let (t, h) = (self.left * (t - flowed * w_t), self.left * (h - flowed * w_h));
-        let size = (t * t + h * h - t * h).sqrt();
-        let scale = if size > self.bound { self.bound / size } else { 1.0 };
-        [scale * t, scale * h]
-    }
-}
-
-/// Stresses after an elastic increment.
-#[inline(always)]
-fn elastic([t, h]: [f64; 2], [rate_t, rate_h]: [f64; 2], [along, beside]: [f64; 2]) -> [f64; 2] {
-    [t + (along * rate_t + beside * rate_h), h + (along * rate_h + beside * rate_t)]
-}
-
-#[inline(always)]
-fn products(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    [a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]]
-}
-
-#[inline(always)]
-fn squares(a: [f64; 4], b: [f64; 4], c: [f64; 4]) -> [f64; 4] {
-    [
-        a[0] * a[0] + b[0] * b[0] + c[0] * c[0],
-        a[1] * a[1] + b[1] * b[1] + c[1] * c[1],
-        a[2] * a[2] + b[2] * b[2] + c[2] * c[2],
-        a[3] * a[3] + b[3] * b[3] + c[3] * c[3],
-    ]
-}
-
-/// Trace of a pattern's stiffness over the masses, by three over the volume; `light` is the shape over the masses.
-#[inline(always)]
-fn trace(p: &Pattern, [along, beside]: [f64; 2], light: [f64; 4], shape: [f64; 4], inverse: [f64; 4]) -> f64 {
-    let turned = dot(products(p.hoop, p.hoop), inverse);
-    let (bent, both) = (0.0625 * p.per * dot(light, shape), 0.5 * p.per * p.side[0] * dot(light, p.hoop));
-    along * (bent + turned) + beside * both
-}
-
-impl Middle {
-    /// Of what flows without a hardening law: the trial from the plastic strain, and the part of it that is left.
-    #[inline(always)]
-    fn unflow(&mut self, kept: &mut Kept, scratch: &Workspace) {
-        for l in 0..LANES {
-            let plastic = column(&scratch.back, l);
-            let mean = (plastic[0] + plastic[1] + plastic[2]) * (1.0 / 3.0);
-            let end = column(&self.deviator, l);
-            let twice = 2.0 * self.shear[l];
-            let normal = |i: usize| end[i] + twice * (plastic[i] - mean);
-            let trial = [normal(0), normal(1), normal(2), end[3] + twice * plastic[3]];
-            for i in 0..4 {
-                self.deviator[i][l] = trial[i];
-            }
-            self.trial[l] = mises(trial);
-            let flows = scratch.flow[l] > 0.0;
-            kept.returned[l] = if flows { mises(end) / self.trial[l] } else { 1.0 };
-        }
     }
 }
 

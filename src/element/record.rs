@@ -2,9 +2,10 @@
 //! Never here: anything that stresses or forces need.
 #![allow(clippy::needless_range_loop)] // Loops over lanes, as in the inner loop.
 
-use crate::element::block::{Block, Nodes, Workspace, dot};
+use crate::element::block::{Block, Nodes, Workspace};
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::dot;
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress::mises;

@@ -4,8 +4,8 @@
 //! Never here: pressures of elements, viscosity.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{Workspace, column, is_larger};
-use crate::kernel::lanes::{Corners, LANES, Lanes};
+use super::block::{Workspace, is_larger};
+use crate::kernel::lanes::{Corners, LANES, Lanes, column};
 use crate::kernel::quad::{UNIT, volume_gradient};
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Node;

@@ -3,14 +3,16 @@
 //! Never here: the order of chunks, moduli, output.
 
 use super::group::block;
-use crate::element::block::{Block, Nodes, Sums, Workspace, column, dot, larger};
+use crate::element::block::{Block, Nodes, Sums, Workspace, larger};
 use crate::element::constants::Constants;
-use crate::element::enhanced::Middle;
+use crate::element::control::{Seen, Spring};
+use crate::element::enhanced::Routine;
+use crate::element::middle::Middle;
 use crate::element::points::{Points, Tells};
 use crate::element::record::{Flows, Followed, spin};
 use crate::element::user_flow::{Returning, Under};
 use crate::element::user_law::Description;
-use crate::kernel::lanes::{Corners, LANES, Lanes};
+use crate::kernel::lanes::{Corners, LANES, Lanes, column, dot};
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
@@ -220,11 +222,15 @@ impl Chunk {
             if common.constants.hourglass.relaxes {
                 kept.returned = std::array::from_fn(|l| workspace.returned(column(&block.stress, l), l));
             }
-            block.forces::<Linear, false>(common.constants, common.dt, &mut kept, workspace, forces);
-            if common.constants.hourglass.enhanced > 0.0 {
+            let increment = (common.constants, common.dt);
+            if workspace.enhanced.is_empty() {
+                block.forces::<Linear, _, false>(increment, &mut kept, workspace, forces, &mut Spring);
+            } else {
                 workspace.trial = std::array::from_fn(|l| mises(column(&workspace.deviator, l)));
-                let middle = Middle::of(common.constants, workspace);
-                block.resist::<true, false>(common.constants, common.dt, &middle, &kept, workspace, forces);
+                let mut seen = Seen::default();
+                block.forces::<Linear, _, false>(increment, &mut kept, workspace, forces, &mut seen);
+                let (factor, middle) = (common.constants.hourglass.enhanced, Middle::of(common.constants, workspace));
+                block.resist::<Routine, false>((factor, common.dt), (&seen, &middle), &kept, workspace, forces);
             }
             workspace.keep(kept);
             for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {

@@ -9,60 +9,104 @@ use super::quad::{Gradient, UNIT, gradient, section};
 /// How much of the square of the longer side the shorter counts at least: an element pressed flat has no more stiffness.
 const FLAT: f64 = 1e-4;
 
-/// One of the two fields: strains at the edge of the element, of which the mean square is a third.
+/// The two directions of an element: along each of them one field strains, across it the other does. Strains are those at the
+/// edge of the element, of which the mean square is a third; of each pair the first is of the field along the first direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Pattern {
-    /// Direction of the strain, half a side, `[r, z]`.
-    pub side: [f64; 2],
-    /// One over the square of its length.
-    pub per: f64,
-    /// Hoop strain by the displacement of each corner along r.
-    pub hoop: [f64; 4],
+pub struct Directions {
+    /// Twice the sides `[r, z]` between the middles of the edges 4-1 and 2-3, and of 1-2 and 3-4.
+    sides: [[f64; 2]; 2],
+    /// One over the squares of their lengths, and the sides over them.
+    per: [f64; 2],
+    dual: [[f64; 2]; 2],
+    /// What makes hoop strains of the sums of [`hoop`] and displacements along r: the side across over the mean radius
+    /// V/(2 pi A) and the volume, for grad (v_r/r) = (grad v_r - v_r/r)/r.
+    across: [[f64; 2]; 2],
 }
 
-impl Pattern {
-    /// Strain along the direction by the pattern's displacement `[r, z]`.
+impl Directions {
+    /// Of an element with these corners, and one over its mean radius and volume, in the units of [`Gradient`]: six times its
+    /// section over the square of its volume.
     #[inline(always)]
-    pub fn strain(&self, [q_r, q_z]: [f64; 2]) -> f64 {
-        0.25 * self.per * (self.side[0] * q_r + self.side[1] * q_z)
+    pub fn of(r: [f64; 4], z: [f64; 4], ring: f64) -> Directions {
+        let sides = |x: [f64; 4]| [(x[1] - x[0]) + (x[2] - x[3]), (x[3] - x[0]) + (x[2] - x[1])];
+        let ([a_r, c_r], [a_z, c_z]) = (sides(r), sides(z));
+        let (aa, cc) = (a_r * a_r + a_z * a_z, c_r * c_r + c_z * c_z);
+        let (least_a, least_c) = (FLAT * cc, FLAT * aa);
+        let (aa, cc) = (if aa > least_a { aa } else { least_a }, if cc > least_c { cc } else { least_c });
+        // One division serves both squares.
+        let both = 1.0 / (aa * cc);
+        let (per_a, per_c) = (cc * both, aa * both);
+        let factor = 0.25 * ring;
+        Directions {
+            sides: [[a_r, a_z], [c_r, c_z]],
+            per: [per_a, per_c],
+            dual: [[per_a * a_r, per_a * a_z], [per_c * c_r, per_c * c_z]],
+            across: [[factor * c_r, factor * c_z], [factor * a_r, factor * a_z]],
+        }
+    }
+
+    /// Strains along both directions by the pattern's displacement `[r, z]`.
+    #[inline(always)]
+    pub fn along(&self, [q_r, q_z]: [f64; 2]) -> [f64; 2] {
+        let [a, c] = self.dual;
+        [a[0] * q_r + a[1] * q_z, c[0] * q_r + c[1] * q_z]
+    }
+
+    /// Hoop strains of both fields by the sums of [`hoop`] and displacements along r.
+    #[inline(always)]
+    pub fn around(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [a, c] = self.across;
+        [a[0] * x + a[1] * y, c[0] * x + c[1] * y]
+    }
+
+    /// The components of a tensor rr, zz, rz along both directions.
+    #[inline(always)]
+    pub fn normal(&self, [rr, zz, rz]: [f64; 3]) -> [f64; 2] {
+        let ([a, c], [dual_a, dual_c]) = (self.sides, self.dual);
+        let twice = rz + rz;
+        [
+            dual_a[0] * (a[0] * rr + a[1] * twice) + dual_a[1] * (a[1] * zz),
+            dual_c[0] * (c[0] * rr + c[1] * twice) + dual_c[1] * (c[1] * zz),
+        ]
+    }
+
+    /// What stresses along both directions and around come to: for the hourglass shape `[r, z]`, and for the operators of [`hoop`].
+    #[inline(always)]
+    pub fn forces(&self, along: [f64; 2], around: [f64; 2]) -> [[f64; 2]; 2] {
+        let sum = |[x, y]: [f64; 2], [a, c]: [[f64; 2]; 2]| [x * a[0] + y * c[0], x * a[1] + y * c[1]];
+        [sum(along, self.dual), sum(around, self.across)]
+    }
+
+    /// Trace of the fields' stiffness over the masses of the corners, by three over the volume and the modulus along a strain; for
+    /// the hourglass shape and the operators of [`hoop`], one over the masses, and n, the modulus beside a strain over that along it. Of strains e along and
+    /// h around the stiffness is (h + n e)^2 + (1 - n^2) e^2.
+    #[inline(always)]
+    pub fn trace(&self, (shape, [by_r, by_z]): ([f64; 4], [[f64; 4]; 2]), inverse: [f64; 4], ratio: f64) -> f64 {
+        let [a, c] = self.across;
+        let (n_a, n_c) = (ratio * self.dual[0][0], ratio * self.dual[1][0]);
+        // Along z there is no hoop strain.
+        let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
+        let corner = |i: usize| {
+            let first = a[0] * by_r[i] + a[1] * by_z[i] + n_a * shape[i];
+            let second = c[0] * by_r[i] + c[1] * by_z[i] + n_c * shape[i];
+            inverse[i] * (first * first + second * second + rest * (shape[i] * shape[i]))
+        };
+        (corner(0) + corner(1)) + (corner(2) + corner(3))
     }
 }
 
-/// Half the side between the middles of the edges 4-1 and 2-3, and of 1-2 and 3-4.
-#[inline(always)]
-fn sides(x: [f64; 4]) -> [f64; 2] {
-    [0.25 * ((x[1] - x[0]) + (x[2] - x[3])), 0.25 * ((x[3] - x[0]) + (x[2] - x[1]))]
+/// One over the mean radius and the volume, as [`Directions::of`] takes it.
+fn ring(r: [f64; 4], z: [f64; 4], g: &Gradient) -> f64 {
+    6.0 * section(r, z) / (g.volume * g.volume)
 }
 
-/// Hoop strains by displacements along r that differ across the element along a direction.
+/// Operators `[r, z]` of each corner that [`Directions`] make hoop strains of.
 #[inline(always)]
-fn hoop(per: f64, [across_r, across_z]: [f64; 2], g: &Gradient) -> [f64; 4] {
-    let (r, z) = (per * across_r, per * across_z);
-    [
-        (g.r[0] - g.hoop[0]) * r + g.z[0] * z,
-        (g.r[1] - g.hoop[1]) * r + g.z[1] * z,
-        (g.r[2] - g.hoop[2]) * r + g.z[2] * z,
-        (g.r[3] - g.hoop[3]) * r + g.z[3] * z,
-    ]
-}
-
-/// The field along the first direction of the element and linear across it, and the same with the directions swapped.
-#[inline(always)]
-pub fn patterns(r: [f64; 4], z: [f64; 4], g: &Gradient) -> [Pattern; 2] {
-    let ([a_r, c_r], [a_z, c_z]) = (sides(r), sides(z));
-    let (aa, cc) = (a_r * a_r + a_z * a_z, c_r * c_r + c_z * c_z);
-    let (least_a, least_c) = (FLAT * cc, FLAT * aa);
-    let (aa, cc) = (if aa > least_a { aa } else { least_a }, if cc > least_c { cc } else { least_c });
-    // With the mean radius V/(2 pi A): grad (v_r/r) = (grad v_r - v_r/r)/r. One division serves both squares.
-    let per = 6.0 * section(r, z) / (g.volume * g.volume);
-    let both = 1.0 / (aa * cc);
-    let (per_a, per_c) = (cc * both, aa * both);
-    let (a, c) = ([a_r, a_z], [c_r, c_z]);
-    [Pattern { side: a, per: per_a, hoop: hoop(per, c, g) }, Pattern { side: c, per: per_c, hoop: hoop(per, a, g) }]
+pub fn hoop(g: &Gradient) -> [[f64; 4]; 2] {
+    [[g.r[0] - g.hoop[0], g.r[1] - g.hoop[1], g.r[2] - g.hoop[2], g.r[3] - g.hoop[3]], g.z]
 }
 
 /// The hourglass pattern of an element, free of linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45).
-#[inline(always)]
 pub fn shape(r: [f64; 4], z: [f64; 4], g: &Gradient) -> [f64; 4] {
     let per = 1.0 / g.volume;
     let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
@@ -88,12 +132,15 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
     let shape = shape(r, z, &g);
     let [along, beside] = moduli(bulk, shear);
     let third = UNIT * g.volume / 3.0;
+    let (directions, operators) = (Directions::of(r, z, ring(r, z, &g)), hoop(&g));
     let mut matrix = [[0.0; 8]; 8];
-    for pattern in patterns(r, z, &g) {
+    for field in 0..2 {
         let column = |d: usize| {
             let (i, axis) = (d / 2, d % 2);
-            let hoop = if axis == 0 { pattern.hoop[i] } else { 0.0 };
-            [0.25 * pattern.per * pattern.side[axis] * shape[i], hoop]
+            let mut pushed = [0.0; 2];
+            pushed[axis] = shape[i];
+            let turned = directions.around(operators.map(|o| o[i]))[field];
+            [directions.along(pushed)[field], if axis == 0 { turned } else { 0.0 }]
         };
         for (a, row) in matrix.iter_mut().enumerate() {
             let [e, h] = column(a);
@@ -108,7 +155,7 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
 
 #[cfg(test)]
 mod tests {
-    use super::{gradient, moduli, patterns, shape, stiffness};
+    use super::{Directions, UNIT, gradient, hoop, moduli, ring, shape, stiffness};
 
     /// A thin ring far from the axis bends as a plate strip: E/(1 - nu^2) times its section modulus, whatever its aspect.
     #[test]
@@ -134,12 +181,41 @@ mod tests {
     fn uniform_strain_is_not_seen() {
         let (r, z) = ([1.0, 3.2, 2.9, 0.8], [0.1, -0.2, 1.7, 2.0]);
         let g = gradient(r, z);
-        let shape = shape(r, z, &g);
-        for pattern in patterns(r, z, &g) {
-            let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-            assert!(dot(pattern.hoop, r).abs() < 1e-12);
-            assert!(pattern.strain([dot(shape, r), dot(shape, z)]).abs() < 1e-12);
-            assert!(dot(shape, [1.0; 4]).abs() < 1e-12);
-        }
+        let (shape, directions) = (shape(r, z, &g), Directions::of(r, z, ring(r, z, &g)));
+        let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let around = directions.around(hoop(&g).map(|o| dot(o, r)));
+        let along = directions.along([dot(shape, r), dot(shape, z)]);
+        assert!(around.iter().chain(&along).all(|strain| strain.abs() < 1e-12), "{around:?} {along:?}");
+        assert!(dot(shape, [1.0; 4]).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_trace_is_that_of_the_matrix() {
+        let (r, z) = ([1.0, 3.2, 2.9, 0.8], [0.1, -0.2, 1.7, 2.0]);
+        let (g, inverse, [bulk, shear]) = (gradient(r, z), [0.3, 0.2, 0.5, 0.7], [2.0, 0.9]);
+        let directions = Directions::of(r, z, ring(r, z, &g));
+        let [along, beside] = moduli(bulk, shear);
+        let trace =
+            directions.trace((shape(r, z, &g), hoop(&g)), inverse, beside / along) * along * UNIT * g.volume / 3.0;
+        let matrix = stiffness([0, 1, 2, 3].map(|i| [r[i], z[i]]), [bulk, shear]);
+        let exact: f64 = (0..8).map(|d| matrix[d][d] * inverse[d / 2]).sum();
+        assert!((trace / exact - 1.0).abs() < 1e-13, "{trace} {exact}");
+    }
+
+    /// Forces do the work of the strains.
+    #[test]
+    fn forces_and_strains_belong_together() {
+        let (r, z) = ([1.0, 3.2, 2.9, 0.8], [0.1, -0.2, 1.7, 2.0]);
+        let g = gradient(r, z);
+        let directions = Directions::of(r, z, ring(r, z, &g));
+        let (q, x, along, around) = ([0.3, -0.4], [0.7, 0.2], [2.0, -3.0], [0.5, 1.5]);
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let [bent, turned] = directions.forces(along, around);
+        let work = dot(along, directions.along(q)) + dot(around, directions.around(x));
+        assert!((dot(bent, q) + dot(turned, x) - work).abs() < 1e-14);
+        // A direction and the one across give the trace of a tensor in the plane of a square.
+        let square = ([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 2.0, 2.0]);
+        let flat = Directions::of(square.0, square.1, 1.0);
+        assert_eq!(flat.normal([2.0, 5.0, 7.0]), [2.0, 5.0]);
     }
 }

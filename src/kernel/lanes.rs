@@ -12,3 +12,15 @@ pub type Lanes = [f64; LANES];
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Corners(pub [Lanes; 8]);
+
+/// The numbers of one element in lists of four.
+#[inline(always)]
+pub fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
+    [list[0][l], list[1][l], list[2][l], list[3][l]]
+}
+
+/// Sum of the products of four and four numbers, in this order.
+#[inline(always)]
+pub fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}

@@ -36,21 +36,8 @@ pub fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
     let double = t2 + t4;
     // int N_I dA = (A + T_I)/6 with plain areas.
     let hoop = [double + t1, double + t2, double + double - t1, double + t4].map(|t| 0.5 * t);
-    let mut out_r = [0.0; 4];
-    let mut out_z = [0.0; 4];
-    let mut moment = 0.0;
-    for i in 0..4 {
-        let (j, p) = ((i + 1) % 4, (i + 3) % 4);
-        let next = r[i] + r[j];
-        let before = r[p] + r[i];
-        out_z[i] = r[p] * before - r[j] * next;
-        // dV/dr_I is pi/3 times 2 r_I (z_J - z_P) + r_J (z_J - z_I) + r_P (z_I - z_P).
-        let by_r = (r[i] + next) * (z[j] - z[i]) + (r[i] + before) * (z[i] - z[p]);
-        moment += r[i] * by_r;
-        out_r[i] = by_r - hoop[i];
-    }
-    // V is of second degree in r.
-    Gradient { r: out_r, z: out_z, hoop, volume: 0.5 * moment }
+    let (by_r, by_z, volume) = volume_gradient(r, z);
+    Gradient { r: [0, 1, 2, 3].map(|i: usize| by_r[i] - hoop[i]), z: by_z, hoop, volume }
 }
 
 /// Derivatives of the volume of a ring by r and z of its corners, and the volume, in units of pi/3.
@@ -60,10 +47,12 @@ pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> ([f64; 4], [f64; 4], f64) {
     for i in 0..4 {
         let (j, p) = ((i + 1) % 4, (i + 3) % 4);
         let (next, before) = (r[i] + r[j], r[p] + r[i]);
+        // dV/dr_I is pi/3 times 2 r_I (z_J - z_P) + r_J (z_J - z_I) + r_P (z_I - z_P).
         by_r[i] = (r[i] + next) * (z[j] - z[i]) + (r[i] + before) * (z[i] - z[p]);
         by_z[i] = r[p] * before - r[j] * next;
         moment += r[i] * by_r[i];
     }
+    // V is of second degree in r.
     (by_r, by_z, 0.5 * moment)
 }
 

@@ -200,6 +200,25 @@ fn controls_of_elements_and_a_target() {
     }
 }
 
+/// Stresses of assumed strains, and the yield stress that each element knows of, are kept: HOURGLASS=ENHANCED on what flows, is
+/// damaged and goes, and is rubber.
+#[test]
+fn enhanced_hourglass_control() {
+    let plastic = "*Plastic\n 400., 0.\n 500., 0.1\n";
+    let damage = "*Damage Initiation, criterion=DUCTILE\n 0.05, 0., 0.\n*Damage Evolution, type=DISPLACEMENT\n 0.02,\n";
+    let rubber = bare("*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n");
+    for (name, material, speed, time) in [
+        ("plastic", steel(plastic), 2e5, 5e-6),
+        ("damage", steel(&format!("{plastic}{damage}")), 2e5, 5e-6),
+        ("rubber", rubber, 1e4, 1e-4),
+    ] {
+        let cards = "material=M, controls=C\n*Section Controls, name=C, hourglass=ENHANCED\n*Material";
+        let material = material.replacen("material=M\n*Material", cards, 1);
+        let outcome = goes_on(name, &bar(4, &material, speed, time, ""), Routines::none);
+        assert!(outcome.halt.is_none() && outcome.energy.artificial > 0.0, "{name}: {outcome:?}");
+    }
+}
+
 /// What is at rest sleeps, wakes as the wave comes, and is spread over threads.
 #[test]
 fn a_large_body_on_any_number_of_threads() {

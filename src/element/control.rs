@@ -1,0 +1,89 @@
+//! What resists the patterns of elements that one integration point does not see: a spring of the pattern, which the corner forces
+//! of the uniform stress carry along, or stresses of assumed strains, which need what these have found.
+//! Never here: stresses.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use crate::kernel::assumed::hoop;
+use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::{column, dot};
+use crate::kernel::quad::Gradient;
+
+/// What resists the patterns of a block's elements.
+pub(super) trait Control {
+    /// Whether it is assumed strains instead of a spring of the pattern.
+    const ENHANCED: bool;
+
+    /// Takes a lane as the corner forces of the uniform stress have found it.
+    fn see(&mut self, l: usize, lane: &Lane<'_>);
+}
+
+/// The spring and the dashpot of the pattern.
+pub(super) struct Spring;
+
+impl Control for Spring {
+    const ENHANCED: bool = false;
+
+    #[inline(always)]
+    fn see(&mut self, _l: usize, _lane: &Lane<'_>) {}
+}
+
+/// A lane as the corner forces of the uniform stress have found it.
+pub(super) struct Lane<'a> {
+    pub g: &'a Gradient,
+    /// One over the volume.
+    pub per: f64,
+    /// The hourglass shape.
+    pub shape: [f64; 4],
+    pub v_r: [f64; 4],
+    pub v_z: [f64; 4],
+    /// Sum of the squares of all operators over the masses of the corners.
+    pub squares: f64,
+}
+
+/// What stresses of assumed strains take from there, so that nothing is reckoned twice.
+#[derive(Default)]
+#[repr(C, align(64))]
+pub(super) struct Seen {
+    /// The hourglass shape, and the sums of it and the velocities along r and z.
+    pub shape: [Lanes; 4],
+    pub rate: [Lanes; 2],
+    /// Operators of the hoop strains along r and z ([`hoop`]), and the sums of them and the velocities along r.
+    pub hoop: [[Lanes; 4]; 2],
+    pub hoop_rate: [Lanes; 2],
+    /// One over the mean radius and the volume ([`crate::kernel::assumed::Directions::of`]).
+    pub ring: Lanes,
+    pub volume: Lanes,
+    /// Sum of the squares of all operators over the masses of the corners and the square of the volume.
+    pub squares: Lanes,
+}
+
+impl Control for Seen {
+    const ENHANCED: bool = true;
+
+    #[inline(always)]
+    fn see(&mut self, l: usize, lane: &Lane<'_>) {
+        let (g, shape, [by_r, by_z]) = (lane.g, lane.shape, hoop(lane.g));
+        for i in 0..4 {
+            self.shape[i][l] = shape[i];
+            self.hoop[0][i][l] = by_r[i];
+            self.hoop[1][i][l] = by_z[i];
+        }
+        self.rate[0][l] = dot(shape, lane.v_r);
+        self.rate[1][l] = dot(shape, lane.v_z);
+        self.hoop_rate[0][l] = dot(by_r, lane.v_r);
+        self.hoop_rate[1][l] = dot(by_z, lane.v_r);
+        let square = lane.per * lane.per;
+        // Opposite corners share three times the section of the integral of one.
+        self.ring[l] = 2.0 * (g.hoop[0] + g.hoop[2]) * square;
+        self.volume[l] = g.volume;
+        self.squares[l] = lane.squares * square;
+    }
+}
+
+impl Seen {
+    /// The hourglass shape and the operators of the hoop strains of a lane.
+    #[inline(always)]
+    pub fn operators(&self, l: usize) -> ([f64; 4], [[f64; 4]; 2]) {
+        (column(&self.shape, l), [column(&self.hoop[0], l), column(&self.hoop[1], l)])
+    }
+}
