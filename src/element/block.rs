@@ -4,14 +4,14 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::assumed::Assumed;
-use super::constants::{CHANGE, Constants};
-use super::shock::{principal_compression, section};
+use super::constants::{CHANGE, Constants, damped};
+use super::shock::principal_compression;
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::kernel::quad::{UNIT, operators};
+use crate::kernel::quad::{UNIT, operators, section};
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress::mises;
 use crate::material::failure::Failure;
@@ -225,13 +225,13 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), nodes, scratch);
         }
         self.stress::<H>(constants, &mut kept, scratch);
-        let before = self.shares(failure);
+        let shares = if scratch.enhanced.is_empty() { [1.0; LANES] } else { self.shares(failure) };
         if F::FAILS {
             self.fail((hardening, volumetric, failure), constants, dt, scratch);
         }
         self.forces::<V, AREA>(constants, dt, &mut kept, scratch, corners);
         if !scratch.enhanced.is_empty() {
-            let laws = (hardening, failure, before);
+            let laws = (hardening, failure, shares);
             self.enhance::<H, V, F, AREA>(laws, constants, dt, &mut kept, scratch, corners);
         }
         scratch.keep(kept);
@@ -455,7 +455,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let capped = share < 1.0;
             let xi = if capped { fraction * share * pressing } else { fraction };
             // In a cold gas, where xi has no bound, the root itself.
-            let damped = if V::EOS { xi + (1.0 + xi * xi).sqrt() } else { 1.0 + xi * (1.0 + 0.5 * xi) };
+            let damped = if V::EOS { xi + (1.0 + xi * xi).sqrt() } else { damped(xi) };
             let highest = if capped { cap } else { omega };
             // Two over the increment in which the element would lose or gain as much of its volume as it may.
             let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));

@@ -39,6 +39,13 @@ pub struct HourglassControl {
     pub enhanced: f64,
 }
 
+/// By how much a fraction of critical damping shortens the stable increment: 1 + xi + xi^2/2, never below
+/// sqrt(1 + xi^2) + xi (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
+#[inline(always)]
+pub(super) fn damped(xi: f64) -> f64 {
+    1.0 + xi * (1.0 + 0.5 * xi)
+}
+
 impl Constants {
     /// One over the stable increment of an element with these corners `[r, z]` and corner masses, by the bound of the inner
     /// loop with linear bulk viscosity alone.
@@ -47,8 +54,7 @@ impl Constants {
         let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
         let modulus = self.bulk + 4.0 / 3.0 * self.shear;
         let sum = modulus * quad::UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
-        let xi = self.bulk_viscosity[0];
-        0.5 * (sum / g.volume).sqrt() * (1.0 + xi * (1.0 + 0.5 * xi)) * self.raises()
+        0.5 * (sum / g.volume).sqrt() * damped(self.bulk_viscosity[0]) * self.raises()
     }
 
     /// Elastic stiffness of an element with these corners, `[r, z]` of each in turn; none of a deleted one.
@@ -83,15 +89,8 @@ impl Constants {
         if self.hourglass.enhanced == 0.0 {
             return rate;
         }
-        let xi = self.bulk_viscosity[0];
-        let (raised, most) = (rate * self.raises(), 0.5 * cap * (1.0 + xi * (1.0 + 0.5 * xi)));
-        if raised > most && most > rate {
-            most
-        } else if raised > most {
-            rate
-        } else {
-            raised
-        }
+        let (raised, most) = (rate * self.raises(), 0.5 * cap * damped(self.bulk_viscosity[0]));
+        if raised > most { most.max(rate) } else { raised }
     }
 
     /// Whether bulk viscosity damps the highest modes.
@@ -101,8 +100,7 @@ impl Constants {
 
     /// The highest frequency of the whole, raised by the hourglass control, which damps the highest modes too.
     pub(super) fn cap(&self, frequency: f64) -> f64 {
-        let xi = self.hourglass.viscosity;
-        frequency * (1.0 + xi * (1.0 + 0.5 * xi))
+        frequency * damped(self.hourglass.viscosity)
     }
 }
 

@@ -35,10 +35,12 @@ impl Elements {
             if standing.age == 1 {
                 standing.gain = (standing.by_elements / rate - 1.0).max(0.0);
             }
-            if standing.grown > WORN && standing.goes_on() {
-                frequency.renew(&self.groups, nodes);
-            } else if standing.grown > WORN {
-                standing.drop();
+            if standing.grown > WORN {
+                if standing.goes_on() {
+                    frequency.renew(&self.groups, nodes);
+                } else {
+                    standing.drop();
+                }
             }
         } else {
             standing.age += 1;

@@ -7,7 +7,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
-use crate::element::constants::Constants;
+use crate::element::constants::{Constants, damped};
 use crate::element::quiescent::Quiescence;
 use crate::element::record::{Flows, Followed, Record};
 use crate::element::subzonal::Subzones;
@@ -300,8 +300,7 @@ fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
     for l in 0..LANES {
         // Lanes behind the last element repeat it.
         let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
-        let [a, b, c, d] = corners;
-        sizes[0][l] = 0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (d[0] - b[0]) * (c[1] - a[1]));
+        sizes[0][l] = quad::section(corners.map(|c| c[0]), corners.map(|c| c[1]));
         sizes[1][l] = quad::volume(corners);
     }
     sizes
@@ -395,7 +394,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         }
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
-        let still = self.cap * (1.0 + xi * (1.0 + 0.5 * xi));
+        let still = self.cap * damped(xi);
         let totals = totals(self.tasks.iter().map(Workspace::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
         });

@@ -3,6 +3,7 @@
 //! Never here: what takes a length, elements that ask routines at their points.
 
 use super::group::ElementGroup;
+use crate::kernel::quad::section;
 use crate::state::Instant;
 use crate::state::halt::Halt;
 use crate::state::nodes::Node;
@@ -65,7 +66,9 @@ impl AskedLengths {
         let mut lengths = Vec::with_capacity(count);
         for (i, element) in corners.iter().enumerate() {
             let places = element.map(|n| nodes[n as usize].place());
-            lengths.push(shown.set(i, places.map(|p| p[0]), places.map(|p| p[1])));
+            let (r, z) = (places.map(|p| p[0]), places.map(|p| p[1]));
+            shown.set(i, r, z);
+            lengths.push(by_default(r, z));
         }
         let numbers: Vec<i32> = names.iter().map(|name| user_number(name)).collect();
         let call = LengthCall {
@@ -112,8 +115,8 @@ impl Shown {
         size_of_val(&*self.middles) + size_of_val(&*self.places)
     }
 
-    /// Puts an element there; the root of its area.
-    pub fn set(&mut self, element: usize, r: [f64; 4], z: [f64; 4]) -> f64 {
+    /// Puts an element there.
+    pub fn set(&mut self, element: usize, r: [f64; 4], z: [f64; 4]) {
         let count = self.middles.len() / 2;
         for (axis, x) in [r, z].into_iter().enumerate() {
             for (corner, x) in x.into_iter().take(self.corners).enumerate() {
@@ -121,9 +124,12 @@ impl Shown {
             }
             self.middles[axis * count + element] = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
         }
-        let area = 0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]));
-        area.abs().sqrt()
     }
+}
+
+/// The characteristic length unless a routine says otherwise: the root of the element's area in the (r, z) plane.
+pub(super) fn by_default(r: [f64; 4], z: [f64; 4]) -> f64 {
+    section(r, z).abs().sqrt()
 }
 
 /// Whether all lengths are above zero.

@@ -19,7 +19,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         scratch: &mut Workspace,
     ) {
         if V::TOTAL {
-            let own = scratch.strain;
+            let own = scratch.lacking.map(|_| scratch.strain);
             if let Some(lacking) = &scratch.lacking {
                 for l in 0..LANES {
                     for normal in &mut scratch.strain[..3] {
@@ -40,7 +40,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 heat: &mut scratch.heat,
             };
             law.stretch(&mut self.volumetric, ask);
-            scratch.strain = own;
+            if let Some(own) = own {
+                scratch.strain = own;
+            }
             if V::FLOWS {
                 for l in 0..LANES {
                     scratch.sums.plastic[l] += scratch.volume[l] * scratch.flow[l];

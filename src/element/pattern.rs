@@ -2,8 +2,8 @@
 //! Never here: what resists it.
 
 use super::group::ElementGroup;
-use crate::kernel::quad::plane_gradient;
-use crate::kernel::solid;
+use crate::kernel::assumed::shape;
+use crate::kernel::quad::{plane_gradient, section};
 use crate::state::nodes::Nodes;
 
 /// The element that is folded most.
@@ -34,13 +34,9 @@ fn fold(corners: [usize; 4], nodes: &Nodes) -> f64 {
     let places = corners.map(|n| nodes[n].place());
     let moved = |axis: usize| [0, 1, 2, 3].map(|i| places[i][axis] - nodes.start[corners[i]][axis]);
     let (r, z) = (places.map(|p| p[0]), places.map(|p| p[1]));
-    let g = plane_gradient(r, z);
-    let pattern = |u: [f64; 4]| {
-        let alternating = |x: [f64; 4]| (x[0] - x[1]) + (x[2] - x[3]);
-        let slope = |b: [f64; 4]| (0..4).map(|i| b[i] * u[i]).sum::<f64>() / g.volume;
-        0.25 * (alternating(u) - alternating(r) * slope(g.r) - alternating(z) * slope(g.z))
-    };
-    pattern(moved(0)).hypot(pattern(moved(1))) / solid::section(places).sqrt()
+    let shape = shape(r, z, &plane_gradient(r, z));
+    let pattern = |u: [f64; 4]| 0.25 * (0..4).map(|i| shape[i] * u[i]).sum::<f64>();
+    pattern(moved(0)).hypot(pattern(moved(1))) / section(r, z).sqrt()
 }
 
 #[cfg(test)]

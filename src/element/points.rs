@@ -1,7 +1,7 @@
 //! Material points as the user's routine is shown them, and what it answers.
 //! Never here: geometry of elements.
 
-use crate::element::lengths::{Shown, above_zero};
+use crate::element::lengths::{Shown, above_zero, by_default};
 use crate::element::user_law::Description;
 use crate::kernel::heating::Heating;
 use crate::state::Instant;
@@ -167,14 +167,12 @@ impl Points {
         }
     }
 
-    /// Where a point is, by the corners of its element, and its density at the middle of the increment. The characteristic
-    /// length is the root of the element's area in the (r, z) plane.
+    /// Where a point is, by the corners of its element, and its density at the middle of the increment.
     pub fn set_place(&mut self, point: usize, r: [f64; 4], z: [f64; 4], density: f64) {
         let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
         self.coordinates[point] = mean(r);
         self.coordinates[self.count + point] = mean(z);
-        let area = 0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]));
-        self.length[point] = area.abs().sqrt();
+        self.length[point] = by_default(r, z);
         if let Some(shown) = &mut self.shown {
             shown.set(point, r, z);
         }

@@ -1,12 +1,6 @@
 //! Bulk viscosity of what has an equation of state: how fast a shock compresses, and over which length it is spread.
 //! Never here: pressures, loops over lanes.
 
-/// Area of a section.
-#[inline(always)]
-pub(super) fn section(r: [f64; 4], z: [f64; 4]) -> f64 {
-    0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]))
-}
-
 /// Rate that takes the place of the volumetric one in the quadratic viscosity of a volume that shrinks at the rate `shrinking`
 /// (not negative): s^2/shrinking with s the strongest principal compression in the section, whose rates are rr, zz, rz. In a
 /// shock it is the volumetric rate; where rings converge smoothly it is nothing, and a cold gas is not heated ahead of
@@ -22,7 +16,7 @@ pub(super) fn principal_compression([rr, zz, rz]: [f64; 3], shrinking: f64) -> f
 
 #[cfg(test)]
 mod tests {
-    use super::{principal_compression, section};
+    use super::principal_compression;
 
     #[test]
     fn a_shock_counts_and_a_converging_ring_does_not() {
@@ -32,10 +26,5 @@ mod tests {
         assert!(principal_compression([0.0, 0.0, 0.0], 2.0).abs() < 1e-300);
         assert!((principal_compression([-1.0, 0.0, 0.0], 2.0) - 0.5).abs() < 1e-15);
         assert!(principal_compression([-1.0, 3.0, 0.0], 0.0).abs() < 1e-300);
-    }
-
-    #[test]
-    fn a_section_has_its_area() {
-        assert!((section([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.5, 1.5]) - 3.0).abs() < 1e-15);
     }
 }

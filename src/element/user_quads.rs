@@ -346,7 +346,6 @@ impl Persist for UserQuads {
         } = self;
         // The moduli are those of the routine's answer at time zero, which is not asked for again.
         let Constants { bulk, shear, hourglass: _, bulk_viscosity: _ } = constants;
-
         persist_fields!(archive; bulk, shear, cap);
         persist_fields!(archive; chunks.as_mut_slice(), scratch.as_mut_slice(), told.as_mut_slice());
     }

@@ -4,7 +4,7 @@
 //! plate bends against E instead of E/(1 - nu^2)).
 //! Never here: stress, what flows.
 
-use super::quad::{Gradient, UNIT, gradient};
+use super::quad::{Gradient, UNIT, gradient, section};
 
 /// How much of the square of the longer side the shorter counts at least: an element pressed flat has no more stiffness.
 const FLAT: f64 = 1e-4;
@@ -54,8 +54,7 @@ pub fn patterns(r: [f64; 4], z: [f64; 4], g: &Gradient) -> [Pattern; 2] {
     let (least_a, least_c) = (FLAT * cc, FLAT * aa);
     let (aa, cc) = (if aa > least_a { aa } else { least_a }, if cc > least_c { cc } else { least_c });
     // With the mean radius V/(2 pi A): grad (v_r/r) = (grad v_r - v_r/r)/r. One division serves both squares.
-    let double = (r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]);
-    let per = 3.0 * double / (g.volume * g.volume);
+    let per = 6.0 * section(r, z) / (g.volume * g.volume);
     let both = 1.0 / (aa * cc);
     let (per_a, per_c) = (cc * both, aa * both);
     let (a, c) = ([a_r, a_z], [c_r, c_z]);

@@ -67,12 +67,18 @@ pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> ([f64; 4], [f64; 4], f64) {
     (by_r, by_z, 0.5 * moment)
 }
 
+/// Area of the plane section, positive for corners that run counter-clockwise.
+#[inline(always)]
+pub fn section(r: [f64; 4], z: [f64; 4]) -> f64 {
+    0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]))
+}
+
 /// Operators of area weighting (Goudreau and Hallquist 1982, Comput. Meth. Appl. Mech. Eng. 33, 725): gradients in the
 /// middle of the plane section times 2 pi times the radius there, so that ratios to the volume are those of the plane.
 #[inline(always)]
 pub fn plane_gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
     let ring = 6.0 * 0.25 * ((r[0] + r[1]) + (r[2] + r[3]));
-    let area = 0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]));
+    let area = section(r, z);
     let (a, b) = (0.5 * ring * (z[1] - z[3]), 0.5 * ring * (z[2] - z[0]));
     let (c, d) = (0.5 * ring * (r[3] - r[1]), 0.5 * ring * (r[0] - r[2]));
     Gradient { r: [a, b, -a, -b], z: [c, d, -c, -d], hoop: [1.5 * area; 4], volume: ring * area }
@@ -212,6 +218,11 @@ mod tests {
         // Pappus: the ring of the middle radius.
         let square = plane_gradient([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.0, 1.0]);
         assert!((UNIT * square.volume - 8.0 * PI).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_section_has_its_area() {
+        assert!((section([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.5, 1.5]) - 3.0).abs() < 1e-15);
     }
 
     #[test]

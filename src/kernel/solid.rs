@@ -17,11 +17,6 @@ pub fn volume(corners: &[[f64; 2]]) -> f64 {
     PI / 3.0 * moment
 }
 
-/// Area of the plane section of a quadrilateral, positive for corners that run counter-clockwise in (r, z).
-pub fn section([a, b, c, d]: [[f64; 2]; 4]) -> f64 {
-    0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (d[0] - b[0]) * (c[1] - a[1]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::{PI, centre, volume};

@@ -6,6 +6,7 @@ pub mod concentrated;
 pub mod fields;
 pub mod gravity;
 pub mod pressure;
+pub mod stiffness;
 pub mod user_amplitude;
 pub mod user_load;
 
@@ -17,6 +18,7 @@ use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
 use crate::user::Locked;
 use fields::FacetFields;
+use stiffness::Stiffness;
 
 /// Which energy a force's work is booked under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +105,11 @@ pub trait Load: Persist + Send + Sync {
 
     /// How far the next increment may go.
     fn limit(&self, view: &View<'_>) -> Limit;
+
+    /// What it was found to add to the stiffness of nodes, where that has made motion grow.
+    fn stiffness(&self) -> Option<&Stiffness> {
+        None
+    }
 
     /// Of the work that its forces on nodes did over the increment behind what is dissipated: by opening a cavity and by
     /// friction. Called behind [`Load::on_nodes`].

@@ -89,10 +89,15 @@ impl Load for Pressure {
 /// Adds a pressure on a face of a solid or of a shell.
 #[inline]
 pub(super) fn push(face: &Face, shell: bool, pressure: f64, rings: Option<&[f64]>, forces: &mut [[f64; 2]]) {
-    let on_ends = if shell { shell_pressure(face.ends, pressure) } else { on_solid(face, pressure, rings) };
-    for (node, force) in face.nodes.into_iter().zip(on_ends) {
+    for (node, force) in face.nodes.into_iter().zip(on_ends(face, shell, pressure, rings)) {
         forces[node] = [forces[node][0] + force[0], forces[node][1] + force[1]];
     }
+}
+
+/// Forces of a pressure on the nodes of a face of a solid or of a shell.
+#[inline]
+pub(super) fn on_ends(face: &Face, shell: bool, pressure: f64, rings: Option<&[f64]>) -> [[f64; 2]; 2] {
+    if shell { shell_pressure(face.ends, pressure) } else { on_solid(face, pressure, rings) }
 }
 
 /// Forces of a pressure on the nodes of a face of a solid. Of one weighted by area, `rings` brings what acts on the plane

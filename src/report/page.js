@@ -561,6 +561,7 @@ function selfTest() {
     charts: document.querySelectorAll('.plot svg').length, lines: document.querySelectorAll('path.series').length, points: document.querySelectorAll('circle.point').length,
     tables: document.querySelectorAll('table').length, tips: tips.filter(t => t.length > 4).length, meridians, faults,
     requests: performance.getEntriesByType('resource').map(e => e.name), not_a_number: page.innerHTML.includes('NaN'),
+    warnings: [...document.querySelectorAll('ul.warning li')].map(li => li.textContent),
   };
   page.append(make('pre', { id: 'selftest' }, JSON.stringify(result)));
 }

@@ -1,8 +1,11 @@
 //! What stops a run that has gone wrong: energies that are not finite, limits that the deck sets on them
-//! (`*ENERGY LIMIT`), increments that would never reach the end of the step.
+//! (`*ENERGY LIMIT`), increments that would never reach the end of the step; and what is told of it where it ends.
 //! Never here: how energies are booked, how an increment is chosen.
 
+use super::increment::shortened;
 use super::run::Run;
+use crate::load::stiffness::Stiffness;
+use crate::model::IncrementControl;
 use crate::state::halt::Halt;
 
 /// The smallest stable increment over the length of the step: below it the step would take more than ten thousand million
@@ -58,6 +61,33 @@ impl Run<'_> {
                 100.0 * values[1],
                 100.0 * SOUND[1],
                 self.name_folded()
+            ));
+        }
+    }
+
+    /// At the end of a step: which loads shortened the increment, or would have.
+    pub(super) fn warn_of_stiff_loads(&mut self) {
+        let alone = self.elements.stable_increment();
+        let fixed = matches!(self.step.control, IncrementControl::Fixed(_));
+        for load in &self.loads {
+            let Some(found) = load.stiffness() else { continue };
+            let by = shortened(found.squared, alone);
+            let done = if fixed {
+                "the increments that the deck gives do not follow it"
+            } else {
+                "since then increments follow it"
+            };
+            let row = &self.plan.ledger.effects[load.id()];
+            let Stiffness { rate, point, place: [r, z], time, .. } = found;
+            self.outcome.warnings.push(format!(
+                "{} ({}): the pressure grows by {rate:.3e} for each unit of length that the surface moves out, at point {} \
+                 (r = {r:.4e}, z = {z:.4e}), a stiffness that elements know nothing of. Motion began to grow by it at time \
+                 {time:e}; {done}, {by:.1} times shorter than those of the elements. With SCALE FACTOR={:.2} on *DYNAMIC \
+                 nothing grows from the start",
+                row.effect,
+                row.asked_by.join(", "),
+                point + 1,
+                (1.0 / by).min(1.0)
             ));
         }
     }

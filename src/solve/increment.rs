@@ -74,6 +74,8 @@ const GROWTH: f64 = 2.0;
 /// Change of velocity over an increment, in units of sqrt(accuracy) of the scene's velocity. Central differences are of
 /// second order, so the error follows the accuracy itself; the factor keeps it and the energy drift below it.
 const RESOLUTION: f64 = 0.25;
+/// The most by which the stiffness of loads shortens the increment of elements: what is beyond it is taken for a jump.
+const STIFFEST: f64 = 100.0;
 /// The last increment of a step may be longer by this fraction.
 const SLIVER: f64 = 1e-3;
 
@@ -99,6 +101,20 @@ impl Scene<'_> {
     fn bodies(&self) -> &[BodyState] {
         &self.view.dofs.bodies
     }
+
+    /// What elements bear, and with them loads that were found to be stiff: the square of the highest frequency of both is at
+    /// most the sum of the squares of each.
+    fn stable_increment(&self) -> f64 {
+        let alone = self.elements.stable_increment();
+        let added: f64 = self.loads.iter().filter_map(|load| load.stiffness()).map(|s| s.squared).sum();
+        if added > 0.0 { alone / shortened(added, alone) } else { alone }
+    }
+}
+
+/// By how much the stiffness of loads, as the square of a frequency, shortens an increment: 2/omega becomes
+/// 2/(omega^2 + added)^(1/2).
+pub fn shortened(added: f64, increment: f64) -> f64 {
+    (1.0 + 0.25 * added * increment * increment).sqrt().min(STIFFEST)
 }
 
 /// Chooses increments over a step.
@@ -145,7 +161,7 @@ impl IncrementController {
                     next.length = self.automatic(scene) * self.factor;
                 }
                 if !scene.elements.is_empty() {
-                    next.length = next.length.min(scene.elements.stable_increment() * self.factor);
+                    next.length = next.length.min(scene.stable_increment() * self.factor);
                 }
                 if let Some(heat) = scene.heat {
                     next.length = next.length.min(heat.stable_increment() * self.factor);

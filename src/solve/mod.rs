@@ -123,6 +123,7 @@ fn step(
         keeping.way_back(&mut At { run, observing, control: &mut control });
     }
     run.name_limiting_element();
+    run.warn_of_stiff_loads();
     end
 }
 

@@ -250,17 +250,22 @@ fn hourglass(value: &str) -> Result<Edit, String> {
 
 /// Gives every section hourglass control of this kind and factor; what else its controls say stays.
 pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
+    control(model, |controls| (controls.hourglass, controls.factor) = (Some(hourglass), factor));
+}
+
+/// Changes the controls of every section, each of which gets its own; without a word on a card they are those of the default.
+pub fn control(model: &mut Model, change: impl Fn(&mut SectionControls)) {
     let mut changed = Vec::new();
     for (i, section) in model.sections.iter_mut().enumerate() {
         let own = section.controls.as_ref().and_then(|name| model.controls.iter().find(|c| c.name == *name));
-        let (hourglass, name) = (Some(hourglass), format!("(STUDY {i})"));
+        let name = format!("(STUDY {i})");
         section.controls = Some(name.clone());
-        changed.push(match own {
-            Some(own) => SectionControls { name, hourglass, factor, ..own.clone() },
+        let mut controls = match own {
+            Some(own) => SectionControls { name, ..own.clone() },
             None => SectionControls {
                 name,
-                hourglass,
-                factor,
+                hourglass: None,
+                factor: 1.0,
                 by_area: false,
                 distortion: None,
                 most_damage: 1.0,
@@ -268,7 +273,9 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
                 subzonal: None,
                 keeps_failed: None,
             },
-        });
+        };
+        change(&mut controls);
+        changed.push(controls);
     }
     model.controls = changed;
 }

@@ -5,6 +5,7 @@ pub mod bodies;
 pub mod mesh;
 pub mod routines;
 pub mod solid;
+pub mod spheres;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

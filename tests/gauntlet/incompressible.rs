@@ -1,5 +1,7 @@
 //! The incompressible limit.
 
+use crate::common::spheres::EVEN;
+use crate::meshes::bar;
 use crate::scene::{Scene, deck, off};
 use crate::{Verdict, cases};
 
@@ -8,6 +10,14 @@ cases! { "Incompressible limit":
         "u(a) of Lame within 0.1 %, mean stress of all elements within 2 % of its uniform value";
     fully_plastic_cylinder, "all of a thick cylinder flows: locking shows as a limit load that is too high",
         "opens at 2Y/sqrt(3) ln(b/a) within 1 %, neighbours along z alike within 1 %";
+    triangles_of_one_diagonal, "a copper bar of triangles that are cut alike: they lock where they flow",
+        "length within 1 %, foot within 3 % of the bar in quadrilaterals (10x50), drift < 0.2 %";
+}
+
+fn triangles_of_one_diagonal() -> Verdict {
+    let [(_, quads), (scene, found)] = [false, true].map(|triangles| bar(triangles, EVEN));
+    let holds = scene.completed(2e-3) && off(found[0], quads[0]) < 0.01 && off(found[1], quads[1]) < 0.03;
+    Verdict { figure: format!("{:.2} and {:.2} mm, {:.2} and {:.2}", found[0], found[1], quads[0], quads[1]), holds }
 }
 
 fn settled(scene: &Scene, name: &str) -> f64 {

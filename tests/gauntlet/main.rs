@@ -12,6 +12,7 @@ mod hourglass;
 mod implosion;
 mod incompressible;
 mod loads;
+mod meshes;
 mod numbers;
 mod page;
 mod scene;
@@ -68,6 +69,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         implosion::CASES,
         incompressible::CASES,
         hourglass::CASES,
+        meshes::CASES,
         loads::CASES,
         numbers::CASES,
         guards::CASES,

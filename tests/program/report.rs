@@ -205,6 +205,24 @@ fn charts_and_pictures_on_the_command_line() {
     }
 }
 
+/// Ten by ten elements under forces on single nodes live by their hourglass control: told where results are looked at.
+#[test]
+fn energies_out_of_bounds_are_told_in_output_summary_and_report() {
+    let (folder, out) = folder();
+    let output = revolve(&["run", "input/gauntlet/point_load.inp", "--out", &out]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && message.contains("warning: ALLAE is "), "{message}");
+    let page = report::gather(folder.path()).expect("a page");
+    let told = page.runs[0].summary["warnings"][0].as_str().expect("a warning").to_owned();
+    assert!(told.contains("since time") && told.contains("The mesh is folded most in element"), "{told}");
+    assert!(message.contains(&told) && report::html(&page).expect("a page").contains("ALLAE is "));
+
+    let Some(browser) = browser() else { return };
+    assert!(revolve(&["report", &out]).status.success());
+    let result = self_test(&browser, &folder.path().join("report.html"));
+    assert_eq!((&result["faults"], &result["warnings"]), (&json!([]), &json!([told])));
+}
+
 /// A browser without a window, or `None` after saying so. In CI it must be there.
 fn browser() -> Option<PathBuf> {
     let names = ["chromium", "google-chrome", "chromium-browser", "chrome"];

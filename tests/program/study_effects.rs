@@ -125,6 +125,28 @@ fn leaving_out_is_what_a_deck_without_the_card_does() {
     }
 }
 
+/// A gas that a piston presses through slanting elements.
+#[test]
+fn subzonal_pressures_left_out() {
+    let gas = |section: &str| {
+        grid(4, 10, false, |i, j| [0.01 * i as f64, 0.01 * j as f64 + 0.002 * (i * (j % 10).min(1)) as f64])
+            + &format!("*Solid Section, elset=SOLID, material=GAS{section}\n")
+            + "*Material, name=GAS\n*Density\n 1.,\n*Eos, type=IDEAL GAS\n 0.6666666, 0.\n*Specific Heat\n 1.,\n\
+               *Initial Conditions, type=SPECIFIC ENERGY\n SOLID, 1.e-6\n*Initial Conditions, type=VELOCITY\n J0, 2, 1.\n\
+               *Step\n*Dynamic, Explicit\n , 0.03\n*Boundary\n I0, 1, 1\n I1, 1, 1\n J1, 2, 2\n\
+               *Boundary, type=VELOCITY\n J0, 2, 2, 1.\n\
+               *Output, history, number interval=10\n*Energy Output\n ALLKE, ALLIE\n*End Step\n"
+    };
+    let effects = left_out(&gas(""), "increment=1,0.5", "final(ALLKE)");
+    effects.conclusions().iter().for_each(|line| println!("{line}"));
+    let without = gas(", controls=C\n*Section Controls, name=C, subzonal=NO");
+    let expected = left_out(&without, "increment=1,0.5", "final(ALLKE)");
+    let found = find(&effects, "subzonal pressures").value.expect("a value");
+    assert_eq!(found.to_bits(), expected.value.to_bits(), "{found}");
+    assert_ne!(found, effects.value, "it is felt");
+    assert!(expected.effects.iter().all(|e| e.effect != "subzonal pressures"), "it is not there");
+}
+
 /// A stiff disc driven into a target, made rigid: the closed form of m V' = -k0 - k2 V^2.
 #[test]
 fn a_body_made_rigid_follows_the_closed_form() {

@@ -6,6 +6,7 @@ mod common;
 mod built_in_twin;
 mod deformable;
 mod fields;
+mod foundation;
 mod hardening;
 mod in_the_wild;
 mod load;

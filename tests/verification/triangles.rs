@@ -6,7 +6,8 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use crate::common::solid::{column, grid, last, material, run};
+use crate::common::solid::{column, copper_bar, grid, last, material, run};
+use crate::common::spheres;
 
 /// Pressure in a thick sphere from 1 to 2 that is all plastic, while its wall moves out by 3 %, over
 /// 2 Y ln(b/a); triangles of one diagonal, Poisson's ratio .4999.
@@ -58,20 +59,10 @@ fn a_plastic_sphere_of_triangles_has_its_limit_load() {
 /// Length and foot of the copper bar at 227 m/s after 80 microseconds, mm.
 fn bar(triangles: bool) -> [f64; 2] {
     let (n, m) = (10, 50);
-    let mut deck = grid(n, m, triangles, |i, j| [3.2 * i as f64 / n as f64, 32.4 * j as f64 / m as f64]);
-    if triangles {
-        let row = n + 1;
-        write!(deck, "*Nset, nset=I0, generate\n 1, {}, {row}\n*Nset, nset=J0, generate\n 1, {row}, 1\n", 1 + m * row)
-            .expect("text");
-    }
-    deck += &material(117e3, 0.35, 8.93e-9, "*Plastic\n 400., 0.\n 500., 1.\n 700., 3.\n");
-    deck += "*Initial Conditions, type=VELOCITY\n ALL, 2, -227.e3\n*Step\n*Dynamic, Explicit\n , 80.e-6\n";
-    deck += "*Boundary\n I0, 1, 1\n J0, 2, 2\n*Output, history, number interval=1\n*Node Output, nset=ALL\n U1, U2\n*End Step\n";
+    let deck = copper_bar([n, m], triangles, spheres::EVEN);
     let (outcome, memory) = run(&deck);
     assert_eq!(outcome.halt, None);
-    let tip = 1 + m * (n + 1);
-    let found =
-        [32.4 + last(&deck, &memory, &format!("U2@{tip}")), 3.2 + last(&deck, &memory, &format!("U1@{}", n + 1))];
+    let found = ["COOR2@TIP", "COOR1@RIM"].map(|name| last(&deck, &memory, name));
     println!("bar, triangles {triangles}: {found:?}, drift {:.1e}", outcome.energy.drift);
     found
 }

@@ -1,6 +1,7 @@
 //! What all shells of a group share: thickness and points at the start, elasticity, what flows, viscosity.
 //! Never here: state.
 
+use crate::element::constants::damped;
 use crate::kernel::hardening::YieldStress;
 use crate::kernel::heating::Heating;
 use crate::kernel::plane_stress::PlaneElastic;
@@ -53,7 +54,7 @@ impl Section {
         let closing = (-area_rate).max(0.0) * frame.length / speed;
         let viscosity = (linear + quadratic * quadratic * closing) / (1.0 + self.elastic.ratio);
         let xi = viscosity * frame.length * frequency / speed;
-        0.5 * frequency * (1.0 + xi * (1.0 + 0.5 * xi))
+        0.5 * frequency * damped(xi)
     }
 
     /// Force a length over the angle of transverse shear.

@@ -6,6 +6,7 @@ mod shown;
 
 use super::{Account, Load, Slot, VelocityUse, View};
 use crate::load::fields::FacetFields;
+use crate::load::stiffness::Stiffness;
 use crate::mesh::surface::Surface;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
@@ -130,6 +131,11 @@ impl Load for UserLoad {
 
     fn limit(&self, view: &View<'_>) -> Limit {
         self.load.magnitude.limit(&view.clock)
+    }
+
+    fn stiffness(&self) -> Option<&Stiffness> {
+        let found = self.blocks[..self.on_nodes].iter().filter_map(Block::stiffness);
+        found.reduce(|most, other| if other.squared > most.squared { other } else { most })
     }
 
     /// The routine goes on to be shown the face; its answer no longer counts.

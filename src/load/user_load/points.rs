@@ -4,11 +4,11 @@
 use super::Description;
 use super::shown::Shown;
 use crate::kernel::facet::Facet;
-use crate::kernel::quad::corner_masses;
-use crate::kernel::solid;
+use crate::kernel::quad::{corner_masses, section};
 use crate::load::View;
 use crate::load::fields::FacetFields;
-use crate::load::pressure::push;
+use crate::load::pressure::{on_ends, push};
+use crate::load::stiffness::{Seen, Stiffness, Watch};
 use crate::mesh::surface::{Face, Skin};
 use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -32,8 +32,8 @@ pub(super) enum Carrier {
     /// A rigid body: which of the load's forces is its, the force along z for a value of one (minus area times n_z, or the
     /// volume), z at the start, and the elements in the mesh.
     Body { slot: usize, body: usize, weight: Vec<f64>, z_start: Vec<f64>, elements: Vec<usize> },
-    /// Faces of deformable elements, with their middles at the start.
-    Faces { skin: Skin, start: Vec<[f64; 2]> },
+    /// Faces of deformable elements, with their middles at the start, and what is known of the load's stiffness.
+    Faces { skin: Skin, start: Vec<[f64; 2]>, watch: Watch },
     /// Deformable elements by their corner nodes, with their middles at the start; the axis of the force.
     Elements { corners: Vec<[u32; 4]>, start: Vec<[f64; 2]>, axis: usize },
 }
@@ -45,7 +45,7 @@ impl Carrier {
             Carrier::Body { weight, z_start, elements, .. } => {
                 8 * (weight.capacity() + z_start.capacity() + elements.capacity())
             }
-            Carrier::Faces { skin, start } => skin.bytes() + places(start),
+            Carrier::Faces { skin, start, watch } => skin.bytes() + places(start) + watch.bytes(),
             Carrier::Elements { corners, start, .. } => size_of::<[u32; 4]>() * corners.capacity() + places(start),
         }
     }
@@ -93,9 +93,10 @@ impl Block {
 
     /// Faces of deformable elements.
     pub(super) fn of_faces(skin: Skin, nodes: &Nodes) -> Block {
-        let start = skin.faces.iter().map(|&f| Face::new(f, nodes).middle()).collect();
+        let start: Vec<[f64; 2]> = skin.faces.iter().map(|&f| Face::new(f, nodes).middle()).collect();
+        let watch = Watch::new(start.len());
         let shown = Shown::new(skin.faces.len());
-        Block { carrier: Carrier::Faces { skin, start }, shown, pressure_before: Vec::new() }
+        Block { carrier: Carrier::Faces { skin, start, watch }, shown, pressure_before: Vec::new() }
     }
 
     /// Deformable elements.
@@ -157,7 +158,28 @@ impl Block {
         let accepted = called.and_then(|()| self.shown.accept(finite(&self.shown)));
         accepted.map_err(|failure: LoadFailure| self.shown.failure(load, first, &view.clock.now, &failure))?;
         self.add(&view.dofs.nodes, view.rings, forces);
+        self.watch(view, first);
         Ok(())
+    }
+
+    /// Looks for what the pressures follow of the motion of the faces that carry them.
+    fn watch(&mut self, view: &View<'_>, first: usize) {
+        let (nodes, increment) = (&view.dofs.nodes, view.dofs.nodes.unbooked());
+        let Carrier::Faces { skin, watch, .. } = &mut self.carrier else { return };
+        for (i, &face) in skin.faces.iter().enumerate().filter(|(i, _)| skin.carries[*i]) {
+            let face = Face::new(face, nodes);
+            let shell = skin.shells.get(i).copied().unwrap_or(false);
+            let unit = on_ends(&face, shell, 1.0, view.rings);
+            let [a, b] = [0, 1].map(|k| unit[k][0].hypot(unit[k][1]) / nodes.mass[face.nodes[k]]);
+            let pressure = self.shown.pressure[i];
+            let seen = Seen { place: face.middle(), normal: face.normal, pressure, mobility: a.max(b) };
+            watch.look(i, &seen, increment, first + i, view.clock.now.total_time);
+        }
+    }
+
+    /// The stiffness found so far.
+    pub(super) fn stiffness(&self) -> Option<&Stiffness> {
+        if let Carrier::Faces { watch, .. } = &self.carrier { watch.most() } else { None }
     }
 
     /// Brings the arrays to this instant and empties the answer.
@@ -166,7 +188,7 @@ impl Block {
         shown.forget();
         match &self.carrier {
             Carrier::Body { .. } => {}
-            Carrier::Faces { skin, start } => {
+            Carrier::Faces { skin, start, .. } => {
                 for (i, (&face, start)) in skin.faces.iter().zip(start).enumerate() {
                     let face = Face::new(face, nodes);
                     let acceleration = face.mean(|n| nodes.acceleration[n]);
@@ -199,7 +221,10 @@ impl Block {
                     let places = element.map(|n| nodes[n as usize].place());
                     // The part of the volume, or under area weighting of the section, that belongs to each corner.
                     let shares = match rings {
-                        Some(rings) => element.map(|n| 0.25 * solid::section(places) * rings[n as usize]),
+                        Some(rings) => {
+                            let quarter = 0.25 * section(places.map(|p| p[0]), places.map(|p| p[1]));
+                            element.map(|n| quarter * rings[n as usize])
+                        }
                         None => corner_masses(places, 1.0),
                     };
                     for (&node, share) in element.iter().zip(shares) {
@@ -291,8 +316,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 impl Persist for Carrier {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        if let Carrier::Faces { skin, start: _ } = self {
-            skin.persist(archive);
+        if let Carrier::Faces { skin, start: _, watch } = self {
+            persist_fields!(archive; skin, watch);
         }
     }
 }

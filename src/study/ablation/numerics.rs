@@ -1,7 +1,7 @@
 //! What keeps elements in shape and shocks smooth, left out.
 //! Never here: materials.
 
-use super::super::settings::{control_hourglass, deforms};
+use super::super::settings::{control, control_hourglass, deforms};
 use super::{Ablation, one_way};
 use crate::model::{Hourglass, Model};
 
@@ -21,6 +21,13 @@ pub(super) const LIST: &[Ablation] = &[
         way: one_way,
     },
     Ablation {
+        name: "subzonal pressures",
+        instead: "one pressure an element",
+        ways: |model| usize::from(deforms(model) && has_subzones(model)),
+        edit: |model, _| control(model, |controls| controls.subzonal = Some(false)),
+        way: one_way,
+    },
+    Ablation {
         name: "mass scaling",
         instead: "the mass of the material",
         ways: |model| usize::from(model.steps.iter().any(|s| !s.mass_scalings.is_empty())),
@@ -28,6 +35,16 @@ pub(super) const LIST: &[Ablation] = &[
         way: one_way,
     },
 ];
+
+/// Quarters push back where there is an equation of state and no shear modulus, unless controls say no.
+fn has_subzones(model: &Model) -> bool {
+    model.sections.iter().any(|section| {
+        let material = &model.materials[section.material];
+        let controls = section.controls.as_ref().and_then(|name| model.controls.iter().find(|c| c.name == *name));
+        let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
+        fluid && controls.and_then(|c| c.subzonal) != Some(false)
+    })
+}
 
 /// Triangles have no pattern that hourglass control could find.
 fn has_quadrilaterals(model: &Model) -> bool {
