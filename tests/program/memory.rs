@@ -11,6 +11,7 @@ use revolve::job::{self, HistoryOnly};
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
+use crate::common::bodies::{assembly, elastic, part, rigid_line};
 use crate::common::routines::Bare;
 use crate::common::solid::{grid, material};
 
@@ -97,6 +98,41 @@ fn nothing_allocates_inside_an_increment_of_a_user_material() {
     let (short, long) = (count("0.1"), count("1."));
     println!("{} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
     assert!(short.0 > 10 && long.0 > 5 * short.0);
+    assert_eq!(long.1, short.1);
+}
+
+/// Of a block that slides along another one with waves on it, and turns back at a light plate that is pushed against it: what it
+/// may meet is looked for anew many times.
+#[test]
+fn nothing_allocates_inside_an_increment_of_contact() {
+    let wavy = |r: f64| 0.01 * (9.0 * r).sin();
+    let deck = |time: &str| {
+        let lower = |i: usize, j: usize| {
+            let [r, z] = [1.0 + 0.05 * i as f64, 0.1 * j as f64];
+            [r, z - 0.4 + 0.25 * z * wavy(r) / 0.1]
+        };
+        part("LOWER", [40, 4], lower, "")
+            + &part("UPPER", [6, 4], |i, j| [1.2 + 0.07 * i as f64, 0.03 + 0.07 * j as f64], "")
+            + &rigid_line(
+                "PLATE",
+                &[[9.0, 0.32], [0.5, 0.32]],
+                "*Element, type=MASS, elset=M\n 900, 1000\n*Mass, elset=M\n 0.02,\n",
+            )
+            + &assembly(&["LOWER", "UPPER", "PLATE"], "*Rigid Body, ref node=PLATE.REF, elset=PLATE.E\n")
+            + &elastic("LOWER", [1.0, 0.3, 1.0], "")
+            + &elastic("UPPER", [1.0, 0.3, 1.0], "")
+            + "*Surface Interaction, name=DRY\n*Friction\n 0.1,\n*Initial Conditions, type=VELOCITY\n UPPER.ALL, 1, 0.1\n UPPER.ALL, 2, -0.03\n"
+            + &format!(
+                "*Step\n*Dynamic, Explicit\n , {time}\n*Boundary\n LOWER.J0, 1, 2\n*Cload\n PLATE.REF, 2, -0.002\n"
+            )
+            + "*Contact Pair, interaction=DRY\n LOWER.J1, UPPER.J0\n UPPER.J1, PLATE.SKIN\n\
+               *Output, history, number interval=1\n*Energy Output\n ALLCW\n*End Step\n"
+    };
+    // What a process makes once and keeps.
+    allocations(&deck("0.1"));
+    let (short, long) = (allocations(&deck("1.")), allocations(&deck("40.")));
+    println!("contact: {} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
+    assert!(short.0 > 20 && long.0 > 5 * short.0);
     assert_eq!(long.1, short.1);
 }
 

@@ -96,7 +96,7 @@ fn a_sphere_pressed_on_a_plane_has_the_pressure_of_hertz() {
 
 /// `cargo test --release --test verification contact_hertz -- --ignored --nocapture`
 #[test]
-#[ignore = "half a minute"]
+#[ignore = "minutes"]
 fn a_sphere_pressed_on_a_plane_on_the_finest_mesh() {
     let levels = pressures(&[24]);
     assert!(levels.iter().all(|l| l[0].abs() < 5e-3 && l[1] < 2e-2), "{levels:?}");
@@ -171,9 +171,9 @@ fn a_sphere_thrown_at_a_wall_comes_back_as_hertz_says() {
 /// Ever slower, the contact becomes ever smaller against the sphere, and approach, force and time go to Hertz's.
 /// `cargo test --release --test verification contact_hertz -- --ignored --nocapture`
 #[test]
-#[ignore = "a minute"]
+#[ignore = "minutes"]
 fn a_slow_sphere_is_nearer_to_hertz() {
-    let errors = [1e4, 1e3, 1e2].map(|speed| thrown(16, speed).0.map(|x| (x - 1.0).abs()));
+    let errors = [1e4, 1e3, 1e2].map(|speed| thrown(10, speed).0.map(|x| (x - 1.0).abs()));
     for k in 0..3 {
         assert!(errors[2][k] < errors[1][k] && errors[1][k] < errors[0][k], "{errors:?}");
     }
