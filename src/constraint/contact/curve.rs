@@ -58,6 +58,8 @@ pub struct Curve {
     pub bare_own: Vec<u32>,
     /// See there.
     pub orphans: Vec<u32>,
+    /// Indices among the own points of tips: where the curve ends in a point on the axis.
+    tips: Vec<u32>,
     /// Shapes at the start of the increment, of facets that lie bare.
     pub shapes: Vec<Shape>,
 }
@@ -92,6 +94,9 @@ impl Shape {
     }
 }
 
+/// The sine of the angle to the plane across the axis above which a point there is a tip.
+const SHARP: f64 = 0.29;
+
 impl Curve {
     /// A curve of facets between points at `places`, which lie on the axis where r is zero. Those of the facets from `bare` on are
     /// hidden at the start.
@@ -117,6 +122,7 @@ impl Curve {
             bare: Vec::with_capacity(count),
             bare_own: Vec::with_capacity(own.len()),
             orphans: Vec::with_capacity(if bare < count { own.len() } else { 0 }),
+            tips: Vec::new(),
             own,
             around,
             shapes: vec![Shape::default(); count],
@@ -124,7 +130,41 @@ impl Curve {
         };
         curve.list();
         curve.join(places);
+        curve.find_tips(places);
         curve
+    }
+
+    /// Tips are points on the axis from which the surface rises behind them. The hats of what they meet see them late: they meet
+    /// by themselves, too.
+    fn find_tips(&mut self, places: &[[f64; 2]]) {
+        for &k in &self.bare {
+            for end in [0, 1] {
+                let point = self.facets[k as usize][end];
+                if self.beyond[k as usize][end] != Beyond::Axis {
+                    continue;
+                }
+                let [a, b] = self.facets[k as usize].map(|p| places[p as usize]);
+                let shape = Shape::new(a, b);
+                let rises = if end == 0 { shape.along[1] } else { -shape.along[1] } / shape.length;
+                if rises.abs() > SHARP
+                    && rises * shape.normal[1] < 0.0
+                    && let Ok(at) = self.own.binary_search(&point)
+                {
+                    self.tips.push(at as u32);
+                }
+            }
+        }
+    }
+
+    /// Whether some of its points may meet what they meet by themselves.
+    pub fn has_loose_points(&self) -> bool {
+        self.bare.len() < self.facets.len() || !self.tips.is_empty()
+    }
+
+    /// Points that meet the other surface by themselves, as indices among the own ones: orphans, then tips whose facet is there.
+    pub fn loose(&self) -> impl Iterator<Item = u32> + '_ {
+        let there = |i: &&u32| self.around[**i as usize].iter().any(|f| self.there[f.0 as usize]);
+        self.orphans.iter().chain(self.tips.iter().filter(there)).copied()
     }
 
     /// The same of shells, whose surface lies in front of the facets.

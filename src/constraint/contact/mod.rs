@@ -14,7 +14,7 @@ mod shown;
 mod sweeps;
 
 use self::curve::{Carrier, Curve, Point};
-use self::gaps::{Gaps, Seen, Share};
+use self::gaps::{Gaps, Seen};
 use self::search::Search;
 use self::shown::Shown;
 use self::sweeps::{Motion, Row, Rows, Span, Term};
@@ -121,8 +121,8 @@ impl Contact {
             pair.search = Search::new(pair.search.length, lift, own.facets.len(), others);
             pair.seen = vec![Seen::default(); own.facets.len()];
             pair.first_key = keys;
-            // Points of the other curve carry one where no element has them any more.
-            let others = pair.other.map(|o| &curves[o]).filter(|c| c.bare.len() < c.facets.len());
+            // Points of the other curve carry one where they meet by themselves.
+            let others = pair.other.map(|o| &curves[o]).filter(|c| c.has_loose_points());
             keys += (own.own.len() + others.map_or(0, |c| c.own.len())) as u32;
         }
         let facets: usize = pairs.iter().map(|p| curves[p.own].facets.len()).sum();
@@ -272,21 +272,22 @@ impl Contact {
                     add_row(rows, pair, own, index as usize, gaps, dofs_of, fits);
                 }
             }
-            let orphans =
-                [(own, other, &pair.search.orphans, 0), (other, own, &pair.search.other_orphans, own.own.len())];
-            // A curve that meets itself has its orphans once.
-            for (of, against, lists, offset) in orphans.into_iter().take(if pair.other.is_some() { 2 } else { 1 }) {
-                for (at, &index) in of.orphans.iter().enumerate() {
-                    let (candidates, point) = (lists.of(at), of.own[index as usize]);
-                    if candidates.is_empty() {
-                        continue;
-                    }
-                    let seen = gaps.see_point((point, places[point as usize]), against, candidates, reach);
-                    let Some((gap, shares)) = seen else { continue };
-                    let key = pair.first_key + (offset + index as usize) as u32;
-                    let shares = &gaps.shares[shares[0] as usize..shares[1] as usize];
-                    add_orphan_row(rows, (key, pair.law as u32), gap, shares, dofs_of);
-                }
+            for (at, &index) in own.orphans.iter().enumerate() {
+                let key = pair.first_key + index;
+                add_point_row(
+                    rows,
+                    gaps,
+                    (own, index, key),
+                    other,
+                    pair.search.orphans.of(at),
+                    (pair, places, dofs_of),
+                );
+            }
+            // A curve that meets itself has its loose points once.
+            let others = pair.other.map(|o| &curves[o]);
+            for (at, index) in others.into_iter().flat_map(|o| o.loose()).enumerate() {
+                let key = pair.first_key + own.own.len() as u32 + index;
+                add_point_row(rows, gaps, (other, index, key), own, pair.search.others.of(at), (pair, places, dofs_of));
             }
         }
     }
@@ -390,15 +391,28 @@ fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps,
     rows.rows.push(row);
 }
 
-/// The row of a point that no element has: its area is one, its multiplier an impulse.
-fn add_orphan_row(rows: &mut Rows, (key, law): (u32, u32), gap: f64, shares: &[Share], dofs_of: &[[u32; 2]]) {
+/// The row of a point that meets a curve by itself: its area is one, its multiplier an impulse.
+fn add_point_row(
+    rows: &mut Rows,
+    gaps: &mut Gaps,
+    (of, index, key): (&Curve, u32, u32),
+    against: &Curve,
+    candidates: &[u32],
+    (pair, places, dofs_of): (&Pair, &[[f64; 2]], &[[u32; 2]]),
+) {
+    if candidates.is_empty() {
+        return;
+    }
+    let point = of.own[index as usize];
+    let seen = gaps.see_point((point, places[point as usize]), against, candidates, pair.search.reach());
+    let Some((gap, shares)) = seen else { return };
     let begin = rows.terms.len();
-    for share in shares {
+    for share in &gaps.shares[shares[0] as usize..shares[1] as usize] {
         let (of, dofs) = (share.of[0], dofs_of[share.point as usize]);
         add_term(&mut rows.terms, begin, dofs[0], of[0], -of[1]);
         add_term(&mut rows.terms, begin, dofs[1], of[1], of[0]);
     }
-    let mut row = Row::of(key, law);
+    let mut row = Row::of(key, pair.law as u32);
     (row.area, row.gap) = (1.0, gap);
     row.terms = [begin as u32, rows.terms.len() as u32];
     rows.rows.push(row);

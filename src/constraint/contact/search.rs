@@ -23,8 +23,8 @@ pub struct Search {
     pub facets: Lists,
     /// By place among the own curve's orphans, in front of the other curve.
     pub orphans: Lists,
-    /// By place among the other curve's orphans, in front of the own one.
-    pub other_orphans: Lists,
+    /// By place among the other curve's loose points, in front of the own one.
+    pub others: Lists,
     order: Order,
 }
 
@@ -106,7 +106,7 @@ impl Search {
             lift,
             facets: room(facets + 1, 16 * (facets + others)),
             orphans: room(facets + 1, 4 * facets),
-            other_orphans: room(others + 1, 4 * others),
+            others: room(others + 1, 4 * others),
             order: Order { order: Vec::with_capacity(facets.max(others)), ..Order::default() },
         }
     }
@@ -125,7 +125,7 @@ impl Search {
     /// with a point in common do not meet.
     pub fn build(&mut self, own: &Curve, other: Option<&Curve>, places: &[[f64; 2]]) {
         let (against, margin) = (other.unwrap_or(own), self.reach() + self.lift + 2.0 * self.slack());
-        let Search { facets, orphans, other_orphans, order, .. } = self;
+        let Search { facets, orphans, others, order, .. } = self;
         order.sort(against);
         facets.clear();
         for &k in &own.bare {
@@ -139,23 +139,30 @@ impl Search {
             });
             facets.end_one();
         }
-        list_orphans(orphans, own, against, order, places, margin);
-        if let Some(other) = other.filter(|o| !o.orphans.is_empty()) {
+        list_points(orphans, (own, own.orphans.iter().copied()), against, order, places, margin);
+        if let Some(other) = other.filter(|o| o.loose().next().is_some()) {
             order.sort(own);
-            list_orphans(other_orphans, other, own, order, places, margin);
+            list_points(others, (other, other.loose()), own, order, places, margin);
         }
     }
 
     /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
-        [&self.facets, &self.orphans, &self.other_orphans].iter().map(|l| l.bytes()).sum::<usize>()
+        [&self.facets, &self.orphans, &self.others].iter().map(|l| l.bytes()).sum::<usize>()
             + size_of::<(f64, u32)>() * self.order.order.capacity()
     }
 }
 
-fn list_orphans(lists: &mut Lists, of: &Curve, against: &Curve, order: &Order, places: &[[f64; 2]], margin: f64) {
+fn list_points(
+    lists: &mut Lists,
+    (of, points): (&Curve, impl Iterator<Item = u32>),
+    against: &Curve,
+    order: &Order,
+    places: &[[f64; 2]],
+    margin: f64,
+) {
     lists.clear();
-    for &index in &of.orphans {
+    for index in points {
         let place = places[of.own[index as usize] as usize];
         order.near(against, [place; 2], margin, |j| lists.list.push(j));
         lists.end_one();
