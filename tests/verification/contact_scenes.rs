@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use revolve::output::Frame;
+use revolve::solve::Energy;
 
 use crate::common::bodies::{Ran, assembly, cell_field, elastic, part, point_field, rigid_line, run};
 
@@ -116,30 +117,57 @@ fn scene(seed: u64, factor: f64) -> (String, String) {
     (deck, format!("rigid {rigid}, friction {friction}, speed {speed:.3}"))
 }
 
-/// Two hundred scenes: none creates energy or moves the centre of mass. The books close as well as increments are short, for strains
-/// are large and meshes coarse: with a quarter of the stable increment.
+/// What a scene created at most and its departure of the momentum, over the energy at the start and the momentum that goes with it;
+/// with its energies at the end.
+fn conserves(seed: u64, factor: f64) -> (f64, f64, Energy) {
+    let (deck, what) = scene(seed, factor);
+    let ran = run(&deck).whole();
+    let energy = ran.outcome.energy;
+    let momentum = (ran.momentum() - momentum_at_start(&ran)).abs() / (2.0 * energy.initial).sqrt();
+    let created = ran.column("ALLCW").iter().fold(0.0_f64, |most, c| most.max(-c[1])) / energy.initial;
+    assert!(momentum < 1e-13, "scene {seed} ({what}): {momentum:e}");
+    assert!(energy.friction > -1e-12 * energy.initial, "scene {seed} ({what}): {energy:?}");
+    (created, momentum, energy)
+}
+
+/// Two hundred scenes: none creates energy or moves the centre of mass, with the stable increment and with a quarter of it. The
+/// books close as well as increments are short, for strains are large and meshes coarse.
 #[test]
 fn random_scenes_create_no_energy() {
-    let (mut worst, mut met, mut drifts) = ([0.0_f64; 2], 0, Vec::new());
-    for seed in 0..200 {
-        let (deck, what) = scene(seed, 0.25);
-        let ran = run(&deck).whole();
-        let energy = ran.outcome.energy;
-        let momentum = (ran.momentum() - momentum_at_start(&ran)).abs() / (2.0 * energy.initial).sqrt();
-        let created = ran.column("ALLCW").iter().fold(0.0_f64, |most, c| most.max(-c[1])) / energy.initial;
-        assert!(created < 1e-6 && momentum < 1e-13, "scene {seed} ({what}): {created:e} {momentum:e} {energy:?}");
-        assert!(energy.friction > -1e-12 * energy.initial, "scene {seed} ({what}): {energy:?}");
-        met += usize::from(energy.contact > 1e-6 * energy.initial);
-        worst = [worst[0].max(created), worst[1].max(momentum)];
-        drifts.push(energy.drift);
+    for (factor, [middle, most]) in [(1.0, [1e-3, 3e-2]), (0.25, [1e-4, 5e-3])] {
+        let (mut worst, mut met, mut drifts) = ([0.0_f64; 2], 0, Vec::new());
+        for seed in 0..200 {
+            let (created, momentum, energy) = conserves(seed, factor);
+            assert!(created < 1e-6, "scene {seed}: {created:e} {energy:?}");
+            met += usize::from(energy.contact > 1e-6 * energy.initial);
+            worst = [worst[0].max(created), worst[1].max(momentum)];
+            drifts.push(energy.drift);
+        }
+        drifts.sort_by(f64::total_cmp);
+        println!(
+            "200 scenes at {factor}, {met} meet: created {:.1e}, momentum {:.1e}; drift {:.1e} in the middle, {:.1e} at most",
+            worst[0], worst[1], drifts[100], drifts[199]
+        );
+        assert!(met > 150, "{met}");
+        assert!(drifts[100] < middle && drifts[199] < most, "{drifts:?}");
     }
-    drifts.sort_by(f64::total_cmp);
-    println!(
-        "200 scenes, {met} meet: created {:.1e}, momentum {:.1e}; drift {:.1e} in the middle, {:.1e} at most",
-        worst[0], worst[1], drifts[100], drifts[199]
-    );
-    assert!(met > 150, "{met}");
-    assert!(drifts[100] < 1e-4 && drifts[199] < 5e-3, "{drifts:?}");
+}
+
+/// Many more, most with fewer than a hundred increments. The velocity before an increment closes the gaps as they lay in the one before: where
+/// much slides within one increment over facets of another slope, that has a part of the next gap in it, of either sign. So a few in a thousand
+/// create more than a millionth with the stable increment, and none of them with a quarter of it.
+/// `cargo test --release --test verification contact_scenes -- --ignored --nocapture`
+#[test]
+#[ignore = "a search, not a bar"]
+fn what_some_of_many_scenes_create_goes_with_the_increment() {
+    let created: Vec<_> = (200..2200).map(|seed| (seed, conserves(seed, 1.0).0)).filter(|c| c.1 > 1e-6).collect();
+    for &(seed, full) in &created {
+        let quarter = conserves(seed, 0.25).0;
+        println!("scene {seed}: created {full:.1e}, {quarter:.1e} with a quarter of the increment");
+        assert!(full < 2e-3 && quarter < 1e-6, "{seed}");
+    }
+    println!("{} of 2000 scenes create more than 1e-6", created.len());
+    assert!(created.len() < 20);
 }
 
 /// Axial momentum at the start.

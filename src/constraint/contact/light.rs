@@ -125,7 +125,9 @@ mod tests {
             }
             let area = -rows.terms[begin as usize..].iter().map(|t| t.normal).sum::<f64>();
             rows.terms.push(Term { dof: count, normal: area, slip: 0.0 });
-            rows.rows.push(Row { terms: [begin, rows.terms.len() as u32], area, ..Row::of(k, 0) });
+            let mut row = Row::of(k, 0);
+            (row.terms, row.area) = ([begin, rows.terms.len() as u32], area);
+            rows.rows.push(row);
         }
         let mut velocity = vec![0.0; 13];
         let mut inverse_mass = vec![1.0; 13];
