@@ -113,7 +113,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P021",
         title: "contact that cannot be",
-        text: "A *CONTACT PAIR joins a surface of deformable nodes, all on one side, with an analytical surface of lines and arcs (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY, which may be held, moved by *BOUNDARY, or free.",
+        text: "A *CONTACT PAIR joins two surfaces of element faces, of which one at least deforms, or one with itself; or a surface of deformable nodes, all on one side, with an analytical surface of lines and arcs (*SURFACE, TYPE=SEGMENTS) of a *RIGID BODY, which may be held, moved by *BOUNDARY, or free. Nodes that follow others (*EQUATION, *MPC, *COUPLING, *TIE) cannot be in contact.",
     },
     Code {
         code: "P022",

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::Compiler;
 use super::pieces::pieces;
-use crate::model::{ContactDomain, ElementKind, GeneralContact, Law, Mesh, Side, Sides, Step, SurfaceContact};
+use crate::model::{ContactDomain, ElementKind, GeneralContact, Mesh, Side, Sides, Step, SurfaceContact};
 
 type Face = (usize, Side);
 
@@ -87,7 +87,7 @@ impl Compiler<'_> {
             self.model.interactions.iter().find(|i| i.name == name).map(|i| i.law.clone())
         };
         let contact = |m: Meeting| SurfaceContact {
-            law: m.interaction.and_then(law).unwrap_or_else(Law::default),
+            law: m.interaction.and_then(law).unwrap_or_default(),
             interaction: m.interaction.map(|i| general.assigned[i].1.clone()),
             sides: m.sides,
             general: true,
