@@ -3,9 +3,9 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::Compiler;
 use super::general_contact::pair_name;
 use super::pieces::pieces;
-use super::{Compiler, State};
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
 use crate::constraint::contact::{Contact, Overlap, Pair};
@@ -35,17 +35,12 @@ struct Found {
 
 impl Compiler<'_> {
     /// All contact of surfaces of elements in a step.
-    pub(super) fn contact(
-        &mut self,
-        step: &Step,
-        state: &State,
-        prescribed: &HashSet<(usize, usize)>,
-    ) -> Option<Box<dyn Constraint>> {
+    pub(super) fn contact(&mut self, step: &Step, prescribed: &HashSet<(usize, usize)>) -> Option<Box<dyn Constraint>> {
         let (mut found, mut pairs, mut laws) = (Found::default(), Vec::new(), Vec::<Law>::new());
         let mut spans = Vec::new();
         let wanted = self.pairs(step);
         for contact in &wanted {
-            let curves = [0, 1].map(|i| self.curve(contact, i, state, prescribed, &mut found));
+            let curves = [0, 1].map(|i| self.curve(contact, i, prescribed, &mut found));
             let [Some(first), Some(second)] = curves else { continue };
             if !found.deforms[first] && !found.deforms[second] {
                 let message = "both surfaces of this pair are rigid";
@@ -115,7 +110,6 @@ impl Compiler<'_> {
         &mut self,
         contact: &SurfaceContact,
         which: usize,
-        state: &State,
         prescribed: &HashSet<(usize, usize)>,
         found: &mut Found,
     ) -> Option<usize> {
@@ -136,7 +130,7 @@ impl Compiler<'_> {
             for (point, node) in facet.iter_mut().zip(ends) {
                 *point = match found.point_of_node.get(&node) {
                     Some(&known) => known,
-                    None => match self.contact_point(node, state, prescribed, &kept) {
+                    None => match self.contact_point(node, prescribed, &kept) {
                         Ok(at) => found.add(node, at, self.model.mesh.points[node]),
                         Err(why) => {
                             let finding = Diagnostic::error("P021", why).at(contact.span, "this pair");
@@ -157,7 +151,7 @@ impl Compiler<'_> {
         }
         let bare = facets.len();
         if self.deletes() {
-            self.hidden_facets(state, prescribed, found, &mut facets);
+            self.hidden_facets(prescribed, found, &mut facets);
         }
         let lift = facets.iter().map(|f| if contact.thin { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
         let curve = found.add_curve(&facets, lift, bare, self.skin_of(sides));
@@ -169,7 +163,6 @@ impl Compiler<'_> {
     /// in front is deleted.
     fn hidden_facets(
         &self,
-        state: &State,
         prescribed: &HashSet<(usize, usize)>,
         found: &mut Found,
         facets: &mut Vec<([u32; 2], usize)>,
@@ -190,7 +183,7 @@ impl Compiler<'_> {
                     let points = edge.map(|node| match found.point_of_node.get(&node) {
                         Some(&known) => Some(known),
                         None => {
-                            let point = self.contact_point(node, state, prescribed, &kept).ok()?;
+                            let point = self.contact_point(node, prescribed, &kept).ok()?;
                             Some(found.add(node, point, mesh.points[node]))
                         }
                     });
@@ -205,7 +198,7 @@ impl Compiler<'_> {
 
     /// Thickness of a shell at the start; 0 of other elements.
     fn thickness_of(&self, element: usize) -> f64 {
-        let section = self.model.shell_sections.iter().find(|s| s.elements.binary_search(&element).is_ok());
+        let section = self.model.shell_sections.iter().find(|s| s.elements.contains(&element));
         section.map_or(0.0, |s| s.thickness)
     }
 
@@ -213,7 +206,6 @@ impl Compiler<'_> {
     fn contact_point(
         &self,
         node: usize,
-        state: &State,
         prescribed: &HashSet<(usize, usize)>,
         kept: &HashSet<(usize, usize)>,
     ) -> Result<Point, String> {
@@ -224,7 +216,6 @@ impl Compiler<'_> {
                 let why = "follows others (*EQUATION, *MPC, *COUPLING, *TIE): leave it out of the surface";
                 return Err(format!("node {name} is in contact and {why}"));
             }
-            debug_assert!(place < state.dofs.nodes.len());
             let free = [0, 1].map(|axis| !prescribed.contains(&(place, axis)));
             return Ok(Point { carrier: Carrier::Node(place), free });
         }
@@ -235,7 +226,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// The edges that one element alone has of all solids that hang together with a surface by elements of their sections.
+    /// The outside of all solids, and the shells of a surface.
     fn skin_of(&self, sides: &Sides) -> Vec<[[f64; 2]; 2]> {
         let mesh = &self.model.mesh;
         let solids = mesh.elements.iter().filter(|e| e.nodes.len() > 2);

@@ -282,7 +282,7 @@ impl Compiler<'_> {
         constraints.extend(self.equations(step, state, &given));
         // Tied nodes follow what walls do to a body that moves freely.
         constraints.extend(walls);
-        constraints.extend(self.contact(step, state, &given.all));
+        constraints.extend(self.contact(step, &given.all));
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
         let scaling = self.mass_scaling(index, state);
         let energy_limit = self.energy_limit(step);

@@ -37,7 +37,7 @@ pub struct Energy {
     /// Dissipated by bulk viscosity.
     #[serde(rename = "ALLVD")]
     pub viscous: f64,
-    /// Lost where nodes meet analytical planes.
+    /// Lost where surfaces meet.
     #[serde(rename = "ALLCW")]
     pub contact: f64,
     /// Artificial: taken by hourglass control.

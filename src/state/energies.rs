@@ -21,9 +21,9 @@ pub struct Energies {
     pub distortion: f64,
     /// Work of forces and prescribed motions.
     pub external: f64,
-    /// Lost where nodes meet planes.
+    /// Lost where surfaces meet.
     pub contact: f64,
-    /// Dissipated by friction, on planes and in a target that is not meshed.
+    /// Dissipated by friction, where surfaces meet and in a target that is not meshed.
     pub friction: f64,
     /// Dissipated by opening the cavity in a target that is not meshed.
     pub cavity: f64,
