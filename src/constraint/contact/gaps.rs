@@ -61,6 +61,23 @@ impl Facing {
     }
 }
 
+/// What is nearest: a facet, or the corner at one of its ends.
+struct Nearest {
+    facing: Facing,
+    corner: Option<usize>,
+}
+
+impl Nearest {
+    /// Signed distance of a place, which lies at `s` on its own facet of a length, the direction that it grows in, and where on
+    /// the facet that is met.
+    fn distance(&self, place: [f64; 2], s: f64, met: &Shape, length: f64) -> (f64, [f64; 2], f64) {
+        let apart = self.facing.apart(s);
+        let Some(end) = self.corner else { return (apart, met.normal, self.facing.at(s)) };
+        let (gap, normal) = corner(place, met, end, apart, length);
+        (gap, normal, end as f64)
+    }
+}
+
 /// Room that gaps are found with, and all shares of an increment.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
@@ -116,17 +133,9 @@ impl Gaps {
         self.facing.clear();
         let own = Shape { from: place, ..Shape::default() };
         self.facing.extend(candidates.iter().map(|&j| Facing::new(j, &own, &other.shapes[j as usize])));
-        let (nearest, at) = self.nearest(&own, 0.0, other)?;
-        let (j, end) = (nearest.facet as usize, usize::from(at > 1.0));
-        let met = &other.shapes[j];
-        let inside = (0.0..=1.0).contains(&at);
-        if !inside && other.beyond[j][end] == Beyond::Nothing {
-            return None;
-        }
-        let ((gap, normal), part) = match inside {
-            true => ((nearest.apart(0.0), met.normal), at),
-            false => (corner(place, met, end, nearest.apart(0.0), met.length), end as f64),
-        };
+        let nearest = self.nearest(&own, 0.0, other)?;
+        let j = nearest.facing.facet as usize;
+        let (gap, normal, part) = nearest.distance(place, 0.0, &other.shapes[j], other.shapes[j].length);
         let gap = gap - other.lift[j];
         if gap >= reach || gap <= -other.depth[j] {
             return None;
@@ -186,22 +195,12 @@ impl Gaps {
     fn piece(&mut self, [from, to]: [f64; 2], own: &Curve, k: usize, other: &Curve, reach: f64, seen: &mut Seen) {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let shape = own.shapes[k];
-        let Some((nearest, at)) = self.nearest(&shape, middle, other) else { return };
-        let j = nearest.facet as usize;
-        let end = usize::from(at > 1.0);
-        let inside = (0.0..=1.0).contains(&at);
-        if !inside && other.beyond[j][end] == Beyond::Nothing {
-            return;
-        }
+        let Some(nearest) = self.nearest(&shape, middle, other) else { return };
+        let j = nearest.facing.facet as usize;
         let met = &other.shapes[j];
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
             let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
-            let (gap, normal, part) = if inside {
-                (nearest.apart(s), met.normal, nearest.at(s))
-            } else {
-                let (gap, normal) = corner(place, met, end, nearest.apart(s), shape.length);
-                (gap, normal, end as f64)
-            };
+            let (gap, normal, part) = nearest.distance(place, s, met, shape.length);
             let gap = gap - own.lift[k] - other.lift[j];
             if gap >= reach || gap <= -other.depth[j] {
                 continue;
@@ -216,8 +215,8 @@ impl Gaps {
         }
     }
 
-    /// The facet nearest to a point, and where on it: below 0 and above 1 beyond its ends.
-    fn nearest(&self, shape: &Shape, s: f64, other: &Curve) -> Option<(Facing, f64)> {
+    /// What is nearest to the point at `s`: `None` where that is the free end of a surface, beyond which there is nothing.
+    fn nearest(&self, shape: &Shape, s: f64, other: &Curve) -> Option<Nearest> {
         let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
         let mut best: Option<(f64, Facing, f64)> = None;
         for f in &self.facing {
@@ -229,7 +228,11 @@ impl Gaps {
                 best = Some((square, *f, at));
             }
         }
-        best.map(|(_, f, at)| (f, at))
+        let (_, facing, at) = best?;
+        let end = usize::from(at > 1.0);
+        let corner = (!(0.0..=1.0).contains(&at)).then_some(end);
+        let free = corner.is_some() && other.beyond[facing.facet as usize][end] == Beyond::Nothing;
+        (!free).then_some(Nearest { facing, corner })
     }
 
     /// Adds what a Gauss point gives to the points of both facets: with the hats of this one, `force` a unit of pressure.

@@ -82,18 +82,27 @@ pub struct Contact {
     gaps: Gaps,
     rows: Rows,
     motion: Motion,
-    /// Velocities without contact.
-    predicted: Vec<f64>,
     /// Impulses along the normal and along the surface.
     impulses: Vec<[f64; 2]>,
-    /// Acceleration of each body that moves freely by contact in the increment behind.
-    pushed: Vec<(usize, f64)>,
+    /// The rigid bodies among them.
+    bodies: Vec<Carried>,
     /// Time over which forces acted on velocities last.
     half: f64,
     /// Whether elements have gone since the increment before.
     uncovered: bool,
     /// What is shown of it.
     shown: Shown,
+}
+
+/// A rigid body in contact.
+#[derive(Clone, Copy, Debug)]
+struct Carried {
+    /// Which of the degrees of freedom it is.
+    dof: usize,
+    body: usize,
+    prescribed: bool,
+    /// Acceleration by contact in the increment behind, where it moves freely.
+    pushed: f64,
 }
 
 /// An overlap of two surfaces.
@@ -127,7 +136,7 @@ impl Contact {
         }
         let facets: usize = pairs.iter().map(|p| curves[p.own].facets.len()).sum();
         contact.pressures = vec![[0.0; 2]; keys as usize];
-        contact.shown = Shown::new(keys as usize, pairs.len(), &points);
+        contact.shown = Shown::new(keys as usize, &points);
         contact.places = vec![[0.0; 2]; points.len()];
         contact.listed = Vec::with_capacity(points.len());
         contact.near = Vec::with_capacity(2 * points.len());
@@ -189,7 +198,6 @@ impl Contact {
         }
         let count = self.dofs.len();
         self.motion = Motion { velocity: vec![0.0; count], inverse_mass: vec![0.0; count] };
-        self.predicted = vec![0.0; count];
         self.impulses = vec![[0.0; 2]; count];
     }
 
@@ -217,7 +225,6 @@ impl Contact {
                 }
             }
         }
-        self.predicted.copy_from_slice(&self.motion.velocity);
     }
 
     /// Lists the points that bare facets have and those that no element has.
@@ -235,11 +242,12 @@ impl Contact {
     /// Makes lists anew where something has moved too far since they were made.
     fn list(&mut self) {
         let slack = self.pairs.iter().map(|p| p.search.slack()).fold(f64::INFINITY, f64::min);
-        let far = |(a, b): (&[f64; 2], &[f64; 2])| {
+        let far = |&p: &u32| {
+            let (a, b) = (self.places[p as usize], self.listed[p as usize]);
             let d = [a[0] - b[0], a[1] - b[1]];
             d[0] * d[0] + d[1] * d[1] > slack * slack
         };
-        if self.listed.len() == self.places.len() && !self.places.iter().zip(&self.listed).any(far) {
+        if !self.listed.is_empty() && !self.near.iter().any(far) {
             return;
         }
         self.listed.clear();
@@ -321,12 +329,14 @@ impl Contact {
             let change = self.motion.inverse_mass[i] * (normal + slip);
             let mean = match dof {
                 Dof::Node(n, axis) => {
-                    let before = self.predicted[i] - half * nodes.acceleration[n][axis];
-                    nodes.acceleration[n][axis] += change / half;
-                    *nodes[n].velocity(axis) += change;
-                    *nodes[n].coordinate(axis) += dt * change;
-                    let node = &nodes[n];
-                    0.5 * (before + if axis == 0 { node.v_r } else { node.v_z })
+                    let node = &mut nodes[n];
+                    let predicted = *node.velocity(axis);
+                    *node.velocity(axis) = predicted + change;
+                    *node.coordinate(axis) += dt * change;
+                    let acceleration = &mut nodes.acceleration[n][axis];
+                    let before = predicted - half * *acceleration;
+                    *acceleration += change / half;
+                    0.5 * (before + (predicted + change))
                 }
                 Dof::Body(b) => {
                     let body = &mut bodies[b];
@@ -354,13 +364,12 @@ impl Contact {
     /// What bodies that move freely took in this increment, in place of what they took in the one behind.
     fn push_bodies(&mut self, dofs: &mut Dofs) {
         let half = self.half;
-        for (b, pushed) in &mut self.pushed {
-            let at = self.dofs.iter().position(|d| d.0 == Dof::Body(*b));
-            let impulse = at.map_or(0.0, |i| self.impulses[i][0] + self.impulses[i][1]);
-            let body = &mut dofs.bodies[*b];
-            body.contact -= *pushed;
-            *pushed = impulse * body.inverse_mass / half;
-            body.contact += *pushed;
+        for carried in self.bodies.iter_mut().filter(|c| !c.prescribed) {
+            let [normal, slip] = self.impulses[carried.dof];
+            let body = &mut dofs.bodies[carried.body];
+            body.contact -= carried.pushed;
+            carried.pushed = (normal + slip) * body.inverse_mass / half;
+            body.contact += carried.pushed;
         }
     }
 }
@@ -374,10 +383,7 @@ fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps,
         row.area += seen.area[end];
         row.gap += seen.gap[end];
         for share in &gaps.shares[seen.shares[0] as usize..seen.shares[1] as usize] {
-            let (of, dofs) = (share.of[end], dofs_of[share.point as usize]);
-            // The direction along the surface is the normal's, a quarter turn counter-clockwise.
-            add_term(&mut rows.terms, begin, dofs[0], of[0], -of[1]);
-            add_term(&mut rows.terms, begin, dofs[1], of[1], of[0]);
+            add_share(&mut rows.terms, begin, dofs_of[share.point as usize], share.of[end]);
         }
     }
     if row.area <= 0.0 {
@@ -408,14 +414,18 @@ fn add_point_row(
     let Some((gap, shares)) = seen else { return };
     let begin = rows.terms.len();
     for share in &gaps.shares[shares[0] as usize..shares[1] as usize] {
-        let (of, dofs) = (share.of[0], dofs_of[share.point as usize]);
-        add_term(&mut rows.terms, begin, dofs[0], of[0], -of[1]);
-        add_term(&mut rows.terms, begin, dofs[1], of[1], of[0]);
+        add_share(&mut rows.terms, begin, dofs_of[share.point as usize], share.of[0]);
     }
     let mut row = Row::of(key, pair.law as u32);
     (row.area, row.gap) = (1.0, gap);
     row.terms = [begin as u32, rows.terms.len() as u32];
     rows.rows.push(row);
+}
+
+/// Adds the share of a point. The direction along the surface is the normal's, a quarter turn counter-clockwise.
+fn add_share(terms: &mut Vec<Term>, begin: usize, [r, z]: [u32; 2], of: [f64; 2]) {
+    add_term(terms, begin, r, of[0], -of[1]);
+    add_term(terms, begin, z, of[1], of[0]);
 }
 
 fn add_term(terms: &mut Vec<Term>, begin: usize, dof: u32, normal: f64, slip: f64) {
@@ -437,15 +447,13 @@ impl Constraint for Contact {
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
-        self.pushed.clear();
+        self.bodies.clear();
         self.rows.bodies.clear();
-        for (i, (dof, prescribed)) in self.dofs.iter_mut().enumerate() {
-            if let Dof::Body(b) = *dof {
-                *prescribed = dofs.bodies[b].prescribed;
-                if !*prescribed {
-                    self.pushed.push((b, 0.0));
-                    self.rows.bodies.push(i as u32);
-                }
+        for (i, (dof, held)) in self.dofs.iter_mut().enumerate() {
+            if let Dof::Body(body) = *dof {
+                *held = dofs.bodies[body].prescribed;
+                self.bodies.push(Carried { dof: i, body, prescribed: *held, pushed: 0.0 });
+                self.rows.bodies.extend((!*held).then_some(i as u32));
             }
         }
         self.rows.light.reserve(self.rows.bodies.len());
@@ -466,10 +474,9 @@ impl Constraint for Contact {
         if self.half == 0.0 {
             return;
         }
-        for (&(dof, prescribed), impulse) in self.dofs.iter().zip(&self.impulses) {
-            if let (Dof::Body(b), true) = (dof, prescribed) {
-                dofs.bodies[b].reaction -= (impulse[0] + impulse[1]) / self.half;
-            }
+        for carried in self.bodies.iter().filter(|c| c.prescribed) {
+            let [normal, slip] = self.impulses[carried.dof];
+            dofs.bodies[carried.body].reaction -= (normal + slip) / self.half;
         }
     }
 
@@ -522,7 +529,7 @@ impl Constraint for Contact {
             + self.shown.bytes()
             + self.rows.bytes()
             + self.points.capacity() * (size_of::<Point>() + 2 * size_of::<[f64; 2]>() + size_of::<[u32; 2]>())
-            + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 5 * size_of::<f64>())
+            + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 4 * size_of::<f64>())
             + self.pressures.capacity() * size_of::<[f64; 2]>()
             + self.fits.capacity() * size_of::<f64>()
     }
@@ -534,10 +541,10 @@ impl Constraint for Contact {
 
 impl Persist for Contact {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Contact { curves, pressures, impulses, pushed, half, shown, uncovered, .. } = self;
+        let Contact { curves, pressures, impulses, bodies, half, shown, uncovered, .. } = self;
         curves.iter_mut().for_each(|c| c.persist(archive));
         persist_fields!(archive; pressures.as_mut_slice(), impulses.as_mut_slice(), half);
-        pushed.iter_mut().for_each(|p| p.1.persist(archive));
+        bodies.iter_mut().for_each(|c| c.pushed.persist(archive));
         persist_fields!(archive; shown, uncovered);
         if archive.reads() {
             // Lists are made from what is read; rows do not depend on when they were made.

@@ -13,19 +13,16 @@ pub(super) struct Shown {
     opening: Vec<f64>,
     /// Slip of each key so far while in contact.
     slip: Vec<f64>,
-    /// Of each pair: force of pressure and of friction on the own surface, along r and z, and the area in contact.
-    forces: Vec<[f64; 5]>,
     /// Points by what carries them: nodes first, ascending.
     by_node: Vec<(usize, u32)>,
     on_bodies: Vec<(Carrier, u32)>,
 }
 
 impl Shown {
-    pub(super) fn new(keys: usize, pairs: usize, points: &[Point]) -> Shown {
+    pub(super) fn new(keys: usize, points: &[Point]) -> Shown {
         let mut shown = Shown {
             opening: vec![f64::NAN; keys],
             slip: vec![0.0; keys],
-            forces: vec![[0.0; 5]; pairs],
             ..Shown::default()
         };
         for (index, point) in points.iter().enumerate() {
@@ -55,7 +52,7 @@ impl Shown {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of::<f64>() * (self.opening.capacity() + self.slip.capacity() + 5 * self.forces.capacity())
+        size_of::<f64>() * (self.opening.capacity() + self.slip.capacity())
             + size_of::<(usize, u32)>() * self.by_node.capacity()
             + size_of::<(Carrier, u32)>() * self.on_bodies.capacity()
     }
@@ -71,18 +68,15 @@ impl Contact {
         }
     }
 
-    /// Keeps slip and forces of an increment of the length `dt`.
+    /// Keeps the slip of an increment of the length `dt`.
     pub(super) fn show(&mut self, dt: f64) {
         let Contact { rows, motion, shown, .. } = self;
         for row in rows.rows.iter().filter(|row| row.pressed > 0.0) {
             shown.slip[row.key as usize] += dt * motion.slip(rows.terms_of(row)) / row.area;
         }
-        for index in 0..self.pairs.len() {
-            self.shown.forces[index] = self.forces(&self.pairs[index]);
-        }
     }
 
-    /// Forces on the own surface of a pair, and the area where it is pressed.
+    /// Force of pressure and of friction on the own surface of a pair, along r and z, and the area where it is pressed.
     fn forces(&self, pair: &Pair) -> [f64; 5] {
         let (own, mut sum) = (&self.curves[pair.own], [0.0; 5]);
         for &k in &own.bare {
@@ -132,10 +126,10 @@ impl Contact {
     }
 
     pub(super) fn value_of(&self, number: usize, part: Part) -> Option<f64> {
-        let at = self.pairs.iter().position(|p| p.number == number)?;
+        let pair = self.pairs.iter().find(|p| p.number == number)?;
         // What acts on the other surface is the opposite.
-        let sign = if self.pairs[at].first { 1.0 } else { -1.0 };
-        let forces = self.shown.forces[at];
+        let sign = if pair.first { 1.0 } else { -1.0 };
+        let forces = self.forces(pair);
         match part.variable {
             Variable::NormalContactForce => Some(sign * forces[part.component]),
             Variable::ShearContactForce => Some(sign * forces[2 + part.component]),
@@ -147,7 +141,7 @@ impl Contact {
 
 impl Persist for Shown {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shown { opening, slip, forces, by_node: _, on_bodies: _ } = self;
-        persist_fields!(archive; opening.as_mut_slice(), slip.as_mut_slice(), forces.as_mut_slice());
+        let Shown { opening, slip, by_node: _, on_bodies: _ } = self;
+        persist_fields!(archive; opening.as_mut_slice(), slip.as_mut_slice());
     }
 }
