@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Contact, Friction, Overclosure, Profile, RigidBody, RigidSurface, Segment};
+use super::types::{Contact, Friction, Model, Overclosure, Profile, RigidBody, RigidSurface, Segment};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
@@ -234,13 +234,17 @@ impl Builder<'_> {
             pairs.retain(|c| c.surface != surface || c.nodes != nodes);
             if !adds {
                 if pairs.len() == before {
-                    let message = "there is no such contact pair to delete";
-                    self.diagnostics.push(Diagnostic::error("M114", message).at(line.span, "in force here"));
+                    self.no_pair_to_delete(line.span);
                 }
                 continue;
             }
             pairs.push(Contact { surface, nodes, faces, set, interaction, friction: 0.0, span: line.span });
         }
+    }
+
+    pub(super) fn no_pair_to_delete(&mut self, span: Span) {
+        let message = "there is no such contact pair to delete";
+        self.diagnostics.push(Diagnostic::error("M114", message).at(span, "in force here"));
     }
 
     /// Whether a card adds pairs (the default) or deletes them; `None` once refused (ABAQUS Keywords Reference Guide,
@@ -265,27 +269,29 @@ impl Builder<'_> {
                 self.unknown("M114", "surface interaction", &word, &names);
             }
         }
-        let interactions = &self.model.interactions;
+        let Model { interactions, steps, .. } = &mut self.model;
+        let of = |word: &Word| interactions.iter().find(|i| i.name == upper(&word.text));
         let mut refused = Vec::new();
-        for contact in self.model.steps.iter_mut().flat_map(|s| &mut s.contacts) {
-            let name = contact.interaction.as_ref().map(|w| upper(&w.text));
-            let found = interactions.iter().find(|i| Some(&i.name) == name.as_ref());
-            let Some(found) = found else { continue };
-            if found.law.overclosure != Overclosure::Hard
-                || found.law.friction != Friction::of(found.law.friction.at_rest)
-            {
+        for step in steps {
+            for contact in &mut step.contacts {
+                let Some(found) = contact.interaction.as_ref().and_then(of) else { continue };
+                let friction = found.law.friction;
+                if found.law.overclosure == Overclosure::Hard && friction == Friction::of(friction.at_rest) {
+                    contact.friction = friction.at_rest;
+                    continue;
+                }
                 let message = format!("interaction `{}` is more than one coefficient of friction", found.name);
                 let finding = Diagnostic::error("M105", message).at(contact.span, "with an analytical surface");
                 refused
                     .push(finding.help("make the surface of RAX2 elements, or take HARD contact and one coefficient"));
-                continue;
             }
-            contact.friction = found.law.friction.at_rest;
-        }
-        for contact in self.model.steps.iter_mut().flat_map(|s| &mut s.surface_contacts) {
-            let name = contact.interaction.as_ref().map(|w| upper(&w.text));
-            let found = interactions.iter().find(|i| Some(&i.name) == name.as_ref());
-            contact.law = found.map(|i| i.law.clone()).unwrap_or_default();
+            for contact in &mut step.surface_contacts {
+                let found = contact.interaction.as_ref().and_then(of);
+                contact.law = found.map(|i| i.law.clone()).unwrap_or_default();
+            }
+            for assigned in step.general_contact.iter_mut().flat_map(|g| &mut g.assigned) {
+                assigned.law = of(&assigned.interaction).map(|i| i.law.clone()).unwrap_or_default();
+            }
         }
         refused.into_iter().for_each(|finding| self.diagnostics.push(finding));
     }

@@ -2,8 +2,7 @@
 //! Never here: which surfaces there are, pairs that the deck names one by one.
 
 use super::builder::Builder;
-use super::names::upper;
-use super::types::{ContactDomain, GeneralContact, Sides};
+use super::types::{AssignedInteraction, ContactDomain, GeneralContact, Law};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 impl Builder<'_> {
@@ -37,7 +36,8 @@ impl Builder<'_> {
                 "CONTACT EXCLUSIONS" => general.excluded.push(domains),
                 _ => {
                     let Some(word) = interaction else { continue };
-                    general.assigned.push((domains, word.clone()));
+                    let (interaction, law) = (word.clone(), Law::default());
+                    general.assigned.push(AssignedInteraction { domains, interaction, law });
                     self.interactions_used.push(word);
                 }
             }
@@ -57,8 +57,6 @@ impl Builder<'_> {
 
     fn domain(&mut self, word: Option<&Word>) -> Option<ContactDomain> {
         let Some(word) = word.filter(|w| !w.text.is_empty()) else { return Some(ContactDomain::All) };
-        let key = self.surface_key(word)?;
-        let faces = self.model.surfaces[&key].faces.clone();
-        Some(ContactDomain::Surface(Sides { name: upper(&key), surface: true, faces }))
+        self.contact_sides(word).map(ContactDomain::Surface)
     }
 }

@@ -5,7 +5,7 @@
 use super::builder::Builder;
 use super::names::{qualified, upper};
 use super::types::{Law, Sides, SurfaceContact};
-use crate::deck::{Card, DataLine, Diagnostic, Word};
+use crate::deck::{Card, DataLine, Word};
 
 impl Builder<'_> {
     /// A pair of surfaces of elements is added, or deleted.
@@ -29,8 +29,7 @@ impl Builder<'_> {
         pairs.retain(|c| !same(c));
         if !adds {
             if pairs.len() == before {
-                let message = "there is no such contact pair to delete";
-                self.diagnostics.push(Diagnostic::error("M114", message).at(line.span, "in force here"));
+                self.no_pair_to_delete(line.span);
             }
             return;
         }
@@ -47,7 +46,7 @@ impl Builder<'_> {
     }
 
     /// The sides of a surface of elements.
-    fn contact_sides(&mut self, word: &Word) -> Option<Sides> {
+    pub(super) fn contact_sides(&mut self, word: &Word) -> Option<Sides> {
         let names = [qualified(&self.scope, &word.text), upper(&word.text)];
         if names.iter().any(|n| self.model.node_surfaces.contains_key(n)) {
             let message = format!("`{}` is a surface of nodes, which meets analytical surfaces alone", word.text);

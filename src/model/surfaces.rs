@@ -1,8 +1,6 @@
 //! Surfaces: `*SURFACE` on elements and sides.
 //! Never here: loads on them.
 
-use std::collections::HashMap;
-
 use super::builder::Builder;
 use super::names::{qualified, upper};
 use super::types::{ElementKind, Side, Surface};
@@ -67,31 +65,13 @@ impl Builder<'_> {
             self.diagnostics.push(finding.help(help));
             return Vec::new();
         }
-        let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
-        for element in mesh.elements.iter().filter(|e| e.nodes.len() > 2) {
-            for edge in edges(&element.nodes) {
-                *shared.entry(edge).or_default() += 1;
-            }
-        }
-        let free = |e: usize| {
-            let edges = edges(&mesh.elements[e].nodes);
-            edges
-                .into_iter()
-                .enumerate()
-                .filter(|(_, edge)| shared.get(edge) == Some(&1))
-                .map(move |(i, _)| (e, Side::Face(i as u8 + 1)))
+        let outside = mesh.outside();
+        let of = |&e: &usize| {
+            let first = outside.partition_point(|f| f.0 < e);
+            outside[first..].iter().take_while(move |f| f.0 == e).copied()
         };
-        elements
-            .iter()
-            .filter(|&&e| mesh.elements[e].nodes.len() > 2)
-            .flat_map(|&e| free(e).collect::<Vec<_>>())
-            .collect()
+        elements.iter().flat_map(of).collect()
     }
-}
-
-fn edges(nodes: &[usize]) -> Vec<[usize; 2]> {
-    let pair = |i: usize| (nodes[i], nodes[(i + 1) % nodes.len()]);
-    (0..nodes.len()).map(pair).map(|(a, b)| [a.min(b), a.max(b)]).collect()
 }
 
 /// The side a name means on a type of element.

@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use std::collections::HashMap;
+
 use indexmap::IndexMap;
 
 use crate::deck::{Sources, Span, Word};
@@ -131,6 +133,22 @@ impl Mesh {
             Side::Face(n) => (usize::from(n).checked_sub(1)?, usize::from(n) % nodes.len()),
         };
         Some([*nodes.get(from)?, *nodes.get(to)?])
+    }
+
+    /// Faces of solids that lie outside: those that one element alone has, by element and number.
+    pub fn outside(&self) -> Vec<(usize, Side)> {
+        let faces = |e: usize| {
+            let nodes = &self.elements[e].nodes;
+            let count = if nodes.len() > 2 { nodes.len() } else { 0 };
+            (0..count).map(move |i| (i, [nodes[i], nodes[(i + 1) % count]])).filter(|(_, [a, b])| a != b)
+        };
+        let all = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
+        let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
+        for (.., [a, b]) in all() {
+            *shared.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+        let bare = all().filter(|&(.., [a, b])| shared[&[a.min(b), a.max(b)]] == 1);
+        bare.map(|(e, i, _)| (e, Side::Face(i as u8 + 1))).collect()
     }
 }
 
@@ -663,8 +681,19 @@ pub struct GeneralContact {
     pub included: Vec<([ContactDomain; 2], Span)>,
     /// What may not.
     pub excluded: Vec<[ContactDomain; 2]>,
-    /// Names of interactions, the last that covers a pair counts.
-    pub assigned: Vec<([ContactDomain; 2], Word)>,
+    /// How they interact; the last that covers a pair counts.
+    pub assigned: Vec<AssignedInteraction>,
+}
+
+/// An interaction of general contact.
+#[derive(Clone, Debug)]
+pub struct AssignedInteraction {
+    /// What it is given to.
+    pub domains: [ContactDomain; 2],
+    /// Its name.
+    pub interaction: Word,
+    /// What it does.
+    pub law: Law,
 }
 
 /// Contact of a surface with an analytical one.
@@ -868,6 +897,25 @@ pub struct Step {
     pub outputs: Vec<OutputRequest>,
     /// When the state is kept, if the deck asks.
     pub restart: Option<Restart>,
+}
+
+impl Step {
+    /// Whether anything may meet.
+    pub fn has_contact(&self) -> bool {
+        !self.contacts.is_empty() || !self.surface_contacts.is_empty() || self.general_contact.is_some()
+    }
+
+    /// Friction of all surfaces of elements that may meet.
+    pub fn frictions(&self) -> impl Iterator<Item = &Friction> {
+        let assigned = self.general_contact.iter().flat_map(|g| &g.assigned).map(|a| &a.law);
+        self.surface_contacts.iter().map(|c| &c.law).chain(assigned).map(|law| &law.friction)
+    }
+
+    /// The same, to be changed.
+    pub fn frictions_mut(&mut self) -> impl Iterator<Item = &mut Friction> {
+        let assigned = self.general_contact.iter_mut().flat_map(|g| &mut g.assigned).map(|a| &mut a.law);
+        self.surface_contacts.iter_mut().map(|c| &mut c.law).chain(assigned).map(|law| &mut law.friction)
+    }
 }
 
 /// `*RESTART, WRITE`.

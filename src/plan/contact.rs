@@ -11,7 +11,7 @@ use crate::constraint::contact::curve::{Carrier, Curve, Point};
 use crate::constraint::contact::{Contact, Overlap, Pair};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{Law, Overclosure};
-use crate::model::{GeneralContact, Side, Sides, Step, SurfaceContact};
+use crate::model::{GeneralContact, Side, Sides, SurfaceContact};
 
 /// A facet is met from behind no deeper than this many of its lengths.
 const DEEPEST: f64 = 2.0;
@@ -33,14 +33,32 @@ struct Found {
     by_name: HashMap<(String, bool), usize>,
 }
 
+/// What points and facets are judged by.
+struct Around<'a> {
+    /// Degrees of freedom whose motion is prescribed, and that follow others.
+    prescribed: &'a HashSet<(usize, usize)>,
+    kept: &'a HashSet<(usize, usize)>,
+    /// The outside of what is solid.
+    skin: &'a [[[f64; 2]; 2]],
+}
+
+fn is_off_axis(edge: &[[f64; 2]; 2]) -> bool {
+    edge.iter().any(|p| p[0] != 0.0)
+}
+
 impl Compiler<'_> {
     /// All contact of surfaces of elements in a step.
-    pub(super) fn contact(&mut self, step: &Step, prescribed: &HashSet<(usize, usize)>) -> Option<Box<dyn Constraint>> {
+    pub(super) fn contact(&mut self, step: usize, prescribed: &HashSet<(usize, usize)>) -> Option<Box<dyn Constraint>> {
         let (mut found, mut pairs, mut laws) = (Found::default(), Vec::new(), Vec::<Law>::new());
         let mut spans = Vec::new();
-        let wanted = self.pairs(step);
+        let wanted = self.pairs[step].clone();
+        if wanted.is_empty() {
+            return None;
+        }
+        let general = self.model.steps[step].general_contact.as_ref();
+        let around = Around { prescribed, kept: &self.kept.concerned(), skin: &self.solid_skin() };
         for contact in &wanted {
-            let curves = [0, 1].map(|i| self.curve(contact, i, prescribed, &mut found));
+            let curves = [0, 1].map(|i| self.curve(contact, i, &around, &mut found));
             let [Some(first), Some(second)] = curves else { continue };
             if !found.deforms[first] && !found.deforms[second] {
                 let message = "both surfaces of this pair are rigid";
@@ -54,12 +72,12 @@ impl Compiler<'_> {
             });
             let curves = found.order(first, second);
             let length = found.lengths[first][0].min(found.lengths[second][0]);
-            let id = match &step.general_contact {
+            let id = match general {
                 Some(general) if contact.general => self.general_row(general, &wanted),
                 _ => self.contact_row(contact, &found, curves[0]),
             };
             let name = pair_name(contact);
-            let number = self.pair_names().iter().position(|n| *n == name).unwrap_or_default();
+            let number = self.pair_names.iter().position(|n| *n == name).unwrap_or_default();
             let mut pair = Pair::new(id, number, curves, law, length);
             (pair.fits, pair.first) = (contact.fits, curves[0] == first);
             pairs.push(pair);
@@ -110,7 +128,7 @@ impl Compiler<'_> {
         &mut self,
         contact: &SurfaceContact,
         which: usize,
-        prescribed: &HashSet<(usize, usize)>,
+        around: &Around<'_>,
         found: &mut Found,
     ) -> Option<usize> {
         let sides = &contact.sides[which];
@@ -118,7 +136,6 @@ impl Compiler<'_> {
         if let Some(&known) = found.by_name.get(&key) {
             return Some(known);
         }
-        let kept = self.kept.concerned();
         let mut facets = Vec::new();
         for &(element, side) in &sides.faces {
             let Some(mut ends) = self.model.mesh.ends(element, side) else { continue };
@@ -130,7 +147,7 @@ impl Compiler<'_> {
             for (point, node) in facet.iter_mut().zip(ends) {
                 *point = match found.point_of_node.get(&node) {
                     Some(&known) => known,
-                    None => match self.contact_point(node, prescribed, &kept) {
+                    None => match self.contact_point(node, around) {
                         Ok(at) => found.add(node, at, self.model.mesh.points[node]),
                         Err(why) => {
                             let finding = Diagnostic::error("P021", why).at(contact.span, "this pair");
@@ -151,27 +168,21 @@ impl Compiler<'_> {
         }
         let bare = facets.len();
         if self.deletes() {
-            self.hidden_facets(prescribed, found, &mut facets);
+            self.hidden_facets(around, found, &mut facets);
         }
         let lift = facets.iter().map(|f| if contact.thin { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
-        let curve = found.add_curve(&facets, lift, bare, self.skin_of(sides));
+        let curve = found.add_curve(&facets, lift, bare, self.skin_of(sides, around.skin));
         found.by_name.insert(key, curve);
         Some(curve)
     }
 
     /// Adds the faces between elements of the bodies that bare facets belong to, one for each side: they lie bare when the element
     /// in front is deleted.
-    fn hidden_facets(
-        &self,
-        prescribed: &HashSet<(usize, usize)>,
-        found: &mut Found,
-        facets: &mut Vec<([u32; 2], usize)>,
-    ) {
+    fn hidden_facets(&self, around: &Around<'_>, found: &mut Found, facets: &mut Vec<([u32; 2], usize)>) {
         let mesh = &self.model.mesh;
         let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
         let solids: Vec<usize> =
             self.places.elements.keys().copied().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
-        let kept = self.kept.concerned();
         for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
             let edges = |e: usize| {
                 let nodes = &mesh.elements[e].nodes;
@@ -183,7 +194,7 @@ impl Compiler<'_> {
                     let points = edge.map(|node| match found.point_of_node.get(&node) {
                         Some(&known) => Some(known),
                         None => {
-                            let point = self.contact_point(node, prescribed, &kept).ok()?;
+                            let point = self.contact_point(node, around).ok()?;
                             Some(found.add(node, point, mesh.points[node]))
                         }
                     });
@@ -203,12 +214,7 @@ impl Compiler<'_> {
     }
 
     /// What carries a point of a surface in contact, and along which axes it moves freely.
-    fn contact_point(
-        &self,
-        node: usize,
-        prescribed: &HashSet<(usize, usize)>,
-        kept: &HashSet<(usize, usize)>,
-    ) -> Result<Point, String> {
+    fn contact_point(&self, node: usize, Around { prescribed, kept, .. }: &Around<'_>) -> Result<Point, String> {
         let mesh = &self.model.mesh;
         if let Some(place) = self.places.free_node(node) {
             if kept.contains(&(place, 0)) || kept.contains(&(place, 1)) {
@@ -226,22 +232,19 @@ impl Compiler<'_> {
         }
     }
 
-    /// The outside of all solids, and the shells of a surface.
-    fn skin_of(&self, sides: &Sides) -> Vec<[[f64; 2]; 2]> {
+    /// The outside of all solids, but for the axis.
+    fn solid_skin(&self) -> Vec<[[f64; 2]; 2]> {
         let mesh = &self.model.mesh;
-        let solids = mesh.elements.iter().filter(|e| e.nodes.len() > 2);
-        let around = |nodes: &[usize]| -> Vec<[usize; 2]> {
-            (0..nodes.len()).map(|i| [nodes[i], nodes[(i + 1) % nodes.len()]]).filter(|e| e[0] != e[1]).collect()
-        };
-        let mut edges: HashMap<[usize; 2], usize> = HashMap::new();
-        for [a, b] in solids.clone().flat_map(|e| around(&e.nodes)) {
-            *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-        let free = solids.flat_map(|e| around(&e.nodes)).filter(|[a, b]| edges[&[*a.min(b), *a.max(b)]] == 1);
-        let skin = free.map(|e| e.map(|n| mesh.points[n]));
+        let edges = mesh.outside().into_iter().filter_map(|(e, side)| mesh.ends(e, side));
+        edges.map(|edge| edge.map(|n| mesh.points[n])).filter(is_off_axis).collect()
+    }
+
+    /// The same, and the shells of a surface.
+    fn skin_of(&self, sides: &Sides, solids: &[[[f64; 2]; 2]]) -> Vec<[[f64; 2]; 2]> {
+        let mesh = &self.model.mesh;
         let shells = sides.faces.iter().filter(|f| matches!(f.1, Side::Positive | Side::Negative));
         let shells = shells.filter_map(|&(e, side)| mesh.ends(e, side)).map(|e| e.map(|n| mesh.points[n]));
-        skin.chain(shells).filter(|e| e[0][0] != 0.0 || e[1][0] != 0.0).collect()
+        solids.iter().copied().chain(shells.filter(is_off_axis)).collect()
     }
 
     /// Says where the surfaces of a pair lie in each other.

@@ -136,9 +136,7 @@ impl<'m> Compiler<'m> {
             && model.equations.is_empty()
             && model.materials.iter().all(|m| m.eos.is_none())
             && model.mesh.elements.iter().all(|e| matches!(e.kind, ElementKind::Cax3 | ElementKind::Cax4r))
-            && model.steps.iter().all(|s| {
-                s.boundaries.is_empty() && s.loads.is_empty() && s.contacts.is_empty() && s.surface_contacts.is_empty()
-            });
+            && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && !s.has_contact());
         let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
         let everywhere = |c: &InitialCondition| {
             let members: HashSet<usize> = c.members.iter().copied().collect();

@@ -1,11 +1,11 @@
 //! General contact as pairs of surfaces: the outside of each body, which of them may meet and how they interact.
 //! Never here: curves, the contact itself.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use super::Compiler;
 use super::pieces::pieces;
-use crate::model::{ContactDomain, ElementKind, GeneralContact, Mesh, Side, Sides, Step, SurfaceContact};
+use crate::model::{ContactDomain, ElementKind, GeneralContact, Side, Sides, SurfaceContact};
 
 type Face = (usize, Side);
 
@@ -24,30 +24,18 @@ impl Meeting {
 }
 
 impl Compiler<'_> {
-    /// All pairs of surfaces of elements in force in a step: those that the deck names, and those of general contact.
-    pub(super) fn pairs(&self, step: &Step) -> Vec<SurfaceContact> {
-        let mut pairs = step.surface_contacts.clone();
-        if let Some(general) = &step.general_contact {
-            pairs.extend(self.general_pairs(general));
-        }
-        pairs
-    }
-
-    /// Names of all pairs of all steps, as histories have them.
-    pub(super) fn pair_names(&self) -> &[String] {
-        &self.pair_names
-    }
-
-    /// Finds these names.
-    pub(super) fn name_pairs(&mut self) {
-        let mut names: Vec<String> = Vec::new();
-        for contact in self.model.steps.iter().flat_map(|s| self.pairs(s)) {
-            let name = pair_name(&contact);
-            if !names.contains(&name) {
-                names.push(name);
+    /// Finds all pairs of surfaces of elements in force in each step: those that the deck names, and those of general contact.
+    pub(super) fn find_pairs(&mut self) {
+        for step in &self.model.steps {
+            let general = step.general_contact.iter().flat_map(|general| self.general_pairs(general));
+            let pairs: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(general).collect();
+            for name in pairs.iter().map(pair_name) {
+                if !self.pair_names.contains(&name) {
+                    self.pair_names.push(name);
+                }
             }
+            self.pairs.push(pairs);
         }
-        self.pair_names = names;
     }
 
     fn general_pairs(&self, general: &GeneralContact) -> Vec<SurfaceContact> {
@@ -74,21 +62,18 @@ impl Compiler<'_> {
         for domains in &general.excluded {
             meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).filter(|m| !m.1).map(|m| m.0).collect();
         }
-        for (index, (domains, _)) in general.assigned.iter().enumerate() {
+        for (index, assigned) in general.assigned.iter().enumerate() {
             let take = |(mut m, covered): (Meeting, bool)| {
                 m.interaction = if covered { Some(index) } else { m.interaction };
                 m
             };
-            meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).map(take).collect();
+            meetings = meetings.into_iter().flat_map(|m| apart(m, &assigned.domains)).map(take).collect();
         }
         meetings.retain(|m| m.sides.iter().any(|s| self.is_deforming(s)));
-        let law = |index: usize| {
-            let name = general.assigned[index].1.text.to_uppercase();
-            self.model.interactions.iter().find(|i| i.name == name).map(|i| i.law.clone())
-        };
+        let of = |m: &Meeting| m.interaction.map(|index| &general.assigned[index]);
         let contact = |m: Meeting| SurfaceContact {
-            law: m.interaction.and_then(law).unwrap_or_default(),
-            interaction: m.interaction.map(|i| general.assigned[i].1.clone()),
+            law: of(&m).map(|a| a.law.clone()).unwrap_or_default(),
+            interaction: of(&m).map(|a| a.interaction.clone()),
             sides: m.sides,
             general: true,
             thin: false,
@@ -108,10 +93,11 @@ impl Compiler<'_> {
         let known = |e: &usize| self.places.elements.contains_key(e) || self.body_of_element.contains_key(e);
         let elements: Vec<usize> =
             (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
+        let outside = mesh.outside();
         let mut surfaces: Vec<Sides> = Vec::new();
         for piece in pieces(mesh, &elements) {
             let name = self.name_of_piece(&piece, &surfaces);
-            let solid = outside_of_solids(mesh, &piece);
+            let solid = outside.iter().filter(|f| piece.binary_search(&f.0).is_ok()).copied().collect();
             let shells =
                 piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
             let both = |side: Side| shells.clone().map(move |&e| (e, side)).collect::<Vec<Face>>();
@@ -194,19 +180,4 @@ fn split(sides: &Sides, domain: &ContactDomain) -> (Sides, Sides) {
             (part(&format!(".{}", surface.name), within), part(&format!(".NOT.{}", surface.name), without))
         }
     }
-}
-
-/// Faces of solids that one element alone has.
-fn outside_of_solids(mesh: &Mesh, piece: &[usize]) -> Vec<Face> {
-    let solids = || piece.iter().filter(|&&e| mesh.elements[e].kind.is_solid());
-    let faces = |e: usize| {
-        let nodes = &mesh.elements[e].nodes;
-        (0..nodes.len()).map(move |i| (i, [nodes[i], nodes[(i + 1) % nodes.len()]])).filter(|f| f.1[0] != f.1[1])
-    };
-    let mut count: HashMap<[usize; 2], usize> = HashMap::new();
-    for (_, [a, b]) in solids().flat_map(|&e| faces(e)) {
-        *count.entry([a.min(b), a.max(b)]).or_default() += 1;
-    }
-    let free = |&(_, [a, b]): &(usize, [usize; 2])| count[&[a.min(b), a.max(b)]] == 1;
-    solids().flat_map(|&e| faces(e).filter(free).map(move |(i, _)| (e, Side::Face(i as u8 + 1)))).collect()
 }

@@ -46,7 +46,7 @@ use crate::element::mass_scaling::Scaling;
 use crate::heat::Thermal;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
-use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
+use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model, SurfaceContact};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
@@ -172,7 +172,8 @@ struct Compiler<'a> {
     kept: links::Kept,
     /// Degrees of freedom of nodes without mass that nothing keeps.
     idle: HashSet<(usize, usize)>,
-    /// Names of pairs of surfaces that may meet.
+    /// Pairs of surfaces of elements that may meet in each step, and the names of all of them, as histories have them.
+    pairs: Vec<Vec<SurfaceContact>>,
     pair_names: Vec<String>,
     /// Routines of the user that something calls.
     called: Vec<&'static str>,
@@ -200,6 +201,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         surface_ties,
         kept: links::Kept::default(),
         idle: HashSet::new(),
+        pairs: Vec::new(),
         pair_names: Vec::new(),
         called: Vec::new(),
         diagnostics: Diagnostics::default(),
@@ -218,7 +220,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     state.elements.fields = compiler.predefined_fields(&state);
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
     state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
-    compiler.name_pairs();
+    compiler.find_pairs();
     let (columns, fields) = compiler.variables(&mut state);
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
     compiler.scale_and_estimate(&mut state);
@@ -282,7 +284,7 @@ impl Compiler<'_> {
         constraints.extend(self.equations(step, state, &given));
         // Tied nodes follow what walls do to a body that moves freely.
         constraints.extend(walls);
-        constraints.extend(self.contact(step, &given.all));
+        constraints.extend(self.contact(index, &given.all));
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
         let scaling = self.mass_scaling(index, state);
         let energy_limit = self.energy_limit(step);

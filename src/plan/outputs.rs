@@ -270,7 +270,7 @@ impl Compiler<'_> {
     fn pair_columns(&self, asked: Asked, columns: &mut Vec<Column>) {
         let asked = if matches!(asked, Asked::Preselect) { Asked::All } else { asked };
         let parts = self.parts(asked, |v| v.place() == Place::Pair);
-        for (index, name) in self.pair_names().iter().enumerate() {
+        for (index, name) in self.pair_names.iter().enumerate() {
             columns.extend(parts.iter().map(|&part| column(part, name, Source::Pair(index))));
         }
     }
@@ -279,7 +279,7 @@ impl Compiler<'_> {
     fn has_nodal(&self, variable: Variable) -> bool {
         match variable.row().preselected {
             Preselected::Conducting => self.solves_for_temperatures(),
-            Preselected::Meeting => !self.pair_names().is_empty(),
+            Preselected::Meeting => !self.pair_names.is_empty(),
             _ => true,
         }
     }

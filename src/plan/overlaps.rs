@@ -1,8 +1,6 @@
 //! Bodies of elements that lie in each other at the start although nothing joins them: told before a run.
 //! Never here: contact, what happens later.
 
-use std::collections::HashMap;
-
 use super::Compiler;
 use super::pieces::pieces;
 use crate::deck::{Diagnostic, Span};
@@ -32,13 +30,9 @@ impl Compiler<'_> {
     /// Says which pieces overlap, once for each two.
     pub(super) fn tell_overlaps(&mut self) {
         let pieces = self.pieces();
-        let pairs: Vec<SurfaceContact> = match pieces.len() {
-            0 | 1 => Vec::new(),
-            _ => self.model.steps.iter().flat_map(|s| self.pairs(s)).collect(),
-        };
         for a in 0..pieces.len() {
             for b in a + 1..pieces.len() {
-                if !pieces[a].meets(&pieces[b]) || self.may_meet(&pairs, [&pieces[a], &pieces[b]]) {
+                if !pieces[a].meets(&pieces[b]) || self.may_meet([&pieces[a], &pieces[b]]) {
                     continue;
                 }
                 let found = [self.inside(&pieces[a], &pieces[b]), self.inside(&pieces[b], &pieces[a])];
@@ -82,10 +76,10 @@ impl Compiler<'_> {
     }
 
     /// Whether a step has contact between two pieces.
-    fn may_meet(&self, pairs: &[SurfaceContact], pieces: [&Piece; 2]) -> bool {
+    fn may_meet(&self, pieces: [&Piece; 2]) -> bool {
         let on = |sides: &Sides, piece: &Piece| sides.faces.iter().any(|f| piece.elements.binary_search(&f.0).is_ok());
         let between = |c: &SurfaceContact, [a, b]: [&Piece; 2]| on(&c.sides[0], a) && on(&c.sides[1], b);
-        pairs.iter().any(|c| between(c, pieces) || between(c, [pieces[1], pieces[0]]))
+        self.pairs.iter().flatten().any(|c| between(c, pieces) || between(c, [pieces[1], pieces[0]]))
     }
 
     /// How many nodes of one piece lie within another, further behind its skin than what fits, and how deep.
@@ -118,22 +112,11 @@ impl Compiler<'_> {
         (count, deepest)
     }
 
-    /// Edges of a piece that one element alone has.
+    /// The outside of a piece.
     fn skin(&self, piece: &Piece) -> Vec<[[f64; 2]; 2]> {
         let mesh = &self.model.mesh;
-        let mut edges: HashMap<[usize; 2], usize> = HashMap::new();
-        let around = |e: usize| {
-            let nodes = &mesh.elements[e].nodes;
-            (0..nodes.len()).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]])
-        };
-        for &e in &piece.elements {
-            for [a, b] in around(e) {
-                *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
-            }
-        }
-        let all = piece.elements.iter().flat_map(|&e| around(e));
-        let free = all.filter(|[a, b]| edges[&[*a.min(b), *a.max(b)]] == 1);
-        free.map(|edge| edge.map(|n| mesh.points[n])).collect()
+        let own = mesh.outside().into_iter().filter(|f| piece.elements.binary_search(&f.0).is_ok());
+        own.filter_map(|(e, side)| mesh.ends(e, side)).map(|edge| edge.map(|n| mesh.points[n])).collect()
     }
 }
 

@@ -147,6 +147,35 @@ fn subzonal_pressures_left_out() {
     assert!(expected.effects.iter().all(|e| e.effect != "subzonal pressures"), "it is not there");
 }
 
+/// Blocks that slide on each other, in a pair and in general contact: without friction they are those of a coefficient of zero.
+#[test]
+fn friction_of_surfaces_left_out() {
+    use crate::common::bodies::{assembly, elastic, part};
+    for contact in [
+        "*Contact Pair, interaction=I\n LOWER.J1, UPPER.J0\n",
+        "*Contact\n*Contact Inclusions, all exterior\n*Contact Property Assignment\n , , I\n",
+    ] {
+        let blocks = |friction: f64| {
+            let block = |name, from: f64| part(name, [3, 2], |i, j| [1.0 + i as f64, from + j as f64], "");
+            block("LOWER", -2.0)
+                + &block("UPPER", 0.0)
+                + &assembly(&["LOWER", "UPPER"], "")
+                + &elastic("LOWER", [100.0, 0.3, 1.0], "")
+                + &elastic("UPPER", [100.0, 0.3, 1.0], "")
+                + &format!("*Surface Interaction, name=I\n*Friction\n {friction},\n")
+                + "*Initial Conditions, type=VELOCITY\n UPPER.ALL, 2, -1.\n UPPER.ALL, 1, .5\n*Step\n*Dynamic, Explicit\n , 0.2\n\
+                   *Boundary\n LOWER.J0, 1, 2\n"
+                + contact
+                + "*Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n"
+        };
+        let effects = left_out(&blocks(0.3), "increment=1,0.5", "final(ALLKE)");
+        let found = find(&effects, "friction").value.expect("a value");
+        let expected = left_out(&blocks(0.0), "increment=1,0.5", "final(ALLKE)");
+        assert_eq!(found.to_bits(), expected.value.to_bits(), "{contact}: {found}");
+        assert_ne!(found, effects.value, "it is felt");
+    }
+}
+
 /// A stiff disc driven into a target, made rigid: the closed form of m V' = -k0 - k2 V^2.
 #[test]
 fn a_body_made_rigid_follows_the_closed_form() {

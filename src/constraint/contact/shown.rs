@@ -20,11 +20,7 @@ pub(super) struct Shown {
 
 impl Shown {
     pub(super) fn new(keys: usize, points: &[Point]) -> Shown {
-        let mut shown = Shown {
-            opening: vec![f64::NAN; keys],
-            slip: vec![0.0; keys],
-            ..Shown::default()
-        };
+        let mut shown = Shown { opening: vec![f64::NAN; keys], slip: vec![0.0; keys], ..Shown::default() };
         for (index, point) in points.iter().enumerate() {
             match point.carrier {
                 Carrier::Node(node) => shown.by_node.push((node, index as u32)),

@@ -18,10 +18,7 @@ pub(super) const LIST: &[Ablation] = &[Ablation {
 fn velocity(model: &Model) -> Option<f64> {
     let driven = |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. });
     let loaded = model.steps.iter().any(|s| s.loads.iter().any(|l| driven(&l.kind)));
-    let held = model
-        .steps
-        .iter()
-        .any(|s| !s.contacts.is_empty() || !s.surface_contacts.is_empty() || s.boundaries.iter().any(|b| b.dof == 2));
+    let held = model.steps.iter().any(|s| s.has_contact() || s.boundaries.iter().any(|b| b.dof == 2));
     let joined = !model.rigid_bodies.is_empty() || !model.connectors.is_empty() || !model.equations.is_empty();
     if !loaded || held || joined || model.sections.is_empty() || !model.shell_sections.is_empty() {
         return None;

@@ -56,7 +56,7 @@ fn has_friction(model: &Model) -> bool {
     model.steps.iter().any(|s| {
         s.loads.iter().any(of_load)
             || s.contacts.iter().any(|c| c.friction > 0.0)
-            || s.surface_contacts.iter().any(|c| c.law.friction.is_there())
+            || s.frictions().any(Friction::is_there)
     })
 }
 
@@ -68,7 +68,7 @@ fn no_friction(model: &mut Model) {
             }
         }
         step.contacts.iter_mut().for_each(|c| c.friction = 0.0);
-        step.surface_contacts.iter_mut().for_each(|c| c.law.friction = Friction::default());
+        step.frictions_mut().for_each(|friction| *friction = Friction::default());
     }
 }
 
