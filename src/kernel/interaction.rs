@@ -26,6 +26,25 @@ impl Overclosure {
         }
     }
 
+    /// A straight line near an overlap, by its value there and its slope, which is never zero: the tangent, and where nothing
+    /// presses the line along which pressure begins, gone on with below zero.
+    pub fn line(&self, overlap: f64) -> [f64; 2] {
+        let tangent = self.pressure(overlap);
+        if tangent[1] > 0.0 {
+            return tangent;
+        }
+        let slope = match self {
+            Overclosure::Hard => return tangent,
+            Overclosure::Linear(stiffness) => *stiffness,
+            Overclosure::Exponential([at_zero, gap]) => at_zero / gap,
+            Overclosure::Table(rows) => match rows[..] {
+                [first, second, ..] => (second[0] - first[0]) / (second[1] - first[1]),
+                _ => return tangent,
+            },
+        };
+        [slope * (overlap + self.begins()), slope]
+    }
+
     /// Pressure at an overlap, and how fast it grows.
     pub fn pressure(&self, overlap: f64) -> [f64; 2] {
         match self {

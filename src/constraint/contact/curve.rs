@@ -52,9 +52,9 @@ pub struct Curve {
     /// The points, each once, with the facets around each and which of their ends it is.
     pub own: Vec<u32>,
     around: Vec<Vec<(u32, u8)>>,
-    /// Those facets that lie bare.
+    /// Those facets that lie bare, as they follow each other.
     pub bare: Vec<u32>,
-    /// Indices among the own points of those that bare facets have, and of those that no element has any more.
+    /// Indices among the own points of those that bare facets have, in the same order, and of those that no element has any more.
     pub bare_own: Vec<u32>,
     /// See there.
     pub orphans: Vec<u32>,
@@ -62,6 +62,8 @@ pub struct Curve {
     tips: Vec<u32>,
     /// Shapes at the start of the increment, of facets that lie bare.
     pub shapes: Vec<Shape>,
+    /// What has been put in order so far.
+    ordered: Vec<bool>,
 }
 
 /// A facet at an instant.
@@ -126,6 +128,7 @@ impl Curve {
             own,
             around,
             shapes: vec![Shape::default(); count],
+            ordered: Vec::with_capacity(2 * count),
             facets,
         };
         curve.list();
@@ -219,6 +222,36 @@ impl Curve {
         changed
     }
 
+    /// Puts bare facets and their points in the order in which they follow each other, so that what meets is near in number.
+    fn order(&mut self) {
+        let Curve { facets, beyond, own, bare, bare_own, ordered, there, .. } = self;
+        ordered.clear();
+        ordered.resize(facets.len(), false);
+        bare.clear();
+        let begins = |k: &usize| !matches!(beyond[*k][0], Beyond::Facet(_));
+        let all = || (0..facets.len()).filter(|k| there[*k]);
+        for first in all().filter(begins).chain(all()) {
+            let mut next = Some(first);
+            while let Some(k) = next.filter(|k| !std::mem::replace(&mut ordered[*k], true)) {
+                bare.push(k as u32);
+                next = match beyond[k][1] {
+                    Beyond::Facet(j) => Some(j as usize),
+                    _ => None,
+                };
+            }
+        }
+        ordered.clear();
+        ordered.resize(own.len(), false);
+        bare_own.clear();
+        for point in bare.iter().flat_map(|k| facets[*k as usize]) {
+            if let Ok(at) = own.binary_search(&point)
+                && !std::mem::replace(&mut ordered[at], true)
+            {
+                bare_own.push(at as u32);
+            }
+        }
+    }
+
     /// Finds what lies beyond each end: of several facets that go on from a point the one that turns least from the way.
     pub fn join(&mut self, places: &[[f64; 2]]) {
         let way = |facet: [u32; 2]| {
@@ -244,6 +277,7 @@ impl Curve {
                 };
             }
         }
+        self.order();
     }
 
     /// The facets around a point, and which of their ends it is.
@@ -296,6 +330,7 @@ impl Persist for Curve {
         persist_fields!(archive; there.as_mut_slice(), behind.as_mut_slice(), beyond.as_mut_slice());
         if archive.reads() {
             self.list();
+            self.order();
         }
     }
 }

@@ -121,14 +121,20 @@ impl Gaps {
         seen
     }
 
-    /// What a point that no element has sees of a curve: its gap, with shares of one unit of area. `None` where nothing is near.
+    /// The shares of what was seen.
+    #[inline]
+    pub fn shares_of(&self, seen: &Seen) -> &[Share] {
+        &self.shares[seen.shares[0] as usize..seen.shares[1] as usize]
+    }
+
+    /// What a point that no element has sees of a curve, as if it had one unit of area. `None` where nothing is near.
     pub fn see_point(
         &mut self,
         (point, place): (u32, [f64; 2]),
         other: &Curve,
         candidates: &[u32],
         reach: f64,
-    ) -> Option<(f64, [u32; 2])> {
+    ) -> Option<Seen> {
         let begin = self.shares.len() as u32;
         self.facing.clear();
         let own = Shape { from: place, ..Shape::default() };
@@ -146,7 +152,7 @@ impl Gaps {
                 self.shares.push(Share { point, of: [[share * normal[0], share * normal[1]], [0.0; 2]] });
             }
         }
-        Some((gap, [begin, self.shares.len() as u32]))
+        Some(Seen { shares: [begin, self.shares.len() as u32], area: [1.0, 0.0], gap: [gap, 0.0] })
     }
 
     /// Those of the candidates that face the facet and are near it now, whenever the lists were made.
@@ -198,6 +204,8 @@ impl Gaps {
         let Some(nearest) = self.nearest(&shape, middle, other) else { return };
         let j = nearest.facing.facet as usize;
         let met = &other.shapes[j];
+        let mut shares = [[[0.0; 2]; 2]; 4];
+        let mut any = false;
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
             let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
             let (gap, normal, part) = nearest.distance(place, s, met, shape.length);
@@ -205,13 +213,24 @@ impl Gaps {
             if gap >= reach || gap <= -other.depth[j] {
                 continue;
             }
+            any = true;
             let r = 0.5 * (place[0] + met.from[0] + part * met.along[0]);
             let weight = std::f64::consts::TAU * r * half * shape.length;
-            self.add(seen, own.facets[k], other.facets[j], s, part, [weight * normal[0], weight * normal[1]]);
-            for (l, hat) in [1.0 - s, s].into_iter().enumerate() {
+            let hats = [1.0 - s, s];
+            for (share, of) in shares.iter_mut().zip([hats[0], hats[1], part - 1.0, -part]) {
+                for (sum, hat) in share.iter_mut().zip(hats) {
+                    sum[0] += hat * of * (weight * normal[0]);
+                    sum[1] += hat * of * (weight * normal[1]);
+                }
+            }
+            for (l, hat) in hats.into_iter().enumerate() {
                 seen.area[l] += hat * weight;
                 seen.gap[l] += hat * weight * gap;
             }
+        }
+        if any {
+            let ([a, b], [c, d]) = (own.facets[k], other.facets[j]);
+            [a, b, c, d].into_iter().zip(shares).for_each(|(point, of)| self.add(seen, point, of));
         }
     }
 
@@ -235,24 +254,18 @@ impl Gaps {
         (!free).then_some(Nearest { facing, corner })
     }
 
-    /// Adds what a Gauss point gives to the points of both facets: with the hats of this one, `force` a unit of pressure.
-    fn add(&mut self, seen: &Seen, own: [u32; 2], other: [u32; 2], s: f64, part: f64, force: [f64; 2]) {
-        let hats = [1.0 - s, s];
-        let shares = [(own[0], hats[0]), (own[1], hats[1]), (other[0], part - 1.0), (other[1], -part)];
-        let begin = seen.shares[0] as usize;
-        for (point, share) in shares {
-            if share == 0.0 {
-                continue;
-            }
-            let of = hats.map(|hat| [hat * share * force[0], hat * share * force[1]]);
-            match self.shares[begin..].iter_mut().find(|c| c.point == point) {
-                Some(known) => {
-                    for (sum, more) in known.of.iter_mut().flatten().zip(of.iter().flatten()) {
-                        *sum += more;
-                    }
+    /// Adds what a piece gives to a point.
+    fn add(&mut self, seen: &Seen, point: u32, of: [[f64; 2]; 2]) {
+        if of == [[0.0; 2]; 2] {
+            return;
+        }
+        match self.shares[seen.shares[0] as usize..].iter_mut().find(|c| c.point == point) {
+            Some(known) => {
+                for (sum, more) in known.of.iter_mut().flatten().zip(of.iter().flatten()) {
+                    *sum += more;
                 }
-                None => self.shares.push(Share { point, of }),
             }
+            None => self.shares.push(Share { point, of }),
         }
     }
 

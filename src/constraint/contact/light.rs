@@ -115,7 +115,8 @@ mod tests {
     /// A plate of this mass comes with velocity -1, and is pushed, against twelve nodes of mass 1 in a row, hats over them.
     fn plate(mass: f64) -> (Rows, Motion) {
         let count = 12_u32;
-        let mut rows = Rows { bodies: vec![count], ..Rows::default() };
+        let mut rows = Rows::default();
+        rows.bodies.push(count);
         for k in 0..count {
             let begin = rows.terms.len() as u32;
             for (n, part) in [(k.wrapping_sub(1), 1.0 / 6.0), (k, 4.0 / 6.0), (k + 1, 1.0 / 6.0)] {
@@ -133,7 +134,10 @@ mod tests {
         let mut inverse_mass = vec![1.0; 13];
         (velocity[12], inverse_mass[12]) = (-1.0, 1.0 / mass);
         let mut motion = Motion { velocity, inverse_mass };
-        rows.solve(&mut motion, &[Law::default()], &[[0.0; 2]; 12], Span { ahead: 1.0, half: 1.0 });
+        let (laws, span) = ([Law::default()], Span { ahead: 1.0, half: 1.0 });
+        if let Some(reference) = rows.begin(&motion, &laws, span) {
+            rows.solve_by_sweeps(&mut motion, &laws, &[[0.0; 2]; 12], reference, span);
+        }
         (rows, motion)
     }
 

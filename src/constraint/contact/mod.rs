@@ -7,6 +7,7 @@
 //! ([`sweeps`]). An overlap that is there is stopped and not thrown out. Nothing here limits the increment.
 
 pub mod curve;
+mod direct;
 mod gaps;
 mod light;
 mod search;
@@ -17,7 +18,7 @@ use self::curve::{Carrier, Curve, Point};
 use self::gaps::{Gaps, Seen};
 use self::search::Search;
 use self::shown::Shown;
-use self::sweeps::{Motion, Row, Rows, Span, Term};
+use self::sweeps::{Motion, NONE, Row, Rows, Span};
 use super::Constraint;
 use crate::kernel::interaction::Law;
 use crate::state::EffectId;
@@ -114,9 +115,6 @@ pub struct Overlap {
     pub place: [f64; 2],
 }
 
-/// No degree of freedom: a rigid body does not move along r.
-const NONE: u32 = u32::MAX;
-
 impl Contact {
     /// The contact of some pairs of curves over points.
     pub fn new(points: Vec<Point>, curves: Vec<Curve>, mut pairs: Vec<Pair>, laws: Vec<Law>) -> Contact {
@@ -141,8 +139,7 @@ impl Contact {
         contact.listed = Vec::with_capacity(points.len());
         contact.near = Vec::with_capacity(2 * points.len());
         contact.gaps = Gaps::new(facets);
-        contact.rows.terms.reserve(32 * keys as usize);
-        contact.rows.rows.reserve(keys as usize);
+        contact.rows.reserve(keys as usize, contact.dofs.len());
         (contact.points, contact.curves, contact.pairs) = (points, curves, pairs);
         contact.list_points();
         contact
@@ -261,8 +258,7 @@ impl Contact {
     fn measure(&mut self) {
         let Contact { curves, pairs, gaps, rows, dofs_of, fits, places, .. } = self;
         gaps.shares.clear();
-        rows.rows.clear();
-        rows.terms.clear();
+        rows.clear();
         for pair in pairs.iter_mut() {
             let own = &curves[pair.own];
             let other = pair.other.map_or(own, |o| &curves[o]);
@@ -376,25 +372,26 @@ impl Contact {
 
 /// The row of one point, from what the facets around it see.
 fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps, dofs_of: &[[u32; 2]], fits: &[f64]) {
-    let begin = rows.terms.len();
     let mut row = Row::of(pair.first_key + index as u32, pair.law as u32);
-    for &(facet, end) in own.around_own(index).iter().filter(|f| own.there[f.0 as usize]) {
+    let facets = || own.around_own(index).iter().filter(|f| own.there[f.0 as usize]);
+    for &(facet, end) in facets() {
         let (seen, end) = (&pair.seen[facet as usize], end as usize);
         row.area += seen.area[end];
         row.gap += seen.gap[end];
-        for share in &gaps.shares[seen.shares[0] as usize..seen.shares[1] as usize] {
-            add_share(&mut rows.terms, begin, dofs_of[share.point as usize], share.of[end]);
-        }
     }
     if row.area <= 0.0 {
-        rows.terms.truncate(begin);
         return;
     }
     if let Some(fit) = fits.get(row.key as usize) {
         row.gap -= fit * row.area;
     }
-    row.terms = [begin as u32, rows.terms.len() as u32];
-    rows.rows.push(row);
+    rows.open();
+    for &(facet, end) in facets() {
+        for share in gaps.shares_of(&pair.seen[facet as usize]) {
+            rows.add_share(dofs_of[share.point as usize], share.of[end as usize]);
+        }
+    }
+    rows.close(row);
 }
 
 /// The row of a point that meets a curve by itself: its area is one, its multiplier an impulse.
@@ -411,34 +408,14 @@ fn add_point_row(
     }
     let point = of.own[index as usize];
     let seen = gaps.see_point((point, places[point as usize]), against, candidates, pair.search.reach());
-    let Some((gap, shares)) = seen else { return };
-    let begin = rows.terms.len();
-    for share in &gaps.shares[shares[0] as usize..shares[1] as usize] {
-        add_share(&mut rows.terms, begin, dofs_of[share.point as usize], share.of[0]);
+    let Some(seen) = seen else { return };
+    rows.open();
+    for share in gaps.shares_of(&seen) {
+        rows.add_share(dofs_of[share.point as usize], share.of[0]);
     }
     let mut row = Row::of(key, pair.law as u32);
-    (row.area, row.gap) = (1.0, gap);
-    row.terms = [begin as u32, rows.terms.len() as u32];
-    rows.rows.push(row);
-}
-
-/// Adds the share of a point. The direction along the surface is the normal's, a quarter turn counter-clockwise.
-fn add_share(terms: &mut Vec<Term>, begin: usize, [r, z]: [u32; 2], of: [f64; 2]) {
-    add_term(terms, begin, r, of[0], -of[1]);
-    add_term(terms, begin, z, of[1], of[0]);
-}
-
-fn add_term(terms: &mut Vec<Term>, begin: usize, dof: u32, normal: f64, slip: f64) {
-    if dof == NONE || (normal == 0.0 && slip == 0.0) {
-        return;
-    }
-    match terms[begin..].iter_mut().find(|t| t.dof == dof) {
-        Some(known) => {
-            known.normal += normal;
-            known.slip += slip;
-        }
-        None => terms.push(Term { dof, normal, slip }),
-    }
+    (row.area, row.gap) = (seen.area[0], seen.gap[0]);
+    rows.close(row);
 }
 
 impl Constraint for Contact {
@@ -456,7 +433,7 @@ impl Constraint for Contact {
                 self.rows.bodies.extend((!*held).then_some(i as u32));
             }
         }
-        self.rows.light.reserve(self.rows.bodies.len());
+        self.rows.reserve(self.pressures.len(), self.dofs.len());
     }
 
     fn release(&mut self, gone: &[[u32; 4]]) {

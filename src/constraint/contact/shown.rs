@@ -87,8 +87,7 @@ impl Contact {
                     continue;
                 }
                 sum[4] += seen.area[end];
-                let shares = &self.gaps.shares[seen.shares[0] as usize..seen.shares[1] as usize];
-                for share in shares.iter().filter(|s| facet.contains(&s.point)) {
+                for share in self.gaps.shares_of(seen).iter().filter(|s| facet.contains(&s.point)) {
                     let of = share.of[end];
                     sum[0] += pressure * of[0];
                     sum[1] += pressure * of[1];

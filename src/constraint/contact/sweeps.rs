@@ -3,6 +3,7 @@
 //! Engrg. 177, 235).
 //! Never here: where gaps come from.
 
+use super::direct::Direct;
 use super::light::Light;
 use crate::kernel::interaction::{Law, Overclosure};
 
@@ -81,13 +82,13 @@ impl Motion {
         terms.iter().map(|t| t.slip * self.velocity[t.dof as usize]).sum()
     }
 
-    fn push(&mut self, terms: &[Term], impulse: f64) {
+    pub(super) fn push(&mut self, terms: &[Term], impulse: f64) {
         for t in terms {
             self.velocity[t.dof as usize] += self.inverse_mass[t.dof as usize] * t.normal * impulse;
         }
     }
 
-    fn shear(&mut self, terms: &[Term], impulse: f64) {
+    pub(super) fn shear(&mut self, terms: &[Term], impulse: f64) {
         for t in terms {
             self.velocity[t.dof as usize] += self.inverse_mass[t.dof as usize] * t.slip * impulse;
         }
@@ -116,10 +117,18 @@ pub struct Rows {
     pub bodies: Vec<u32>,
     /// Those of them that are lighter than what they meet.
     pub(super) light: Vec<Light>,
+    pub(super) direct: Direct,
+    /// Of each degree of freedom its last term.
+    slots: Vec<u32>,
+    /// The first term of the row that is being made.
+    opened: u32,
 }
 
+/// No degree of freedom: a rigid body does not move along r.
+pub(super) const NONE: u32 = u32::MAX;
+
 /// Change of the rates in a sweep, as a part of the fastest approach, at which sweeps end.
-const TOLERANCE: f64 = 1e-9;
+pub(super) const TOLERANCE: f64 = 1e-9;
 /// Part of the fastest velocity of all that rounding can make of the approach.
 const ROUNDING: f64 = 1e-10;
 /// Sweeps at most.
@@ -128,18 +137,92 @@ pub const MOST_SWEEPS: u32 = 200;
 const ROUNDS: usize = 30;
 
 impl Rows {
+    /// Room for this many rows and degrees of freedom.
+    pub(super) fn reserve(&mut self, rows: usize, dofs: usize) {
+        self.terms.reserve(32 * rows);
+        self.rows.reserve(rows);
+        self.light.reserve(self.bodies.len());
+        self.slots.resize(dofs, NONE);
+        self.direct.reserve(rows, dofs);
+    }
+
+    /// Takes all rows away.
+    pub(super) fn clear(&mut self) {
+        self.terms.clear();
+        self.rows.clear();
+    }
+
+    /// Begins a row.
+    pub(super) fn open(&mut self) {
+        self.opened = self.terms.len() as u32;
+    }
+
+    /// Adds the share of a point with these degrees of freedom. The direction along the surface is the normal's, a quarter turn
+    /// counter-clockwise.
+    #[inline]
+    pub(super) fn add_share(&mut self, [r, z]: [u32; 2], of: [f64; 2]) {
+        self.add_term(r, of[0], -of[1]);
+        self.add_term(z, of[1], of[0]);
+    }
+
+    #[inline]
+    fn add_term(&mut self, dof: u32, normal: f64, slip: f64) {
+        if dof == NONE || (normal == 0.0 && slip == 0.0) {
+            return;
+        }
+        let slot = &mut self.slots[dof as usize];
+        match self.terms.get_mut(*slot as usize) {
+            Some(known) if *slot >= self.opened && known.dof == dof => {
+                known.normal += normal;
+                known.slip += slip;
+            }
+            _ => {
+                *slot = self.terms.len() as u32;
+                self.terms.push(Term { dof, normal, slip });
+            }
+        }
+    }
+
+    /// Ends a row.
+    pub(super) fn close(&mut self, mut row: Row) {
+        row.terms = [self.opened, self.terms.len() as u32];
+        self.rows.push(row);
+    }
+
     /// Finds the impulses; velocities in `motion` are those they give. `laws` are those of the rows, `before` the pressure and
-    /// shear stress of each key in the increment before. Nothing is done where nothing approaches.
+    /// shear stress of each key in the increment before. Nothing is done where nothing approaches. Sweeps begin where the direct
+    /// solution finds no end.
     pub fn solve(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) {
         self.sweeps = 0;
+        let Some(reference) = self.begin(motion, laws, span) else { return };
+        self.begin_warm(motion, laws, before, span);
+        if !self.solve_directly(motion, laws, reference, span) {
+            self.unload(motion);
+            self.solve_by_sweeps(motion, laws, before, reference, span);
+        }
+    }
+
+    /// Keeps the rows that this increment may close. Returns the velocity that errors are held against; `None` where nothing
+    /// approaches.
+    pub(super) fn begin(&mut self, motion: &Motion, laws: &[Law], span: Span) -> Option<f64> {
         let approach = self.prepare(motion, laws, span);
         if approach <= 0.0 {
             self.rows.clear();
-            return;
+            return None;
         }
         let fastest = self.terms.iter().fold(0.0_f64, |v, t| v.max(motion.velocity[t.dof as usize].abs()));
-        let reference = approach.max(ROUNDING * fastest);
         self.keep_near(motion, laws, approach, span);
+        Some(approach.max(ROUNDING * fastest))
+    }
+
+    pub(super) fn solve_by_sweeps(
+        &mut self,
+        motion: &mut Motion,
+        laws: &[Law],
+        before: &[[f64; 2]],
+        reference: f64,
+        span: Span,
+    ) {
         self.hold_light(motion, laws);
         self.begin_warm(motion, laws, before, span);
         self.start_light(motion);
@@ -153,8 +236,19 @@ impl Rows {
         self.release_light(motion);
     }
 
+    /// Takes all impulses back.
+    fn unload(&mut self, motion: &mut Motion) {
+        let Rows { terms, rows, .. } = self;
+        for row in rows {
+            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            motion.push(own, -row.pressed);
+            motion.shear(own, -row.sheared);
+            (row.pressed, row.sheared) = (0.0, 0.0);
+        }
+    }
+
     /// Begins with the pressures of the increment before. Friction that depends on the rate of slip takes that which they leave.
-    fn begin_warm(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) {
+    pub(super) fn begin_warm(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) {
         let Rows { terms, rows, .. } = self;
         for row in rows.iter_mut() {
             let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
@@ -249,12 +343,18 @@ impl Rows {
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let of_bodies = size_of::<u32>() * self.bodies.capacity() + size_of::<Light>() * self.light.capacity();
-        size_of::<Term>() * self.terms.capacity() + size_of::<Row>() * self.rows.capacity() + of_bodies
+        let of_rows = size_of::<Term>() * self.terms.capacity() + size_of::<Row>() * self.rows.capacity();
+        of_rows + of_bodies + size_of::<u32>() * self.slots.capacity() + self.direct.bytes()
     }
 }
 
+/// The overlap with which the increment ends, where its gap grows at a rate.
+pub(super) fn closed_overlap(row: &Row, rate: f64, span: Span) -> f64 {
+    -(row.gap + span.ahead * rate) / row.area
+}
+
 /// The largest impulse along the surface.
-fn most_shear(row: &Row, law: &Law, half: f64) -> f64 {
+pub(super) fn most_shear(row: &Row, law: &Law, half: f64) -> f64 {
     let most = if row.pressed > 0.0 { row.coefficient * row.pressed } else { 0.0 };
     most.min(law.friction.largest * half)
 }
@@ -262,7 +362,7 @@ fn most_shear(row: &Row, law: &Law, half: f64) -> f64 {
 /// The impulse of a law that gives way: the pressure at the overlap with which the increment ends, so that no stiffness limits the
 /// increment. `free` is the rate without it. One root: the pressure falls as the impulse grows.
 fn give_way(row: &Row, law: &Overclosure, free: f64, span: Span) -> f64 {
-    let overlap = |impulse: f64| -(row.gap + span.ahead * (free + row.gives[0] * impulse)) / row.area;
+    let overlap = |impulse: f64| closed_overlap(row, free + row.gives[0] * impulse, span);
     let steeper = span.half * span.ahead * row.gives[0] / row.area;
     let [first, _] = law.pressure(overlap(0.0));
     let (mut low, mut high) = (0.0, span.half * first);
