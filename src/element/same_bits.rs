@@ -5,7 +5,7 @@ use pulp::Arch;
 
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Pass, Quads};
-use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table};
+use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table};
 use crate::kernel::heating::Heating;
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -127,13 +127,14 @@ fn lines() -> Lines {
     Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall")
 }
 
-fn johnson_cook() -> RateDependent<JohnsonCook> {
+fn johnson_cook() -> FlowStress {
     let base = JohnsonCook { a: 0.02, b: 0.01, n: 0.3, m: 1.1, melt: 500.0, transition: 20.0 };
-    RateDependent { base, factor: RateFactor::JohnsonCook { c: 0.02, reference: 1e-3 } }
+    let factor = Some(RateFactor::JohnsonCook { c: 0.02, reference: 1e-3 });
+    FlowStress { base: StaticYield::JohnsonCook(base), factor }
 }
 
 fn general() -> General {
-    General { law: Box::new(johnson_cook()), heating: Heating::Constant(50.0) }
+    General { law: johnson_cook(), heating: Heating::Constant(50.0) }
 }
 
 fn kinematic() -> Kinematic {
@@ -142,7 +143,7 @@ fn kinematic() -> Kinematic {
 
 fn moving() -> Moving {
     let slope = Table { rows: vec![[0.1, 20.0], [0.05, 200.0]] };
-    Moving { size: Box::new(johnson_cook()), slope, heating: Heating::Constant(50.0) }
+    Moving { size: johnson_cook(), slope, heating: Heating::Constant(50.0) }
 }
 
 fn gas() -> Eos<IdealGas> {

@@ -127,7 +127,7 @@ pub fn mises([a, b]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{PlaneElastic, mises};
-    use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, YieldStress};
+    use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, YieldStress};
 
     const STEEL: PlaneElastic = PlaneElastic { young: 200e3, ratio: 0.3 };
 
@@ -147,7 +147,8 @@ mod tests {
     #[test]
     fn the_return_meets_the_yield_surface() {
         let base = JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 };
-        let law = RateDependent { base, factor: RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 } };
+        let factor = Some(RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 });
+        let law = FlowStress { base: StaticYield::JohnsonCook(base), factor };
         for trial in [[5000.0, -300.0], [2500.0, 2500.0], [-2000.0, 1.0], [0.0, 1e5]] {
             let found = STEEL.returned(&law, trial, [0.02, 300.0], 1e-6);
             let yields = law.at(0.02 + found.flow, found.flow / 1e-6, 300.0);

@@ -1,7 +1,7 @@
 //! Linear kinematic hardening whose yield stress depends on rate and temperature, and whose slope on temperature.
 //! Never here: isotropic hardening, the rotation of the stress.
 
-use crate::kernel::hardening::{Table, YieldStress, plastic_increment};
+use crate::kernel::hardening::{FlowStress, Table, plastic_increment};
 use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
@@ -13,7 +13,7 @@ use crate::state::archive::{Archive, Persist, persist_fields};
 /// plastic strain, and where C changes with the temperature it changes in proportion.
 pub struct Moving {
     /// Radius of the yield surface, over rate and temperature.
-    pub size: Box<dyn YieldStress>,
+    pub size: FlowStress,
     /// C, slope of the stress over the plastic strain, over temperature.
     pub slope: Table,
     /// Rise of temperature by plastic work.
@@ -47,7 +47,7 @@ impl Hardening for Moving {
             let temperature = state.temperature[l];
             let slope = self.slope.value(temperature);
             let trial = flow.trial[l];
-            let dp = plastic_increment(&*self.size, trial, state.strain[l], temperature, flow.shear3 + slope, flow.dt);
+            let dp = plastic_increment(&self.size, trial, state.strain[l], temperature, flow.shear3 + slope, flow.dt);
             flow.increment[l] = dp;
             state.strain[l] += dp;
             state.slope[l] = slope;

@@ -1,10 +1,11 @@
 //! Yield and isotropic hardening of von Mises plasticity.
 //! Never here: loops over elements.
 
-use crate::kernel::hardening::{YieldStress, plastic_increment};
+use crate::kernel::hardening::FlowStress;
 use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
+use crate::kernel::return_mapping::{Trial, plastic_increments};
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// How the yield stress of von Mises plasticity develops. An absent one is a type without state.
@@ -159,10 +160,10 @@ impl Hardening for Lines {
     }
 }
 
-/// Any yield stress over plastic strain, rate and temperature, one element after the other; plastic work may heat.
+/// Any yield stress over plastic strain, rate and temperature; plastic work may heat.
 pub struct General {
     /// The yield stress.
-    pub law: Box<dyn YieldStress>,
+    pub law: FlowStress,
     /// Rise of temperature by plastic work.
     pub heating: Heating,
 }
@@ -172,6 +173,8 @@ pub struct General {
 pub struct PlasticState {
     strain: Lanes,
     temperature: Lanes,
+    /// Rate of the plastic strain where it last grew.
+    rate: Lanes,
 }
 
 impl Hardening for General {
@@ -179,17 +182,26 @@ impl Hardening for General {
     const PLASTIC: bool = true;
 
     fn fresh(&self) -> PlasticState {
-        PlasticState { strain: [0.0; LANES], temperature: [0.0; LANES] }
+        PlasticState { strain: [0.0; LANES], temperature: [0.0; LANES], rate: [0.0; LANES] }
     }
 
+    #[inline(always)]
     fn flow(&self, state: &mut PlasticState, flow: &mut Flow<'_>) {
-        for l in 0..flow.count {
-            let (strain, temperature) = (state.strain[l], state.temperature[l]);
-            let dp = plastic_increment(&*self.law, flow.trial[l], strain, temperature, flow.shear3, flow.dt);
-            flow.increment[l] = dp;
-            state.strain[l] += dp;
-            state.temperature[l] += self.heating.rise(temperature, [flow.trial[l] - flow.shear3 * dp, dp]);
+        let PlasticState { strain, temperature, rate } = state;
+        let trial = Trial { stress: flow.trial, strain, temperature, rate, shear3: flow.shear3, dt: flow.dt };
+        let increment = plastic_increments(&self.law, trial, flow.count);
+        let per_dt = if flow.dt > 0.0 { 1.0 / flow.dt } else { 0.0 };
+        for l in 0..LANES {
+            strain[l] += increment[l];
+            rate[l] = if increment[l] > 0.0 { increment[l] * per_dt } else { rate[l] };
         }
+        if !self.heating.is_none() {
+            for l in 0..flow.count {
+                let left = flow.trial[l] - flow.shear3 * increment[l];
+                temperature[l] += self.heating.rise(temperature[l], [left, increment[l]]);
+            }
+        }
+        *flow.increment = increment;
     }
 
     fn plastic_strain(&self, state: &PlasticState, lane: usize) -> f64 {
@@ -212,8 +224,8 @@ impl Hardening for General {
 
 impl Persist for PlasticState {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let PlasticState { strain, temperature } = self;
-        persist_fields!(archive; strain, temperature);
+        let PlasticState { strain, temperature, rate } = self;
+        persist_fields!(archive; strain, temperature, rate);
     }
 }
 

@@ -7,7 +7,7 @@ use super::user_material::asks_at_points;
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Quads};
-use crate::kernel::hardening::{JohnsonCook, RateDependent, RateFactor, Table, TableOverTemperature, YieldStress};
+use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature};
 use crate::kernel::heating::Heating;
 use crate::kernel::levels::Levels;
 use crate::material::eos::{Eos, IdealGas, Tabulated, UsUp};
@@ -506,14 +506,13 @@ impl Compiler<'_> {
         plastic: &Plastic,
         material: &Material,
         span: Span,
-    ) -> Option<Box<dyn YieldStress>> {
-        let factor = rate_factor(material.rate.as_ref());
-        match plastic {
+    ) -> Option<FlowStress> {
+        let base = match plastic {
             // They have laws of their own.
-            Plastic::Kinematic(_) | Plastic::User(_) | Plastic::OverFields(_) => None,
+            Plastic::Kinematic(_) | Plastic::User(_) | Plastic::OverFields(_) => return None,
             Plastic::JohnsonCook([a, b, n, m, melt, transition]) => {
                 let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
-                Some(with_rate(law, factor))
+                StaticYield::JohnsonCook(law)
             }
             Plastic::Tabular(rows) => {
                 let mut tables = match tables(rows) {
@@ -525,12 +524,10 @@ impl Compiler<'_> {
                     }
                 };
                 tables.iter_mut().for_each(|(_, table)| extrapolate(&mut table.rows, material));
-                if tables.len() > 1 {
-                    return Some(with_rate(TableOverTemperature { tables }, factor));
-                }
-                tables.pop().map(|(_, table)| with_rate(table, factor))
+                StaticYield::Tables(TableOverTemperature { tables })
             }
-        }
+        };
+        Some(FlowStress { base, factor: rate_factor(material.rate.as_ref()) })
     }
 }
 
@@ -557,15 +554,8 @@ fn stiffest(rows: &[Vec<f64>]) -> Moduli {
 fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: Heating) -> Moving {
     let size = |line: &[f64; 3]| (line[2], Table { rows: vec![[line[0], 0.0]] });
     let slope = Table { rows: lines.iter().map(|l| [l[1], l[2]]).collect() };
-    let size = with_rate(TableOverTemperature { tables: lines.iter().map(size).collect() }, rate_factor(rate));
-    Moving { size, slope, heating }
-}
-
-fn with_rate<Y: YieldStress + 'static>(base: Y, factor: Option<RateFactor>) -> Box<dyn YieldStress> {
-    match factor {
-        Some(factor) => Box::new(RateDependent { base, factor }),
-        None => Box::new(base),
-    }
+    let base = StaticYield::Tables(TableOverTemperature { tables: lines.iter().map(size).collect() });
+    Moving { size: FlowStress { base, factor: rate_factor(rate) }, slope, heating }
 }
 
 /// Rows of yield stress, plastic strain and temperature (not a number if absent) as one table a temperature.

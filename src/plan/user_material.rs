@@ -150,7 +150,7 @@ impl Compiler<'_> {
                 Yield::User(properties.clone())
             }
             Some(Plastic::OverFields(rows)) => self.yield_over_fields(section, material, rows)?,
-            Some(plastic) => Yield::Law(Arc::from(self.yield_stress(plastic, material, section.span)?)),
+            Some(plastic) => Yield::Law(Arc::new(self.yield_stress(plastic, material, section.span)?)),
         };
         Some((UserLaw::Flow(yields), moduli))
     }

@@ -32,7 +32,7 @@ pub(super) fn advance(
     let trial = elastic.trial(*stress, strain);
     let returned = match (&section.flowing, flow) {
         (Some(flowing), Some(flow)) => {
-            let returned = elastic.returned(&*flowing.law, trial, [flow.strain, flow.temperature], dt);
+            let returned = elastic.returned(&flowing.law, trial, [flow.strain, flow.temperature], dt);
             flow.strain += returned.flow;
             flow.temperature += flowing.heating.rise(flow.temperature, [returned.mises, returned.flow]);
             returned

@@ -2,7 +2,7 @@
 //! Never here: state.
 
 use crate::element::constants::damped;
-use crate::kernel::hardening::YieldStress;
+use crate::kernel::hardening::FlowStress;
 use crate::kernel::heating::Heating;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::Frame;
@@ -19,7 +19,7 @@ pub enum Thinning {
 /// What flows at points.
 pub struct Flowing {
     /// Yield stress.
-    pub law: Box<dyn YieldStress>,
+    pub law: FlowStress,
     /// Rise of temperature by plastic work.
     pub heating: Heating,
 }

@@ -1,0 +1,356 @@
+//! The return to the yield surface of eight elements at once, for every flow stress over plastic strain, rate and temperature.
+//! Never here: stress tensors, one element at a time.
+//!
+//! Newton's method in the logarithm of the plastic strain increment, where trial - 3 G dp - yield stress is concave for the laws of
+//! Johnson and Cook and of Cowper and Symonds: from above the root every step stays above it, so that no step need be
+//! guarded, also at the onset of flow, where slopes over dp itself have no bound. Each lane goes its own way until its residual is
+//! met, whatever the lanes beside it do; one that has not met it after some rounds takes the bracketed secants of
+//! [`plastic_increment`].
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use super::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature, plastic_increment};
+use super::lanes::{LANES, Lanes};
+use super::transcendental::{ln, power};
+
+/// What lanes return from.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial<'a> {
+    /// Von Mises stress of the elastic trial.
+    pub stress: &'a Lanes,
+    /// Equivalent plastic strain before the increment.
+    pub strain: &'a Lanes,
+    /// Temperature before the increment.
+    pub temperature: &'a Lanes,
+    /// Rate of the equivalent plastic strain in the increment before: where the search begins.
+    pub rate: &'a Lanes,
+    /// Three shear moduli.
+    pub shear3: f64,
+    /// Length of the increment.
+    pub dt: f64,
+}
+
+/// A value and its slope.
+type Sloped = (Lanes, Lanes);
+
+const ZERO: Lanes = [0.0; LANES];
+/// Rounds of Newton's method at most.
+const ROUNDS: usize = 8;
+/// Residual that is enough, a part of the trial stress.
+const ENOUGH: f64 = 1e-11;
+/// The least part of the plastic strain increment that a round leaves.
+const LEAST: f64 = 0.02;
+
+/// Increments of the equivalent plastic strain: zero where nothing flows.
+#[inline(always)]
+pub fn plastic_increments(law: &FlowStress, trial: Trial<'_>, count: usize) -> Lanes {
+    let Trial { stress, strain, temperature, rate, shear3, dt } = trial;
+    let softening = law.softening(temperature);
+    let at_rest = law.at_rest(strain, temperature, &softening);
+    let mut flows = false;
+    for l in 0..count {
+        flows |= stress[l] > at_rest[l];
+    }
+    if !flows {
+        return ZERO;
+    }
+    let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+    let (mut increment, mut highest, mut open) = (ZERO, ZERO, [false; LANES]);
+    for l in 0..LANES {
+        // A yield stress that does not fall leaves no more than this.
+        open[l] = l < count && stress[l] > at_rest[l];
+        highest[l] = if open[l] { (stress[l] - at_rest[l]) / shear3 } else { 0.0 };
+        let warm = rate[l] * dt;
+        increment[l] = if warm > 0.0 && warm < highest[l] { warm } else { highest[l] };
+    }
+    for _ in 0..ROUNDS {
+        let mut tried = ZERO;
+        let mut rates = ZERO;
+        for l in 0..LANES {
+            tried[l] = strain[l] + increment[l];
+            rates[l] = increment[l] * per_dt;
+        }
+        let (yields, slope) = law.lanes(&tried, &rates, temperature, &softening, per_dt);
+        let mut left = false;
+        for l in 0..LANES {
+            let residual = stress[l] - shear3 * increment[l] - yields[l];
+            let enough = residual.abs() <= ENOUGH * stress[l];
+            open[l] &= !enough;
+            // From above in the logarithm, where 1/(1 - x) is not below exp(x); from below in the increment itself.
+            let step = residual / (shear3 + slope[l]);
+            let dp = increment[l];
+            let down = dp * dp / (dp - step);
+            let up = dp + step;
+            let next = if residual < 0.0 { down } else { up };
+            let next = if next > LEAST * dp { next } else { LEAST * dp };
+            let next = if next < highest[l] { next } else { highest[l] };
+            increment[l] = if open[l] { next } else { dp };
+            left |= open[l];
+        }
+        if !left {
+            return increment;
+        }
+    }
+    for l in (0..LANES).filter(|l| open[*l]) {
+        increment[l] = plastic_increment(law, stress[l], strain[l], temperature[l], shear3, dt);
+    }
+    increment
+}
+
+impl FlowStress {
+    /// What the temperature leaves of a Johnson-Cook yield stress; one elsewhere.
+    #[inline(always)]
+    fn softening(&self, temperature: &Lanes) -> Lanes {
+        match &self.base {
+            StaticYield::JohnsonCook(law) => law.softening(temperature),
+            StaticYield::Tables(_) => [1.0; LANES],
+        }
+    }
+
+    /// The yield stress where nothing flows yet.
+    #[inline(always)]
+    fn at_rest(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Lanes {
+        let (mut value, _) = self.static_yield(strain, temperature, softening);
+        if let Some(RateFactor::Ratio(tables)) = &self.factor {
+            let (ratio, _) = tables.lanes(&ZERO, temperature);
+            (0..LANES).for_each(|l| value[l] *= ratio[l]);
+        }
+        value
+    }
+
+    #[inline(always)]
+    fn static_yield(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Sloped {
+        match &self.base {
+            StaticYield::JohnsonCook(law) => law.lanes(strain, softening),
+            StaticYield::Tables(tables) => tables.lanes(strain, temperature),
+        }
+    }
+
+    /// The yield stress at plastic strains and their rates, which grow by `per_dt` a unit of strain, and its slope over the strain.
+    #[inline(always)]
+    fn lanes(&self, strain: &Lanes, rate: &Lanes, temperature: &Lanes, softening: &Lanes, per_dt: f64) -> Sloped {
+        let (mut value, mut slope) = self.static_yield(strain, temperature, softening);
+        if let Some(factor) = &self.factor {
+            let (times, grows) = factor.lanes(rate, temperature);
+            for l in 0..LANES {
+                slope[l] = slope[l] * times[l] + value[l] * (grows[l] * per_dt);
+                value[l] *= times[l];
+            }
+        }
+        (value, slope)
+    }
+}
+
+impl JohnsonCook {
+    #[inline(always)]
+    fn softening(&self, temperature: &Lanes) -> Lanes {
+        let mut theta = ZERO;
+        let mut warm = false;
+        for l in 0..LANES {
+            let t = (temperature[l] - self.transition) / (self.melt - self.transition);
+            theta[l] = if t >= 1.0 { 1.0 } else { t };
+            warm |= t > 0.0;
+        }
+        if !warm {
+            return [1.0; LANES];
+        }
+        let power = power(&theta, &[self.m; LANES]);
+        let mut left = ZERO;
+        for l in 0..LANES {
+            left[l] = 1.0 - power[l];
+        }
+        left
+    }
+
+    #[inline(always)]
+    fn lanes(&self, strain: &Lanes, softening: &Lanes) -> Sloped {
+        let power = power(strain, &[self.n; LANES]);
+        let (mut value, mut slope) = (ZERO, ZERO);
+        for l in 0..LANES {
+            let hardened = self.b * power[l];
+            value[l] = (self.a + hardened) * softening[l];
+            slope[l] = if strain[l] > 0.0 { self.n * hardened / strain[l] * softening[l] } else { 0.0 };
+        }
+        (value, slope)
+    }
+}
+
+impl RateFactor {
+    /// The factor and its slope over the rate.
+    #[inline(always)]
+    fn lanes(&self, rate: &Lanes, temperature: &Lanes) -> Sloped {
+        let (mut value, mut slope) = ([1.0; LANES], ZERO);
+        match self {
+            RateFactor::JohnsonCook { c, reference } => {
+                let mut ratio = ZERO;
+                for l in 0..LANES {
+                    ratio[l] = rate[l] / reference;
+                    ratio[l] = if ratio[l] > 1.0 { ratio[l] } else { 1.0 };
+                }
+                let log = ln(&ratio);
+                for l in 0..LANES {
+                    value[l] = 1.0 + c * log[l];
+                    slope[l] = if ratio[l] > 1.0 { c / rate[l] } else { 0.0 };
+                }
+            }
+            RateFactor::PowerLaw { d, n } => {
+                let ((d, _), (n, _)) = (d.lanes(temperature), n.lanes(temperature));
+                let (mut ratio, mut inverse) = (ZERO, ZERO);
+                for l in 0..LANES {
+                    ratio[l] = rate[l] / d[l];
+                    inverse[l] = 1.0 / n[l];
+                }
+                let power = power(&ratio, &inverse);
+                for l in 0..LANES {
+                    value[l] = 1.0 + power[l];
+                    slope[l] = if rate[l] > 0.0 { inverse[l] * power[l] / rate[l] } else { 0.0 };
+                }
+            }
+            RateFactor::Ratio(tables) => return tables.lanes(rate, temperature),
+        }
+        (value, slope)
+    }
+}
+
+impl TableOverTemperature {
+    /// Values and their slopes over the abscissa: the tables around each temperature, by their shares.
+    #[inline(always)]
+    fn lanes(&self, at: &Lanes, temperature: &Lanes) -> Sloped {
+        let Some((first, rest)) = self.tables.split_first() else { return (ZERO, ZERO) };
+        let (mut value, mut slope) = first.1.lanes(at);
+        let mut below = first.0;
+        for (above, table) in rest {
+            let (over, steeper) = table.lanes(at);
+            let per = 1.0 / (above - below);
+            for l in 0..LANES {
+                // At temperatures below these two the share is none; above, all.
+                let share = (temperature[l] - below) * per;
+                let share = if share > 0.0 { share } else { 0.0 };
+                let share = if share < 1.0 { share } else { 1.0 };
+                value[l] += share * (over[l] - value[l]);
+                slope[l] += share * (steeper[l] - slope[l]);
+            }
+            below = *above;
+        }
+        (value, slope)
+    }
+}
+
+impl Table {
+    /// Values and slopes, row after row: what lies behind a row takes it.
+    #[inline(always)]
+    fn lanes(&self, at: &Lanes) -> Sloped {
+        let Some(last) = self.rows.last() else { return (ZERO, ZERO) };
+        let (mut value, mut slope) = ([self.rows[0][0]; LANES], ZERO);
+        for row in self.rows.windows(2) {
+            let steep = (row[1][0] - row[0][0]) / (row[1][1] - row[0][1]);
+            for l in 0..LANES {
+                let behind = at[l] >= row[0][1];
+                value[l] = if behind { row[0][0] + steep * (at[l] - row[0][1]) } else { value[l] };
+                slope[l] = if behind { steep } else { slope[l] };
+            }
+        }
+        for l in 0..LANES {
+            let behind = at[l] >= last[1];
+            value[l] = if behind { last[0] } else { value[l] };
+            slope[l] = if behind { 0.0 } else { slope[l] };
+        }
+        (value, slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::hardening::YieldStress;
+
+    fn table(rows: &[[f64; 2]], factor: f64) -> Table {
+        Table { rows: rows.iter().map(|r| [r[0] * factor, r[1]]).collect() }
+    }
+
+    /// Every law with every factor of rate, in MPa, at 20 to 900 degrees.
+    fn laws() -> Vec<FlowStress> {
+        let rows = [[400.0, 0.0], [480.0, 0.02], [520.0, 0.1], [600.0, 0.4]];
+        let over = |a: f64, b: f64| Table { rows: vec![[a, 20.0], [b, 600.0]] };
+        let tables = vec![(20.0, table(&rows, 1.0)), (300.0, table(&rows, 0.7)), (800.0, table(&rows, 0.2))];
+        let steel = JohnsonCook { a: 806.0, b: 614.0, n: 0.168, m: 1.1, melt: 1540.0, transition: 20.0 };
+        let copper = JohnsonCook { a: 90.0, b: 292.0, n: 0.31, m: 1.09, melt: 1083.0, transition: 20.0 };
+        let soft = JohnsonCook { a: 1.0, b: 400.0, n: 0.05, m: 0.5, melt: 700.0, transition: 20.0 };
+        let bases = [
+            StaticYield::Tables(TableOverTemperature { tables: tables[..1].to_vec() }),
+            StaticYield::Tables(TableOverTemperature { tables }),
+            StaticYield::JohnsonCook(steel),
+            StaticYield::JohnsonCook(copper),
+            StaticYield::JohnsonCook(soft),
+        ];
+        let ratios = TableOverTemperature {
+            tables: vec![(20.0, Table { rows: vec![[1.0, 0.0], [1.2, 100.0], [1.9, 1e6]] })],
+        };
+        let factors = [
+            None,
+            Some(RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 }),
+            Some(RateFactor::JohnsonCook { c: 0.3, reference: 1e-3 }),
+            Some(RateFactor::PowerLaw { d: over(40.0, 80.0), n: over(5.0, 3.0) }),
+            Some(RateFactor::Ratio(ratios)),
+        ];
+        let with = |base: &StaticYield| factors.clone().map(|factor| FlowStress { base: base.clone(), factor });
+        bases.iter().flat_map(with).collect()
+    }
+
+    /// What lanes return to is the yield surface, from a hair beyond it to a thousand times its stress, at the onset of flow and far
+    /// in it, in increments of any length, with any rate to begin from; rows that do not flow stay.
+    #[test]
+    fn lanes_return_to_the_yield_surface() {
+        let (mut worst, mut tried): (f64, u32) = (0.0, 0);
+        for law in laws() {
+            for (i, past) in [1e-9, 1e-4, 0.01, 0.3, 3.0, 1000.0].into_iter().enumerate() {
+                for dt in [1e-9, 1e-7, 1e-3, 1.0, 0.0] {
+                    for strain in [0.0, 1e-12, 1e-3, 0.02, 0.5] {
+                        let temperature = [20.0, 0.0, 21.0, 100.0, 300.0, 450.0, 640.0, 900.0];
+                        let strains = [strain; LANES];
+                        let rest: Lanes = std::array::from_fn(|l| law.at(strain, 0.0, temperature[l]));
+                        let stress = std::array::from_fn(|l| (rest[l] + 1e-3) * (1.0 + past) * f64::from(l != 2));
+                        let rate = std::array::from_fn(|l| [0.0, 1.0, 1e3, 1e9][(l + i) % 4]);
+                        let trial = Trial {
+                            stress: &stress,
+                            strain: &strains,
+                            temperature: &temperature,
+                            rate: &rate,
+                            shear3: 240_000.0,
+                            dt,
+                        };
+                        let found = plastic_increments(&law, trial, LANES);
+                        assert_eq!(found[2], 0.0);
+                        for l in (0..LANES).filter(|l| *l != 2) {
+                            let per_dt = if dt > 0.0 { found[l] / dt } else { 0.0 };
+                            let yields = law.at(strain + found[l], per_dt, temperature[l]);
+                            let off = ((stress[l] - 240_000.0 * found[l] - yields) / stress[l]).abs();
+                            assert!(found[l] > 0.0 || stress[l] <= rest[l] * (1.0 + 1e-13), "{law:?} {trial:?}");
+                            assert!(off < 1e-10, "{off:e} {law:?} {trial:?} {found:?}");
+                            worst = worst.max(off);
+                            tried += 1;
+                        }
+                    }
+                }
+            }
+        }
+        println!("{tried} returns, off by {worst:e} of the trial stress at most");
+    }
+
+    /// A lane answers alike whatever lies beside it.
+    #[test]
+    fn lanes_do_not_see_each_other() {
+        for law in laws() {
+            let stress: Lanes = std::array::from_fn(|l| 300.0 + 200.0 * l as f64);
+            let (strain, temperature, rate) = ([0.01; LANES], [100.0; LANES], [1e3; LANES]);
+            let (shear3, dt) = (240_000.0, 1e-7);
+            let trial =
+                Trial { stress: &stress, strain: &strain, temperature: &temperature, rate: &rate, shear3, dt };
+            let together = plastic_increments(&law, trial, LANES);
+            for l in 0..LANES {
+                let same = [stress[l]; LANES];
+                let alone = plastic_increments(&law, Trial { stress: &same, ..trial }, 1);
+                assert_eq!(alone[0].to_bits(), together[l].to_bits());
+            }
+        }
+    }
+}

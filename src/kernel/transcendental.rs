@@ -1,0 +1,147 @@
+//! Logarithm and exponential of eight numbers at once, in plain arithmetic without a branch: compilers make vectors of it, and every
+//! instruction set gives the same bits.
+//! Never here: what the numbers mean.
+//!
+//! Both reduce their argument and take a polynomial of what is left (Tang 1989 and 1990, ACM Trans. Math. Softw. 15, 144 and 16,
+//! 378; the coefficients are those of the minimax polynomials published with Sun's fdlibm, `e_log.c` and `e_exp.c`). Errors stay
+//! below 1 unit in the last place, of powers below 2 + |n ln x| units.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use super::lanes::{LANES, Lanes};
+use std::f64::consts::LOG2_E;
+
+/// ln 2 in two parts, the first with zeros behind, so that multiples of it up to 2^11 are exact.
+const LN2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
+/// Bits of the square root of a half: mantissas are taken between it and twice it.
+const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
+/// Bits of one.
+const ONE: u64 = 0x3ff0_0000_0000_0000;
+/// Bits of 2^52: with a whole number below 2^52 in its place, the mantissa is that number.
+const WHOLE: u64 = 0x4330_0000_0000_0000;
+/// 2^52 and the half of it: added and taken off again it leaves the nearest whole number.
+const NEAREST: f64 = 6_755_399_441_055_744.0;
+
+/// Natural logarithms. Numbers must be normal and above zero; of others the answer means nothing.
+#[inline(always)]
+pub fn ln(x: &Lanes) -> Lanes {
+    let mut result = [0.0; LANES];
+    for l in 0..LANES {
+        let bits = x[l].to_bits();
+        // x = 2^k m with m between the root of a half and that of two.
+        let biased = bits.wrapping_sub(ROOT_HALF).wrapping_add(ONE) >> 52;
+        let k = f64::from_bits(WHOLE | biased) - f64::from_bits(WHOLE | 1023);
+        let f = f64::from_bits(bits.wrapping_sub(biased << 52).wrapping_add(ONE)) - 1.0;
+        let s = f / (2.0 + f);
+        let z = s * s;
+        let w = z * z;
+        let odd = w * (3.999_999_999_940_942e-1 + w * (2.222_219_843_214_978_4e-1 + w * 1.531_383_769_920_937_3e-1));
+        let even = z
+            * (6.666_666_666_666_735e-1
+                + w * (2.857_142_874_366_239e-1 + w * (1.818_357_216_161_805e-1 + w * 1.479_819_860_511_658_6e-1)));
+        let square = 0.5 * f * f;
+        result[l] = k * LN2[0] - ((square - (s * (square + (even + odd)) + k * LN2[1])) - f);
+    }
+    result
+}
+
+/// Exponentials; arguments beyond those of normal numbers are taken as the last that have some.
+#[inline(always)]
+pub fn exp(x: &Lanes) -> Lanes {
+    let mut result = [0.0; LANES];
+    for l in 0..LANES {
+        let x = if x[l] > 709.0 { 709.0 } else { x[l] };
+        let x = if x < -708.0 { -708.0 } else { x };
+        // x = k ln 2 + r.
+        let near = x * LOG2_E + NEAREST;
+        let k = near - NEAREST;
+        let (high, low) = (x - k * LN2[0], k * LN2[1]);
+        let r = high - low;
+        let z = r * r;
+        let p = z
+            * (1.666_666_666_666_66e-1
+                + z * (-2.777_777_777_701_559_3e-3
+                    + z * (6.613_756_321_437_934e-5
+                        + z * (-1.653_390_220_546_525_2e-6 + z * 4.138_136_797_057_238_5e-8))));
+        let c = r - p;
+        let y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
+        // The last bits of `near` are those of k.
+        let scale = f64::from_bits(near.to_bits().wrapping_add(1023) << 52);
+        result[l] = y * scale;
+    }
+    result
+}
+
+/// Powers x^n of numbers above zero, zero of others.
+#[inline(always)]
+pub fn power(x: &Lanes, n: &Lanes) -> Lanes {
+    let mut safe = *x;
+    for l in 0..LANES {
+        safe[l] = if x[l] >= f64::MIN_POSITIVE { x[l] } else { 1.0 };
+    }
+    let mut exponent = ln(&safe);
+    for l in 0..LANES {
+        exponent[l] *= n[l];
+    }
+    let mut result = exp(&exponent);
+    for l in 0..LANES {
+        result[l] = if x[l] >= f64::MIN_POSITIVE { result[l] } else { 0.0 };
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LANES, exp, ln, power};
+
+    /// Units in the last place between two numbers.
+    fn apart(a: f64, b: f64) -> u64 {
+        a.to_bits().abs_diff(b.to_bits())
+    }
+
+    /// Numbers over all that is asked, and beside where the reductions change over: within one unit of those that are exact to the
+    /// last place or one beside it.
+    #[test]
+    fn errors_are_below_one_unit() {
+        let mut worst = [0; 3];
+        for i in 0..400_000 {
+            let part = f64::from(i) / 400_000.0;
+            let x = [
+                libm::exp(1400.0 * (part - 0.5)),
+                1.0 + (part - 0.5) * 1e-3,
+                0.5 + part,
+                f64::MIN_POSITIVE * (1.0 + part),
+                std::f64::consts::FRAC_1_SQRT_2 * (1.0 + (part - 0.5) * 1e-9),
+                1e-12 * (1.0 + part),
+                1e9 * part + 1.0,
+                f64::MAX * (0.5 + 0.5 * part),
+            ];
+            let y = [
+                1400.0 * (part - 0.5),
+                part * 1e-3,
+                -part * 1e-9,
+                0.5 * std::f64::consts::LN_2 * (1.0 + (part - 0.5) * 1e-6),
+                -part,
+                -10.0 * part,
+                20.0 * part,
+                0.0,
+            ];
+            let (logs, exps, n) = (ln(&x), exp(&y), [0.28, 0.5, 1.03, 0.01, 2.0, 0.2, 1.0 / 6.0, 0.001]);
+            let powers = power(&x, &n);
+            for l in 0..LANES {
+                worst[0] = worst[0].max(apart(logs[l], libm::log(x[l])));
+                worst[1] = worst[1].max(apart(exps[l], libm::exp(y[l])));
+                let exponent = n[l] * libm::log(x[l]);
+                let units = apart(powers[l], libm::pow(x[l], n[l])) as f64 / (2.0 + exponent.abs());
+                worst[2] = worst[2].max((100.0 * units) as u64);
+            }
+        }
+        println!("ln {}, exp {} units, power {} hundredths of 2 + |n ln x| units", worst[0], worst[1], worst[2]);
+        assert!(worst[0] <= 1 && worst[1] <= 1 && worst[2] <= 100, "{worst:?}");
+    }
+
+    #[test]
+    fn what_has_no_power_has_none() {
+        let x = [0.0, -1.0, f64::NAN, 5e-324, 1.0, 0.0, 0.0, 0.0];
+        assert_eq!(power(&x, &[0.3; LANES])[..5], [0.0, 0.0, 0.0, 0.0, 1.0]);
+    }
+}
