@@ -190,7 +190,11 @@ pub fn plastic_increment(
         (before, at_before) = (dp, value);
         dp = if slow < 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
         value = residual(dp);
-        if value > 0.0 { low = dp } else { high = dp }
+        if value > 0.0 {
+            low = dp
+        } else {
+            high = dp
+        }
         slow = if high - low <= 0.5 * width { 0 } else { slow + 1 };
         width = if slow == 0 { high - low } else { width };
     }

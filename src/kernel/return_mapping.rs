@@ -1,14 +1,16 @@
 //! The return to the yield surface of eight elements at once, for every flow stress over plastic strain, rate and temperature.
 //! Never here: stress tensors, one element at a time.
 //!
-//! Newton's method in the logarithm of the plastic strain increment, where trial - 3 G dp - yield stress is concave for the laws of
-//! Johnson and Cook and of Cowper and Symonds: from above the root every step stays above it, so that no step need be
-//! guarded, also at the onset of flow, where slopes over dp itself have no bound. Each lane goes its own way until its residual is
+//! Newton's method, where the yield stress is steeper than 3 G in the logarithm of the plastic strain increment: there
+//! trial - 3 G dp - yield stress is concave for the laws of Johnson and Cook and of Cowper and Symonds, and from above the root
+//! every step stays above it, also at the onset of flow, where slopes over dp itself have no bound. Each lane goes its own way until its residual is
 //! met, whatever the lanes beside it do; one that has not met it after some rounds takes the bracketed secants of
 //! [`plastic_increment`].
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature, plastic_increment};
+use super::hardening::{
+    FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature, plastic_increment,
+};
 use super::lanes::{LANES, Lanes};
 use super::transcendental::{ln, power};
 
@@ -37,6 +39,8 @@ const ZERO: Lanes = [0.0; LANES];
 const ROUNDS: usize = 8;
 /// Residual that is enough, a part of the trial stress.
 const ENOUGH: f64 = 1e-11;
+/// Step that is the last, a part of the plastic strain increment: what it leaves goes with its square.
+const SHORT: f64 = 1e-7;
 /// The least part of the plastic strain increment that a round leaves.
 const LEAST: f64 = 0.02;
 
@@ -75,15 +79,16 @@ pub fn plastic_increments(law: &FlowStress, trial: Trial<'_>, count: usize) -> L
             let residual = stress[l] - shear3 * increment[l] - yields[l];
             let enough = residual.abs() <= ENOUGH * stress[l];
             open[l] &= !enough;
-            // From above in the logarithm, where 1/(1 - x) is not below exp(x); from below in the increment itself.
+            // From above and where the yield stress is the steeper part in the logarithm, where 1/(1 - x) is not below exp(x);
+            // else in the increment itself.
             let step = residual / (shear3 + slope[l]);
             let dp = increment[l];
-            let down = dp * dp / (dp - step);
-            let up = dp + step;
-            let next = if residual < 0.0 { down } else { up };
+            let steep = residual < 0.0 && slope[l] > shear3;
+            let next = if steep { dp * dp / (dp - step) } else { dp + step };
             let next = if next > LEAST * dp { next } else { LEAST * dp };
             let next = if next < highest[l] { next } else { highest[l] };
             increment[l] = if open[l] { next } else { dp };
+            open[l] &= step.abs() > SHORT * dp;
             left |= open[l];
         }
         if !left {
@@ -282,9 +287,8 @@ mod tests {
             StaticYield::JohnsonCook(copper),
             StaticYield::JohnsonCook(soft),
         ];
-        let ratios = TableOverTemperature {
-            tables: vec![(20.0, Table { rows: vec![[1.0, 0.0], [1.2, 100.0], [1.9, 1e6]] })],
-        };
+        let ratios =
+            TableOverTemperature { tables: vec![(20.0, Table { rows: vec![[1.0, 0.0], [1.2, 100.0], [1.9, 1e6]] })] };
         let factors = [
             None,
             Some(RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 }),
@@ -343,8 +347,7 @@ mod tests {
             let stress: Lanes = std::array::from_fn(|l| 300.0 + 200.0 * l as f64);
             let (strain, temperature, rate) = ([0.01; LANES], [100.0; LANES], [1e3; LANES]);
             let (shear3, dt) = (240_000.0, 1e-7);
-            let trial =
-                Trial { stress: &stress, strain: &strain, temperature: &temperature, rate: &rate, shear3, dt };
+            let trial = Trial { stress: &stress, strain: &strain, temperature: &temperature, rate: &rate, shear3, dt };
             let together = plastic_increments(&law, trial, LANES);
             for l in 0..LANES {
                 let same = [stress[l]; LANES];

@@ -501,12 +501,7 @@ impl Compiler<'_> {
         })
     }
 
-    pub(super) fn yield_stress(
-        &mut self,
-        plastic: &Plastic,
-        material: &Material,
-        span: Span,
-    ) -> Option<FlowStress> {
+    pub(super) fn yield_stress(&mut self, plastic: &Plastic, material: &Material, span: Span) -> Option<FlowStress> {
         let base = match plastic {
             // They have laws of their own.
             Plastic::Kinematic(_) | Plastic::User(_) | Plastic::OverFields(_) => return None,

@@ -566,9 +566,13 @@ mod tests {
         let span = Span { ahead: 1.0, half: 1.0 };
         let soft = [Overclosure::Linear(3.0), Overclosure::Exponential([0.2, 1.0])];
         let bodies = [None, Some(1e3), Some(1.0), Some(1e-3), Some(1e-6)];
-        for (overclosure, friction) in
-            [(Overclosure::Hard, 0.0), (Overclosure::Hard, 0.2), (soft[0].clone(), 0.0), (soft[1].clone(), 0.0), (soft[0].clone(), 0.1)]
-        {
+        for (overclosure, friction) in [
+            (Overclosure::Hard, 0.0),
+            (Overclosure::Hard, 0.2),
+            (soft[0].clone(), 0.0),
+            (soft[1].clone(), 0.0),
+            (soft[0].clone(), 0.1),
+        ] {
             let law = Law { overclosure, friction: Friction::of(friction) };
             let (mut numbers, mut swept, mut scenes) = (Numbers(7), 0, 0);
             // Bodies far lighter than what an exponential law stops are for sweeps, too, a crawl.
