@@ -9,6 +9,8 @@ pub enum Overclosure {
     Hard,
     /// Pressure a length of overlap.
     Linear(f64),
+    /// The same of a penalty spring, which presses as at the overlap in the middle of an increment.
+    Spring(f64),
     /// Pressure at no gap, and the gap at which it begins:
     /// p = p0/(e - 1) ((h/c + 1)(exp(h/c + 1) - 1)) for overlaps h above -c.
     Exponential([f64; 2]),
@@ -20,7 +22,7 @@ impl Overclosure {
     /// The gap at which pressure begins.
     pub fn begins(&self) -> f64 {
         match self {
-            Overclosure::Hard | Overclosure::Linear(_) => 0.0,
+            Overclosure::Hard | Overclosure::Linear(_) | Overclosure::Spring(_) => 0.0,
             Overclosure::Exponential([_, gap]) => *gap,
             Overclosure::Table(rows) => rows.first().map_or(0.0, |row| -row[1]),
         }
@@ -30,8 +32,10 @@ impl Overclosure {
     pub fn pressure(&self, overlap: f64) -> [f64; 2] {
         match self {
             Overclosure::Hard => [0.0, 0.0],
-            Overclosure::Linear(stiffness) if overlap > 0.0 => [stiffness * overlap, *stiffness],
-            Overclosure::Linear(_) => [0.0, 0.0],
+            Overclosure::Linear(stiffness) | Overclosure::Spring(stiffness) if overlap > 0.0 => {
+                [stiffness * overlap, *stiffness]
+            }
+            Overclosure::Linear(_) | Overclosure::Spring(_) => [0.0, 0.0],
             Overclosure::Exponential([at_zero, gap]) => {
                 let x = overlap / gap + 1.0;
                 if x <= 0.0 {

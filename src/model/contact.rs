@@ -225,6 +225,12 @@ impl Builder<'_> {
                 }
             };
             let Some(nodes) = self.contact_nodes(other) else { continue };
+            let Some(penalty) = self.penalty_of_pair(card) else { return };
+            if penalty.is_some() {
+                let message = "penalty springs do not stand between nodes and an analytical surface";
+                self.unsupported(line.span, message, "make the surface of RAX2 elements, or leave MECHANICAL CONSTRAINT out");
+                continue;
+            }
             let faces = self.contact_faces(other);
             let set = other.text.clone();
             let interaction = card.value("INTERACTION").cloned();

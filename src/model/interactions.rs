@@ -76,7 +76,7 @@ impl Builder<'_> {
         };
         let good = match &law {
             Overclosure::Hard => true,
-            Overclosure::Linear(stiffness) => *stiffness > 0.0,
+            Overclosure::Linear(stiffness) | Overclosure::Spring(stiffness) => *stiffness > 0.0,
             Overclosure::Exponential(both) => both.iter().all(|x| *x > 0.0),
             Overclosure::Table(rows) => {
                 rows.len() > 1 && rows[0][0] == 0.0 && rows.windows(2).all(|w| w[0][0] <= w[1][0] && w[0][1] < w[1][1])

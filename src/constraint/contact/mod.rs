@@ -37,12 +37,16 @@ pub struct Pair {
     pub own: usize,
     /// The other one; `None` where it is the same.
     pub other: Option<usize>,
-    /// Which of the laws of the contact it follows.
+    /// Which of the laws of the contact it follows; of penalty springs the first: each point of the own curve has one.
     pub law: usize,
+    /// Whether it has penalty springs.
+    pub springs: bool,
+    /// The law of points that meet by themselves, whose multipliers are impulses and no pressures.
+    pub of_points: usize,
     /// Whether the own curve is the first surface of the pair as it was given: forces are those on that.
     pub first: bool,
-    /// Gaps at the start up to this are taken as none.
-    pub fits: f64,
+    /// What gaps at the start are taken as.
+    pub begins: Option<Begins>,
     search: Search,
     seen: Vec<Seen>,
     /// The first of its keys: each point of the own curve has one.
@@ -55,8 +59,35 @@ impl Pair {
     pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], law: usize, length: f64) -> Pair {
         let other = (own != other).then_some(other);
         let search = Search::new(length, 0.0, 0, 0);
-        Pair { id, number, own, other, law, first: true, fits: 0.0, search, seen: Vec::new(), first_key: 0 }
+        Pair {
+            id,
+            number,
+            own,
+            other,
+            law,
+            springs: false,
+            of_points: law,
+            first: true,
+            begins: None,
+            search,
+            seen: Vec::new(),
+            first_key: 0,
+        }
     }
+
+    /// The law of a point of the own curve.
+    fn law_of(&self, index: usize) -> u32 {
+        (if self.springs { self.law + index } else { self.law }) as u32
+    }
+}
+
+/// What gaps at the start are taken as, where they are in a range: what they have too much or too little is taken off for good.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Begins {
+    /// The gap.
+    pub gap: f64,
+    /// From the deepest overlap to the widest gap.
+    pub range: [f64; 2],
 }
 
 /// All contact of a step.
@@ -72,8 +103,10 @@ pub struct Contact {
     dofs: Vec<(Dof, bool)>,
     /// Pressure and shear stress of each key over the increment behind.
     pressures: Vec<[f64; 2]>,
-    /// The gap of each key at the start where that is taken as none; empty where none is.
+    /// What is taken off the gap of each key; empty where nothing is.
     fits: Vec<f64>,
+    /// Penalty springs; `None` where there are none.
+    springs: Option<Springs>,
     places: Vec<[f64; 2]>,
     /// Points that are looked at: of bare facets, and those that no element has.
     near: Vec<u32>,
@@ -92,6 +125,24 @@ pub struct Contact {
     uncovered: bool,
     /// What is shown of it.
     shown: Shown,
+}
+
+/// Penalty springs.
+#[derive(Clone, Debug)]
+struct Springs {
+    /// The first of their laws: all that follow are theirs.
+    first: u32,
+    /// Mean velocity of each degree of freedom over the impulse of the increment.
+    means: Vec<f64>,
+}
+
+impl Springs {
+    /// Work of the springs in the increment.
+    fn work(&self, rows: &Rows) -> f64 {
+        let own = rows.rows.iter().filter(|row| row.law >= self.first && row.pressed > 0.0);
+        let rate = |row: &Row| rows.terms_of(row).iter().map(|t| t.normal * self.means[t.dof as usize]).sum::<f64>();
+        own.map(|row| row.pressed * rate(row)).sum()
+    }
 }
 
 /// A rigid body in contact.
@@ -148,6 +199,12 @@ impl Contact {
         contact
     }
 
+    /// Takes the laws from this one on for those of penalty springs.
+    pub fn with_springs(mut self, first: usize) -> Contact {
+        self.springs = Some(Springs { first: first as u32, means: vec![0.0; self.dofs.len()] });
+        self
+    }
+
     /// Looks at how surfaces lie when points are at these places, at the start: takes gaps as none where a pair says so, and gives
     /// the deepest overlap of each pair, with its place.
     pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<Option<Overlap>> {
@@ -155,23 +212,25 @@ impl Contact {
         self.curves.iter_mut().for_each(|c| c.shape(places));
         self.list();
         self.measure();
-        self.show_openings();
         let mut deepest: Vec<Option<Overlap>> = vec![None; self.pairs.len()];
         let mut fits = vec![0.0; self.pressures.len()];
-        for row in &self.rows.rows {
+        for row in &mut self.rows.rows {
             let at = self.pairs.partition_point(|p| p.first_key <= row.key) - 1;
-            let (pair, gap) = (&self.pairs[at], row.gap / row.area);
-            if gap > 0.0 && gap <= pair.fits {
-                fits[row.key as usize] = gap;
+            let (pair, mut gap) = (&self.pairs[at], row.gap / row.area);
+            if let Some(begins) = pair.begins.filter(|b| (b.range[0]..=b.range[1]).contains(&gap)) {
+                fits[row.key as usize] = gap - begins.gap;
+                gap = begins.gap;
+                row.gap = gap * row.area;
             }
             let Some(&point) = self.curves[pair.own].own.get((row.key - pair.first_key) as usize) else { continue };
             if gap < deepest[at].map_or(0.0, |d: Overlap| -d.depth) {
                 deepest[at] = Some(Overlap { depth: -gap, place: places[point as usize] });
             }
         }
-        if fits.iter().any(|f| *f > 0.0) {
+        if fits.iter().any(|f| *f != 0.0) {
             self.fits = fits;
         }
+        self.show_openings();
         self.listed.clear();
         deepest
     }
@@ -321,6 +380,9 @@ impl Contact {
         let half = self.half;
         let Dofs { bodies, nodes, energies } = dofs;
         let mut work = [0.0; 2];
+        if let Some(springs) = &mut self.springs {
+            springs.means.fill(0.0);
+        }
         for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {
             let [normal, slip] = self.impulses[i];
             if normal == 0.0 && slip == 0.0 {
@@ -351,13 +413,18 @@ impl Contact {
                     0.5 * (before + body.velocity_half)
                 }
             };
+            if let Some(springs) = &mut self.springs {
+                springs.means[i] = mean;
+            }
             if prescribed {
                 energies.external -= (normal + slip) * mean;
             }
             work[0] += normal * mean;
             work[1] += slip * mean;
         }
-        energies.contact -= work[0];
+        let springs = self.springs.as_ref().map_or(0.0, |springs| springs.work(&self.rows));
+        energies.penalty -= springs;
+        energies.contact -= work[0] - springs;
         energies.friction -= work[1];
     }
 
@@ -377,7 +444,7 @@ impl Contact {
 /// The row of one point, from what the facets around it see.
 fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps, dofs_of: &[[u32; 2]], fits: &[f64]) {
     let begin = rows.terms.len();
-    let mut row = Row::of(pair.first_key + index as u32, pair.law as u32);
+    let mut row = Row::of(pair.first_key + index as u32, pair.law_of(index));
     for &(facet, end) in own.around_own(index).iter().filter(|f| own.there[f.0 as usize]) {
         let (seen, end) = (&pair.seen[facet as usize], end as usize);
         row.area += seen.area[end];
@@ -416,7 +483,7 @@ fn add_point_row(
     for share in &gaps.shares[shares[0] as usize..shares[1] as usize] {
         add_share(&mut rows.terms, begin, dofs_of[share.point as usize], share.of[0]);
     }
-    let mut row = Row::of(key, pair.law as u32);
+    let mut row = Row::of(key, pair.of_points as u32);
     (row.area, row.gap) = (1.0, gap);
     row.terms = [begin as u32, rows.terms.len() as u32];
     rows.rows.push(row);
@@ -532,6 +599,8 @@ impl Constraint for Contact {
             + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 4 * size_of::<f64>())
             + self.pressures.capacity() * size_of::<[f64; 2]>()
             + self.fits.capacity() * size_of::<f64>()
+            + self.springs.as_ref().map_or(0, |s| size_of::<f64>() * s.means.capacity())
+            + self.laws.capacity() * size_of::<Law>()
     }
 
     fn copy(&self) -> Box<dyn Constraint> {

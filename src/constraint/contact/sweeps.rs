@@ -217,6 +217,7 @@ impl Rows {
             let rate = motion.rate(own);
             let pressed = match &law.overclosure {
                 Overclosure::Hard => (row.pressed - (rate + row.bias) / row.gives[0]).max(0.0),
+                Overclosure::Spring(stiffness) => spring(row, *stiffness, rate - row.gives[0] * row.pressed, span),
                 soft => give_way(row, soft, rate - row.gives[0] * row.pressed, span),
             };
             let change = pressed - row.pressed;
@@ -257,6 +258,14 @@ impl Rows {
 fn most_shear(row: &Row, law: &Law, half: f64) -> f64 {
     let most = if row.pressed > 0.0 { row.coefficient * row.pressed } else { 0.0 };
     most.min(law.friction.largest * half)
+}
+
+/// The impulse of a penalty spring: the pressure at the overlap in the middle of the increment, the earliest at which no stiffness
+/// limits the increment: x(n+1) - 2 x(n) + x(n-1) = -s ((1 - t) x(n) + t x(n+1)) has no growing root where (1 - 2 t) s <= 4.
+fn spring(row: &Row, stiffness: f64, free: f64, span: Span) -> f64 {
+    let way = 0.5 * span.ahead;
+    let closed = -(row.gap + way * free) / row.area;
+    (span.half * stiffness * closed / (1.0 + span.half * stiffness * way * row.gives[0] / row.area)).max(0.0)
 }
 
 /// The impulse of a law that gives way: the pressure at the overlap with which the increment ends, so that no stiffness limits the

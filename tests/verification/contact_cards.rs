@@ -1,0 +1,112 @@
+//! What cards say of contact: penalty springs, clearances, which pairs are shown.
+//!
+//! Goal: springs as stiff as they should be, with their energy in the books; gaps at the start that are what a card says.
+//! Source: closed forms; each test says its tolerance and why.
+
+use std::f64::consts::PI;
+
+use super::contact::{Patch, SPEED, bars};
+use crate::common::bodies::{cell_field, run, short};
+
+const PAIR: &str = "*Contact Pair, interaction=HARD\n";
+
+/// Two bars with springs as stiff as `factor` times an element: with h the length of an element and c = 1 the pressure rises with
+/// the time tau = h/(2 factor) to rho c v/2, at an overlap of h v/(2 factor); what comes back from the ends then lets it fall as
+/// 2 (1 + x) e^-x - 1 over x = (t - 2)/tau, to none at x = 1.678347. Pressure and overlap are met to 1 % where they have levelled
+/// out, the end of contact to half an element and two increments. Books close to rounding. Springs hold p^2/(2 k) of what they
+/// took. They press half an increment ahead, which loses k dt/2 times the integral of the square of the rate of the overlap: with
+/// the pressure above (1 + 1.304) C/(4 n) of the energy, C the Courant number, less where the pressure rises within few increments.
+#[test]
+fn bars_with_penalty_springs() {
+    for (rows, factor) in [(20, 1.0), (40, 1.0), (40, 0.25), (20, 10.0)] {
+        let pair = "*Contact Pair, interaction=HARD, mechanical constraint=PENALTY, cpset=BOTH\n";
+        let controls = format!("*Contact Controls, cpset=BOTH, scale penalty={factor}\n");
+        let deck = bars(rows, [1, 1], 1e-10, 3.0)
+            .replace(PAIR, &(controls + pair))
+            .replace("*End Step", "*Output, history, frequency=1\n*Contact Output\n CFN\n*Contact Output, nset=LOWER.J1\n COPEN\n*Energy Output\n ALLPW, ALLCW\n*End Step");
+        let ran = run(&deck).whole();
+        let (energy, h) = (ran.outcome.energy, 1.0 / rows as f64);
+        let (force, held) = (ran.column("CFN2@LOWER.J1_UPPER.J0"), ran.column("ALLPW"));
+        let level = 0.5 * SPEED * PI;
+        let last = force.iter().rfind(|f| f[1] != 0.0).expect("contact")[0];
+        let end = 2.0 + 1.678_347 * h / (2.0 * factor);
+        let mean = |list: &[[f64; 2]]| {
+            let inside: Vec<f64> = list.iter().filter(|f| f[0] > 1.4 && f[0] < 1.9).map(|f| f[1]).collect();
+            inside.iter().sum::<f64>() / inside.len() as f64
+        };
+        let (pressed, kept) = (mean(&force) / -level, mean(&held));
+        let opening = ran.prepared.plan.columns.iter().find(|c| c.name.starts_with("COPEN@")).expect("a column");
+        let overlap = -mean(&ran.column(&opening.name)) / (h * SPEED / (2.0 * factor));
+        // p^2/(2 k), with k = factor/h.
+        let exact = 0.25 * SPEED * SPEED * PI * h / (2.0 * factor);
+        let lost = energy.penalty.expect("springs") / energy.initial;
+        println!(
+            "bars, {rows} rows, springs of {factor}: force {pressed:.5}, overlap {overlap:.5}, held {:.5}, ends at {:.4} of {end:.4}, lost {:.3}/(4n), \
+             ALLCW {:.1e}, drift {:.1e}",
+            kept / exact,
+            last,
+            lost * 4.0 * rows as f64,
+            energy.contact / energy.initial,
+            energy.drift
+        );
+        assert!((pressed - 1.0).abs() < 0.01 && (overlap - 1.0).abs() < 0.01, "{pressed} {overlap}");
+        assert!((last - end).abs() < 0.5 * h + 2.0 * 0.9 * h, "{last} {end}");
+        assert!(energy.drift < 1e-13 && energy.contact.abs() < 1e-13 * energy.initial, "{energy:?}");
+        assert!(kept > exact && lost >= 0.0 && lost < 2.304 * 0.9 * 0.25 * h, "{kept} {exact} {lost}");
+    }
+}
+
+/// The patch of meshes that do not match has one stress with springs, too: they are the same everywhere, as the elements are.
+#[test]
+fn a_patch_with_penalty_springs_has_one_stress() {
+    let pressure = 1e-7;
+    for (columns, from) in [([3, 4], 0.5), ([6, 8], 0.5)] {
+        let patch = Patch { from, columns, random: false, lower_first: true };
+        let deck = patch.deck(pressure).replace("*Contact Pair,", "*Contact Pair, mechanical constraint=PENALTY,");
+        let ran = run(&deck).whole();
+        let mut worst = [0.0_f64; 4];
+        for s in cell_field(ran.end(), "S").chunks(4) {
+            for ((worst, s), expected) in worst.iter_mut().zip(s).zip([0.0, -1.0, 0.0, 0.0]) {
+                *worst = worst.max((s / pressure - expected).abs());
+            }
+        }
+        println!("patch with springs {columns:?}: S11, S22, S33, S12 off by {}", short(&worst));
+        assert!(worst.iter().all(|w| *w < 1e-8), "{worst:?}");
+    }
+}
+
+/// Two bodies that lie .01 in each other at the start and are pressed: without a word the overlap stays and grows no deeper. A
+/// clearance takes it off: nothing happens until the bodies have come so much nearer, and the gap that is shown is the one of the
+/// card. So does one for bodies apart.
+#[test]
+fn gaps_begin_as_cards_say() {
+    let card = |gap: f64| {
+        format!(
+            "*Contact Clearance, name=G, clearance={gap}, search above=0.02, search below=0.02\n*Contact\n*Contact Inclusions, all exterior\n\
+             *Contact Clearance Assignment\n LOWER.J1, UPPER.J0, G\n"
+        )
+    };
+    for (apart, gap) in [(-0.01, None), (-0.01, Some(0.0)), (-0.01, Some(1e-5)), (0.01, Some(1e-5)), (0.01, None)] {
+        let cards = gap.map_or("*Contact\n*Contact Inclusions, all exterior\n".into(), card);
+        let request = "*Output, history, frequency=1\n*Contact Output, nset=UPPER.J0\n COPEN, CPRESS\n*End Step";
+        let deck = bars(10, [2, 3], apart, 3.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), &cards).replace("*End Step", request);
+        let ran = run(&deck).whole();
+        let name = |begin: &str| {
+            let named = ran.prepared.plan.columns.iter().map(|c| &c.name).filter(|n| n.starts_with(begin));
+            named.max_by_key(|n| ran.column(n).iter().filter(|x| x[1].is_finite()).count()).expect("a column").clone()
+        };
+        let (opening, pressure) = (ran.column(&name("COPEN@")), ran.column(&name("CPRESS@")));
+        let touch = pressure.iter().find(|p| p[1] > 0.0).map(|p| p[0]);
+        let (first, least) = (opening[1][1], opening.iter().map(|o| o[1]).fold(f64::INFINITY, f64::min));
+        println!("bodies {apart} apart, clearance {gap:?}: gap {first:.3e}, at least {least:.3e}, touch at {touch:.3?}");
+        let expected = gap.unwrap_or(apart);
+        assert!((first - expected).abs() < 2.0 * SPEED * 0.09 + 1e-12, "{first} {expected}");
+        // What an increment goes on by rounding, and what chatter of sweeps leaves.
+        assert!(least > expected.min(0.0) - 1e-9 * SPEED, "{least}");
+        match expected {
+            gap if gap <= 0.0 => assert!(touch.expect("contact") < 0.2, "{touch:?}"),
+            gap if gap < 1e-4 => assert!((touch.expect("contact") - gap / SPEED).abs() < 0.2, "{touch:?}"),
+            _ => assert_eq!(touch, None),
+        }
+    }
+}
