@@ -99,6 +99,15 @@ pub trait Constraint: Persist + Send + Sync {
         None
     }
 
+    /// Gives nodes the heat a time that it passes on over the increment `dt` whose motion it has just made, with temperatures at its
+    /// start; returns what friction made of it.
+    fn heats(&self, _temperature: &[f64], _dt: f64, _into: &mut dyn FnMut(usize, f64)) -> f64 {
+        0.0
+    }
+
+    /// Tells what nodes could at most exchange through it in the increment ahead, heat a time and temperature.
+    fn conducts(&self, _into: &mut dyn FnMut(usize, f64)) {}
+
     /// Bytes that it holds.
     fn bytes(&self) -> usize;
 

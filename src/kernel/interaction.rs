@@ -107,4 +107,53 @@ pub struct Law {
     pub overclosure: Overclosure,
     /// Along the surface.
     pub friction: Friction,
+    /// Of heat.
+    pub heat: GapHeat,
+}
+
+/// Heat where surfaces meet (ABAQUS Analysis User's Guide, "Thermal contact properties").
+#[derive(Clone, Debug, PartialEq)]
+pub struct GapHeat {
+    /// Rows of the conductance, heat a time, area and temperature, and the clearance, ascending; none beyond the last.
+    pub over_clearance: Vec<[f64; 2]>,
+    /// The same over the pressure, of surfaces that press; the last row goes on.
+    pub over_pressure: Vec<[f64; 2]>,
+    /// Part of the work of friction that becomes heat.
+    pub fraction: f64,
+    /// Part of that which goes to the first surface.
+    pub to_first: f64,
+}
+
+impl Default for GapHeat {
+    fn default() -> Self {
+        GapHeat { over_clearance: Vec::new(), over_pressure: Vec::new(), fraction: 1.0, to_first: 0.5 }
+    }
+}
+
+impl GapHeat {
+    /// Conductance across a gap at a pressure.
+    pub fn conductance(&self, gap: f64, pressure: f64) -> f64 {
+        if pressure > 0.0 && !self.over_pressure.is_empty() {
+            return between(&self.over_pressure, pressure);
+        }
+        match self.over_clearance.last() {
+            Some(last) if gap <= last[1] => between(&self.over_clearance, gap),
+            _ => 0.0,
+        }
+    }
+
+    /// The largest conductance there can be.
+    pub fn most(&self) -> f64 {
+        self.over_clearance.iter().chain(&self.over_pressure).map(|row| row[0]).fold(0.0, f64::max)
+    }
+}
+
+/// Rows of a value and its argument, which ascends; the first and the last go on.
+fn between(rows: &[[f64; 2]], at: f64) -> f64 {
+    let next = rows.partition_point(|row| row[1] < at);
+    match (next.checked_sub(1).map(|i| rows[i]), rows.get(next)) {
+        (Some([k, x]), Some([l, y])) => k + (l - k) * (at - x) / (y - x),
+        (Some([k, _]), None) => k,
+        (None, first) => first.map_or(0.0, |row| row[0]),
+    }
 }

@@ -209,6 +209,8 @@ impl<'a> Builder<'a> {
             "SURFACE INTERACTION" => self.surface_interaction(card),
             "SURFACE BEHAVIOR" => self.surface_behavior(card),
             "FRICTION" => self.friction(card),
+            "GAP CONDUCTANCE" => self.gap_conductance(card),
+            "GAP HEAT GENERATION" => self.gap_heat_generation(card),
             "SPRING" | "DASHPOT" => self.connector(card),
             "EQUATION" => self.equation(card),
             "MPC" => self.multi_point(card),

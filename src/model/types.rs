@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use indexmap::IndexMap;
 
 use crate::deck::{Sources, Span, Word};
-pub use crate::kernel::interaction::{Friction, Law, Overclosure};
+pub use crate::kernel::interaction::{Friction, GapHeat, Law, Overclosure};
 pub use crate::kernel::profile::{Profile, Segment};
 use crate::variables::Place;
 use crate::variables::asked::Asked;
@@ -633,6 +633,8 @@ pub struct Interaction {
     pub name: String,
     /// What it does.
     pub law: Law,
+    /// Its cards of heat.
+    pub heat_cards: Vec<(&'static str, Span)>,
 }
 
 /// Contact of two surfaces of elements, or of one with itself.

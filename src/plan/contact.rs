@@ -10,7 +10,7 @@ use crate::constraint::Constraint;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
 use crate::constraint::contact::{Begins, Contact, Overlap, Pair};
 use crate::deck::Diagnostic;
-use crate::kernel::interaction::{Law, Overclosure};
+use crate::kernel::interaction::{GapHeat, Law, Overclosure};
 use crate::model::{GeneralContact, Side, Sides, SurfaceContact};
 
 /// A facet is met from behind no deeper than this many of its lengths.
@@ -113,6 +113,9 @@ impl Compiler<'_> {
                 Some(general) if contact.general => self.general_row(general, &wanted),
                 _ => self.contact_row(contact, &found, curves[0]),
             };
+            if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
+                self.heat_row(contact);
+            }
             let name = pair_name(contact);
             let number = self.pair_names.iter().position(|n| *n == name).unwrap_or_default();
             let mut pair = Pair::new(id, number, curves, law, length);
@@ -136,6 +139,9 @@ impl Compiler<'_> {
         let mut contact = Contact::new(points, curves, pairs, laws);
         if any {
             contact = contact.with_springs(first);
+        }
+        if let Some(heat) = state.thermal.as_ref().and_then(|t| t.heat.as_ref()) {
+            contact = contact.with_heat(|node| heat.temperature(node).is_finite());
         }
         let overlaps = contact.start(&places);
         for ((contact, length), overlap) in spans.into_iter().zip(overlaps) {
@@ -166,6 +172,25 @@ impl Compiler<'_> {
             _ => String::new(),
         };
         self.cause(contact.span, "contact", count, "facets", format!("{between}, {kind}{friction}{clearance}"))
+    }
+
+    /// The row of the heat that crosses between two surfaces, where temperatures are solved for.
+    fn heat_row(&mut self, contact: &SurfaceContact) {
+        let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
+        let GapHeat { over_clearance, over_pressure, fraction, to_first } = &contact.law.heat;
+        let mut parts = Vec::new();
+        if contact.law.friction.is_there() {
+            parts.push(format!("{fraction} of the work of friction, {to_first} of it to {a}"));
+        }
+        for (rows, over) in [(over_clearance, "clearance"), (over_pressure, "pressure")] {
+            if !rows.is_empty() {
+                parts.push(format!("conductance over {} rows of {over}", rows.len()));
+            }
+        }
+        if !parts.is_empty() {
+            let detail = format!("{a} and {b}: {}", parts.join(", "));
+            self.cause(contact.span, "contact heat", 1, "pair", detail);
+        }
     }
 
     /// Laws of the penalty springs of each point of a curve in front of another: twice one over the sum of the ways that both

@@ -13,6 +13,7 @@ mod contact;
 mod contact_cards;
 mod contact_curved;
 mod contact_friction;
+mod contact_heat;
 mod contact_hertz;
 mod contact_scenes;
 mod element_output;

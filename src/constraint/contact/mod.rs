@@ -8,6 +8,7 @@
 
 pub mod curve;
 mod gaps;
+mod heat;
 mod light;
 mod search;
 mod shown;
@@ -15,6 +16,7 @@ mod sweeps;
 
 use self::curve::{Carrier, Curve, Point};
 use self::gaps::{Gaps, Seen};
+use self::heat::Crossing;
 use self::search::Search;
 use self::shown::Shown;
 use self::sweeps::{Motion, Row, Rows, Span, Term};
@@ -105,8 +107,12 @@ pub struct Contact {
     pressures: Vec<[f64; 2]>,
     /// What is taken off the gap of each key; empty where nothing is.
     fits: Vec<f64>,
-    /// Penalty springs; `None` where there are none.
-    springs: Option<Springs>,
+    /// The first law of penalty springs: all that follow are theirs; `None` where there are none.
+    springs: Option<u32>,
+    /// Heat where surfaces meet; `None` where there are no temperatures.
+    crossing: Option<Box<Crossing>>,
+    /// Mean velocity of each degree of freedom over the impulse of the increment; empty where no row asks for its own work.
+    means: Vec<f64>,
     places: Vec<[f64; 2]>,
     /// Points that are looked at: of bare facets, and those that no element has.
     near: Vec<u32>,
@@ -125,24 +131,6 @@ pub struct Contact {
     uncovered: bool,
     /// What is shown of it.
     shown: Shown,
-}
-
-/// Penalty springs.
-#[derive(Clone, Debug)]
-struct Springs {
-    /// The first of their laws: all that follow are theirs.
-    first: u32,
-    /// Mean velocity of each degree of freedom over the impulse of the increment.
-    means: Vec<f64>,
-}
-
-impl Springs {
-    /// Work of the springs in the increment.
-    fn work(&self, rows: &Rows) -> f64 {
-        let own = rows.rows.iter().filter(|row| row.law >= self.first && row.pressed > 0.0);
-        let rate = |row: &Row| rows.terms_of(row).iter().map(|t| t.normal * self.means[t.dof as usize]).sum::<f64>();
-        own.map(|row| row.pressed * rate(row)).sum()
-    }
 }
 
 /// A rigid body in contact.
@@ -201,7 +189,23 @@ impl Contact {
 
     /// Takes the laws from this one on for those of penalty springs.
     pub fn with_springs(mut self, first: usize) -> Contact {
-        self.springs = Some(Springs { first: first as u32, means: vec![0.0; self.dofs.len()] });
+        self.springs = Some(first as u32);
+        self.means = vec![0.0; self.dofs.len()];
+        self
+    }
+
+    /// Lets heat cross where surfaces meet: `has` says of which nodes temperatures are solved for.
+    pub fn with_heat(mut self, has: impl Fn(usize) -> bool) -> Contact {
+        let mut keys = Vec::with_capacity(self.pressures.len());
+        for pair in &self.pairs {
+            let of = |curve: usize| self.curves[curve].own.iter().copied();
+            keys.extend(of(pair.own).map(|point| (point, pair.first)));
+            let loose = pair.other.filter(|o| self.curves[*o].has_loose_points());
+            keys.extend(loose.into_iter().flat_map(of).map(|point| (point, !pair.first)));
+        }
+        let crossing = Crossing::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
+        self.crossing = Some(Box::new(crossing));
+        self.means = vec![0.0; self.dofs.len()];
         self
     }
 
@@ -231,6 +235,7 @@ impl Contact {
             self.fits = fits;
         }
         self.show_openings();
+        self.let_heat_cross();
         self.listed.clear();
         deepest
     }
@@ -380,9 +385,7 @@ impl Contact {
         let half = self.half;
         let Dofs { bodies, nodes, energies } = dofs;
         let mut work = [0.0; 2];
-        if let Some(springs) = &mut self.springs {
-            springs.means.fill(0.0);
-        }
+        self.means.fill(0.0);
         for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {
             let [normal, slip] = self.impulses[i];
             if normal == 0.0 && slip == 0.0 {
@@ -413,8 +416,8 @@ impl Contact {
                     0.5 * (before + body.velocity_half)
                 }
             };
-            if let Some(springs) = &mut self.springs {
-                springs.means[i] = mean;
+            if let Some(kept) = self.means.get_mut(i) {
+                *kept = mean;
             }
             if prescribed {
                 energies.external -= (normal + slip) * mean;
@@ -422,10 +425,30 @@ impl Contact {
             work[0] += normal * mean;
             work[1] += slip * mean;
         }
-        let springs = self.springs.as_ref().map_or(0.0, |springs| springs.work(&self.rows));
+        let springs = self.work_of_springs();
+        if let Some(crossing) = &mut self.crossing {
+            let (rows, means) = (&self.rows, &self.means);
+            let rate = |row: &Row| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
+            crossing.rub(rows, &self.laws, |row| row.sheared * rate(row));
+        }
         energies.penalty -= springs;
         energies.contact -= work[0] - springs;
         energies.friction -= work[1];
+    }
+
+    /// Work of penalty springs in the increment.
+    fn work_of_springs(&self) -> f64 {
+        let Some(first) = self.springs else { return 0.0 };
+        let own = self.rows.rows.iter().filter(|row| row.law >= first && row.pressed > 0.0);
+        let terms = |row: &Row| self.rows.terms_of(row).iter();
+        own.map(|row| row.pressed * terms(row).map(|t| t.normal * self.means[t.dof as usize]).sum::<f64>()).sum()
+    }
+
+    /// What rows pass on of heat, before any is left out.
+    fn let_heat_cross(&mut self) {
+        if let Some(crossing) = &mut self.crossing {
+            crossing.take(&self.rows, &self.laws, &self.pressures);
+        }
     }
 
     /// What bodies that move freely took in this increment, in place of what they took in the one behind.
@@ -484,7 +507,7 @@ fn add_point_row(
         add_share(&mut rows.terms, begin, dofs_of[share.point as usize], share.of[0]);
     }
     let mut row = Row::of(key, pair.of_points as u32);
-    (row.area, row.gap) = (1.0, gap);
+    (row.alone, row.area, row.gap) = (true, 1.0, gap);
     row.terms = [begin as u32, rows.terms.len() as u32];
     rows.rows.push(row);
 }
@@ -560,6 +583,7 @@ impl Constraint for Contact {
         self.list();
         self.measure();
         self.show_openings();
+        self.let_heat_cross();
         let span = Span { ahead: dt, half: self.half };
         self.rows.solve(&mut self.motion, &self.laws, &self.pressures, span);
         self.gather_impulses();
@@ -574,6 +598,16 @@ impl Constraint for Contact {
 
     fn of_pair(&self, pair: usize, part: Part) -> Option<f64> {
         self.value_of(pair, part)
+    }
+
+    fn heats(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64 {
+        self.crossing.as_ref().map_or(0.0, |crossing| crossing.give(temperature, dt, into))
+    }
+
+    fn conducts(&self, into: &mut dyn FnMut(usize, f64)) {
+        if let Some(crossing) = &self.crossing {
+            crossing.bound(into);
+        }
     }
 
     fn pull(&self, dof: Dof) -> f64 {
@@ -599,7 +633,8 @@ impl Constraint for Contact {
             + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 4 * size_of::<f64>())
             + self.pressures.capacity() * size_of::<[f64; 2]>()
             + self.fits.capacity() * size_of::<f64>()
-            + self.springs.as_ref().map_or(0, |s| size_of::<f64>() * s.means.capacity())
+            + self.means.capacity() * size_of::<f64>()
+            + self.crossing.as_ref().map_or(0, |crossing| crossing.bytes())
             + self.laws.capacity() * size_of::<Law>()
     }
 
@@ -615,6 +650,9 @@ impl Persist for Contact {
         persist_fields!(archive; pressures.as_mut_slice(), impulses.as_mut_slice(), half);
         bodies.iter_mut().for_each(|c| c.pushed.persist(archive));
         persist_fields!(archive; shown, uncovered);
+        if let Some(crossing) = &mut self.crossing {
+            crossing.kept().persist(archive);
+        }
         if archive.reads() {
             // Lists are made from what is read; rows do not depend on when they were made.
             self.list_points();

@@ -26,6 +26,8 @@ pub struct Row {
     pub key: u32,
     /// Which law it follows.
     pub law: u32,
+    /// Whether it is of a point that meets by itself: its area is one, its multiplier an impulse.
+    pub alone: bool,
     /// Area of its hat function.
     pub area: f64,
     /// Gap times area, less what was there at the start where that is taken off.

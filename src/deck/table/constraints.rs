@@ -267,6 +267,16 @@ pub const CARDS: &[Keyword] = &[
         "pressure" refused "friction is one coefficient",
         "temperature" refused "friction is one coefficient",
     ])]),
+    row!("GAP CONDUCTANCE", "Heat that flows from surface to surface", (below "SURFACE INTERACTION"), {
+        "PRESSURE" read "Over the pressure, of surfaces that press; without it over the clearance",
+        "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",
+        "USER" refused "of implicit analyses",
+    }, [
+        (when "PRESSURE" = "" rows ["conductance", "pressure", "temperature" refused "the conductance is the same at every temperature"]),
+        (rows ["conductance", "clearance" read "Nothing flows where it is above the last", "temperature" refused "the conductance is the same at every temperature"]),
+    ]),
+    row!("GAP HEAT GENERATION", "Heat of friction; without the card all of its work, half of it to each surface", (once below "SURFACE INTERACTION"), {
+    }, [(lines ["fraction of the work" read "1 where it is left out", "weight of the first surface" read "0.5 where it is left out"])]),
     row!(extension "TARGET", "A layered target that is not meshed; CAVITY loads meet it", (unique "NAME"), {
         "NAME" read "Name of the target",
         "FRONT" read "Height z of the impact face (0)",

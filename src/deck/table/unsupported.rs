@@ -96,8 +96,6 @@ pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "FLUID INFLATOR", "Fluid cavities"),
     row!(UnsupportedPhysics, "FREQUENCY", "Eigenvalue procedure"),
     row!(UnsupportedPhysics, "GAP", "Gap elements"),
-    row!(UnsupportedPhysics, "GAP CONDUCTANCE", "Heat across contact"),
-    row!(UnsupportedPhysics, "GAP HEAT GENERATION", "Heat of friction"),
     row!(UnsupportedPhysics, "GASKET SECTION", "Gaskets"),
     row!(UnsupportedPhysics, "GEOSTATIC", "Geostatic procedure"),
     row!(UnsupportedPhysics, "HEAT GENERATION", "Heat sources of a user routine"),
