@@ -6,6 +6,7 @@ pub mod contact;
 mod dependence;
 pub mod equation;
 pub mod motion;
+pub mod overlaps;
 pub mod system;
 pub mod tie;
 pub mod user_motion;
@@ -107,6 +108,11 @@ pub trait Constraint: Persist + Send + Sync {
 
     /// Tells what nodes could at most exchange through it in the increment ahead, heat a time and temperature.
     fn conducts(&self, _into: &mut dyn FnMut(usize, f64)) {}
+
+    /// What the step that ends should be told.
+    fn warnings(&mut self, _dofs: &Dofs, _clock: &Clock<'_>) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Bytes that it holds.
     fn bytes(&self) -> usize;

@@ -4,6 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{Compiler, State};
+use super::contact_doubts::Met;
 use super::general_contact::pair_name;
 use super::pieces::pieces;
 use crate::constraint::Constraint;
@@ -116,6 +117,13 @@ impl Compiler<'_> {
             if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
                 self.heat_row(contact);
             }
+            let met = Met {
+                curves: curves.map(|c| &found.curves[c]),
+                points: &found.points,
+                places: &found.places,
+                length: found.lengths[curves[0]][1],
+            };
+            self.doubt_pair(contact, step, met, state);
             let name = pair_name(contact);
             let number = self.pair_names.iter().position(|n| *n == name).unwrap_or_default();
             let mut pair = Pair::new(id, number, curves, law, length);

@@ -111,7 +111,7 @@ impl Compiler<'_> {
     }
 
     /// The name of the instance, or of the smallest set that holds all of it, with a number where it is taken.
-    fn name_of_piece(&self, piece: &[usize], taken: &[Sides]) -> String {
+    pub(super) fn name_of_piece(&self, piece: &[usize], taken: &[Sides]) -> String {
         let model = self.model;
         let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
         let holds = |members: &[usize]| piece.iter().all(|e| members.binary_search(e).is_ok());

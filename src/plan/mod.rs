@@ -7,6 +7,7 @@ mod bytes;
 pub mod codes;
 mod connectors;
 mod contact;
+mod contact_doubts;
 mod doubts;
 mod equations;
 mod fields;
@@ -286,6 +287,7 @@ impl Compiler<'_> {
         // Tied nodes follow what walls do to a body that moves freely.
         constraints.extend(walls);
         constraints.extend(self.contact(index, &given.all, state));
+        constraints.extend(self.strangers(state));
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
         let scaling = self.mass_scaling(index, state);
         let energy_limit = self.energy_limit(step);

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use super::contact::{Patch, SPEED, bars};
-use crate::common::bodies::{cell_field, run, short};
+use crate::common::bodies::{assembly, cell_field, elastic, part, rigid_line, run, short};
 
 const PAIR: &str = "*Contact Pair, interaction=HARD\n";
 
@@ -109,4 +109,57 @@ fn gaps_begin_as_cards_say() {
             _ => assert_eq!(touch, None),
         }
     }
+}
+
+/// Bodies without contact that go through each other: told once, with when and where, and no bit is another. Bodies that may meet,
+/// that part, or that lay in each other from the start (which is told before the run) are not told of.
+#[test]
+fn bodies_that_go_through_each_other_are_told() {
+    let deck = bars(10, [3, 4], 0.01, 3.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), "");
+    let told = |deck: &str| run(deck).whole().outcome.warnings;
+    // So fast that it is in by a tenth of an element after a time of .4.
+    let fast = deck.replace("2, -1e-5", "2, -5e-2");
+    let warnings = told(&fast);
+    println!("{warnings:?}");
+    let [warning] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!(warning.contains("LOWER and UPPER lie in each other") && warning.contains("*CONTACT PAIR"), "{warning}");
+    assert_eq!(told(&deck.replace("2, -1e-5", "2, 5e-2")), [""; 0]);
+    assert_eq!(told(&fast.replace("*Bulk Viscosity", "*Contact\n*Contact Inclusions, all exterior\n*Bulk Viscosity")), [""; 0]);
+    let inside = bars(10, [3, 4], -0.05, 1.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), "");
+    assert_eq!(told(&inside), [""; 0]);
+}
+
+/// Faces that look the same way, or lie back to back; a plate of next to no mass; a rounding that faces do not see.
+#[test]
+fn pairs_that_can_hardly_be_meant_are_told() {
+    let codes = |deck: &str| {
+        let ran = run(deck);
+        let codes = ran.prepared.diagnostics.iter().map(|d| d.code.to_owned()).filter(|c| c.starts_with("P11"));
+        codes.collect::<Vec<_>>()
+    };
+    let pair = |names: &str| bars(10, [2, 3], 1e-3, 0.5).replace("LOWER.J1, UPPER.J0", names);
+    assert_eq!(codes(&pair("LOWER.J1, UPPER.J0")), [""; 0]);
+    assert_eq!(codes(&pair("LOWER.J1, UPPER.J1")), ["P110"]);
+    assert_eq!(codes(&pair("LOWER.J0, UPPER.J1")), ["P110"]);
+    let tool = |corners: &[[f64; 2]], mass: f64| {
+        let more = format!("*Element, type=MASS, elset=M\n 900, 1000\n*Mass, elset=M\n {mass},\n");
+        part("BLOCK", [5, 5], |i, j| [0.2 * i as f64, 0.2 * j as f64 - 1.0], "")
+            + &rigid_line("TOOL", corners, &more)
+            + &assembly(&["BLOCK", "TOOL"], "*Rigid Body, ref node=TOOL.REF, elset=TOOL.E\n")
+            + &elastic("BLOCK", [1.0, 0.0, 1.0], "")
+            + "*Surface Interaction, name=HARD\n*Step\n*Dynamic, Explicit\n , 0.1\n*Contact Pair, interaction=HARD\n BLOCK.J1, TOOL.SKIN\n\
+               *End Step\n"
+    };
+    // The nodes of the block weigh pi/10 under all of it.
+    let flat = [[1.0, 1e-3], [0.0, 1e-3]];
+    assert_eq!(codes(&tool(&flat, 0.4)), [""; 0]);
+    assert_eq!(codes(&tool(&flat, 0.2)), ["P117"]);
+    let arc: Vec<[f64; 2]> = (0..=8)
+        .map(|i| 0.125 * f64::from(i) * 0.5 * PI)
+        .map(|a| [0.5 + 0.05 * a.cos(), 0.06 - 0.05 * a.sin()])
+        .chain([[0.0, 0.01]])
+        .collect();
+    assert_eq!(codes(&tool(&arc, 9.0)), ["P118"]);
+    let blunt = [[0.55, 0.06], [0.5, 0.01], [0.0, 0.01]];
+    assert_eq!(codes(&tool(&blunt, 9.0)), [""; 0]);
 }
