@@ -346,7 +346,9 @@ impl Check<'_> {
             self.value(good, contact.span, || "numbers of friction must not be below zero".into());
             if let Some(Clearance { gap, above, below }) = contact.clearance {
                 let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
-                self.value(good, contact.span, || "a clearance and how far it is searched must not be below zero".into());
+                self.value(good, contact.span, || {
+                    "a clearance and how far it is searched must not be below zero".into()
+                });
             }
             let good = contact.penalty.is_none_or(above_zero);
             self.value(good, contact.span, || "a factor on penalty springs must be above zero".into());

@@ -228,7 +228,11 @@ impl Builder<'_> {
             let Some(penalty) = self.penalty_of_pair(card) else { return };
             if penalty.is_some() {
                 let message = "penalty springs do not stand between nodes and an analytical surface";
-                self.unsupported(line.span, message, "make the surface of RAX2 elements, or leave MECHANICAL CONSTRAINT out");
+                self.unsupported(
+                    line.span,
+                    message,
+                    "make the surface of RAX2 elements, or leave MECHANICAL CONSTRAINT out",
+                );
                 continue;
             }
             let faces = self.contact_faces(other);

@@ -68,7 +68,8 @@ impl Builder<'_> {
         let Some(rows) = rows.collect::<Option<Vec<[f64; 2]>>>() else { return };
         let ascend = rows.windows(2).all(|w| w[0][1] < w[1][1]);
         if rows.len() < 2 || !ascend || rows.as_flattened().iter().any(|x| x.is_nan() || *x < 0.0) {
-            let message = "a gap conductance has two rows or more; no number is below zero, and clearances or pressures ascend";
+            let message =
+                "a gap conductance has two rows or more; no number is below zero, and clearances or pressures ascend";
             self.out_of_range(card.lines.first().map_or(card.span, |l| l.span), message);
             return;
         }
@@ -85,7 +86,8 @@ impl Builder<'_> {
         let Some(fraction) = self.number_or(line, 0, 1.0) else { return };
         let Some(to_first) = self.number_or(line, 1, 0.5) else { return };
         if !(fraction >= 0.0 && fraction.is_finite() && (0.0..=1.0).contains(&to_first)) {
-            let message = format!("the fraction must not be below zero, the weight is from 0 to 1, not {fraction}, {to_first}");
+            let message =
+                format!("the fraction must not be below zero, the weight is from 0 to 1, not {fraction}, {to_first}");
             self.out_of_range(line.span, message);
             return;
         }

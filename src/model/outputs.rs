@@ -3,7 +3,9 @@
 
 use super::builder::{Builder, MOST};
 use super::names::{qualified, upper};
-use super::types::{Inert, Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart, TimePoints, WhichPairs};
+use super::types::{
+    Inert, Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart, TimePoints, WhichPairs,
+};
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::asked::{self, Asked, SectionPoint};

@@ -1317,7 +1317,8 @@ impl WhichPairs {
         let interaction = pair.interaction.as_ref().map(|word| word.text.to_uppercase());
         let has = |name: &String| {
             let is = |s: &Sides| {
-                s.name == *name || s.name.strip_suffix(name.as_str()).is_some_and(|b| b.ends_with('.') && !b.ends_with(".NOT."))
+                s.name == *name
+                    || s.name.strip_suffix(name.as_str()).is_some_and(|b| b.ends_with('.') && !b.ends_with(".NOT."))
             };
             pair.sides.iter().any(is)
         };

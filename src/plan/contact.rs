@@ -3,10 +3,10 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Compiler, State};
 use super::contact_doubts::Met;
 use super::general_contact::pair_name;
 use super::pieces::pieces;
+use super::{Compiler, State};
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
 use crate::constraint::contact::{Begins, Contact, Overlap, Pair};
@@ -218,7 +218,8 @@ impl Compiler<'_> {
         let (Some(own_ways), Some(others)) = (softness(own), softness(other)) else {
             let message = "penalty springs are as stiff as the elements behind them, and that cannot be told of these";
             let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
-            self.diagnostics.push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or leave PENALTY out"));
+            self.diagnostics
+                .push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or leave PENALTY out"));
             return None;
         };
         let beside = others.iter().sum::<f64>() / others.len() as f64;
@@ -412,10 +413,11 @@ impl Found {
     ) -> usize {
         let ends = |f: &[u32; 2]| f.map(|p| self.places[p as usize]);
         let lengths: Vec<f64> = facets.iter().map(|(f, _)| length(ends(f))).collect();
-        let mut depths: Vec<f64> =
-            facets[..bare].iter().zip(&lengths).map(|((f, element), l)| {
-                depth(ends(f), *l, solids.behind(*element).chain(shells.iter().copied()))
-            }).collect();
+        let mut depths: Vec<f64> = facets[..bare]
+            .iter()
+            .zip(&lengths)
+            .map(|((f, element), l)| depth(ends(f), *l, solids.behind(*element).chain(shells.iter().copied())))
+            .collect();
         // Behind a facet that comes to lie bare there may be no more than one element.
         depths.extend(lengths[bare..].iter().map(|l| 0.5 * l));
         // What lies behind the middle surface of a shell is on its other side.

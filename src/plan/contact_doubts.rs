@@ -97,7 +97,8 @@ impl Compiler<'_> {
         if !contact.general && met.faces_away() {
             let message = format!("`{a}` and `{b}` face away from each other: they will not meet");
             let finding = Diagnostic::warning("P110", message).at(contact.span, "this pair");
-            self.diagnostics.push(finding.help("give the sides that lie in front of each other; of shells SPOS or SNEG"));
+            self.diagnostics
+                .push(finding.help("give the sides that lie in front of each other; of shells SPOS or SNEG"));
             return;
         }
         let Some(body) = met.body() else { return };
@@ -120,10 +121,14 @@ impl Compiler<'_> {
             return;
         }
         let [own, other] = met.curves;
-        let mass: f64 = own.own.iter().map(|&p| match met.points[p as usize].carrier {
-            Carrier::Node(n) => state.dofs.nodes.mass[n],
-            Carrier::Body(..) => 0.0,
-        }).sum();
+        let mass: f64 = own
+            .own
+            .iter()
+            .map(|&p| match met.points[p as usize].carrier {
+                Carrier::Node(n) => state.dofs.nodes.mass[n],
+                Carrier::Body(..) => 0.0,
+            })
+            .sum();
         let (wide, narrow) = (met.area(own), met.area(other));
         let weighs = mass * (narrow / wide).min(1.0);
         let light = self.bodies[body].mass();

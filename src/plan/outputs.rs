@@ -471,7 +471,9 @@ fn why_absent(asked: Asked, request: &OutputRequest) -> String {
         (Some(Place::Point | Place::Element), Region::Whole | Region::Nodes(_)) if history => {
             format!("{name} lives in elements; a history of it needs *ELEMENT OUTPUT, ELSET=")
         }
-        (Some(Place::Pair), Region::Pairs(_)) if history => format!("{name}: no pair of surfaces is one of those meant"),
+        (Some(Place::Pair), Region::Pairs(_)) if history => {
+            format!("{name}: no pair of surfaces is one of those meant")
+        }
         (Some(Place::Pair), _) if !history => format!("{name} is one of pairs of surfaces: a history, *CONTACT OUTPUT"),
         (Some(Place::Pair), _) => {
             format!("{name} is one of pairs of surfaces of elements: *CONTACT OUTPUT without NSET")

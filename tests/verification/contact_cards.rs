@@ -89,7 +89,9 @@ fn gaps_begin_as_cards_say() {
     for (apart, gap) in [(-0.01, None), (-0.01, Some(0.0)), (-0.01, Some(1e-5)), (0.01, Some(1e-5)), (0.01, None)] {
         let cards = gap.map_or("*Contact\n*Contact Inclusions, all exterior\n".into(), card);
         let request = "*Output, history, frequency=1\n*Contact Output, nset=UPPER.J0\n COPEN, CPRESS\n*End Step";
-        let deck = bars(10, [2, 3], apart, 3.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), &cards).replace("*End Step", request);
+        let deck = bars(10, [2, 3], apart, 3.0)
+            .replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), &cards)
+            .replace("*End Step", request);
         let ran = run(&deck).whole();
         let name = |begin: &str| {
             let named = ran.prepared.plan.columns.iter().map(|c| &c.name).filter(|n| n.starts_with(begin));
@@ -98,7 +100,9 @@ fn gaps_begin_as_cards_say() {
         let (opening, pressure) = (ran.column(&name("COPEN@")), ran.column(&name("CPRESS@")));
         let touch = pressure.iter().find(|p| p[1] > 0.0).map(|p| p[0]);
         let (first, least) = (opening[1][1], opening.iter().map(|o| o[1]).fold(f64::INFINITY, f64::min));
-        println!("bodies {apart} apart, clearance {gap:?}: gap {first:.3e}, at least {least:.3e}, touch at {touch:.3?}");
+        println!(
+            "bodies {apart} apart, clearance {gap:?}: gap {first:.3e}, at least {least:.3e}, touch at {touch:.3?}"
+        );
         let expected = gap.unwrap_or(apart);
         assert!((first - expected).abs() < 2.0 * SPEED * 0.09 + 1e-12, "{first} {expected}");
         // What an increment goes on by rounding, and what chatter of sweeps leaves.
@@ -124,7 +128,10 @@ fn bodies_that_go_through_each_other_are_told() {
     let [warning] = &warnings[..] else { panic!("{warnings:?}") };
     assert!(warning.contains("LOWER and UPPER lie in each other") && warning.contains("*CONTACT PAIR"), "{warning}");
     assert_eq!(told(&deck.replace("2, -1e-5", "2, 5e-2")), [""; 0]);
-    assert_eq!(told(&fast.replace("*Bulk Viscosity", "*Contact\n*Contact Inclusions, all exterior\n*Bulk Viscosity")), [""; 0]);
+    assert_eq!(
+        told(&fast.replace("*Bulk Viscosity", "*Contact\n*Contact Inclusions, all exterior\n*Bulk Viscosity")),
+        [""; 0]
+    );
     let inside = bars(10, [3, 4], -0.05, 1.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), "");
     assert_eq!(told(&inside), [""; 0]);
 }

@@ -16,9 +16,8 @@ fn conductor(name: &str, modulus: f64, conductivity: f64, more: &str) -> String 
 /// one at the start.
 fn stack(columns: [usize; 2], rows: usize, from: f64, conductivity: f64, interaction: &str) -> String {
     let ring = |name: &str, n: usize, below: f64| {
-        let place = |i: usize, j: usize| {
-            [from + (1.0 - from) * i as f64 / n as f64, below + 0.5 * j as f64 / rows as f64]
-        };
+        let place =
+            |i: usize, j: usize| [from + (1.0 - from) * i as f64 / n as f64, below + 0.5 * j as f64 / rows as f64];
         part(name, [n, rows], place, "").replace("CAX4R", "CAX4RT")
     };
     ring("LOWER", columns[0], -0.5)
@@ -26,7 +25,9 @@ fn stack(columns: [usize; 2], rows: usize, from: f64, conductivity: f64, interac
         + &assembly(&["LOWER", "UPPER"], "")
         + &conductor("LOWER", 0.01, conductivity, "*Damping, alpha=0.1\n")
         + &conductor("UPPER", 0.01, conductivity, "*Damping, alpha=0.1\n")
-        + &format!("*Surface Interaction, name=GAP\n{interaction}*Initial Conditions, type=TEMPERATURE\n UPPER.ALL, 1.\n")
+        + &format!(
+            "*Surface Interaction, name=GAP\n{interaction}*Initial Conditions, type=TEMPERATURE\n UPPER.ALL, 1.\n"
+        )
 }
 
 fn step(time: f64, cards: &str) -> String {
@@ -65,7 +66,10 @@ fn a_conductance_holds_two_temperatures_apart() {
         // Apart by a gap: the upper ring is moved.
         let deck = match gap {
             0.0 => deck,
-            gap => deck.replace("*Instance, name=UPPER, part=UPPER\n", &format!("*Instance, name=UPPER, part=UPPER\n 0., {gap}\n")),
+            gap => deck.replace(
+                "*Instance, name=UPPER, part=UPPER\n",
+                &format!("*Instance, name=UPPER, part=UPPER\n 0., {gap}\n"),
+            ),
         };
         let ran = run(&deck).whole();
         let (h, k) = (0.4, 0.1);
@@ -117,8 +121,8 @@ fn two_lumps_come_to_one_temperature() {
 /// in the middle of both: at the limit of what is stable swings of increments have gone.
 #[test]
 fn a_great_conductance_is_stable() {
-    let deck = stack([3, 4], 4, 0.5, 0.1, "*Gap Conductance\n 1.e4, 0.\n 1.e4, 0.001\n")
-        + &step(0.02, " UPPER.J1, 2, 2\n");
+    let deck =
+        stack([3, 4], 4, 0.5, 0.1, "*Gap Conductance\n 1.e4, 0.\n 1.e4, 0.001\n") + &step(0.02, " UPPER.J1, 2, 2\n");
     let ran = run(&deck).whole();
     let face = |instance: &str| {
         let all = temperatures(&ran, instance);
