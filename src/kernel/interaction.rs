@@ -157,3 +157,23 @@ fn between(rows: &[[f64; 2]], at: f64) -> f64 {
         (None, first) => first.map_or(0.0, |row| row[0]),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::GapHeat;
+
+    /// Between rows by their line, before the first as there, behind the last none over the clearance and as there over the
+    /// pressure, which counts where surfaces press.
+    #[test]
+    fn conductance_follows_its_rows() {
+        let over_clearance = vec![[4.0, 0.0], [2.0, 0.1], [1.0, 0.3]];
+        let open = GapHeat { over_clearance, ..GapHeat::default() };
+        for (gap, expected) in [(-1.0, 4.0), (0.0, 4.0), (0.05, 3.0), (0.1, 2.0), (0.2, 1.5), (0.3, 1.0), (0.31, 0.0)] {
+            assert!((open.conductance(gap, 0.0) - expected).abs() < 1e-15, "{gap}");
+            assert_eq!(open.conductance(gap, 5.0), open.conductance(gap, 0.0));
+        }
+        let both = GapHeat { over_pressure: vec![[5.0, 0.0], [9.0, 2.0]], ..open };
+        assert_eq!([0.0, 1.0, 9.0].map(|p| both.conductance(0.0, p)), [4.0, 7.0, 9.0]);
+        assert_eq!(both.most(), 9.0);
+    }
+}

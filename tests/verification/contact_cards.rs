@@ -86,8 +86,26 @@ fn gaps_begin_as_cards_say() {
              *Contact Clearance Assignment\n LOWER.J1, UPPER.J0, G\n"
         )
     };
-    for (apart, gap) in [(-0.01, None), (-0.01, Some(0.0)), (-0.01, Some(1e-5)), (0.01, Some(1e-5)), (0.01, None)] {
-        let cards = gap.map_or("*Contact\n*Contact Inclusions, all exterior\n".into(), card);
+    let of_pair = |gap: f64| {
+        format!("*Clearance, cpset=P, value={gap}\n*Contact Pair, interaction=HARD, cpset=P\n LOWER.J1, UPPER.J0\n")
+    };
+    let start = |gap: f64| {
+        card(gap)
+            .replace("Contact Clearance, name=G, clearance", "Contact Initialization Data, name=G, initial clearance")
+    };
+    let start = |gap: f64| start(gap).replace("Clearance Assignment", "Initialization Assignment");
+    let none = |_: f64| "*Contact\n*Contact Inclusions, all exterior\n".to_owned();
+    for (apart, gap, cards) in [
+        (-0.01, None, &none as &dyn Fn(f64) -> String),
+        (-0.01, Some(0.0), &card),
+        (-0.01, Some(1e-5), &card),
+        (-0.01, Some(1e-5), &of_pair),
+        (0.01, Some(1e-5), &of_pair),
+        (0.01, Some(1e-5), &start),
+        (0.01, Some(1e-5), &card),
+        (0.01, None, &none),
+    ] {
+        let cards = cards(gap.unwrap_or(0.0));
         let request = "*Output, history, frequency=1\n*Contact Output, nset=UPPER.J0\n COPEN, CPRESS\n*End Step";
         let deck = bars(10, [2, 3], apart, 3.0)
             .replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), &cards)
@@ -169,4 +187,22 @@ fn pairs_that_can_hardly_be_meant_are_told() {
     assert_eq!(codes(&tool(&arc, 9.0)), ["P118"]);
     let blunt = [[0.55, 0.06], [0.5, 0.01], [0.0, 0.01]];
     assert_eq!(codes(&tool(&blunt, 9.0)), [""; 0]);
+}
+
+/// General contact has penalty springs where a card gives them a factor: those of a pair, to the bit.
+#[test]
+fn general_contact_has_the_springs_of_a_pair() {
+    let pair = "*Contact Pair, interaction=HARD, mechanical constraint=PENALTY, cpset=P\n LOWER.J1, UPPER.J0\n";
+    let controls = "*Contact Controls, cpset=P, scale penalty=2.\n";
+    let general = "*Contact\n*Contact Inclusions\n LOWER.J1, UPPER.J0\n*Contact Property Assignment\n , , HARD\n\
+                   *Contact Controls Assignment, type=SCALE PENALTY\n LOWER.J1, UPPER.J0, 2.\n";
+    let end = |cards: &str| {
+        let deck = bars(10, [2, 3], 1e-10, 3.0).replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), cards);
+        let outcome = run(&deck).whole().outcome;
+        (outcome.digest, outcome.energy.penalty)
+    };
+    let [of_pair, of_general, other] =
+        [controls.to_owned() + pair, general.to_owned(), pair.to_owned()].map(|cards| end(&cards));
+    assert_eq!(of_pair, of_general);
+    assert!(of_pair.1.is_some() && of_pair.0 != other.0);
 }
