@@ -6,6 +6,7 @@ pub mod contact;
 mod dependence;
 pub mod equation;
 pub mod motion;
+pub mod overlaps;
 pub mod system;
 pub mod tie;
 pub mod user_motion;
@@ -97,6 +98,20 @@ pub trait Constraint: Persist + Send + Sync {
     /// A number that it shows of two surfaces in contact.
     fn of_pair(&self, _pair: usize, _part: Part) -> Option<f64> {
         None
+    }
+
+    /// Gives nodes the heat a time that it passes on over the increment `dt` whose motion it has just made, with temperatures at its
+    /// start; returns what friction made of it.
+    fn heats(&self, _temperature: &[f64], _dt: f64, _into: &mut dyn FnMut(usize, f64)) -> f64 {
+        0.0
+    }
+
+    /// Tells what nodes could at most exchange through it in the increment ahead, heat a time and temperature.
+    fn conducts(&self, _into: &mut dyn FnMut(usize, f64)) {}
+
+    /// What the step that ends should be told.
+    fn warnings(&mut self, _dofs: &Dofs, _clock: &Clock<'_>) -> Vec<String> {
+        Vec::new()
     }
 
     /// Bytes that it holds.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::conductors::{Conductors, Largest, at};
 use super::sources::{Held, Source};
+use crate::constraint::Constraint;
 use crate::constraint::bonds::Bonds;
 use crate::element::elements::Elements;
 use crate::state::EffectId;
@@ -31,13 +32,16 @@ pub struct HeatEnergies {
     pub external: f64,
     /// Taken up.
     pub internal: f64,
-    /// Made by plastic work; the first and this are the second.
+    /// Made by plastic work and by friction; the first and this are the second.
     pub inelastic: f64,
 }
 
 /// Passes in which temperatures that are tied settle, where capacities vary: what is left is of the eighth order in the rise
 /// over an increment.
 const PASSES: usize = 3;
+
+/// What flows between nodes has as much beside the diagonal as on it (Gershgorin's circles); a tenth more, so that swings die out.
+const BESIDE: f64 = 2.2;
 
 /// Temperatures of nodes, with all that changes them.
 #[derive(Clone)]
@@ -58,7 +62,7 @@ pub struct Heat {
     power: Vec<f64>,
     /// The part of it from outside.
     given: f64,
-    /// What films take a temperature; empty without any.
+    /// What films and surfaces in contact take a temperature; empty without any.
     exchange: Vec<f64>,
     /// Temperatures to come before equations share them out; empty without any.
     aims: Vec<f64>,
@@ -73,8 +77,14 @@ pub struct Heat {
 }
 
 impl Heat {
-    /// Temperatures at the start, and the conditions of each step.
-    pub fn new(id: EffectId, conductors: Conductors, steps: Vec<Conditions>, temperature: Vec<f64>) -> Self {
+    /// Temperatures at the start, and the conditions of each step; whether surfaces that meet exchange heat.
+    pub fn new(
+        id: EffectId,
+        conductors: Conductors,
+        steps: Vec<Conditions>,
+        temperature: Vec<f64>,
+        meets: bool,
+    ) -> Self {
         let (nodes, count) = (temperature.len(), conductors.list.len());
         let varies = conductors.parts.iter().any(|p| p.properties.capacity.rows.len() > 1);
         let masses = masses(&conductors, nodes);
@@ -88,7 +98,7 @@ impl Heat {
             capacity,
             power: vec![0.0; nodes],
             given: 0.0,
-            exchange: if films { vec![0.0; nodes] } else { Vec::new() },
+            exchange: if films || meets { vec![0.0; nodes] } else { Vec::new() },
             aims: if bound { vec![0.0; nodes] } else { Vec::new() },
             corners: vec![[0.0; 4]; count],
             means: vec![0.0; count],
@@ -187,8 +197,15 @@ impl Heat {
         }
     }
 
-    /// Heat a time into nodes at this instant, and the rate that bounds the increment.
-    pub fn evaluate(&mut self, elements: &Elements, dofs: &Dofs, clock: &Clock<'_>, threads: bool) {
+    /// Heat a time into nodes at this instant, and the rate that bounds the increment, with what constraints may pass on.
+    pub fn evaluate(
+        &mut self,
+        elements: &Elements,
+        dofs: &Dofs,
+        constraints: &[Box<dyn Constraint>],
+        clock: &Clock<'_>,
+        threads: bool,
+    ) {
         self.hold(clock);
         let Heat { conductors, temperature, corners, largest, power, exchange, .. } = self;
         self.rate = conductors.conduct(temperature, elements, &dofs.nodes, corners, largest, threads);
@@ -199,7 +216,10 @@ impl Heat {
         for source in &self.now.sources {
             self.given += source.give((conductors, dofs, temperature), clock, power, exchange);
         }
-        let exchange = std::mem::take(&mut self.exchange);
+        let mut exchange = std::mem::take(&mut self.exchange);
+        if !exchange.is_empty() {
+            constraints.iter().for_each(|c| c.conducts(&mut |n, most| exchange[n] += BESIDE * most));
+        }
         let rates = exchange.iter().enumerate().filter(|(_, e)| **e > 0.0);
         let most = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
         self.exchange = exchange;
@@ -247,6 +267,17 @@ impl Heat {
         }
         (self.aims, self.now.bonds) = (aims, bonds);
         sum
+    }
+
+    /// Heat that constraints pass on over the increment whose motion they have made.
+    pub fn cross(&mut self, constraints: &[Box<dyn Constraint>], dt: f64) {
+        if self.exchange.is_empty() {
+            return;
+        }
+        let Heat { power, temperature, energies, .. } = self;
+        for constraint in constraints {
+            energies.inelastic += dt * constraint.heats(temperature, dt, &mut |n, heat| power[n] += heat);
+        }
     }
 
     /// Carries temperatures over an increment; the clock stands at its start.

@@ -74,6 +74,8 @@ pub(super) struct Builder<'a> {
     pub coupling: Option<Coupling>,
     /// Surface interactions that contact pairs name.
     pub interactions_used: Vec<Word>,
+    /// Clearances of general contact by name.
+    pub clearances: Vec<(String, super::types::Clearance)>,
     /// Boundaries on degrees of freedom above 2 alone.
     pub rotational: Vec<Rotational>,
 }
@@ -114,6 +116,7 @@ impl<'a> Builder<'a> {
             controls_used: Vec::new(),
             coupling: None,
             interactions_used: Vec::new(),
+            clearances: Vec::new(),
             rotational: Vec::new(),
         }
     }
@@ -193,12 +196,21 @@ impl<'a> Builder<'a> {
             "MASS" => self.mass(card),
             "CONTACT PAIR" => self.contact_pair(card),
             "CONTACT" => self.general_contact(card),
-            "CONTACT INCLUSIONS" | "CONTACT EXCLUSIONS" | "CONTACT PROPERTY ASSIGNMENT" => {
-                self.general_contact_card(card);
-            }
+            "CONTACT INCLUSIONS"
+            | "CONTACT EXCLUSIONS"
+            | "CONTACT PROPERTY ASSIGNMENT"
+            | "CONTACT CLEARANCE ASSIGNMENT"
+            | "CONTACT INITIALIZATION ASSIGNMENT"
+            | "CONTACT CONTROLS ASSIGNMENT" => self.general_contact_card(card),
+            "CONTACT CLEARANCE" => self.contact_clearance(card),
+            "CONTACT INITIALIZATION DATA" => self.contact_initialization(card),
+            "CONTACT CONTROLS" => self.contact_controls(card),
+            "CLEARANCE" => self.pair_clearance(card),
             "SURFACE INTERACTION" => self.surface_interaction(card),
             "SURFACE BEHAVIOR" => self.surface_behavior(card),
             "FRICTION" => self.friction(card),
+            "GAP CONDUCTANCE" => self.gap_conductance(card),
+            "GAP HEAT GENERATION" => self.gap_heat_generation(card),
             "SPRING" | "DASHPOT" => self.connector(card),
             "EQUATION" => self.equation(card),
             "MPC" => self.multi_point(card),
@@ -251,6 +263,7 @@ impl<'a> Builder<'a> {
         self.check_transforms();
         self.check_controls();
         self.apply_interactions();
+        self.apply_clearances();
         self.complete();
         self.model.bodies_read = !self.lost.bodies;
         (self.model, self.diagnostics)

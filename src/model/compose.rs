@@ -275,6 +275,7 @@ impl OutputRequest {
             Region::Nodes(_) => OutputCard::Node,
             Region::Elements(_) => OutputCard::Element,
             Region::Surface(..) => OutputCard::Integrated,
+            Region::Pairs(_) => OutputCard::Contact,
         };
         let (interval, position, span) = (Interval::Default, Position::Element, Span::composed());
         OutputRequest { kind, interval, card, variables, position, region, sensor: None, span }

@@ -4,7 +4,7 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, Boundary, ConnectorLaw, ConnectorProperty, ElementKind, Friction, IncrementControl,
+    AmplitudeDefinition, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Friction, IncrementControl,
     InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning,
     Side, Step, Target,
 };
@@ -344,7 +344,14 @@ impl Check<'_> {
             let Friction { at_rest, sliding, decay, largest } = contact.law.friction;
             let good = [at_rest, sliding, decay, largest].iter().all(|x| *x >= 0.0);
             self.value(good, contact.span, || "numbers of friction must not be below zero".into());
-            self.value(contact.fits >= 0.0, contact.span, || "ADJUST must not be below zero".into());
+            if let Some(Clearance { gap, above, below }) = contact.clearance {
+                let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
+                self.value(good, contact.span, || {
+                    "a clearance and how far it is searched must not be below zero".into()
+                });
+            }
+            let good = contact.penalty.is_none_or(above_zero);
+            self.value(good, contact.span, || "a factor on penalty springs must be above zero".into());
         }
         for scaling in &step.mass_scalings {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
@@ -416,7 +423,7 @@ impl Check<'_> {
             Region::Nodes(name) => Some(("node", name)).filter(|_| !model.node_sets.contains_key(name)),
             Region::Elements(name) => Some(("element", name)).filter(|_| !model.element_sets.contains_key(name)),
             Region::Surface(name, _) => Some(("surface", name)).filter(|_| !model.surfaces.contains_key(name)),
-            Region::Whole => None,
+            Region::Whole | Region::Pairs(_) => None,
         };
         if let Some((what, name)) = missing {
             self.error("M110", request.span, format!("there is no {what} set `{name}`"));

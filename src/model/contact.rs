@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Contact, Friction, Model, Overclosure, Profile, RigidBody, RigidSurface, Segment};
+use super::types::{Contact, Friction, GapHeat, Model, Overclosure, Profile, RigidBody, RigidSurface, Segment};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
@@ -225,6 +225,16 @@ impl Builder<'_> {
                 }
             };
             let Some(nodes) = self.contact_nodes(other) else { continue };
+            let Some(penalty) = self.penalty_of_pair(card) else { return };
+            if penalty.is_some() {
+                let message = "penalty springs do not stand between nodes and an analytical surface";
+                self.unsupported(
+                    line.span,
+                    message,
+                    "make the surface of RAX2 elements, or leave MECHANICAL CONSTRAINT out",
+                );
+                continue;
+            }
             let faces = self.contact_faces(other);
             let set = other.text.clone();
             let interaction = card.value("INTERACTION").cloned();
@@ -276,7 +286,8 @@ impl Builder<'_> {
             for contact in &mut step.contacts {
                 let Some(found) = contact.interaction.as_ref().and_then(of) else { continue };
                 let friction = found.law.friction;
-                if found.law.overclosure == Overclosure::Hard && friction == Friction::of(friction.at_rest) {
+                let plain = found.law.overclosure == Overclosure::Hard && found.law.heat == GapHeat::default();
+                if plain && friction == Friction::of(friction.at_rest) {
                     contact.friction = friction.at_rest;
                     continue;
                 }

@@ -1,8 +1,8 @@
-//! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS`, `*CONTACT PROPERTY ASSIGNMENT`.
+//! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS`, and the cards that give what meets something.
 //! Never here: which surfaces there are, pairs that the deck names one by one.
 
 use super::builder::Builder;
-use super::types::{AssignedInteraction, ContactDomain, GeneralContact, Law};
+use super::types::{AssignedClearance, AssignedInteraction, ContactDomain, GeneralContact, Law};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 impl Builder<'_> {
@@ -29,19 +29,38 @@ impl Builder<'_> {
         }
         for line in &card.lines {
             let Some(domains) = self.domains(line) else { continue };
-            let interaction = line.field(2).filter(|w| !w.text.is_empty()).cloned();
+            let third = line.field(2).filter(|w| !w.text.is_empty()).cloned();
+            let factor = match card.keyword.name {
+                "CONTACT CONTROLS ASSIGNMENT" => match self.penalty_factor(line) {
+                    None => continue,
+                    factor => factor,
+                },
+                _ => None,
+            };
             let Some(general) = &mut self.state().general_contact else { continue };
-            match card.keyword.name {
-                "CONTACT INCLUSIONS" => general.included.push((domains, line.span)),
-                "CONTACT EXCLUSIONS" => general.excluded.push(domains),
-                _ => {
-                    let Some(word) = interaction else { continue };
-                    let (interaction, law) = (word.clone(), Law::default());
-                    general.assigned.push(AssignedInteraction { domains, interaction, law });
-                    self.interactions_used.push(word);
+            match (card.keyword.name, third) {
+                ("CONTACT INCLUSIONS", _) => general.included.push((domains, line.span)),
+                ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
+                ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.extend(factor.map(|f| (domains, f))),
+                (_, None) => {}
+                ("CONTACT PROPERTY ASSIGNMENT", Some(interaction)) => {
+                    self.interactions_used.push(interaction.clone());
+                    let Some(general) = &mut self.state().general_contact else { continue };
+                    general.assigned.push(AssignedInteraction { domains, interaction, law: Law::default() });
                 }
+                (_, Some(name)) => general.clearances.push(AssignedClearance { domains, name, clearance: None }),
             }
         }
+    }
+
+    /// ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT, TYPE=SCALE PENALTY.
+    fn penalty_factor(&mut self, line: &DataLine) -> Option<f64> {
+        let factor = self.number(line, 2, "factor on the penalty stiffness")?;
+        if factor > 0.0 && factor.is_finite() {
+            return Some(factor);
+        }
+        self.out_of_range(line.span, format!("a factor on the penalty stiffness must be above zero, not {factor}"));
+        None
     }
 
     /// The two surfaces of a line: the first is all that is outside where it is left out, the second the first.

@@ -9,7 +9,8 @@ use crate::deck::Card;
 impl Builder<'_> {
     pub(super) fn surface_interaction(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
-        self.model.interactions.push(Interaction { name: upper(&name.text), law: Law::default() });
+        let name = upper(&name.text);
+        self.model.interactions.push(Interaction { name, law: Law::default(), heat_cards: Vec::new() });
         self.contact_note(card);
     }
 
@@ -60,6 +61,41 @@ impl Builder<'_> {
         }
     }
 
+    /// ABAQUS Keywords Reference Guide, *GAP CONDUCTANCE.
+    pub(super) fn gap_conductance(&mut self, card: &Card) {
+        self.contact_note(card);
+        let rows = card.lines.iter().map(|l| Some([self.number(l, 0, "conductance")?, self.number_or(l, 1, 0.0)?]));
+        let Some(rows) = rows.collect::<Option<Vec<[f64; 2]>>>() else { return };
+        let ascend = rows.windows(2).all(|w| w[0][1] < w[1][1]);
+        if rows.len() < 2 || !ascend || rows.as_flattened().iter().any(|x| x.is_nan() || *x < 0.0) {
+            let message =
+                "a gap conductance has two rows or more; no number is below zero, and clearances or pressures ascend";
+            self.out_of_range(card.lines.first().map_or(card.span, |l| l.span), message);
+            return;
+        }
+        let Some(interaction) = self.model.interactions.last_mut() else { return };
+        let heat = &mut interaction.law.heat;
+        *(if card.has("PRESSURE") { &mut heat.over_pressure } else { &mut heat.over_clearance }) = rows;
+        interaction.heat_cards.push((card.keyword.name, card.span));
+    }
+
+    /// ABAQUS Keywords Reference Guide, *GAP HEAT GENERATION.
+    pub(super) fn gap_heat_generation(&mut self, card: &Card) {
+        self.contact_note(card);
+        let Some(line) = self.first_line(card) else { return };
+        let Some(fraction) = self.number_or(line, 0, 1.0) else { return };
+        let Some(to_first) = self.number_or(line, 1, 0.5) else { return };
+        if !(fraction >= 0.0 && fraction.is_finite() && (0.0..=1.0).contains(&to_first)) {
+            let message =
+                format!("the fraction must not be below zero, the weight is from 0 to 1, not {fraction}, {to_first}");
+            self.out_of_range(line.span, message);
+            return;
+        }
+        let Some(interaction) = self.model.interactions.last_mut() else { return };
+        (interaction.law.heat.fraction, interaction.law.heat.to_first) = (fraction, to_first);
+        interaction.heat_cards.push((card.keyword.name, card.span));
+    }
+
     fn overclosure(&mut self, card: &Card) -> Option<Overclosure> {
         let kind = card.value("PRESSURE-OVERCLOSURE").map_or_else(|| "HARD".to_owned(), |w| upper(&w.text));
         if kind == "HARD" {
@@ -76,7 +112,7 @@ impl Builder<'_> {
         };
         let good = match &law {
             Overclosure::Hard => true,
-            Overclosure::Linear(stiffness) => *stiffness > 0.0,
+            Overclosure::Linear(stiffness) | Overclosure::Spring(stiffness) => *stiffness > 0.0,
             Overclosure::Exponential(both) => both.iter().all(|x| *x > 0.0),
             Overclosure::Table(rows) => {
                 rows.len() > 1 && rows[0][0] == 0.0 && rows.windows(2).all(|w| w[0][0] <= w[1][0] && w[0][1] < w[1][1])

@@ -3,7 +3,9 @@
 
 use super::builder::{Builder, MOST};
 use super::names::{qualified, upper};
-use super::types::{Inert, Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart, TimePoints};
+use super::types::{
+    Inert, Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart, TimePoints, WhichPairs,
+};
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::asked::{self, Asked, SectionPoint};
@@ -321,7 +323,24 @@ impl Builder<'_> {
             self.element_members(word)?;
             return Some(Region::Elements(upper(&word.text)));
         }
+        if card.keyword.name == "CONTACT OUTPUT" {
+            return self.pairs_of(card);
+        }
         Some(Region::Whole)
+    }
+
+    /// The pairs of surfaces that a *CONTACT OUTPUT names.
+    fn pairs_of(&mut self, card: &Card) -> Option<Region> {
+        let mut surfaces = Vec::new();
+        for name in ["SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"] {
+            if let Some(word) = card.value(name) {
+                surfaces.push(self.surface_key(word)?);
+            }
+        }
+        let name = |parameter: &str| card.value(parameter).map(|w| upper(&w.text));
+        let (cpset, interaction) = (name("CPSET"), name("CONTACT PAIR"));
+        let pairs = WhichPairs { cpset, interaction, general: card.has("GENERAL CONTACT"), surfaces };
+        Some(if pairs == WhichPairs::default() { Region::Whole } else { Region::Pairs(pairs) })
     }
 
     fn integrated_region(&mut self, card: &Card) -> Option<Region> {

@@ -5,10 +5,10 @@ use super::builder::Builder;
 use super::history::{History, StepTime};
 use super::names::upper;
 use super::types::{
-    Boundary, Contact, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
-    OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
+    Boundary, Clearance, Contact, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling,
+    OutputKind, OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
 };
-use crate::deck::{Card, DataLine, Diagnostic, Span};
+use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Increments of a given length that a step may take at most: at ten nanoseconds each, four months.
 const MOST_INCREMENTS: f64 = 1e15;
@@ -38,6 +38,9 @@ pub(super) struct StepState {
     pub contacts: Vec<Contact>,
     pub surface_contacts: Vec<SurfaceContact>,
     pub general_contact: Option<GeneralContact>,
+    /// Clearances and factors on penalty springs that cards of this step give sets of pairs.
+    pub pair_clearances: Vec<(Word, Clearance)>,
+    pub penalty_factors: Vec<(Word, f64)>,
     pub mass_scalings: Vec<MassScaling>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
@@ -110,6 +113,9 @@ impl Builder<'_> {
     }
 
     pub(super) fn close_step(&mut self) {
+        if self.step.is_some() {
+            self.apply_to_sets();
+        }
         let Some(mut state) = self.step.take() else { return };
         let Some(procedure) = state.procedure else {
             let other = self.diagnostics.has_errors() || self.lost.bodies || self.lost.everything;

@@ -4,7 +4,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Law, Sides, SurfaceContact};
+use super::types::{Clearance, Law, Sides, SurfaceContact};
 use crate::deck::{Card, DataLine, Word};
 
 impl Builder<'_> {
@@ -12,13 +12,14 @@ impl Builder<'_> {
     pub(super) fn surface_pair(&mut self, card: &Card, line: &DataLine, words: [&Word; 2], adds: bool) {
         let Some(first) = self.contact_sides(words[0]) else { return };
         let Some(second) = self.contact_sides(words[1]) else { return };
-        let fits = match card.value("ADJUST") {
-            None => 0.0,
+        let clearance = match card.value("ADJUST") {
+            None => None,
             Some(word) => match self.adjust(word) {
-                Some(fits) => fits,
+                Some(fits) => Some(Clearance { gap: 0.0, above: Some(fits), below: Some(0.0) }),
                 None => return,
             },
         };
+        let Some(penalty) = self.penalty_of_pair(card) else { return };
         let same = |c: &SurfaceContact| {
             let names = [&c.sides[0].name, &c.sides[1].name];
             names == [&first.name, &second.name] || names == [&second.name, &first.name]
@@ -38,11 +39,28 @@ impl Builder<'_> {
             sides: [first, second],
             general: false,
             thin: card.has("NO THICKNESS"),
-            fits,
+            clearance,
+            penalty,
+            cpset: card.value("CPSET").map(|w| upper(&w.text)),
             interaction,
             law,
             span: line.span,
         });
+    }
+
+    /// Factor on the stiffness of penalty springs; `Some(None)` of a pair without any, `None` once refused (ABAQUS Keywords
+    /// Reference Guide, *CONTACT PAIR).
+    pub(super) fn penalty_of_pair(&mut self, card: &Card) -> Option<Option<f64>> {
+        match card.value("MECHANICAL CONSTRAINT") {
+            None => Some(None),
+            Some(word) if word.is("KINEMATIC") => Some(None),
+            Some(word) if word.is("PENALTY") => Some(Some(1.0)),
+            Some(word) => {
+                let message = format!("MECHANICAL CONSTRAINT is KINEMATIC or PENALTY, not {}", word.text);
+                self.out_of_range(word.span, message);
+                None
+            }
+        }
     }
 
     /// The sides of a surface of elements.

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use indexmap::IndexMap;
 
 use crate::deck::{Sources, Span, Word};
-pub use crate::kernel::interaction::{Friction, Law, Overclosure};
+pub use crate::kernel::interaction::{Friction, GapHeat, Law, Overclosure};
 pub use crate::kernel::profile::{Profile, Segment};
 use crate::variables::Place;
 use crate::variables::asked::Asked;
@@ -633,6 +633,8 @@ pub struct Interaction {
     pub name: String,
     /// What it does.
     pub law: Law,
+    /// Its cards of heat.
+    pub heat_cards: Vec<(&'static str, Span)>,
 }
 
 /// Contact of two surfaces of elements, or of one with itself.
@@ -644,8 +646,12 @@ pub struct SurfaceContact {
     pub general: bool,
     /// Whether shells meet at their middle surface (`NO THICKNESS`).
     pub thin: bool,
-    /// Gaps at the start up to this are taken as none, length.
-    pub fits: f64,
+    /// What gaps at the start are taken as; `None` as they are.
+    pub clearance: Option<Clearance>,
+    /// Factor on the stiffness of penalty springs; `None` where surfaces do not give way.
+    pub penalty: Option<f64>,
+    /// Name of the set of pairs that it belongs to (`CPSET`), upper case.
+    pub cpset: Option<String>,
     /// Name of its surface interaction, which may be defined anywhere in the deck.
     pub interaction: Option<Word>,
     /// What that does.
@@ -659,6 +665,17 @@ impl SurfaceContact {
     pub fn is_of_one(&self) -> bool {
         self.sides[0].name == self.sides[1].name
     }
+}
+
+/// What gaps at the start are taken as: no node is moved, and nothing is strained.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// The gap, length.
+    pub gap: f64,
+    /// Gaps up to this are, length; `None` is a tenth of the elements.
+    pub above: Option<f64>,
+    /// Overlaps up to this are, length; `None` is a tenth of the elements.
+    pub below: Option<f64>,
 }
 
 /// What a word of general contact means.
@@ -683,6 +700,21 @@ pub struct GeneralContact {
     pub excluded: Vec<[ContactDomain; 2]>,
     /// How they interact; the last that covers a pair counts.
     pub assigned: Vec<AssignedInteraction>,
+    /// What gaps at the start are taken as; the last that covers a pair counts.
+    pub clearances: Vec<AssignedClearance>,
+    /// Factors on penalty springs, which what they cover has; the last that covers a pair counts.
+    pub penalties: Vec<([ContactDomain; 2], f64)>,
+}
+
+/// What gaps at the start of general contact are taken as.
+#[derive(Clone, Debug)]
+pub struct AssignedClearance {
+    /// What it is given to.
+    pub domains: [ContactDomain; 2],
+    /// Its name, which may be defined anywhere in the deck.
+    pub name: Word,
+    /// What it says.
+    pub clearance: Option<Clearance>,
 }
 
 /// An interaction of general contact.
@@ -1262,6 +1294,39 @@ pub enum Region {
     Elements(String),
     /// A surface of element faces by upper-case name, and what its columns are called.
     Surface(String, String),
+    /// Pairs of surfaces in contact.
+    Pairs(WhichPairs),
+}
+
+/// Which pairs of surfaces are meant: those that are all of what is given.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WhichPairs {
+    /// The set of pairs, upper case.
+    pub cpset: Option<String>,
+    /// The surface interaction, upper case.
+    pub interaction: Option<String>,
+    /// Whether those of general contact alone.
+    pub general: bool,
+    /// Surfaces by upper-case name, or parts of which the pair has.
+    pub surfaces: Vec<String>,
+}
+
+impl WhichPairs {
+    /// Whether a pair is meant.
+    pub fn means(&self, pair: &SurfaceContact) -> bool {
+        let interaction = pair.interaction.as_ref().map(|word| word.text.to_uppercase());
+        let has = |name: &String| {
+            let is = |s: &Sides| {
+                s.name == *name
+                    || s.name.strip_suffix(name.as_str()).is_some_and(|b| b.ends_with('.') && !b.ends_with(".NOT."))
+            };
+            pair.sides.iter().any(is)
+        };
+        self.cpset.as_ref().is_none_or(|set| pair.cpset.as_ref() == Some(set))
+            && self.interaction.as_ref().is_none_or(|name| interaction.as_ref() == Some(name))
+            && (!self.general || pair.general)
+            && self.surfaces.iter().all(has)
+    }
 }
 
 /// A card that was read but changes nothing here.

@@ -199,7 +199,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P110",
         title: "surface that faces away",
-        text: "An analytical surface is met from its front only, which is to the left of the way from START on (each direction turned 90 degrees counter-clockwise). Where all nodes of the pair lie behind it, contact is taken on their side and this is said; where they lie on it and the body behind it, nothing will ever meet it, as in ABAQUS.",
+        text: "An analytical surface is met from its front only, which is to the left of the way from START on (each direction turned 90 degrees counter-clockwise). Where all nodes of the pair lie behind it, contact is taken on their side and this is said; where they lie on it and the body behind it, nothing will ever meet it, as in ABAQUS. Two surfaces of elements meet where facets have each other in front of them: of two sides that face the same way, or lie back to back, none has.",
     },
     Code {
         code: "P111",
@@ -215,6 +215,16 @@ pub const CODES: &[Code] = &[
         code: "P113",
         title: "a step without end",
         text: "By the time that a wave needs to cross its smallest element the step has more than 1e12 updates of elements before it, which takes hours to days. A time in another unit than density and moduli, or a step meant for a static analysis, is the usual reason.",
+    },
+    Code {
+        code: "P117",
+        title: "a rigid body lighter than what it meets",
+        text: "Masses are lumped at nodes. A free rigid body that weighs less than the nodes in front of it takes on their velocity when it hits them, and nearly all that it had is lost at once, whatever the increment: first order in the size of the elements.",
+    },
+    Code {
+        code: "P118",
+        title: "a rigid surface finer than what meets it",
+        text: "What deforms meets a surface with gaps weighted over its faces. A rounding of a rigid surface within one face is seen as a corner, and late by up to a third of the face.",
     },
     Code {
         code: "R201",

@@ -3,14 +3,15 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::Compiler;
+use super::contact_doubts::Met;
 use super::general_contact::pair_name;
 use super::pieces::pieces;
+use super::{Compiler, State};
 use crate::constraint::Constraint;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
-use crate::constraint::contact::{Contact, Overlap, Pair};
+use crate::constraint::contact::{Begins, Contact, Overlap, Pair};
 use crate::deck::Diagnostic;
-use crate::kernel::interaction::{Law, Overclosure};
+use crate::kernel::interaction::{GapHeat, Law, Overclosure};
 use crate::model::{GeneralContact, Side, Sides, SurfaceContact};
 
 /// A facet is met from behind no deeper than this many of its lengths.
@@ -19,6 +20,9 @@ const DEEPEST: f64 = 2.0;
 const LEAST_DEPTH: f64 = 0.1;
 /// Overlaps at the start up to this part of a facet are chords of curved surfaces that fit.
 const FIT: f64 = 0.05;
+/// Gaps and overlaps up to this part of a facet are taken as the clearance that a card gives (ABAQUS Keywords Reference Guide,
+/// *CONTACT CLEARANCE: approximately one-tenth of the element size).
+const SEARCHED: f64 = 0.1;
 
 /// Points and curves as they are found.
 #[derive(Default)]
@@ -27,6 +31,8 @@ struct Found {
     places: Vec<[f64; 2]>,
     point_of_node: HashMap<usize, u32>,
     curves: Vec<Curve>,
+    /// The element and the nodes of each facet that lies bare.
+    behind: Vec<Vec<(usize, [usize; 2])>>,
     /// The longest facet and the mean length of each, and whether what carries it deforms.
     lengths: Vec<[f64; 2]>,
     deforms: Vec<bool>,
@@ -39,17 +45,41 @@ struct Around<'a> {
     prescribed: &'a HashSet<(usize, usize)>,
     kept: &'a HashSet<(usize, usize)>,
     /// The outside of what is solid.
-    skin: &'a [[[f64; 2]; 2]],
+    skin: &'a Skin,
 }
 
-fn is_off_axis(edge: &[[f64; 2]; 2]) -> bool {
+/// An edge between two places.
+type Edge = [[f64; 2]; 2];
+
+/// The outside of what is solid, but for the axis, and which piece of elements that hang together each edge and element is of.
+#[derive(Default)]
+struct Skin {
+    edges: Vec<(Edge, usize)>,
+    piece_of: HashMap<usize, usize>,
+}
+
+impl Skin {
+    /// What may end the body behind a facet of an element: its own piece, or where it is none of a solid all.
+    fn behind(&self, element: usize) -> impl Iterator<Item = Edge> + '_ {
+        let own = self.piece_of.get(&element).copied();
+        self.edges.iter().filter(move |e| own.is_none_or(|own| own == e.1)).map(|e| e.0)
+    }
+}
+
+fn is_off_axis(edge: &Edge) -> bool {
     edge.iter().any(|p| p[0] != 0.0)
 }
 
 impl Compiler<'_> {
     /// All contact of surfaces of elements in a step.
-    pub(super) fn contact(&mut self, step: usize, prescribed: &HashSet<(usize, usize)>) -> Option<Box<dyn Constraint>> {
+    pub(super) fn contact(
+        &mut self,
+        step: usize,
+        prescribed: &HashSet<(usize, usize)>,
+        state: &State,
+    ) -> Option<Box<dyn Constraint>> {
         let (mut found, mut pairs, mut laws) = (Found::default(), Vec::new(), Vec::<Law>::new());
+        let mut springs: Vec<Law> = Vec::new();
         let mut spans = Vec::new();
         let wanted = self.pairs[step].clone();
         if wanted.is_empty() {
@@ -66,20 +96,43 @@ impl Compiler<'_> {
                 self.diagnostics.push(finding.help("one of them must belong to what deforms"));
                 continue;
             }
-            let law = laws.iter().position(|l| *l == contact.law).unwrap_or_else(|| {
-                laws.push(contact.law.clone());
-                laws.len() - 1
-            });
             let curves = found.order(first, second);
+            let spring = contact.penalty.filter(|_| contact.law.overclosure == Overclosure::Hard);
+            let law = match spring {
+                None => place_of(&mut laws, contact.law.clone()),
+                Some(factor) => {
+                    let Some(own) = self.springs(contact, factor, curves, &found, state) else { continue };
+                    springs.extend(own);
+                    springs.len() - found.curves[curves[0]].own.len()
+                }
+            };
+            // What acts on a point by itself is no pressure: it does not give way.
+            let hard = Law { overclosure: Overclosure::Hard, ..contact.law.clone() };
+            let of_points = place_of(&mut laws, hard);
             let length = found.lengths[first][0].min(found.lengths[second][0]);
             let id = match general {
                 Some(general) if contact.general => self.general_row(general, &wanted),
                 _ => self.contact_row(contact, &found, curves[0]),
             };
+            if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
+                self.heat_row(contact);
+            }
+            let met = Met {
+                curves: curves.map(|c| &found.curves[c]),
+                points: &found.points,
+                places: &found.places,
+                length: found.lengths[curves[0]][1],
+            };
+            self.doubt_pair(contact, step, met, state);
             let name = pair_name(contact);
             let number = self.pair_names.iter().position(|n| *n == name).unwrap_or_default();
             let mut pair = Pair::new(id, number, curves, law, length);
-            (pair.fits, pair.first) = (contact.fits, curves[0] == first);
+            (pair.of_points, pair.springs, pair.first) = (of_points, spring.is_some(), curves[0] == first);
+            pair.begins = contact.clearance.map(|clearance| {
+                let searched = SEARCHED * length;
+                let range = [-clearance.below.unwrap_or(searched), clearance.above.unwrap_or(searched)];
+                Begins { gap: clearance.gap, range }
+            });
             pairs.push(pair);
             spans.push((contact, length));
         }
@@ -87,7 +140,17 @@ impl Compiler<'_> {
             return None;
         }
         let Found { points, places, curves, .. } = found;
+        let first = laws.len();
+        pairs.iter_mut().filter(|p| p.springs).for_each(|p| p.law += first);
+        let any = !springs.is_empty();
+        laws.extend(springs);
         let mut contact = Contact::new(points, curves, pairs, laws);
+        if any {
+            contact = contact.with_springs(first);
+        }
+        if let Some(heat) = state.thermal.as_ref().and_then(|t| t.heat.as_ref()) {
+            contact = contact.with_heat(|node| heat.temperature(node).is_finite());
+        }
         let overlaps = contact.start(&places);
         for ((contact, length), overlap) in spans.into_iter().zip(overlaps) {
             self.tell_start(contact, length, overlap);
@@ -98,11 +161,13 @@ impl Compiler<'_> {
     fn contact_row(&mut self, contact: &SurfaceContact, found: &Found, own: usize) -> usize {
         let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
         let between = if contact.is_of_one() { format!("{a} with itself") } else { format!("{a} and {b}") };
-        let kind = match &contact.law.overclosure {
-            Overclosure::Hard => "hard",
-            Overclosure::Linear(_) => "linear",
-            Overclosure::Exponential(_) => "exponential",
-            Overclosure::Table(_) => "tabular",
+        // A pressure-overclosure relationship takes the place of penalty springs.
+        let kind = match (&contact.law.overclosure, contact.penalty) {
+            (Overclosure::Hard, Some(factor)) => format!("penalty springs {factor} times as stiff as the elements"),
+            (Overclosure::Hard, None) => "hard".into(),
+            (Overclosure::Linear(_) | Overclosure::Spring(_), _) => "linear".into(),
+            (Overclosure::Exponential(_), _) => "exponential".into(),
+            (Overclosure::Table(_), _) => "tabular".into(),
         };
         let friction = match contact.law.friction.at_rest {
             _ if !contact.law.friction.is_there() => String::new(),
@@ -110,7 +175,67 @@ impl Compiler<'_> {
             coefficient => format!(", friction {coefficient}"),
         };
         let count = found.curves[own].facets.len();
-        self.cause(contact.span, "contact", count, "facets", format!("{between}, {kind}{friction}"))
+        let clearance = match contact.clearance {
+            Some(clearance) if clearance.gap > 0.0 => format!(", clearance {:e}", clearance.gap),
+            _ => String::new(),
+        };
+        self.cause(contact.span, "contact", count, "facets", format!("{between}, {kind}{friction}{clearance}"))
+    }
+
+    /// The row of the heat that crosses between two surfaces, where temperatures are solved for.
+    fn heat_row(&mut self, contact: &SurfaceContact) {
+        let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
+        let GapHeat { over_clearance, over_pressure, fraction, to_first } = &contact.law.heat;
+        let mut parts = Vec::new();
+        if contact.law.friction.is_there() {
+            parts.push(format!("{fraction} of the work of friction, {to_first} of it to {a}"));
+        }
+        for (rows, over) in [(over_clearance, "clearance"), (over_pressure, "pressure")] {
+            if !rows.is_empty() {
+                parts.push(format!("conductance over {} rows of {over}", rows.len()));
+            }
+        }
+        if !parts.is_empty() {
+            let detail = format!("{a} and {b}: {}", parts.join(", "));
+            self.cause(contact.span, "contact heat", 1, "pair", detail);
+        }
+    }
+
+    /// Laws of the penalty springs of each point of a curve in front of another: twice one over the sum of the ways that both
+    /// surfaces give under a unit of pressure, so that of two like bodies springs are as stiff as one layer of elements.
+    fn springs(
+        &mut self,
+        contact: &SurfaceContact,
+        factor: f64,
+        [own, other]: [usize; 2],
+        found: &Found,
+        state: &State,
+    ) -> Option<Vec<Law>> {
+        let softness = |curve: usize| {
+            let of = found.behind[curve].iter().map(|&(e, nodes)| self.softness(e, nodes, state));
+            of.collect::<Option<Vec<f64>>>()
+        };
+        let (Some(own_ways), Some(others)) = (softness(own), softness(other)) else {
+            let message = "penalty springs are as stiff as the elements behind them, and that cannot be told of these";
+            let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
+            self.diagnostics
+                .push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or leave PENALTY out"));
+            return None;
+        };
+        let beside = others.iter().sum::<f64>() / others.len() as f64;
+        let curve = &found.curves[own];
+        let stiffness = |index: usize| {
+            let around = curve.around_own(index).iter().filter_map(|f| own_ways.get(f.0 as usize));
+            let (sum, count) = around.fold((0.0, 0), |(sum, count), way| (sum + way, count + 1));
+            // Points that come to lie bare have springs as those that do in the mean.
+            let way = match count {
+                0 => own_ways.iter().sum::<f64>() / own_ways.len() as f64,
+                _ => sum / f64::from(count),
+            };
+            factor * 2.0 / (way + beside)
+        };
+        let law = |index| Law { overclosure: Overclosure::Spring(stiffness(index)), ..contact.law.clone() };
+        Some((0..curve.own.len()).map(law).collect())
     }
 
     /// One row for all pairs of general contact.
@@ -136,7 +261,7 @@ impl Compiler<'_> {
         if let Some(&known) = found.by_name.get(&key) {
             return Some(known);
         }
-        let mut facets = Vec::new();
+        let (mut facets, mut behind) = (Vec::new(), Vec::new());
         for &(element, side) in &sides.faces {
             let Some(mut ends) = self.model.mesh.ends(element, side) else { continue };
             // The body lies to the left of the way; seen from the side of its normal a shell lies to the right.
@@ -158,9 +283,11 @@ impl Compiler<'_> {
                 };
             }
             facets.push((facet, element));
+            behind.push((element, ends));
         }
         // What lies on the axis is the inside of a body.
         facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
+        behind.retain(|(_, ends)| ends.iter().any(|&n| self.model.mesh.points[n][0] != 0.0));
         if facets.is_empty() {
             let message = format!("surface `{}` has no facets that could meet anything", sides.name);
             self.diagnostics.push(Diagnostic::error("P021", message).at(contact.span, "this pair"));
@@ -171,7 +298,8 @@ impl Compiler<'_> {
             self.hidden_facets(around, found, &mut facets);
         }
         let lift = facets.iter().map(|f| if contact.thin { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
-        let curve = found.add_curve(&facets, lift, bare, self.skin_of(sides, around.skin));
+        let curve = found.add_curve(&facets, lift, bare, (around.skin, &self.shells_of(sides)));
+        found.behind.push(behind);
         found.by_name.insert(key, curve);
         Some(curve)
     }
@@ -233,18 +361,27 @@ impl Compiler<'_> {
     }
 
     /// The outside of all solids, but for the axis.
-    fn solid_skin(&self) -> Vec<[[f64; 2]; 2]> {
+    fn solid_skin(&self) -> Skin {
         let mesh = &self.model.mesh;
-        let edges = mesh.outside().into_iter().filter_map(|(e, side)| mesh.ends(e, side));
-        edges.map(|edge| edge.map(|n| mesh.points[n])).filter(is_off_axis).collect()
+        let solids: Vec<usize> = (0..mesh.elements.len()).filter(|e| mesh.elements[*e].kind.is_solid()).collect();
+        let mut skin = Skin::default();
+        for (piece, elements) in pieces(mesh, &solids).into_iter().enumerate() {
+            skin.piece_of.extend(elements.into_iter().map(|e| (e, piece)));
+        }
+        for (element, side) in mesh.outside() {
+            let (Some(ends), Some(&piece)) = (mesh.ends(element, side), skin.piece_of.get(&element)) else { continue };
+            let edge = ends.map(|n| mesh.points[n]);
+            skin.edges.extend(is_off_axis(&edge).then_some((edge, piece)));
+        }
+        skin
     }
 
-    /// The same, and the shells of a surface.
-    fn skin_of(&self, sides: &Sides, solids: &[[[f64; 2]; 2]]) -> Vec<[[f64; 2]; 2]> {
+    /// Shells of a surface.
+    fn shells_of(&self, sides: &Sides) -> Vec<Edge> {
         let mesh = &self.model.mesh;
         let shells = sides.faces.iter().filter(|f| matches!(f.1, Side::Positive | Side::Negative));
         let shells = shells.filter_map(|&(e, side)| mesh.ends(e, side)).map(|e| e.map(|n| mesh.points[n]));
-        solids.iter().copied().chain(shells.filter(is_off_axis)).collect()
+        shells.filter(is_off_axis).collect()
     }
 
     /// Says where the surfaces of a pair lie in each other.
@@ -272,12 +409,15 @@ impl Found {
         facets: &[([u32; 2], usize)],
         lift: Vec<f64>,
         bare: usize,
-        skin: Vec<[[f64; 2]; 2]>,
+        (solids, shells): (&Skin, &[Edge]),
     ) -> usize {
         let ends = |f: &[u32; 2]| f.map(|p| self.places[p as usize]);
         let lengths: Vec<f64> = facets.iter().map(|(f, _)| length(ends(f))).collect();
-        let mut depths: Vec<f64> =
-            facets[..bare].iter().zip(&lengths).map(|((f, _), l)| depth(ends(f), *l, &skin)).collect();
+        let mut depths: Vec<f64> = facets[..bare]
+            .iter()
+            .zip(&lengths)
+            .map(|((f, element), l)| depth(ends(f), *l, solids.behind(*element).chain(shells.iter().copied())))
+            .collect();
         // Behind a facet that comes to lie bare there may be no more than one element.
         depths.extend(lengths[bare..].iter().map(|l| 0.5 * l));
         // What lies behind the middle surface of a shell is on its other side.
@@ -303,17 +443,25 @@ impl Found {
     }
 }
 
+/// Where a law is among others; it is added where it is not.
+fn place_of(laws: &mut Vec<Law>, law: Law) -> usize {
+    laws.iter().position(|l| *l == law).unwrap_or_else(|| {
+        laws.push(law);
+        laws.len() - 1
+    })
+}
+
 fn length([a, b]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
-/// How deep behind a facet something is still in contact with it: half the way to the next skin behind it, and no more than
+/// How deep behind a facet something is still in contact with it: half the way to the next skin of its body behind it, and no more than
 /// [`DEEPEST`] lengths.
-fn depth([a, b]: [[f64; 2]; 2], length: f64, skin: &[[[f64; 2]; 2]]) -> f64 {
+fn depth([a, b]: Edge, length: f64, skin: impl Iterator<Item = Edge>) -> f64 {
     let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
     let inward = [-(b[1] - a[1]) / length, (b[0] - a[0]) / length];
     let mut nearest = 2.0 * DEEPEST * length;
-    for &[p, q] in skin {
+    for [p, q] in skin {
         let (d, e) = ([p[0] - middle[0], p[1] - middle[1]], [q[0] - p[0], q[1] - p[1]]);
         let cross = inward[0] * e[1] - inward[1] * e[0];
         let way = (d[0] * e[1] - d[1] * e[0]) / cross;

@@ -13,7 +13,8 @@ type Face = (usize, Side);
 #[derive(Clone)]
 struct Meeting {
     sides: [Sides; 2],
-    interaction: Option<usize>,
+    /// Which of the interactions, of the clearances and of the factors on penalty springs it is given.
+    given: [Option<usize>; 3],
     span: crate::deck::Span,
 }
 
@@ -49,12 +50,12 @@ impl Compiler<'_> {
             match domains {
                 [ContactDomain::All, ContactDomain::All] => add_all(&all, *span, &mut meetings),
                 [ContactDomain::Surface(a), ContactDomain::Surface(b)] => {
-                    meetings.push(Meeting { sides: [a.clone(), b.clone()], interaction: None, span: *span });
+                    meetings.push(Meeting { sides: [a.clone(), b.clone()], given: [None; 3], span: *span });
                 }
                 [ContactDomain::All, ContactDomain::Surface(one)]
                 | [ContactDomain::Surface(one), ContactDomain::All] => {
                     let others = all.iter().filter(|o| one.faces.iter().all(|f| !o.faces.contains(f)));
-                    let with = |o: &Sides| Meeting { sides: [one.clone(), o.clone()], interaction: None, span: *span };
+                    let with = |o: &Sides| Meeting { sides: [one.clone(), o.clone()], given: [None; 3], span: *span };
                     meetings.extend(others.map(with));
                 }
             }
@@ -62,23 +63,24 @@ impl Compiler<'_> {
         for domains in &general.excluded {
             meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).filter(|m| !m.1).map(|m| m.0).collect();
         }
-        for (index, assigned) in general.assigned.iter().enumerate() {
-            let take = |(mut m, covered): (Meeting, bool)| {
-                m.interaction = if covered { Some(index) } else { m.interaction };
-                m
-            };
-            meetings = meetings.into_iter().flat_map(|m| apart(m, &assigned.domains)).map(take).collect();
-        }
+        meetings = give(meetings, 0, general.assigned.iter().map(|a| &a.domains));
+        meetings = give(meetings, 1, general.clearances.iter().map(|c| &c.domains));
+        meetings = give(meetings, 2, general.penalties.iter().map(|p| &p.0));
         meetings.retain(|m| m.sides.iter().any(|s| self.is_deforming(s)));
-        let of = |m: &Meeting| m.interaction.map(|index| &general.assigned[index]);
-        let contact = |m: Meeting| SurfaceContact {
-            law: of(&m).map(|a| a.law.clone()).unwrap_or_default(),
-            interaction: of(&m).map(|a| a.interaction.clone()),
-            sides: m.sides,
-            general: true,
-            thin: false,
-            fits: 0.0,
-            span: m.span,
+        let contact = |m: Meeting| {
+            let [interaction, clearance, penalty] = m.given;
+            let assigned = interaction.map(|index| &general.assigned[index]);
+            SurfaceContact {
+                law: assigned.map(|a| a.law.clone()).unwrap_or_default(),
+                interaction: assigned.map(|a| a.interaction.clone()),
+                sides: m.sides,
+                general: true,
+                thin: false,
+                clearance: clearance.and_then(|index| general.clearances[index].clearance),
+                penalty: penalty.map(|index| general.penalties[index].1),
+                cpset: None,
+                span: m.span,
+            }
         };
         meetings.into_iter().map(contact).collect()
     }
@@ -109,7 +111,7 @@ impl Compiler<'_> {
     }
 
     /// The name of the instance, or of the smallest set that holds all of it, with a number where it is taken.
-    fn name_of_piece(&self, piece: &[usize], taken: &[Sides]) -> String {
+    pub(super) fn name_of_piece(&self, piece: &[usize], taken: &[Sides]) -> String {
         let model = self.model;
         let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
         let holds = |members: &[usize]| piece.iter().all(|e| members.binary_search(e).is_ok());
@@ -137,9 +139,25 @@ fn add_all(all: &[Sides], span: crate::deck::Span, meetings: &mut Vec<Meeting>) 
             if sides_of_one {
                 continue;
             }
-            meetings.push(Meeting { sides: [a.clone(), b.clone()], interaction: None, span });
+            meetings.push(Meeting { sides: [a.clone(), b.clone()], given: [None; 3], span });
         }
     }
+}
+
+/// Gives what each of some domains covers its number, the last counts: `what` of those that a meeting may have.
+fn give<'a>(
+    mut meetings: Vec<Meeting>,
+    what: usize,
+    domains: impl Iterator<Item = &'a [ContactDomain; 2]>,
+) -> Vec<Meeting> {
+    for (index, domains) in domains.enumerate() {
+        let take = |(mut m, covered): (Meeting, bool)| {
+            m.given[what] = if covered { Some(index) } else { m.given[what] };
+            m
+        };
+        meetings = meetings.into_iter().flat_map(|m| apart(m, domains)).map(take).collect();
+    }
+    meetings
 }
 
 /// Takes a meeting apart into what two domains cover and what they do not.

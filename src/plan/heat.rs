@@ -64,6 +64,9 @@ impl Compiler<'_> {
             }
         }
         let why = "no step solves for temperatures: *DYNAMIC TEMPERATURE-DISPLACEMENT does";
+        for (keyword, span) in model.interactions.iter().flat_map(|i| &i.heat_cards) {
+            self.unused(*span, format!("*{keyword}"), why);
+        }
         for step in &model.steps {
             for boundary in step.boundaries.iter().filter(|b| b.kind == Motion::Temperature) {
                 self.unused(boundary.span, format!("*BOUNDARY {}, 11", boundary.set), why);
@@ -125,7 +128,8 @@ impl Compiler<'_> {
         let mut steps: Vec<Conditions> =
             model.steps.iter().map(|s| self.conditions(s, &conductors, &conducting)).collect();
         self.tie_temperatures(&mut steps, &conductors, &conducting, &start);
-        Some(Heat::new(id, conductors, steps, start))
+        let meets = model.steps.iter().any(Step::has_contact);
+        Some(Heat::new(id, conductors, steps, start, meets))
     }
 
     /// What a section's material needs to conduct.

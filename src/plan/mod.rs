@@ -7,6 +7,7 @@ mod bytes;
 pub mod codes;
 mod connectors;
 mod contact;
+mod contact_doubts;
 mod doubts;
 mod equations;
 mod fields;
@@ -20,6 +21,7 @@ mod mass_scaling;
 mod motions;
 mod outputs;
 mod overlaps;
+mod penalty;
 mod pieces;
 mod shells;
 mod soft_material;
@@ -284,7 +286,8 @@ impl Compiler<'_> {
         constraints.extend(self.equations(step, state, &given));
         // Tied nodes follow what walls do to a body that moves freely.
         constraints.extend(walls);
-        constraints.extend(self.contact(index, &given.all));
+        constraints.extend(self.contact(index, &given.all, state));
+        constraints.extend(self.strangers(state));
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));
         let scaling = self.mass_scaling(index, state);
         let energy_limit = self.energy_limit(step);

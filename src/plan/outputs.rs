@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
+use super::general_contact::pair_name;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::element::values;
-use crate::model::{Interval, Model, OutputCard, OutputKind, OutputRequest, Position, Region, Step};
+use crate::model::{Interval, Model, OutputCard, OutputKind, OutputRequest, Position, Region, Step, WhichPairs};
 use crate::variables::asked::Asked;
 use crate::variables::{Part, Place, Preselected, Variable};
 
@@ -212,7 +213,10 @@ impl Compiler<'_> {
                 Region::Elements(set) => self.element_columns(asked, set, state, columns),
                 Region::Nodes(set) => self.node_columns(asked, set, columns),
                 Region::Surface(key, name) => self.section_columns(asked, key, name, state, columns),
-                Region::Whole if request.card == OutputCard::Contact => self.pair_columns(asked, columns),
+                Region::Whole if request.card == OutputCard::Contact => {
+                    self.pair_columns(asked, &WhichPairs::default(), columns);
+                }
+                Region::Pairs(pairs) => self.pair_columns(asked, pairs, columns),
                 Region::Whole => columns.extend(self.model_variables(asked, request.card).map(model_column)),
             }
             if columns.len() == before {
@@ -266,11 +270,12 @@ impl Compiler<'_> {
         }
     }
 
-    /// Columns of each pair of surfaces that may meet.
-    fn pair_columns(&self, asked: Asked, columns: &mut Vec<Column>) {
+    /// Columns of each pair of surfaces that may meet, of those that are meant.
+    fn pair_columns(&self, asked: Asked, which: &WhichPairs, columns: &mut Vec<Column>) {
         let asked = if matches!(asked, Asked::Preselect) { Asked::All } else { asked };
         let parts = self.parts(asked, |v| v.place() == Place::Pair);
-        for (index, name) in self.pair_names.iter().enumerate() {
+        let meant = |name: &str| self.pairs.iter().flatten().any(|c| pair_name(c) == name && which.means(c));
+        for (index, name) in self.pair_names.iter().enumerate().filter(|n| meant(n.1)) {
             columns.extend(parts.iter().map(|&part| column(part, name, Source::Pair(index))));
         }
     }
@@ -377,9 +382,14 @@ impl Compiler<'_> {
     fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
         let deforms = self.deforms();
         let conducts = self.solves_for_temperatures();
+        let springs = self.pairs.iter().flatten().any(|pair| pair.penalty.is_some());
         let is_there = move |v: &Variable| {
-            let conducting = v.row().preselected == Preselected::Conducting;
-            v.place() == Place::Energy && (deforms || !v.row().deforming) && (conducts || !conducting)
+            let there = match v.row().preselected {
+                Preselected::Conducting => conducts,
+                Preselected::Springing => springs,
+                _ => true,
+            };
+            v.place() == Place::Energy && (deforms || !v.row().deforming) && there
         };
         Variable::ALL.iter().copied().filter(is_there)
     }
@@ -421,7 +431,7 @@ impl Compiler<'_> {
             Preselected::Always => true,
             Preselected::Deforming => self.deforms(),
             Preselected::Deleting => self.deletes(),
-            Preselected::Conducting | Preselected::Meeting => true,
+            Preselected::Conducting | Preselected::Meeting | Preselected::Springing => true,
         }
     }
 
@@ -460,6 +470,9 @@ fn why_absent(asked: Asked, request: &OutputRequest) -> String {
         }
         (Some(Place::Point | Place::Element), Region::Whole | Region::Nodes(_)) if history => {
             format!("{name} lives in elements; a history of it needs *ELEMENT OUTPUT, ELSET=")
+        }
+        (Some(Place::Pair), Region::Pairs(_)) if history => {
+            format!("{name}: no pair of surfaces is one of those meant")
         }
         (Some(Place::Pair), _) if !history => format!("{name} is one of pairs of surfaces: a history, *CONTACT OUTPUT"),
         (Some(Place::Pair), _) => {

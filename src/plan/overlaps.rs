@@ -1,10 +1,16 @@
-//! Bodies of elements that lie in each other at the start although nothing joins them: told before a run.
-//! Never here: contact, what happens later.
+//! Bodies of elements between which nothing acts: those that lie in each other at the start are told before a run, the others
+//! are looked at while it lasts.
+//! Never here: contact, how they are looked at.
 
-use super::Compiler;
+use std::collections::HashMap;
+
 use super::pieces::pieces;
+use super::{Compiler, State};
+use crate::constraint::Constraint;
+use crate::constraint::contact::curve::Carrier;
+use crate::constraint::overlaps::{Outline, Overlaps, distance};
 use crate::deck::{Diagnostic, Span};
-use crate::model::{Sides, SurfaceContact};
+use crate::model::{ElementKind, Mesh, Side, Sides, SurfaceContact};
 
 /// Part of a skin's face by which a node may lie behind it: chords of curved surfaces that fit.
 const FIT: f64 = 0.05;
@@ -64,8 +70,76 @@ impl Compiler<'_> {
 
     /// The pieces that solids make, in the order of their first elements.
     fn pieces(&self) -> Vec<Piece> {
+        self.pieces_of(ElementKind::is_solid)
+    }
+
+    /// A look at bodies that may come to lie in each other without contact; `None` where there are none.
+    pub(super) fn strangers(&mut self, state: &State) -> Option<Box<dyn Constraint>> {
+        let lines = self.pieces_of(|kind| kind == ElementKind::Rax2);
+        let solids = self.pieces();
+        let count = solids.len();
+        let all: Vec<Piece> = solids.into_iter().chain(lines).collect();
+        let deforms = |piece: &Piece| self.places.elements.contains_key(&piece.elements[0]);
+        let mut pairs = Vec::new();
+        for a in 0..count {
+            for b in a + 1..all.len() {
+                if (deforms(&all[a]) || deforms(&all[b])) && !self.may_meet([&all[a], &all[b]]) {
+                    pairs.push([a, b]);
+                }
+            }
+        }
+        let step = self.model.steps.first().filter(|_| !pairs.is_empty())?;
+        let outside = self.model.mesh.outside();
+        let outlines: Vec<Outline> = all.iter().map(|piece| self.outline(piece, &outside, state)).collect();
+        pairs.retain(|pair| pair.iter().any(|&body| !outlines[body].faces.is_empty()));
+        if pairs.is_empty() {
+            return None;
+        }
+        let detail = "whether they come to lie in each other: nothing acts between them";
+        let id = self.cause(step.span, "look at bodies", pairs.len(), "pairs", detail.into());
+        Some(Box::new(Overlaps::new(id, outlines, pairs)))
+    }
+
+    /// The outside of a piece. Where elements can be deleted it changes: there its points alone are looked at.
+    fn outline(&self, piece: &Piece, outside: &[(usize, Side)], state: &State) -> Outline {
+        let mesh: &Mesh = &self.model.mesh;
+        let group = self.places.elements.get(&piece.elements[0]).map(|place| place.0);
+        let encloses = mesh.elements[piece.elements[0]].kind.is_solid()
+            && group.is_none_or(|_| {
+                let groups = piece.elements.iter().filter_map(|e| self.places.elements.get(e));
+                groups.map(|place| &state.elements.groups[place.0]).all(|group| !group.can_delete())
+            });
+        let (mut points, mut known, mut faces) = (Vec::new(), HashMap::new(), Vec::new());
+        let mut add = |node: usize| {
+            *known.entry(node).or_insert_with(|| {
+                points.push(match self.places.free_node(node) {
+                    Some(place) => Carrier::Node(place),
+                    None => {
+                        let body = self.places.tied.get(&node).or_else(|| self.body_of_node.get(&node));
+                        Carrier::Body(body.copied().unwrap_or(0), mesh.points[node])
+                    }
+                });
+                points.len() as u32 - 1
+            })
+        };
+        let edges = outside.iter().filter(|f| piece.elements.binary_search(&f.0).is_ok());
+        for ends in edges.filter_map(|&(e, side)| mesh.ends(e, side)) {
+            faces.push(ends.map(&mut add));
+        }
+        if !mesh.elements[piece.elements[0]].kind.is_solid() {
+            piece.elements.iter().flat_map(|&e| &mesh.elements[e].nodes).for_each(|&n| {
+                add(n);
+            });
+        }
+        if !encloses {
+            faces.clear();
+        }
+        Outline { name: self.name_of_piece(&piece.elements, &[]), points, faces }
+    }
+
+    fn pieces_of(&self, is: impl Fn(ElementKind) -> bool) -> Vec<Piece> {
         let mesh = &self.model.mesh;
-        let solids: Vec<usize> = (0..mesh.elements.len()).filter(|&e| mesh.elements[e].kind.is_solid()).collect();
+        let solids: Vec<usize> = (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind)).collect();
         let piece = |elements: Vec<usize>| {
             let places: Vec<[f64; 2]> =
                 elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]).collect();
@@ -118,12 +192,4 @@ impl Compiler<'_> {
         let own = mesh.outside().into_iter().filter(|f| piece.elements.binary_search(&f.0).is_ok());
         own.filter_map(|(e, side)| mesh.ends(e, side)).map(|edge| edge.map(|n| mesh.points[n])).collect()
     }
-}
-
-/// Distance of a point from an edge, and the length of that.
-fn distance(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> (f64, f64) {
-    let (t, d) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let square = t[0] * t[0] + t[1] * t[1];
-    let at = ((d[0] * t[0] + d[1] * t[1]) / square).clamp(0.0, 1.0);
-    (libm::hypot(d[0] - at * t[0], d[1] - at * t[1]), square.sqrt())
 }

@@ -476,7 +476,7 @@ function outcome(run, s) {
 }
 function energies(s) {
   if (!s.energy) return null;
-  const words = { ALLKE: 'kinetic', ALLIE: 'internal', ALLSE: 'recoverable strain', ALLPD: 'plastic', ALLAE: 'artificial (hourglass)', ALLVD: 'bulk viscosity', ALLFD: 'friction', ALLCW: 'contact with walls', ALLCAV: 'opening the cavity', ALLWK: 'work of loads and motions', ETOTAL: 'sum', initial: 'sum at the start' };
+  const words = { ALLKE: 'kinetic', ALLIE: 'internal', ALLSE: 'recoverable strain', ALLPD: 'plastic', ALLAE: 'artificial (hourglass)', ALLVD: 'bulk viscosity', ALLFD: 'friction', ALLCW: 'contact', ALLPW: 'penalty springs of contact', ALLCAV: 'opening the cavity', ALLWK: 'work of loads and motions', ETOTAL: 'sum', initial: 'sum at the start' };
   const largest = Math.max(...Object.keys(words).map(key => Math.abs(s.energy[key] || 0)));
   const parts = Object.entries(words).filter(([key]) => Math.abs(s.energy[key]) > 1e-12 * largest);
   const bar = value => make('i', { class: 'bar', style: { width: `${Math.round(260 * Math.abs(value) / largest)}px` } });

@@ -56,6 +56,7 @@ impl Run<'_> {
         let e = self.balance.energy();
         bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);
         bits.add(&[e.artificial, e.total, e.initial, e.drift]);
+        bits.add(e.penalty.as_slice());
         bits.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }

@@ -10,7 +10,7 @@ use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
 
-/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK` is constant.
+/// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy.
@@ -40,6 +40,9 @@ pub struct Energy {
     /// Lost where surfaces meet.
     #[serde(rename = "ALLCW")]
     pub contact: f64,
+    /// Held and lost by penalty springs of contact; `None` where none has pressed.
+    #[serde(rename = "ALLPW", skip_serializing_if = "Option::is_none")]
+    pub penalty: Option<f64>,
     /// Artificial: taken by hourglass control.
     #[serde(rename = "ALLAE")]
     pub artificial: f64,
@@ -239,8 +242,9 @@ impl Balance {
         energy.friction += solid.friction;
         energy.cavity += solid.cavity;
         energy.contact = solid.contact;
+        energy.penalty = (solid.penalty != 0.0).then_some(solid.penalty);
         let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion;
-        energy.total = energy.kinetic + energy.internal + dissipated - energy.work;
+        energy.total = energy.kinetic + energy.internal + dissipated + solid.penalty - energy.work;
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = self.drift();
         energy

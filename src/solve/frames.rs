@@ -46,6 +46,7 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
         Variable::ViscousEnergy => energy.viscous,
         Variable::ArtificialEnergy => energy.artificial,
         Variable::ConstraintWork => energy.contact,
+        Variable::PenaltyWork => energy.penalty.unwrap_or(0.0),
         Variable::DistortionEnergy => energy.distortion,
         Variable::ExternalHeat => energy.heat.unwrap_or(f64::NAN),
         Variable::InternalHeat => energy.internal_heat.unwrap_or(f64::NAN),

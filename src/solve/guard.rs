@@ -7,6 +7,7 @@ use super::run::Run;
 use crate::load::stiffness::Stiffness;
 use crate::model::IncrementControl;
 use crate::state::halt::Halt;
+use crate::state::magnitude::Clock;
 
 /// The smallest stable increment over the length of the step: below it the step would take more than ten thousand million
 /// increments, which only an element that collapses asks for.
@@ -89,6 +90,14 @@ impl Run<'_> {
                 point + 1,
                 (1.0 / by).min(1.0)
             ));
+        }
+    }
+
+    /// At the end of a step: what constraints have noticed.
+    pub(super) fn warn_of_constraints(&mut self) {
+        let clock = Clock { now: self.now, told: &self.told };
+        for constraint in &mut self.constraints {
+            self.outcome.warnings.extend(constraint.warnings(&self.dofs, &clock));
         }
     }
 

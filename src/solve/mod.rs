@@ -124,6 +124,7 @@ fn step(
     }
     run.name_limiting_element();
     run.warn_of_stiff_loads();
+    run.warn_of_constraints();
     end
 }
 

@@ -354,7 +354,8 @@ impl<'a> Run<'a> {
         if fresh {
             heat.take(&self.elements);
         }
-        heat.evaluate(&self.elements, &self.dofs, &Clock { now: self.now, told: &self.told }, self.threads);
+        let clock = Clock { now: self.now, told: &self.told };
+        heat.evaluate(&self.elements, &self.dofs, &self.constraints, &clock, self.threads);
         self.timing.stop(started, heat.id);
     }
 
@@ -554,6 +555,7 @@ impl<'a> Run<'a> {
             self.timing.stop(started, constraint.id());
         }
         if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
+            heat.cross(&self.constraints, dt);
             heat.advance(&clock, dt);
         }
         for body in &mut self.dofs.bodies {

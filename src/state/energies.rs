@@ -23,6 +23,8 @@ pub struct Energies {
     pub external: f64,
     /// Lost where surfaces meet.
     pub contact: f64,
+    /// Held and lost by penalty springs of contact.
+    pub penalty: f64,
     /// Dissipated by friction, where surfaces meet and in a target that is not meshed.
     pub friction: f64,
     /// Dissipated by opening the cavity in a target that is not meshed.
@@ -33,7 +35,7 @@ impl Energies {
     /// What is kept or lost, less the work from outside: constant but for what rigid bodies take.
     pub fn sum(&self) -> f64 {
         let dissipated = self.viscous + self.contact + self.friction + self.cavity + self.distortion;
-        self.kinetic + self.internal + self.artificial + dissipated
+        self.kinetic + self.internal + self.artificial + dissipated + self.penalty
     }
 }
 
@@ -47,11 +49,12 @@ impl Persist for Energies {
             artificial,
             external,
             contact,
+            penalty,
             friction,
             cavity,
             distortion,
         } = self;
         persist_fields!(archive; kinetic, internal, plastic, viscous, artificial, external, contact, friction);
-        persist_fields!(archive; cavity, distortion);
+        persist_fields!(archive; cavity, distortion, penalty);
     }
 }

@@ -155,7 +155,6 @@ pub const NOT_SIMULATED: &[Known] = &[
     known("ALLCD", Place::Energy, "energy dissipated by viscoelasticity"),
     known("ALLDMD", Place::Energy, "energy dissipated by damage"),
     known("ALLMW", Place::Energy, "work done in propelling mass added by mass scaling"),
-    known("ALLPW", Place::Energy, "work of contact penalties"),
     known("ALLFC", Place::Energy, "fluid cavity energy"),
     known("DMASS", Place::Increment, "change of mass by mass scaling"),
     known("CSLIPR", Place::Node, "rate of contact slip"),

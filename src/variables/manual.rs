@@ -58,6 +58,7 @@ fn components(variable: Variable) -> String {
 fn by_default(variable: Variable) -> &'static str {
     match (variable.place(), variable.row().preselected, variable.row().deforming) {
         (Place::Facet, ..) | (Place::Energy, _, false) | (_, Preselected::Always, _) => "yes",
+        (_, Preselected::Springing, _) => "where contact has penalty springs",
         (Place::Energy, _, true) | (_, Preselected::Deforming, _) => "where something deforms",
         (_, Preselected::Deleting, _) => "where elements can be deleted",
         (_, Preselected::Never, _) => "",

@@ -46,6 +46,8 @@ pub enum Preselected {
     Conducting,
     /// Where surfaces of elements are in contact; the variable exists only there.
     Meeting,
+    /// Where contact has penalty springs; the variable exists only there.
+    Springing,
 }
 
 /// One entry of the table.
@@ -196,10 +198,11 @@ variables! {
     ViscousEnergy: energy("ALLVD", "Energy dissipated by bulk viscosity, dashpots and damping").only_deforming(),
     ArtificialEnergy: energy("ALLAE", "Artificial strain energy: taken by hourglass control").only_deforming(),
     ConstraintWork: energy("ALLCW", "Constraint work: lost where surfaces meet").only_deforming(),
+    PenaltyWork: energy("ALLPW", "Held and lost by penalty springs of contact").springing(),
     DistortionEnergy: energy("ALLDC", "Energy dissipated by distortion control").only_deforming(),
     ExternalHeat: energy("ALLHF", "Heat from outside: through fluxes, films and temperatures that are held").conducting(),
     InternalHeat: energy("ALLIHE", "Heat taken up: ALLHF and what plastic work makes").conducting(),
-    TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLDC + ALLCAV - ALLWK"),
+    TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK"),
     TimeIncrement: Row { place: Place::Increment, ..energy("DT", "Time increment") },
 }
 
@@ -269,6 +272,10 @@ impl Row {
         Row { preselected: Preselected::Conducting, deforming: true, ..self }
     }
 
+    const fn springing(self) -> Row {
+        Row { preselected: Preselected::Springing, deforming: true, ..self }
+    }
+    /// Of contact.
     const fn meeting(self) -> Row {
         Row { preselected: Preselected::Meeting, deforming: true, ..self }
     }

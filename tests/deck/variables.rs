@@ -54,6 +54,9 @@ fn pressed(deck: &str) -> String {
 /// What has a variable: the block, or a ring of shells that flies the same way.
 fn scene(variable: Variable, requests: &str) -> String {
     let solid = block_with(variable, requests);
+    if variable.row().preselected == Preselected::Springing {
+        return pressed(&solid).replace("*Contact Pair", "*Contact Pair, mechanical constraint=PENALTY");
+    }
     if is_of_contact(variable) {
         return pressed(&solid);
     }

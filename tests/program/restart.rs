@@ -320,6 +320,32 @@ fn bodies_that_meet() {
     assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
 }
 
+/// The same bodies with temperatures, penalty springs between them, and heat that crosses.
+#[test]
+fn warm_bodies_that_meet() {
+    let text = meeting()
+        .replace("CAX4R", "CAX4RT")
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
+        .replace("*Elastic", "*Conductivity\n 0.01,\n*Specific Heat\n 1.,\n*Elastic")
+        .replace("interaction=DRY, adjust=0.03", "interaction=DRY, adjust=0.03, mechanical constraint=PENALTY")
+        .replace(
+            "*Surface Interaction, name=SOFT",
+            "*Gap Conductance\n 0.5, 0.\n 0.1, 0.05\n*Surface Interaction, name=SOFT",
+        )
+        .replace(
+            "*Initial Conditions, type=VELOCITY",
+            "*Initial Conditions, type=TEMPERATURE\n UPPER.ALL, 10.\n*Initial Conditions, type=VELOCITY",
+        )
+        .replace("S, PEEQ", "S, PEEQ, TEMP");
+    let outcome = goes_on("warm contact", &text, Routines::none);
+    assert_eq!(outcome.halt, None);
+    let energy = &outcome.energy;
+    assert!(
+        energy.penalty.is_some() && energy.friction > 0.0 && energy.internal_heat.is_some_and(|h| h > 0.0),
+        "{energy:?}"
+    );
+}
+
 /// Reference nodes without mass, one that is moved and one that is loaded, and a surface tied to another.
 #[test]
 fn reference_nodes_that_pull() {

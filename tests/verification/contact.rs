@@ -10,10 +10,10 @@ use crate::common::bodies::{assembly, cell_field, elastic, part, rigid_line, run
 /// Part of an element that a wave runs over in an increment of the bars.
 const COURANT: f64 = 0.9;
 /// Velocity of the upper bar.
-const SPEED: f64 = 1e-5;
+pub const SPEED: f64 = 1e-5;
 
 /// Two elastic bars of length 1, radius 1 and so many columns, E = rho = c = 1; the upper one falls on the lower.
-fn bars(rows: usize, columns: [usize; 2], gap: f64, time: f64) -> String {
+pub fn bars(rows: usize, columns: [usize; 2], gap: f64, time: f64) -> String {
     let bar = |name: &str, n: usize, from: f64| {
         part(name, [n, rows], |i, j| [i as f64 / n as f64, from + j as f64 / rows as f64], "")
     };
@@ -95,11 +95,11 @@ fn a_truss_hits_a_wall() {
 }
 
 /// Where the patch begins and ends along r, how its lower and its upper disc are divided, and which is named first in the pair.
-struct Patch {
-    from: f64,
-    columns: [usize; 2],
-    random: bool,
-    lower_first: bool,
+pub struct Patch {
+    pub from: f64,
+    pub columns: [usize; 2],
+    pub random: bool,
+    pub lower_first: bool,
 }
 
 impl Patch {
@@ -110,7 +110,7 @@ impl Patch {
         self.from + (1.0 - self.from) * (i as f64 + shift) / n as f64
     }
 
-    fn deck(&self, pressure: f64) -> String {
+    pub fn deck(&self, pressure: f64) -> String {
         let disc = |name: &str, which: usize| {
             let rows = self.columns[which] / 2 + 1;
             let place =

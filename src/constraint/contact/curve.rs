@@ -88,6 +88,12 @@ impl Shape {
         Shape { from, along, normal: [along[1] / length, -along[0] / length], length }
     }
 
+    /// Whether a place lies on its outer side.
+    #[inline]
+    pub fn in_front(&self, place: [f64; 2]) -> bool {
+        (place[0] - self.from[0]) * self.normal[0] + (place[1] - self.from[1]) * self.normal[1] > 0.0
+    }
+
     /// The lower and the upper corner of its box.
     #[inline]
     pub fn bounds(&self) -> [[f64; 2]; 2] {

@@ -127,7 +127,7 @@ fn begins(row: &Row, law: &Law, rate: f64, slip: f64) -> Status {
 fn lets_go(row: &Row, law: &Overclosure, rate: impl Fn() -> f64, span: Span) -> bool {
     match law {
         Overclosure::Hard => row.pressed <= 0.0,
-        soft => closed_overlap(row, rate(), span) <= -soft.begins(),
+        soft => closed_overlap(row, soft, rate(), span) <= -soft.begins(),
     }
 }
 
@@ -180,7 +180,8 @@ impl Rows {
                     let rate = motion.rate(own);
                     let closes = match law.overclosure {
                         Overclosure::Hard => rate + row.bias < -allowed * row.area,
-                        _ => closed_overlap(row, rate, span) > allowed * span.ahead - law.overclosure.begins(),
+                        _ => closed_overlap(row, &law.overclosure, rate, span)
+                            > allowed * span.ahead - law.overclosure.begins(),
                     };
                     if closes { begins(row, law, rate, motion.slip(own)) } else { Status::Open }
                 }
@@ -240,7 +241,7 @@ impl Rows {
             let off = match &laws[row.law as usize].overclosure {
                 Overclosure::Hard => motion.rate(own) + row.bias,
                 soft => {
-                    let [pressure, _] = soft.pressure(closed_overlap(row, motion.rate(own), span));
+                    let [pressure, _] = soft.pressure(closed_overlap(row, soft, motion.rate(own), span));
                     (row.pressed - span.half * pressure) * row.gives[0]
                 }
             };
@@ -407,8 +408,8 @@ fn asked(row: &Row, law: &Overclosure, rate: f64, span: Span) -> (f64, f64) {
     if *law == Overclosure::Hard {
         return (-(rate + row.bias), 0.0);
     }
-    let [pressure, slope] = law.line(closed_overlap(row, rate, span));
-    let gives = row.area / (span.half * span.ahead * slope);
+    let [pressure, slope] = law.line(closed_overlap(row, law, rate, span));
+    let gives = row.area / (span.half * law.look_ahead() * span.ahead * slope);
     ((span.half * pressure - row.pressed) * gives, gives)
 }
 
@@ -548,7 +549,7 @@ mod tests {
             if law.overclosure == Overclosure::Hard {
                 assert!(rate + row.bias > -1e-8 && (row.pressed == 0.0 || rate + row.bias < 1e-8), "{rate:e} {row:?}");
             } else {
-                let [pressure, slope] = law.overclosure.pressure(-(row.gap + rate));
+                let [pressure, slope] = law.overclosure.pressure(-(row.gap + law.overclosure.look_ahead() * rate));
                 let off = (row.pressed - pressure).abs();
                 assert!(off < 1e-8 * (1.0 + slope), "{off:e} of {pressure}, {slope}, {} sweeps", rows.sweeps);
             }
@@ -564,7 +565,7 @@ mod tests {
     #[test]
     fn laws_hold_in_random_scenes() {
         let span = Span { ahead: 1.0, half: 1.0 };
-        let soft = [Overclosure::Linear(3.0), Overclosure::Exponential([0.2, 1.0])];
+        let soft = [Overclosure::Linear(3.0), Overclosure::Exponential([0.2, 1.0]), Overclosure::Spring(2.0)];
         let bodies = [None, Some(1e3), Some(1.0), Some(1e-3), Some(1e-6)];
         for (overclosure, friction) in [
             (Overclosure::Hard, 0.0),
@@ -573,7 +574,7 @@ mod tests {
             (soft[1].clone(), 0.0),
             (soft[0].clone(), 0.1),
         ] {
-            let law = Law { overclosure, friction: Friction::of(friction) };
+            let law = Law { overclosure, friction: Friction::of(friction), ..Law::default() };
             let (mut numbers, mut swept, mut scenes) = (Numbers(7), 0, 0);
             // Bodies far lighter than what an exponential law stops are for sweeps, too, a crawl.
             let light = if matches!(law.overclosure, Overclosure::Exponential(_)) { 3 } else { bodies.len() };

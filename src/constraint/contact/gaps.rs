@@ -234,7 +234,8 @@ impl Gaps {
         }
     }
 
-    /// What is nearest to the point at `s`: `None` where that is the free end of a surface, beyond which there is nothing.
+    /// What is nearest to the point at `s`: `None` where that is the free end of a surface, beyond which there is nothing, or a corner
+    /// around which the point lies in front of the next facet, which does not face it.
     fn nearest(&self, shape: &Shape, s: f64, other: &Curve) -> Option<Nearest> {
         let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
         let mut best: Option<(f64, Facing, f64)> = None;
@@ -250,8 +251,13 @@ impl Gaps {
         let (_, facing, at) = best?;
         let end = usize::from(at > 1.0);
         let corner = (!(0.0..=1.0).contains(&at)).then_some(end);
-        let free = corner.is_some() && other.beyond[facing.facet as usize][end] == Beyond::Nothing;
-        (!free).then_some(Nearest { facing, corner })
+        let passes = corner.is_some()
+            && match other.beyond[facing.facet as usize][end] {
+                Beyond::Nothing => true,
+                Beyond::Facet(next) => facing.apart(s) < 0.0 && other.shapes[next as usize].in_front(place),
+                Beyond::Axis => false,
+            };
+        (!passes).then_some(Nearest { facing, corner })
     }
 
     /// Adds what a piece gives to a point.
@@ -333,7 +339,7 @@ mod tests {
         assert!((rise / (seen.area[0] + seen.area[1]) - 1.0).abs() < 1e-14);
     }
 
-    /// A point beyond the end of a surface sees nothing of it; beyond a corner that goes on it sees the corner.
+    /// A point beyond the end of a surface sees nothing of it; beyond a corner that goes on it sees the corner, until it is past it.
     #[test]
     fn ends_let_go_and_corners_hold() {
         let own = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
@@ -343,5 +349,10 @@ mod tests {
         let around = curve(&[[2.0, -1.0], [2.0, 0.0], [0.0, 0.0]], 2);
         let seen = gaps.see(&own, 0, &around, &[0, 1], 10.0);
         assert!(seen.gap[0] / seen.area[0] > 0.5 && seen.gap[1] / seen.area[1] > 0.5, "{seen:?}");
+        let beside = curve(&[[2.5, -0.1], [3.0, -0.1]], 0);
+        assert_eq!(gaps.see(&beside, 0, &around, &[1], 10.0).area, [0.0; 2]);
+        let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);
+        let seen = gaps.see(&within, 0, &around, &[1], 10.0);
+        assert!(seen.gap.iter().zip(seen.area).all(|(gap, area)| area > 0.0 && *gap < 0.0), "{seen:?}");
     }
 }

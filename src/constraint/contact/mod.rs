@@ -9,6 +9,7 @@
 pub mod curve;
 mod direct;
 mod gaps;
+mod heat;
 mod light;
 mod search;
 mod shown;
@@ -16,6 +17,7 @@ mod sweeps;
 
 use self::curve::{Carrier, Curve, Point};
 use self::gaps::{Gaps, Seen};
+use self::heat::Crossing;
 use self::search::Search;
 use self::shown::Shown;
 use self::sweeps::{Motion, NONE, Row, Rows, Span};
@@ -38,12 +40,16 @@ pub struct Pair {
     pub own: usize,
     /// The other one; `None` where it is the same.
     pub other: Option<usize>,
-    /// Which of the laws of the contact it follows.
+    /// Which of the laws of the contact it follows; of penalty springs the first: each point of the own curve has one.
     pub law: usize,
+    /// Whether it has penalty springs.
+    pub springs: bool,
+    /// The law of points that meet by themselves, whose multipliers are impulses and no pressures.
+    pub of_points: usize,
     /// Whether the own curve is the first surface of the pair as it was given: forces are those on that.
     pub first: bool,
-    /// Gaps at the start up to this are taken as none.
-    pub fits: f64,
+    /// What gaps at the start are taken as.
+    pub begins: Option<Begins>,
     search: Search,
     seen: Vec<Seen>,
     /// The first of its keys: each point of the own curve has one.
@@ -56,8 +62,35 @@ impl Pair {
     pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], law: usize, length: f64) -> Pair {
         let other = (own != other).then_some(other);
         let search = Search::new(length, 0.0, 0, 0);
-        Pair { id, number, own, other, law, first: true, fits: 0.0, search, seen: Vec::new(), first_key: 0 }
+        Pair {
+            id,
+            number,
+            own,
+            other,
+            law,
+            springs: false,
+            of_points: law,
+            first: true,
+            begins: None,
+            search,
+            seen: Vec::new(),
+            first_key: 0,
+        }
     }
+
+    /// The law of a point of the own curve.
+    fn law_of(&self, index: usize) -> u32 {
+        (if self.springs { self.law + index } else { self.law }) as u32
+    }
+}
+
+/// What gaps at the start are taken as, where they are in a range: what they have too much or too little is taken off for good.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Begins {
+    /// The gap.
+    pub gap: f64,
+    /// From the deepest overlap to the widest gap.
+    pub range: [f64; 2],
 }
 
 /// All contact of a step.
@@ -73,8 +106,14 @@ pub struct Contact {
     dofs: Vec<(Dof, bool)>,
     /// Pressure and shear stress of each key over the increment behind.
     pressures: Vec<[f64; 2]>,
-    /// The gap of each key at the start where that is taken as none; empty where none is.
+    /// What is taken off the gap of each key; empty where nothing is.
     fits: Vec<f64>,
+    /// The first law of penalty springs: all that follow are theirs; `None` where there are none.
+    springs: Option<u32>,
+    /// Heat where surfaces meet; `None` where there are no temperatures.
+    crossing: Option<Box<Crossing>>,
+    /// Mean velocity of each degree of freedom over the impulse of the increment; empty where no row asks for its own work.
+    means: Vec<f64>,
     places: Vec<[f64; 2]>,
     /// Points that are looked at: of bare facets, and those that no element has.
     near: Vec<u32>,
@@ -145,6 +184,28 @@ impl Contact {
         contact
     }
 
+    /// Takes the laws from this one on for those of penalty springs.
+    pub fn with_springs(mut self, first: usize) -> Contact {
+        self.springs = Some(first as u32);
+        self.means = vec![0.0; self.dofs.len()];
+        self
+    }
+
+    /// Lets heat cross where surfaces meet: `has` says of which nodes temperatures are solved for.
+    pub fn with_heat(mut self, has: impl Fn(usize) -> bool) -> Contact {
+        let mut keys = Vec::with_capacity(self.pressures.len());
+        for pair in &self.pairs {
+            let of = |curve: usize| self.curves[curve].own.iter().copied();
+            keys.extend(of(pair.own).map(|point| (point, pair.first)));
+            let loose = pair.other.filter(|o| self.curves[*o].has_loose_points());
+            keys.extend(loose.into_iter().flat_map(of).map(|point| (point, !pair.first)));
+        }
+        let crossing = Crossing::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
+        self.crossing = Some(Box::new(crossing));
+        self.means = vec![0.0; self.dofs.len()];
+        self
+    }
+
     /// Looks at how surfaces lie when points are at these places, at the start: takes gaps as none where a pair says so, and gives
     /// the deepest overlap of each pair, with its place.
     pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<Option<Overlap>> {
@@ -152,23 +213,26 @@ impl Contact {
         self.curves.iter_mut().for_each(|c| c.shape(places));
         self.list();
         self.measure();
-        self.show_openings();
         let mut deepest: Vec<Option<Overlap>> = vec![None; self.pairs.len()];
         let mut fits = vec![0.0; self.pressures.len()];
-        for row in &self.rows.rows {
+        for row in &mut self.rows.rows {
             let at = self.pairs.partition_point(|p| p.first_key <= row.key) - 1;
-            let (pair, gap) = (&self.pairs[at], row.gap / row.area);
-            if gap > 0.0 && gap <= pair.fits {
-                fits[row.key as usize] = gap;
+            let (pair, mut gap) = (&self.pairs[at], row.gap / row.area);
+            if let Some(begins) = pair.begins.filter(|b| (b.range[0]..=b.range[1]).contains(&gap)) {
+                fits[row.key as usize] = gap - begins.gap;
+                gap = begins.gap;
+                row.gap = gap * row.area;
             }
             let Some(&point) = self.curves[pair.own].own.get((row.key - pair.first_key) as usize) else { continue };
             if gap < deepest[at].map_or(0.0, |d: Overlap| -d.depth) {
                 deepest[at] = Some(Overlap { depth: -gap, place: places[point as usize] });
             }
         }
-        if fits.iter().any(|f| *f > 0.0) {
+        if fits.iter().any(|f| *f != 0.0) {
             self.fits = fits;
         }
+        self.show_openings();
+        self.let_heat_cross();
         self.listed.clear();
         deepest
     }
@@ -317,6 +381,7 @@ impl Contact {
         let half = self.half;
         let Dofs { bodies, nodes, energies } = dofs;
         let mut work = [0.0; 2];
+        self.means.fill(0.0);
         for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {
             let [normal, slip] = self.impulses[i];
             if normal == 0.0 && slip == 0.0 {
@@ -347,14 +412,39 @@ impl Contact {
                     0.5 * (before + body.velocity_half)
                 }
             };
+            if let Some(kept) = self.means.get_mut(i) {
+                *kept = mean;
+            }
             if prescribed {
                 energies.external -= (normal + slip) * mean;
             }
             work[0] += normal * mean;
             work[1] += slip * mean;
         }
-        energies.contact -= work[0];
+        let springs = self.work_of_springs();
+        if let Some(crossing) = &mut self.crossing {
+            let (rows, means) = (&self.rows, &self.means);
+            let rate = |row: &Row| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
+            crossing.rub(rows, &self.laws, |row| row.sheared * rate(row));
+        }
+        energies.penalty -= springs;
+        energies.contact -= work[0] - springs;
         energies.friction -= work[1];
+    }
+
+    /// Work of penalty springs in the increment.
+    fn work_of_springs(&self) -> f64 {
+        let Some(first) = self.springs else { return 0.0 };
+        let own = self.rows.rows.iter().filter(|row| row.law >= first && row.pressed > 0.0);
+        let terms = |row: &Row| self.rows.terms_of(row).iter();
+        own.map(|row| row.pressed * terms(row).map(|t| t.normal * self.means[t.dof as usize]).sum::<f64>()).sum()
+    }
+
+    /// What rows pass on of heat, before any is left out.
+    fn let_heat_cross(&mut self) {
+        if let Some(crossing) = &mut self.crossing {
+            crossing.take(&self.rows, &self.laws, &self.pressures);
+        }
     }
 
     /// What bodies that move freely took in this increment, in place of what they took in the one behind.
@@ -372,7 +462,7 @@ impl Contact {
 
 /// The row of one point, from what the facets around it see.
 fn add_row(rows: &mut Rows, pair: &Pair, own: &Curve, index: usize, gaps: &Gaps, dofs_of: &[[u32; 2]], fits: &[f64]) {
-    let mut row = Row::of(pair.first_key + index as u32, pair.law as u32);
+    let mut row = Row::of(pair.first_key + index as u32, pair.law_of(index));
     let facets = || own.around_own(index).iter().filter(|f| own.there[f.0 as usize]);
     for &(facet, end) in facets() {
         let (seen, end) = (&pair.seen[facet as usize], end as usize);
@@ -413,8 +503,8 @@ fn add_point_row(
     for share in gaps.shares_of(&seen) {
         rows.add_share(dofs_of[share.point as usize], share.of[0]);
     }
-    let mut row = Row::of(key, pair.law as u32);
-    (row.area, row.gap) = (seen.area[0], seen.gap[0]);
+    let mut row = Row::of(key, pair.of_points as u32);
+    (row.alone, row.area, row.gap) = (true, seen.area[0], seen.gap[0]);
     rows.close(row);
 }
 
@@ -470,6 +560,7 @@ impl Constraint for Contact {
         self.list();
         self.measure();
         self.show_openings();
+        self.let_heat_cross();
         let span = Span { ahead: dt, half: self.half };
         self.rows.solve(&mut self.motion, &self.laws, &self.pressures, span);
         self.gather_impulses();
@@ -484,6 +575,16 @@ impl Constraint for Contact {
 
     fn of_pair(&self, pair: usize, part: Part) -> Option<f64> {
         self.value_of(pair, part)
+    }
+
+    fn heats(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64 {
+        self.crossing.as_ref().map_or(0.0, |crossing| crossing.give(temperature, dt, into))
+    }
+
+    fn conducts(&self, into: &mut dyn FnMut(usize, f64)) {
+        if let Some(crossing) = &self.crossing {
+            crossing.bound(into);
+        }
     }
 
     fn pull(&self, dof: Dof) -> f64 {
@@ -509,6 +610,9 @@ impl Constraint for Contact {
             + self.dofs.capacity() * (size_of::<(Dof, bool)>() + 4 * size_of::<f64>())
             + self.pressures.capacity() * size_of::<[f64; 2]>()
             + self.fits.capacity() * size_of::<f64>()
+            + self.means.capacity() * size_of::<f64>()
+            + self.crossing.as_ref().map_or(0, |crossing| crossing.bytes())
+            + self.laws.capacity() * size_of::<Law>()
     }
 
     fn copy(&self) -> Box<dyn Constraint> {
@@ -523,6 +627,9 @@ impl Persist for Contact {
         persist_fields!(archive; pressures.as_mut_slice(), impulses.as_mut_slice(), half);
         bodies.iter_mut().for_each(|c| c.pushed.persist(archive));
         persist_fields!(archive; shown, uncovered);
+        if let Some(crossing) = &mut self.crossing {
+            crossing.kept().persist(archive);
+        }
         if archive.reads() {
             // Lists are made from what is read; rows do not depend on when they were made.
             self.list_points();

@@ -27,6 +27,8 @@ pub struct Row {
     pub key: u32,
     /// Which law it follows.
     pub law: u32,
+    /// Whether it is of a point that meets by itself: its area is one, its multiplier an impulse.
+    pub alone: bool,
     /// Area of its hat function.
     pub area: f64,
     /// Gap times area, less what was there at the start where that is taken off.
@@ -348,9 +350,9 @@ impl Rows {
     }
 }
 
-/// The overlap with which the increment ends, where its gap grows at a rate.
-pub(super) fn closed_overlap(row: &Row, rate: f64, span: Span) -> f64 {
-    -(row.gap + span.ahead * rate) / row.area
+/// The overlap at which a law presses that gives way, where the gap grows at a rate.
+pub(super) fn closed_overlap(row: &Row, law: &Overclosure, rate: f64, span: Span) -> f64 {
+    -(row.gap + law.look_ahead() * span.ahead * rate) / row.area
 }
 
 /// The largest impulse along the surface.
@@ -359,11 +361,10 @@ pub(super) fn most_shear(row: &Row, law: &Law, half: f64) -> f64 {
     most.min(law.friction.largest * half)
 }
 
-/// The impulse of a law that gives way: the pressure at the overlap with which the increment ends, so that no stiffness limits the
-/// increment. `free` is the rate without it. One root: the pressure falls as the impulse grows.
+/// The impulse of a law that gives way: the pressure at an overlap late enough in the increment that no stiffness limits it. `free` is the rate without it. One root: the pressure falls as the impulse grows.
 fn give_way(row: &Row, law: &Overclosure, free: f64, span: Span) -> f64 {
-    let overlap = |impulse: f64| closed_overlap(row, free + row.gives[0] * impulse, span);
-    let steeper = span.half * span.ahead * row.gives[0] / row.area;
+    let overlap = |impulse: f64| closed_overlap(row, law, free + row.gives[0] * impulse, span);
+    let steeper = span.half * law.look_ahead() * span.ahead * row.gives[0] / row.area;
     let [first, _] = law.pressure(overlap(0.0));
     let (mut low, mut high) = (0.0, span.half * first);
     let mut impulse = row.pressed.clamp(low, high);

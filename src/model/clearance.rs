@@ -1,0 +1,93 @@
+//! What gaps at the start are taken as: `*CLEARANCE` of contact pairs, `*CONTACT CLEARANCE` and `*CONTACT INITIALIZATION DATA` of
+//! general contact, with their assignments.
+//! Never here: which surfaces there are, where they meet.
+
+use super::builder::Builder;
+use super::names::upper;
+use super::types::{AssignedClearance, Clearance};
+use crate::deck::{Card, Word};
+
+impl Builder<'_> {
+    /// ABAQUS Keywords Reference Guide, *CONTACT CLEARANCE.
+    pub(super) fn contact_clearance(&mut self, card: &Card) {
+        let Some(gap) = self.not_below_zero(card, "CLEARANCE") else { return };
+        self.add_clearance(card, gap.unwrap_or(0.0), None);
+    }
+
+    /// ABAQUS Keywords Reference Guide, *CONTACT INITIALIZATION DATA: without a clearance overlaps alone are resolved.
+    pub(super) fn contact_initialization(&mut self, card: &Card) {
+        let Some(gap) = self.not_below_zero(card, "INITIAL CLEARANCE") else { return };
+        self.add_clearance(card, gap.unwrap_or(0.0), gap.is_none().then_some(0.0));
+    }
+
+    /// Without a word of the card gaps up to `above` count.
+    fn add_clearance(&mut self, card: &Card, gap: f64, above: Option<f64>) {
+        let Some(name) = self.required(card, "NAME") else { return };
+        let searched = ["SEARCH ABOVE", "SEARCH BELOW"].map(|name| self.not_below_zero(card, name));
+        let [Some(up), Some(below)] = searched else { return };
+        let clearance = Clearance { gap, above: up.or(above), below };
+        self.clearances.push((upper(&name.text), clearance));
+    }
+
+    /// A number that is not below zero; `Some(None)` where it is not given.
+    fn not_below_zero(&mut self, card: &Card, name: &str) -> Option<Option<f64>> {
+        let Some(word) = card.value(name) else { return Some(None) };
+        let value = word.number(&mut self.diagnostics)?;
+        if value >= 0.0 && value.is_finite() {
+            return Some(Some(value));
+        }
+        self.out_of_range(word.span, format!("{name} must not be below zero, not {value}"));
+        None
+    }
+
+    /// ABAQUS Keywords Reference Guide, *CLEARANCE: an initial clearance of all pairs of a set.
+    pub(super) fn pair_clearance(&mut self, card: &Card) {
+        let Some(set) = self.required(card, "CPSET").cloned() else { return };
+        if self.required(card, "VALUE").is_none() {
+            return;
+        }
+        let Some(Some(gap)) = self.not_below_zero(card, "VALUE") else { return };
+        let [above, below] = [Some(f64::INFINITY); 2];
+        self.state().pair_clearances.push((set, Clearance { gap, above, below }));
+    }
+
+    /// Gives pairs the clearances and the factors on penalty springs that cards of the step give their sets.
+    pub(super) fn apply_to_sets(&mut self) {
+        let state = self.state();
+        let (clearances, factors) =
+            (std::mem::take(&mut state.pair_clearances), std::mem::take(&mut state.penalty_factors));
+        let mut pairs = std::mem::take(&mut state.surface_contacts);
+        let names: Vec<String> = pairs.iter().filter_map(|p| p.cpset.clone()).collect();
+        for (word, _) in clearances.iter().filter(|c| !names.contains(&upper(&c.0.text))) {
+            self.unknown("M114", "set of contact pairs", word, &names);
+        }
+        for (word, _) in factors.iter().filter(|f| !names.contains(&upper(&f.0.text))) {
+            self.unknown("M114", "set of contact pairs", word, &names);
+        }
+        for pair in &mut pairs {
+            let is_of = |word: &Word| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text));
+            let clearance = clearances.iter().rfind(|c| is_of(&c.0)).map(|c| c.1);
+            let factor = factors.iter().rfind(|f| is_of(&f.0)).map(|f| f.1);
+            pair.clearance = clearance.or(pair.clearance);
+            pair.penalty = pair.penalty.map(|now| factor.unwrap_or(now));
+        }
+        self.state().surface_contacts = pairs;
+    }
+
+    /// Gives general contact its clearances, once all are known: an assignment may name one that comes later.
+    pub(super) fn apply_clearances(&mut self) {
+        let names: Vec<String> = self.clearances.iter().map(|c| c.0.clone()).collect();
+        let mut unknown = Vec::new();
+        for general in self.model.steps.iter_mut().filter_map(|s| s.general_contact.as_mut()) {
+            for AssignedClearance { name, clearance, .. } in &mut general.clearances {
+                *clearance = self.clearances.iter().find(|c| c.0 == upper(&name.text)).map(|c| c.1);
+                if clearance.is_none() && !unknown.iter().any(|w: &Word| w.span == name.span) {
+                    unknown.push(name.clone());
+                }
+            }
+        }
+        for word in unknown {
+            self.unknown("M114", "clearance of contact", &word, &names);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! How stiff penalty springs of contact are: as the elements behind the surfaces (ABAQUS Analysis User's Guide, "Contact
+//! constraint enforcement methods in Abaqus/Explicit": representative of the stiffness of the underlying elements).
+//! Never here: what springs do.
+
+use super::{Compiler, State};
+use crate::model::{Element, ElementKind, EosKind};
+
+impl Compiler<'_> {
+    /// Length over modulus of the layer of elements behind a facet, the way that it gives under a unit of pressure; 0 of a rigid
+    /// one. `None` where that cannot be told.
+    pub(super) fn softness(&self, element: usize, nodes: [usize; 2], state: &State) -> Option<f64> {
+        let mesh = &self.model.mesh;
+        let Some(&(group, index)) = self.places.elements.get(&element) else { return Some(0.0) };
+        let of = &mesh.elements[element];
+        let [a, b] = nodes.map(|n| mesh.points[n]);
+        let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
+        let length = libm::hypot(dr, dz);
+        if of.kind == ElementKind::Sax1 {
+            let section = self.model.shell_sections.iter().find(|s| s.elements.contains(&element))?;
+            return Some(section.thickness / self.modulus(section.material)?);
+        }
+        let places = nodes.map(|n| self.places.nodes.get(&n).copied());
+        let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
+        let Some(matrix) = matrix else {
+            let section = self.model.sections.iter().find(|s| s.elements.contains(&element))?;
+            return Some(height(of, &mesh.points, length) / self.modulus(section.material)?);
+        };
+        // The facet moves along its normal, all else stays: force over way, over the area.
+        let (corners, normal) = (state.elements.groups[group].corners(index), [dz / length, -dr / length]);
+        let mut way = [0.0; 8];
+        for (i, corner) in corners.iter().enumerate() {
+            // Of a triangle the last two corners are one.
+            let again = corners[..i].contains(corner);
+            if places.contains(&Some(*corner as usize)) && !again {
+                (way[2 * i], way[2 * i + 1]) = (normal[0], normal[1]);
+            }
+        }
+        let force: f64 = (0..8).map(|i| way[i] * (0..8).map(|j| matrix[i][j] * way[j]).sum::<f64>()).sum();
+        let area = std::f64::consts::PI * (a[0] + b[0]) * length;
+        (force > 0.0).then(|| area / force)
+    }
+
+    /// Modulus of longitudinal waves.
+    fn modulus(&self, material: usize) -> Option<f64> {
+        let material = &self.model.materials[material];
+        let shear = material.shear_modulus.or(material.elastic.map(|[e, nu]| e / (2.0 * (1.0 + nu)))).unwrap_or(0.0);
+        match (material.eos.as_ref().map(|eos| &eos.kind), material.elastic) {
+            (Some(EosKind::UsUp([c, ..])), _) => Some(material.density? * c * c + 4.0 / 3.0 * shear),
+            (None, Some([e, nu])) => Some(e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))),
+            _ => None,
+        }
+    }
+}
+
+/// What an element is thick behind a side of a length.
+fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
+    let corner = |i: usize| points[element.nodes[i % element.nodes.len()]];
+    let cross = |i: usize| corner(i)[0] * corner(i + 1)[1] - corner(i + 1)[0] * corner(i)[1];
+    let area = 0.5 * (0..element.nodes.len()).map(cross).sum::<f64>();
+    let share = if element.nodes.len() == 3 { 2.0 } else { 1.0 };
+    share * area.abs() / length
+}
