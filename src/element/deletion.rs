@@ -1,16 +1,66 @@
 //! Elements that fail: what is left of their stress, and those that are deleted, which are masked.
-//! Never here: criteria of failure.
+//! Never here: criteria of failure, or of deletion from outside.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
 use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::UNIT;
 use crate::kernel::stress;
 use crate::material::failure::{Failure, Seen};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
+use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Elements of a block that were deleted from outside, whatever their laws say.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Eroded {
+    /// Height of the ring that stands in place of each; 0 of those that are there.
+    height: Lanes,
+}
+
+impl Eroded {
+    /// Takes an element of this volume at the start.
+    pub(super) fn take(&mut self, lane: usize, volume: f64) {
+        self.height[lane] = height(volume);
+    }
+
+    /// Whether it is gone.
+    pub(super) fn has(&self, lane: usize) -> bool {
+        self.height[lane] > 0.0
+    }
+
+    /// Whether any is.
+    #[inline(always)]
+    pub(super) fn any(&self) -> bool {
+        self.height.iter().any(|h| *h > 0.0)
+    }
+}
+
+/// Height of a ring from 1 to 2 of some volume, which is 3 pi a height.
+#[inline(always)]
+fn height(volume: f64) -> f64 {
+    volume / (9.0 * UNIT)
+}
+
+impl Workspace {
+    /// In place of an element that is gone puts one at rest, whose answers weigh nothing.
+    #[inline(always)]
+    fn mask_lane(&mut self, nodes: &mut Nodes, l: usize, height: f64) {
+        nodes.mask(l, height);
+        if let Some(hourglass) = self.hourglass.get_mut(self.at) {
+            hourglass.iter_mut().for_each(|h| h[l] = 0.0);
+        }
+        if let Some(assumed) = self.enhanced.get_mut(self.at) {
+            assumed.clear(l);
+        }
+        self.weight[l] = 0.0;
+        // Laws are asked for lanes with elements only: what another block left would stay.
+        self.flow[l] = 0.0;
+    }
+}
 
 impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// Before an increment: the stress of the undamaged material, and in place of a deleted element one of its volume at
@@ -29,19 +79,26 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 self.stress.iter_mut().for_each(|s| s[l] /= share);
                 continue;
             }
-            // A ring from 1 to 2 has the volume 3 pi a height.
-            let height = failure.volume(&self.failure, l) / (9.0 * UNIT);
-            nodes.mask(l, height);
+            scratch.mask_lane(nodes, l, height(failure.volume(&self.failure, l)));
             self.stress.iter_mut().for_each(|s| s[l] = 0.0);
-            if let Some(hourglass) = scratch.hourglass.get_mut(scratch.at) {
-                hourglass.iter_mut().for_each(|h| h[l] = 0.0);
-            }
-            if let Some(assumed) = scratch.enhanced.get_mut(scratch.at) {
-                assumed.clear(l);
-            }
-            scratch.weight[l] = 0.0;
-            // Laws are asked for lanes with elements only: what another block left would stay.
-            scratch.flow[l] = 0.0;
+        }
+    }
+
+    /// Before an increment: the same in place of elements that were deleted from outside.
+    #[inline(never)]
+    pub(super) fn mask_eroded(&mut self, eroded: &Eroded, nodes: &mut Nodes, scratch: &mut Workspace) {
+        for l in (0..LANES).filter(|l| eroded.has(*l)) {
+            scratch.mask_lane(nodes, l, eroded.height[l]);
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
+        }
+    }
+
+    /// After the increment: neither stress nor forces of such elements. Stress that answers to the whole deformation stayed.
+    #[inline(never)]
+    pub(super) fn clear_eroded(&mut self, eroded: &Eroded, corners: &mut Corners) {
+        for l in (0..LANES).filter(|l| eroded.has(*l)) {
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
+            corners.0.iter_mut().for_each(|list| list[l] = 0.0);
         }
     }
 
@@ -95,5 +152,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 corners.0.iter_mut().for_each(|list| list[l] = 0.0);
             }
         }
+    }
+}
+
+impl Persist for Eroded {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Eroded { height } = self;
+        persist_fields!(archive; height);
     }
 }

@@ -189,11 +189,15 @@ impl<'a> Builder<'a> {
             "SOLID SECTION" => self.solid_section(card),
             "SHELL SECTION" => self.shell_section(card),
             "SECTION CONTROLS" => self.section_controls(card),
+            "EROSION" => self.erosion(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
             "CONTACT PAIR" => self.contact_pair(card),
             "CONTACT" => self.general_contact(card),
-            "CONTACT INCLUSIONS" | "CONTACT EXCLUSIONS" | "CONTACT PROPERTY ASSIGNMENT" => {
+            "CONTACT INCLUSIONS"
+            | "CONTACT EXCLUSIONS"
+            | "CONTACT PROPERTY ASSIGNMENT"
+            | "CONTACT CONTROLS ASSIGNMENT" => {
                 self.general_contact_card(card);
             }
             "SURFACE INTERACTION" => self.surface_interaction(card),

@@ -1,7 +1,9 @@
-//! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS`, `*CONTACT PROPERTY ASSIGNMENT`.
+//! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS`, `*CONTACT PROPERTY ASSIGNMENT`,
+//! `*CONTACT CONTROLS ASSIGNMENT`.
 //! Never here: which surfaces there are, pairs that the deck names one by one.
 
 use super::builder::Builder;
+use super::names::upper;
 use super::types::{AssignedInteraction, ContactDomain, GeneralContact, Law};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
@@ -27,6 +29,10 @@ impl Builder<'_> {
         {
             general.all = true;
         }
+        if card.keyword.name == "CONTACT CONTROLS ASSIGNMENT" {
+            self.nodal_erosion(card);
+            return;
+        }
         for line in &card.lines {
             let Some(domains) = self.domains(line) else { continue };
             let interaction = line.field(2).filter(|w| !w.text.is_empty()).cloned();
@@ -41,6 +47,26 @@ impl Builder<'_> {
                     self.interactions_used.push(word);
                 }
             }
+        }
+    }
+
+    /// ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT: with NODAL EROSION=NO, the default, nodes whose faces have
+    /// all eroded stay in contact as point masses, with YES they do not.
+    fn nodal_erosion(&mut self, card: &Card) {
+        let drops = match card.value("NODAL EROSION").map(|w| upper(&w.text)).as_deref() {
+            Some("YES") => true,
+            Some("NO") => false,
+            Some(other) => {
+                self.unsupported(card.span, format!("NODAL EROSION={other} is not supported"), "YES and NO are");
+                return;
+            }
+            None => {
+                self.out_of_range(card.span, "*CONTACT CONTROLS ASSIGNMENT needs NODAL EROSION");
+                return;
+            }
+        };
+        if let Some(general) = &mut self.state().general_contact {
+            general.drops_points = drops;
         }
     }
 

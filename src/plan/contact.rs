@@ -70,6 +70,9 @@ impl Compiler<'_> {
                 laws.push(contact.law.clone());
                 laws.len() - 1
             });
+            if contact.general && general.is_some_and(|g| g.drops_points) {
+                [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
+            }
             let curves = found.order(first, second);
             let length = found.lengths[first][0].min(found.lengths[second][0]);
             let id = match general {
@@ -119,6 +122,9 @@ impl Compiler<'_> {
         let mut detail = own.iter().take(6).cloned().collect::<Vec<_>>().join(" ");
         if own.len() > 6 {
             detail += " …";
+        }
+        if general.drops_points {
+            detail += ", without points of deleted elements";
         }
         self.cause(general.span, "general contact", own.len(), "pairs", detail)
     }

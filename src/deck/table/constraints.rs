@@ -156,6 +156,14 @@ pub const CARDS: &[Keyword] = &[
     }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out"])]),
     row!("CONTACT PROPERTY ASSIGNMENT", "Interactions of general contact; the last that covers two surfaces counts", (), {
     }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out", "interaction"])]),
+    row!("CONTACT CONTROLS ASSIGNMENT", "Controls of general contact", (), {
+        "NODAL EROSION" read "NO (default): nodes whose elements were all deleted go on to meet others as points; YES: they meet nothing",
+        "TYPE" refused "surfaces do not give way: there is no penalty to scale, and no tracking of edges",
+        "AUTOMATIC OVERCLOSURE RESOLUTION" refused "an overlap at the start stays, and does not grow",
+        "BEAM CROSS SECTION" refused "there are no beams",
+        "CONTACT THICKNESS REDUCTION" refused "shells meet in front of their middle surface by half their thickness",
+        "ROTATIONAL TERMS" refused "friction of shells acts at their nodes",
+    }, []),
     row!("SURFACE INTERACTION", "Begins an interaction of surfaces", (unique "NAME"), {
         "NAME" read "Name",
         "PAD THICKNESS" refused "nothing lies between surfaces",

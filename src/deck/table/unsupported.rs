@@ -64,7 +64,6 @@ pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "CONNECTOR MOTION", "Connectors"),
     row!(UnsupportedPhysics, "CONNECTOR LOAD", "Connectors"),
     row!(UnsupportedPhysics, "CONTACT CONTROLS", "Controls of contact"),
-    row!(UnsupportedPhysics, "CONTACT CONTROLS ASSIGNMENT", "Controls of general contact"),
     row!(UnsupportedPhysics, "CONTACT CLEARANCE", "Initial gaps of contact"),
     row!(UnsupportedPhysics, "CONTACT CLEARANCE ASSIGNMENT", "Initial gaps of general contact"),
     row!(UnsupportedPhysics, "CONTACT DAMPING", "Damping of contact"),
