@@ -6,7 +6,7 @@
 use super::assumed::Assumed;
 use super::constants::{CHANGE, Constants, damped};
 use super::control::{Control, Lane, Seen, Spring};
-use super::deletion::Eroded;
+use super::eroded::Eroded;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};

@@ -4,46 +4,13 @@
 
 use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
+use super::eroded::{Eroded, height};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
-use crate::kernel::lanes::Lanes;
-use crate::kernel::quad::UNIT;
 use crate::kernel::stress;
 use crate::material::failure::{Failure, Seen};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
-use crate::state::archive::{Archive, Persist, persist_fields};
-
-/// Elements of a block that were deleted from outside, whatever their laws say.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Eroded {
-    /// Height of the ring that stands in place of each; 0 of those that are there.
-    height: Lanes,
-}
-
-impl Eroded {
-    /// Takes an element of this volume at the start.
-    pub(super) fn take(&mut self, lane: usize, volume: f64) {
-        self.height[lane] = height(volume);
-    }
-
-    /// Whether it is gone.
-    pub(super) fn has(&self, lane: usize) -> bool {
-        self.height[lane] > 0.0
-    }
-
-    /// Whether any is.
-    #[inline(always)]
-    pub(super) fn any(&self) -> bool {
-        self.height.iter().any(|h| *h > 0.0)
-    }
-}
-
-/// Height of a ring from 1 to 2 of some volume, which is 3 pi a height.
-#[inline(always)]
-fn height(volume: f64) -> f64 {
-    volume / (9.0 * UNIT)
-}
 
 impl Workspace {
     /// In place of an element that is gone puts one at rest, whose answers weigh nothing.
@@ -88,7 +55,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     #[inline(never)]
     pub(super) fn mask_eroded(&mut self, eroded: &Eroded, nodes: &mut Nodes, scratch: &mut Workspace) {
         for l in (0..LANES).filter(|l| eroded.has(*l)) {
-            scratch.mask_lane(nodes, l, eroded.height[l]);
+            scratch.mask_lane(nodes, l, eroded.height(l));
             self.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
     }
@@ -152,12 +119,5 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 corners.0.iter_mut().for_each(|list| list[l] = 0.0);
             }
         }
-    }
-}
-
-impl Persist for Eroded {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Eroded { height } = self;
-        persist_fields!(archive; height);
     }
 }

@@ -102,8 +102,11 @@ impl Elements {
 
     /// Room for all that may be deleted: nothing allocates inside an increment.
     pub(super) fn make_room_for_deletions(&mut self) {
-        let fragile = self.groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
-        self.gone.0 = Vec::with_capacity(fragile);
+        let fragile: usize = self.groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
+        self.gone.0.reserve_exact(fragile.saturating_sub(self.gone.0.len()));
+        if let Some(removed) = &mut self.removed {
+            removed.make_room();
+        }
     }
 
     /// Whether nothing deforms.
@@ -136,6 +139,8 @@ impl Elements {
             self.awake.wake();
         }
         self.gone.1 = 0;
+        // A copy of a state has no room to spare.
+        self.make_room_for_deletions();
     }
 
     /// Whether links between nodes push them, beside loads.

@@ -377,7 +377,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     fn erode(&mut self, element: usize, volume: f64) {
         let (block, lane) = (element / LANES, element % LANES);
         self.quiescence[block / TASK].quiescent = false;
-        self.tasks[block / TASK].eroded[block % TASK].take(lane, volume);
+        // Lanes behind the last element repeat it.
+        let behind = if element + 1 == self.count { LANES } else { lane + 1 };
+        (lane..behind).for_each(|l| self.tasks[block / TASK].eroded[block % TASK].take(l, volume));
         if let Some(told) = self.told.get_mut(element) {
             *told = true;
         }

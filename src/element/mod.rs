@@ -15,6 +15,7 @@ pub mod distortion;
 mod edges;
 pub mod elements;
 mod enhanced;
+mod eroded;
 pub mod erosion;
 mod estimate;
 pub mod frequency;

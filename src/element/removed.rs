@@ -57,15 +57,21 @@ impl Removed {
             (0..group.len()).flat_map(|e| own_nodes(&**group, e)).for_each(|n| around[n] += 1);
         }
         let fragile = |group: &dyn ElementGroup| if group.can_delete() { group.len() } else { 0 };
-        Removed {
+        let mut removed = Removed {
             counted: groups.iter().map(|g| vec![false; fragile(&**g)]).collect(),
             around,
-            // Room for all: nothing allocates inside an increment.
-            points: Vec::with_capacity(nodes),
+            points: Vec::new(),
             mass: 0.0,
             internal: 0.0,
             seen: 0,
-        }
+        };
+        removed.make_room();
+        removed
+    }
+
+    /// Room for all points: nothing allocates inside an increment.
+    pub(super) fn make_room(&mut self) {
+        self.points.reserve_exact(self.around.len() - self.points.len());
     }
 
     /// Adds what a deleted element takes up while its forces end.

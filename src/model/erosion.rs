@@ -5,6 +5,10 @@ use super::builder::Builder;
 use super::types::Erosion;
 use crate::deck::Card;
 
+/// Scaled Jacobian without a value: an element that comes to it folds within a few increments. A triangle folds with its last
+/// volume, to which its increments shorten without end.
+const ALMOST_FOLDED: f64 = 0.01;
+
 impl Builder<'_> {
     /// Elements that are deleted by more than their material.
     pub(super) fn erosion(&mut self, card: &Card) {
@@ -25,10 +29,10 @@ impl Builder<'_> {
         self.model.erosions.push(Erosion { span: card.span, elements, distortion, plastic, strain, increment });
     }
 
-    /// DISTORTION, from 0 on and below 1; without a value 0. `Some(None)` where it is not given.
+    /// DISTORTION, from 0 on and below 1; without a value [`ALMOST_FOLDED`]. `Some(None)` where it is not given.
     fn least_jacobian(&mut self, card: &Card) -> Option<Option<f64>> {
         let Some(word) = card.value("DISTORTION") else {
-            return Some(card.has("DISTORTION").then_some(0.0));
+            return Some(card.has("DISTORTION").then_some(ALMOST_FOLDED));
         };
         let value = word.number(&mut self.diagnostics)?;
         if (0.0..1.0).contains(&value) {

@@ -69,9 +69,9 @@ fn compositions() -> Vec<Made> {
     ]
 }
 
-/// A block on the axis whose ends fly apart at `speed`, mm/s each, with an erosion card of what may name two rows in its middle.
+/// A block on the axis whose ends fly apart at `speed`, mm/s each, with an erosion card that may name two rows in its middle.
 fn torn(made: &Made, erosion: &str, speed: f64) -> String {
-    let (n, m) = (4, 10);
+    let (n, m) = (5, 10);
     let mesh = grid(n, m, made.triangles, |i, j| [i as f64, j as f64 + 0.05 * ((i * 7 + j * 3) % 5) as f64]);
     let node = |j: usize| (j * (n + 1) + 1, (j + 1) * (n + 1));
     let sets: String = (0..=m)
@@ -138,13 +138,28 @@ fn every_composition_tears_and_the_books_close() {
             (alive("ELSE") + alive("ELPD") + last(&ran, "EROIE") + energy.artificial) / energy.internal - 1.0,
         ];
         println!("{}: {gone} gone, {} points, off {}, drift {:.1e}", made.name, points.len(), short(&off), energy.drift);
-        assert_eq!(gone, if made.triangles { 16 } else { 8 }, "{}", made.name);
+        let rows = if made.triangles { 20 } else { 10 };
+        assert!((rows / 2..=rows).contains(&gone), "{}: {gone}", made.name);
         // What has an equation of state takes up more than the work of its stress; weighted by area nothing is kept to rounding.
         let by_area = made.name.contains("area");
         let state = made.name.contains("fluid") || made.name.contains("equation");
         let exact = |i: &usize| !(by_area && *i == 3 || state && *i == 4);
         assert!((0..5).filter(exact).all(|i| off[i].abs() < 1e-10), "{}: {}", made.name, short(&off));
         assert!(energy.drift < if by_area { 0.03 } else if state { 1e-14 } else { 1e-3 }, "{}: {:e}", made.name, energy.drift);
+    }
+}
+
+/// Of each composition everything goes, the last element too, whose lanes stand in for what fills up its block: points are left,
+/// which fly on to the end, and take all momentum and all kinetic energy with them.
+#[test]
+fn nothing_is_left_of_what_goes_altogether() {
+    for made in compositions() {
+        let ran = run(&torn(&made, "*Erosion, principal strain=1e-3\n", 3e5)).whole();
+        let energy = ran.outcome.energy;
+        let off = last(&ran, "EROPKE") / energy.kinetic - 1.0;
+        println!("{}: {} gone, kinetic energy of points off {off:.1e}", made.name, deleted(&ran));
+        assert!(off.abs() < 1e-12, "{}: {off:e}", made.name);
+        assert_eq!(deleted(&ran), if made.triangles { 100 } else { 50 }, "{}", made.name);
     }
 }
 
@@ -250,8 +265,8 @@ fn a_folded_element_goes_before_it_halts_the_run() {
         };
         let halt = run(&deck("")).outcome.halt.expect("folded");
         println!("triangles {triangles}: {}", halt.reason);
-        assert!(halt.code == "R206" || halt.code == "R209", "{halt:?}");
-        for limit in ["distortion", "distortion=0.2", "increment=2e-8", "plastic strain=0.3"] {
+        assert_eq!(halt.code, "R209", "{halt:?}");
+        for limit in ["distortion", "distortion=0.2", "increment=2e-8", "plastic strain=0.2"] {
             let ran = run(&deck(&format!("*Erosion, {limit}\n"))).whole();
             println!("{limit}: {} gone, {} increments", deleted(&ran), ran.outcome.increments);
             assert!((1..18).contains(&deleted(&ran)), "{limit}: {}", deleted(&ran));
@@ -310,13 +325,13 @@ fn the_number_of_threads_changes_no_death() {
         let row: Vec<String> = (0..=m)
             .map(|j| {
                 let (first, end) = (j * (n + 1) + 1, (j + 1) * (n + 1));
-                format!("*Nset, nset=ROW{j}, generate\n {first}, {end}, 1\n*Initial Conditions, type=VELOCITY\n ROW{j}, 2, {:e}\n", 4e5 * (2.0 * j as f64 / m as f64 - 1.0))
+                format!("*Nset, nset=ROW{j}, generate\n {first}, {end}, 1\n*Initial Conditions, type=VELOCITY\n ROW{j}, 2, {:e}\n", 8e5 * (2.0 * j as f64 / m as f64 - 1.0))
             })
             .collect();
         mesh + made.section
             + "*Density\n 7.8e-9,\n*Erosion, principal strain=0.12, distortion=0.2, increment=1e-10\n"
             + &row.concat()
-            + "*Step\n*Dynamic, Explicit\n , 1.2e-6\n*Output, field, number interval=2\n*Node Output\n U, V\n*Element Output\n \
+            + "*Step\n*Dynamic, Explicit\n , 0.4e-6\n*Output, field, number interval=2\n*Node Output\n U, V\n*Element Output\n \
                STATUS\n*Output, history, number interval=10\n*Energy Output\n ALL\n*End Step\n"
     };
     for made in compositions().iter().filter(|m| ["plastic", "metal with an equation of state"].contains(&m.name)) {

@@ -265,7 +265,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines ["thickness", "points" read "Of Simpson's rule through the thickness: odd, from 3 on; 5 without it"])]),
     row!(extension "EROSION", "Deletes elements that come to one of its limits, whatever their material", (), {
         "ELSET" read "Elements; all that deform if absent",
-        "DISTORTION" read "Least sine of the angles at the corners over that of a square, of a triangle over the equilateral one (scaled Jacobian); 0, also without a value, where the element is folded",
+        "DISTORTION" read "Least sine of the angles at the corners over that of a square, of a triangle over the equilateral one (scaled Jacobian); 0 where the element is folded, 0.01 without a value",
         "PLASTIC STRAIN" read "Equivalent plastic strain; of shells in the middle",
         "PRINCIPAL STRAIN" read "Largest principal logarithmic strain, in the plane or along the hoop",
         "INCREMENT" read "Stable increment of the element, time",
