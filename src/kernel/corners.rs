@@ -31,9 +31,8 @@ pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
 /// Derivatives of the coordinates by those of a square at its middle, times 4: `[r, z]` along each.
 fn spans(places: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
     let [a, b, c, d] = places;
-    [0, 1].map(|way| {
-        [0, 1].map(|i| if way == 0 { (b[i] - a[i]) + (c[i] - d[i]) } else { (d[i] - a[i]) + (c[i] - b[i]) })
-    })
+    [0, 1]
+        .map(|way| [0, 1].map(|i| if way == 0 { (b[i] - a[i]) + (c[i] - d[i]) } else { (d[i] - a[i]) + (c[i] - b[i]) }))
 }
 
 /// The largest principal logarithmic strain in the middle of an element that had its corners at `start`: of both directions in the
@@ -42,9 +41,7 @@ pub fn largest_strain(places: [[f64; 2]; 4], start: [[f64; 2]; 4]) -> f64 {
     let (now, then) = (spans(places), spans(start));
     let per = 1.0 / (then[0][0] * then[1][1] - then[0][1] * then[1][0]);
     // Deformation gradient: what a direction at the start has become.
-    let column = |[along, across]: [f64; 2]| {
-        [0, 1].map(|i| per * (now[0][i] * along + now[1][i] * across))
-    };
+    let column = |[along, across]: [f64; 2]| [0, 1].map(|i| per * (now[0][i] * along + now[1][i] * across));
     let (of_r, of_z) = (column([then[1][1], -then[0][1]]), column([-then[1][0], then[0][0]]));
     let square = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     let (rr, zz, rz) = (square(of_r, of_r), square(of_z, of_z), square(of_r, of_z));
@@ -117,6 +114,8 @@ mod tests {
         let triangle = [SQUARE[0], SQUARE[1], SQUARE[2], SQUARE[2]];
         let longer = triangle.map(|[r, z]| [r, 2.0 * z]);
         assert!((largest_strain(longer, triangle) - 2.0_f64.ln()).abs() < 1e-14);
-        assert!((largest_shell_strain([[1.0, 0.0], [1.0, 3.0]], [[1.0, 0.0], [1.0, 1.0]]) - 3.0_f64.ln()).abs() < 1e-14);
+        assert!(
+            (largest_shell_strain([[1.0, 0.0], [1.0, 3.0]], [[1.0, 0.0], [1.0, 1.0]]) - 3.0_f64.ln()).abs() < 1e-14
+        );
     }
 }

@@ -4,8 +4,12 @@
 //! same for any number of threads, and a folded element goes before it halts the run. Source: conservation; the run without the
 //! card. Each test says its tolerance and why.
 
+use revolve::job;
+use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
+
 use crate::common::bodies::{Ran, assembly, cell_field, part, point_field, rigid_line, run, short};
 use crate::common::solid::grid;
+use crate::common::{self, pairs, project};
 
 /// Deleted elements at the end.
 fn deleted(ran: &Ran) -> usize {
@@ -24,7 +28,10 @@ fn compositions() -> Vec<Made> {
     let of = |name, section| Made { name, section, triangles: false };
     vec![
         of("elastic", "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Elastic\n 200e3, 0.3\n"),
-        of("plastic", "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Elastic\n 200e3, 0.3\n*Plastic\n 400., 0.\n 600., 0.5\n"),
+        of(
+            "plastic",
+            "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Elastic\n 200e3, 0.3\n*Plastic\n 400., 0.\n 600., 0.5\n",
+        ),
         of(
             "Johnson-Cook that can fail",
             "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Elastic\n 200e3, 0.3\n*Plastic, hardening=JOHNSON COOK\n \
@@ -35,7 +42,10 @@ fn compositions() -> Vec<Made> {
             "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Elastic\n 200e3, 0.3\n*Plastic, hardening=KINEMATIC\n 400., \
              0.\n 600., 0.5\n",
         ),
-        of("rubber", "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Hyperelastic, neo hooke\n 2e4, 1e-5\n"),
+        of(
+            "rubber",
+            "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Hyperelastic, neo hooke\n 2e4, 1e-5\n",
+        ),
         of(
             "foam",
             "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Elastic\n 200e3, 0.3\n*Crushable Foam\n 1.1, 0.1\n*Crushable \
@@ -74,9 +84,8 @@ fn torn(made: &Made, erosion: &str, speed: f64) -> String {
     let (n, m) = (5, 10);
     let mesh = grid(n, m, made.triangles, |i, j| [i as f64, j as f64 + 0.05 * ((i * 7 + j * 3) % 5) as f64]);
     let node = |j: usize| (j * (n + 1) + 1, (j + 1) * (n + 1));
-    let sets: String = (0..=m)
-        .map(|j| format!("*Nset, nset=ROW{j}, generate\n {}, {}, 1\n", node(j).0, node(j).1))
-        .collect();
+    let sets: String =
+        (0..=m).map(|j| format!("*Nset, nset=ROW{j}, generate\n {}, {}, 1\n", node(j).0, node(j).1)).collect();
     let each = if made.triangles { 2 * n } else { n };
     let middle = format!("*Elset, elset=MIDDLE, generate\n {}, {}, 1\n", 4 * each + 1, 6 * each);
     let flying: String =
@@ -137,7 +146,13 @@ fn every_composition_tears_and_the_books_close() {
             (ran.momentum() - before) / momentum,
             (alive("ELSE") + alive("ELPD") + last(&ran, "EROIE") + energy.artificial) / energy.internal - 1.0,
         ];
-        println!("{}: {gone} gone, {} points, off {}, drift {:.1e}", made.name, points.len(), short(&off), energy.drift);
+        println!(
+            "{}: {gone} gone, {} points, off {}, drift {:.1e}",
+            made.name,
+            points.len(),
+            short(&off),
+            energy.drift
+        );
         let rows = if made.triangles { 20 } else { 10 };
         assert!((rows / 2..=rows).contains(&gone), "{}: {gone}", made.name);
         // What has an equation of state takes up more than the work of its stress; weighted by area nothing is kept to rounding.
@@ -145,7 +160,19 @@ fn every_composition_tears_and_the_books_close() {
         let state = made.name.contains("fluid") || made.name.contains("equation");
         let exact = |i: &usize| !(by_area && *i == 3 || state && *i == 4);
         assert!((0..5).filter(exact).all(|i| off[i].abs() < 1e-10), "{}: {}", made.name, short(&off));
-        assert!(energy.drift < if by_area { 0.03 } else if state { 1e-14 } else { 1e-3 }, "{}: {:e}", made.name, energy.drift);
+        assert!(
+            energy.drift
+                < if by_area {
+                    0.03
+                } else if state {
+                    1e-14
+                } else {
+                    1e-3
+                },
+            "{}: {:e}",
+            made.name,
+            energy.drift
+        );
     }
 }
 
@@ -184,7 +211,8 @@ fn shells_tear() {
         cell_field(ran.end(), name).iter().zip(status).filter(|e| *e.1 == 1.0).map(|e| e.0).sum()
     };
     let off = (alive("ELSE") + alive("ELPD") + last(&ran, "EROIE")) / energy.internal - 1.0;
-    let largest = cell_field(ran.end(), "PEEQ").iter().zip(status).filter(|e| *e.1 == 1.0).map(|e| *e.0).fold(0.0, f64::max);
+    let largest =
+        cell_field(ran.end(), "PEEQ").iter().zip(status).filter(|e| *e.1 == 1.0).map(|e| *e.0).fold(0.0, f64::max);
     println!("shells: {gone} gone, energy off {off:.1e}, drift {:.1e}, largest strain left {largest}", energy.drift);
     assert!((1..10).contains(&gone) && largest < 0.3, "{gone} {largest}");
     assert!(off.abs() < 1e-10 && energy.drift < 1e-3, "{off:e} {:e}", energy.drift);
@@ -278,7 +306,11 @@ fn a_folded_element_goes_before_it_halts_the_run() {
 #[test]
 fn points_meet_others_or_do_not() {
     let ran = |nodal: &str| {
-        let more = if nodal.is_empty() { String::new() } else { format!("*Contact Controls Assignment, nodal erosion={nodal}\n") };
+        let more = if nodal.is_empty() {
+            String::new()
+        } else {
+            format!("*Contact Controls Assignment, nodal erosion={nodal}\n")
+        };
         run(&nose("*Erosion, distortion=0.3\n", &more, 20e-6, 3e5)).whole()
     };
     let [silent, kept, dropped] = ["", "NO", "YES"].map(ran);
@@ -288,7 +320,11 @@ fn points_meet_others_or_do_not() {
     for ran in [&kept, &dropped] {
         let before: f64 = ran.prepared.state.dofs.bodies.iter().map(|b| b.mass * b.velocity).sum();
         let off = ran.momentum() / before - 1.0;
-        println!("{} points, momentum of points {:.2e} of {before:.2e}, off {off:.1e}", orphans(ran).len(), last(ran, "EROPMOM"));
+        println!(
+            "{} points, momentum of points {:.2e} of {before:.2e}, off {off:.1e}",
+            orphans(ran).len(),
+            last(ran, "EROPMOM")
+        );
         assert!(off.abs() < 1e-12 && !orphans(ran).is_empty(), "{off:e}");
     }
 }
@@ -320,7 +356,7 @@ fn bits(ran: &Ran) -> (u64, Vec<u64>, Vec<u64>) {
 #[test]
 fn the_number_of_threads_changes_no_death() {
     let deck = |made: &Made| {
-        let (n, m) = (80, 80);
+        let (n, m) = (80, 76);
         let mesh = grid(n, m, false, |i, j| [0.05 * i as f64, 0.05 * j as f64 + 0.003 * ((i * 7 + j * 3) % 5) as f64]);
         let row: Vec<String> = (0..=m)
             .map(|j| {
@@ -340,7 +376,7 @@ fn the_number_of_threads_changes_no_death() {
             pool.install(|| run(&deck(made)).whole())
         };
         let one = on(1);
-        println!("{}: {} of 6400 gone", made.name, deleted(&one));
+        println!("{}: {} of 6080 gone", made.name, deleted(&one));
         assert!((20..6000).contains(&deleted(&one)), "{}", deleted(&one));
         for threads in [2, 5] {
             assert!(bits(&one) == bits(&on(threads)), "{}: {threads} threads", made.name);
@@ -383,12 +419,24 @@ fn random_scenes(first: u64, count: u64) {
                name=PLATE\n*Density\n 2.71e-9,\n*Elastic\n 69e3, .33\n*Plastic, hardening=JOHNSON COOK\n 300., 120., 1., 1., 900., \
                20.\n"
             + &format!("*Erosion{chosen}\n*Surface Interaction, name=I\n*Friction\n {friction},\n")
-            + &format!("*Initial Conditions, type=VELOCITY\n ROD.ALL, 2, {}\n*Step\n*Dynamic, Explicit\n , {:e}\n", -speed, 20.0 / speed)
-            + &format!("*Contact\n*Contact Inclusions, all exterior\n*Contact Controls Assignment, nodal erosion={nodal}\n")
+            + &format!(
+                "*Initial Conditions, type=VELOCITY\n ROD.ALL, 2, {}\n*Step\n*Dynamic, Explicit\n , {:e}\n",
+                -speed,
+                20.0 / speed
+            )
+            + &format!(
+                "*Contact\n*Contact Inclusions, all exterior\n*Contact Controls Assignment, nodal erosion={nodal}\n"
+            )
             + "*Contact Property Assignment\n , , I\n*Output, field, number interval=2\n*Node Output\n U, V\n*Element Output\n \
                STATUS, ELSE, ELPD\n*Output, history, number interval=2\n*Energy Output\n ALL\n*End Step\n";
         let ran = run(&deck);
-        assert!(ran.outcome.halt.is_none(), "{seed}: {chosen} {:?} {:?} {}", ran.outcome.halt, ran.outcome.energy, deleted(&ran));
+        assert!(
+            ran.outcome.halt.is_none(),
+            "{seed}: {chosen} {:?} {:?} {}",
+            ran.outcome.halt,
+            ran.outcome.energy,
+            deleted(&ran)
+        );
         let energy = ran.outcome.energy;
         let nodes = &ran.prepared.state.dofs.nodes;
         let before: f64 = nodes.as_slice().iter().zip(&nodes.mass).map(|(n, m)| m * n.v_z).sum();
@@ -418,4 +466,70 @@ fn random_scenes_end_whole() {
 #[ignore = "two minutes"]
 fn a_hundred_random_scenes_end_whole() {
     random_scenes(100, 100);
+}
+
+/// The deepest point of a projectile, mm, and how far the balance of energies is off.
+fn depth(deck: &str, settings: &[(&str, &str)]) -> [f64; 2] {
+    let prepared = job::prepare(&project(deck), &pairs(settings), &Routines::none());
+    assert!(!prepared.diagnostics.has_errors());
+    let (outcome, history) = job::run_in_memory(&prepared);
+    assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+    [-1e3 * history.0["U2@REF"].min, outcome.energy.drift]
+}
+
+/// Two models of one shot: the rigid ogive at 569 m/s into squares of the J2 material whose quasi-static cavity expansion is that of the
+/// law, on a coarse mesh, and into the law itself, of two terms and of three. 10 % of either: meshes and limits of distortion
+/// that are all reasonable scatter by 4 % (docs/erosion.md).
+#[test]
+fn a_meshed_target_stops_the_ogive_where_the_cavity_law_does() {
+    let [two, _] = depth("input/ogive.inp", &[]);
+    let [three, _] = depth("input/ogive.inp", &[("B", "0.983"), ("C", "0.9402")]);
+    let coarse = [("k", "4"), ("nc", "16"), ("mc", "8"), ("T", "220.e-6")];
+    let [meshed, drift] = depth("input/ogive_meshed.inp", &coarse);
+    println!("meshed {meshed:.2} mm, drift {drift:.1e}; two terms {two:.2}, three {three:.2}");
+    assert!(drift < 1e-3, "{drift:e}");
+    assert!((meshed / two - 1.0).abs() < 0.1 && (meshed / three - 1.0).abs() < 0.1, "{meshed}");
+}
+
+/// Hooke's law as a routine of the user.
+struct Hooke;
+
+impl UserMaterial for Hooke {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let (modulus, ratio) = (200e3, 0.3);
+        let (twice, lame) = (modulus / (1.0 + ratio), modulus * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio)));
+        let n = call.count;
+        for i in 0..n {
+            let dilation: f64 = (0..3).map(|k| call.strain[k * n + i]).sum();
+            for k in 0..4 {
+                let at = k * n + i;
+                let volumetric = if k < 3 { lame * dilation } else { 0.0 };
+                answer.stress[at] = call.stress[at] + volumetric + twice * call.strain[at];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Elements whose stress a routine gives are eroded like those of the law that is built in: the same rows go, the books close, and
+/// both blocks end alike within 1e-3 (their frames turn differently).
+#[test]
+fn the_users_elements_are_eroded_as_built_in_ones_are() {
+    let made = &compositions()[0];
+    let deck = torn(made, "*Erosion, elset=MIDDLE, principal strain=0.02, distortion, increment=1e-12\n", 1.5e5);
+    let own = run(&deck).whole();
+    let text = deck.replace("*Elastic\n 200e3, 0.3\n", "*User Material, constants=1\n 1.,\n");
+    let (outcome, memory) = common::run(&text, &[], &Routines::none().with_material(Hooke));
+    assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+    let removed = outcome.energy.removed.expect("books");
+    let [mass, internal] = ["EROMASS", "EROIE"].map(|name| last(&own, name));
+    let field = |name: &str| cell_field(memory.frames.last().expect("a frame"), name);
+    let alive = |name: &str| -> f64 {
+        field(name).iter().zip(field("STATUS")).filter(|e| *e.1 == 1.0).map(|e| e.0).sum()
+    };
+    let energy = outcome.energy;
+    let off = (alive("ELSE") + alive("ELPD") + removed.internal + energy.artificial) / energy.internal - 1.0;
+    println!("of the user: {removed:?}, books off {off:.1e}, drift {:.1e}; built in {mass:.6e} {internal:.6e}", energy.drift);
+    assert!((removed.mass / mass - 1.0).abs() < 1e-12 && (removed.internal / internal - 1.0).abs() < 1e-3);
+    assert!(off.abs() < 1e-10 && energy.drift < 1e-3, "{off:e} {:e}", energy.drift);
 }
