@@ -463,7 +463,7 @@ fn random_scenes_end_whole() {
 }
 
 #[test]
-#[ignore = "two minutes"]
+#[ignore = "a minute"]
 fn a_hundred_random_scenes_end_whole() {
     random_scenes(100, 100);
 }
@@ -524,12 +524,14 @@ fn the_users_elements_are_eroded_as_built_in_ones_are() {
     let removed = outcome.energy.removed.expect("books");
     let [mass, internal] = ["EROMASS", "EROIE"].map(|name| last(&own, name));
     let field = |name: &str| cell_field(memory.frames.last().expect("a frame"), name);
-    let alive = |name: &str| -> f64 {
-        field(name).iter().zip(field("STATUS")).filter(|e| *e.1 == 1.0).map(|e| e.0).sum()
-    };
+    let alive =
+        |name: &str| -> f64 { field(name).iter().zip(field("STATUS")).filter(|e| *e.1 == 1.0).map(|e| e.0).sum() };
     let energy = outcome.energy;
     let off = (alive("ELSE") + alive("ELPD") + removed.internal + energy.artificial) / energy.internal - 1.0;
-    println!("of the user: {removed:?}, books off {off:.1e}, drift {:.1e}; built in {mass:.6e} {internal:.6e}", energy.drift);
+    println!(
+        "of the user: {removed:?}, books off {off:.1e}, drift {:.1e}; built in {mass:.6e} {internal:.6e}",
+        energy.drift
+    );
     assert!((removed.mass / mass - 1.0).abs() < 1e-12 && (removed.internal / internal - 1.0).abs() < 1e-3);
     assert!(off.abs() < 1e-10 && energy.drift < 1e-3, "{off:e} {:e}", energy.drift);
 }
