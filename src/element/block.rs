@@ -6,6 +6,7 @@
 use super::assumed::Assumed;
 use super::constants::{CHANGE, Constants, damped};
 use super::control::{Control, Lane, Seen, Spring};
+use super::eroded::Eroded;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
@@ -155,6 +156,13 @@ pub struct Workspace {
     pub(super) records: Vec<Record>,
     /// Elements that failure deleted in this pass.
     pub(super) deaths: usize,
+    /// Of the task's blocks, elements that were deleted from outside; empty where none can be.
+    pub(super) eroded: Vec<Eroded>,
+    /// Of the task's blocks, two over the stable increments of their elements; empty unless elements are judged by them and no
+    /// constant says them.
+    pub(super) own_rates: Vec<Lanes>,
+    /// The same of the block at hand.
+    own_rate: Lanes,
     /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
     pub(super) cap: f64,
     /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
@@ -192,6 +200,10 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     ) {
         if F::FAILS {
             self.mask_deleted(failure, nodes, scratch);
+        }
+        let eroded = scratch.eroded.get(scratch.at).filter(|e| e.any()).copied();
+        if let Some(eroded) = &eroded {
+            self.mask_eroded(eroded, nodes, scratch);
         }
         let owed =
             if V::EOS && !V::TOTAL { Some(scratch.owe(corners, &self.nodes, (nodes, dt), before)) } else { None };
@@ -242,6 +254,12 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         }
         if F::FAILS {
             self.clear_deleted(failure, corners);
+        }
+        if let Some(eroded) = &eroded {
+            self.clear_eroded(eroded, corners);
+        }
+        if V::EOS {
+            scratch.keep_own_rates();
         }
         if let Some(owed) = owed {
             scratch.pay(&owed, corners, nodes, dt);
@@ -473,6 +491,9 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let highest = if capped { cap } else { omega };
             // Two over the increment in which the element would lose or gain as much of its volume as it may.
             let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
+            if V::EOS {
+                scratch.own_rate[l] = stable;
+            }
             let rate = scratch.weight[l] * if changing > stable { changing } else { stable };
             // Not a number counts as the largest: it must be found.
             let (best, limiting) = (scratch.sums.rate[l], scratch.sums.limiting[l]);
@@ -506,6 +527,22 @@ impl Workspace {
             + size_of::<Lanes>() * self.viscous.capacity()
             + size_of::<Subzones>() * self.subzones.capacity()
             + size_of::<Record>() * self.records.capacity()
+            + size_of::<Eroded>() * self.eroded.capacity()
+            + size_of::<Lanes>() * self.own_rates.capacity()
+    }
+
+    /// Makes room for elements of so many blocks that are deleted from outside, and for their rates where they are kept.
+    pub(super) fn make_erodible(&mut self, blocks: usize, rates: bool) {
+        self.eroded = vec![Eroded::default(); blocks];
+        self.own_rates = if rates { vec![[0.0; LANES]; blocks] } else { Vec::new() };
+    }
+
+    /// Keeps the rates of the block at hand, where anything asks for them.
+    #[inline(always)]
+    fn keep_own_rates(&mut self) {
+        if let Some(rates) = self.own_rates.get_mut(self.at) {
+            *rates = self.own_rate;
+        }
     }
 
     /// A lane whose element is not there weighs nothing.
@@ -601,6 +638,8 @@ impl Workspace {
         self.weight = [1.0; LANES];
         if count < LANES {
             self.weight[count..].fill(0.0);
+            // Laws are asked for lanes with elements only: what another block left would stay.
+            self.flow[count..].fill(0.0);
         }
     }
 }
@@ -663,7 +702,8 @@ impl Persist for Sums {
 impl Persist for Workspace {
     /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Workspace { sums, records, hourglass, enhanced, viscous, subzones, .. } = self;
+        let Workspace { sums, records, hourglass, enhanced, viscous, subzones, eroded, own_rates, .. } = self;
+        persist_fields!(archive; eroded.as_mut_slice(), own_rates.as_mut_slice());
         persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), enhanced.as_mut_slice());
         persist_fields!(archive; viscous.as_mut_slice(), subzones.as_mut_slice());
     }

@@ -1,16 +1,33 @@
 //! Elements that fail: what is left of their stress, and those that are deleted, which are masked.
-//! Never here: criteria of failure.
+//! Never here: criteria of failure, or of deletion from outside.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
 use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
+use super::eroded::{Eroded, height};
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
-use crate::kernel::quad::UNIT;
 use crate::kernel::stress;
 use crate::material::failure::{Failure, Seen};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
+
+impl Workspace {
+    /// In place of an element that is gone puts one at rest, whose answers weigh nothing.
+    #[inline(always)]
+    fn mask_lane(&mut self, nodes: &mut Nodes, l: usize, height: f64) {
+        nodes.mask(l, height);
+        if let Some(hourglass) = self.hourglass.get_mut(self.at) {
+            hourglass.iter_mut().for_each(|h| h[l] = 0.0);
+        }
+        if let Some(assumed) = self.enhanced.get_mut(self.at) {
+            assumed.clear(l);
+        }
+        self.weight[l] = 0.0;
+        // Laws are asked for lanes with elements only: what another block left would stay.
+        self.flow[l] = 0.0;
+    }
+}
 
 impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// Before an increment: the stress of the undamaged material, and in place of a deleted element one of its volume at
@@ -29,19 +46,26 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 self.stress.iter_mut().for_each(|s| s[l] /= share);
                 continue;
             }
-            // A ring from 1 to 2 has the volume 3 pi a height.
-            let height = failure.volume(&self.failure, l) / (9.0 * UNIT);
-            nodes.mask(l, height);
+            scratch.mask_lane(nodes, l, height(failure.volume(&self.failure, l)));
             self.stress.iter_mut().for_each(|s| s[l] = 0.0);
-            if let Some(hourglass) = scratch.hourglass.get_mut(scratch.at) {
-                hourglass.iter_mut().for_each(|h| h[l] = 0.0);
-            }
-            if let Some(assumed) = scratch.enhanced.get_mut(scratch.at) {
-                assumed.clear(l);
-            }
-            scratch.weight[l] = 0.0;
-            // Laws are asked for lanes with elements only: what another block left would stay.
-            scratch.flow[l] = 0.0;
+        }
+    }
+
+    /// Before an increment: the same in place of elements that were deleted from outside.
+    #[inline(never)]
+    pub(super) fn mask_eroded(&mut self, eroded: &Eroded, nodes: &mut Nodes, scratch: &mut Workspace) {
+        for l in (0..LANES).filter(|l| eroded.has(*l)) {
+            scratch.mask_lane(nodes, l, eroded.height(l));
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
+        }
+    }
+
+    /// After the increment: neither stress nor forces of such elements. Stress that answers to the whole deformation stayed.
+    #[inline(never)]
+    pub(super) fn clear_eroded(&mut self, eroded: &Eroded, corners: &mut Corners) {
+        for l in (0..LANES).filter(|l| eroded.has(*l)) {
+            self.stress.iter_mut().for_each(|s| s[l] = 0.0);
+            corners.0.iter_mut().for_each(|list| list[l] = 0.0);
         }
     }
 

@@ -6,6 +6,7 @@ use super::block::is_larger;
 use super::connector::Connectors;
 use super::damping::Damping;
 use super::distortion::DistortionControl;
+use super::erosion::Erosion;
 use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
 use super::lengths::AskedLengths;
@@ -13,6 +14,7 @@ use super::mass_scaling::Masses;
 use super::pattern::{self, Folded};
 use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
+use super::removed::Removed;
 use super::rings::Rings;
 use crate::kernel::lanes::{Corners, LANES};
 use crate::mesh::gather::Gather;
@@ -54,6 +56,10 @@ pub struct Elements {
     pub fields: Option<Box<PredefinedFields>>,
     /// Elements under distortion control; `None` without any.
     pub distortion: Option<Box<DistortionControl>>,
+    /// Elements that are deleted by more than their material; `None` without any.
+    pub(super) erosion: Option<Box<Erosion>>,
+    /// Books of what deletion took away; `None` unless they are kept.
+    pub removed: Option<Box<Removed>>,
     /// Masses without scaling; `None` unless the deck scales masses.
     pub(super) masses: Option<Box<Masses>>,
     corners: Vec<Corners>,
@@ -62,7 +68,7 @@ pub struct Elements {
     /// Whether the strains of the increment behind are still to come.
     pending: bool,
     /// Corner nodes of deleted elements, and how many of them the loads of this step have been told.
-    gone: (Vec<[u32; 4]>, usize),
+    pub(super) gone: (Vec<[u32; 4]>, usize),
 }
 
 /// Why the elements give no forces: the group and element to blame, and its volume.
@@ -80,9 +86,7 @@ impl Elements {
     /// Groups with their rows of the ledger, on nodes at the start.
     pub fn new(groups: Vec<Box<dyn ElementGroup>>, ids: Vec<EffectId>, gather: Gather, nodes: usize) -> Self {
         let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
-        // Room for all that may fail: nothing allocates inside an increment.
-        let fragile = groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
-        Elements {
+        let mut elements = Elements {
             awake: ActiveNodes::new(nodes, &groups),
             groups,
             ids,
@@ -90,8 +94,18 @@ impl Elements {
             corners: vec![Corners::default(); blocks + 1],
             gather,
             pending: true,
-            gone: (Vec::with_capacity(fragile), 0),
             ..Elements::default()
+        };
+        elements.make_room_for_deletions();
+        elements
+    }
+
+    /// Room for all that may be deleted: nothing allocates inside an increment.
+    pub(super) fn make_room_for_deletions(&mut self) {
+        let fragile: usize = self.groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
+        self.gone.0.reserve_exact(fragile.saturating_sub(self.gone.0.len()));
+        if let Some(removed) = &mut self.removed {
+            removed.make_room();
         }
     }
 
@@ -125,6 +139,8 @@ impl Elements {
             self.awake.wake();
         }
         self.gone.1 = 0;
+        // A copy of a state has no room to spare.
+        self.make_room_for_deletions();
     }
 
     /// Whether links between nodes push them, beside loads.
@@ -161,6 +177,9 @@ impl Elements {
         if !std::mem::take(&mut self.pending) {
             return;
         }
+        if self.erosion.is_some() {
+            self.erode(dofs, threads);
+        }
         let mut first = 0;
         self.limit = (Totals::default(), 0);
         self.deformed = 0.0;
@@ -187,6 +206,7 @@ impl Elements {
                 seconds[self.ids[i]] += clock.elapsed().as_secs_f64();
             }
         }
+        self.count_removed();
         if let Some(rings) = &mut self.rings {
             rings.measure(&self.groups, &dofs.nodes);
         }
@@ -257,6 +277,13 @@ impl Elements {
         self.rings.as_ref().map_or(force, |rings| force.map(|f| rings.factors[node] * f))
     }
 
+    /// An element no longer pulls at its corners.
+    pub(super) fn clear_corners(&mut self, group: usize, element: usize) {
+        let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
+        let block = &mut self.corners[before + element / LANES].0;
+        block.iter_mut().for_each(|list| list[element % LANES] = 0.0);
+    }
+
     /// Sum of the corner forces of one node.
     pub fn nodal_force(&self, node: usize) -> [f64; 2] {
         self.gather.one(node, &self.corners)
@@ -285,6 +312,11 @@ impl Elements {
         let elements = self.limit.0.rate;
         let linked = self.connectors.as_ref().map_or(elements, |c| c.rate(elements));
         1.0 / self.damping.as_ref().map_or(linked, |d| d.rate(linked))
+    }
+
+    /// Bytes of the lists of elements under criteria of erosion.
+    pub fn bytes_of_erosion(&self) -> usize {
+        self.erosion.as_ref().map_or(0, |e| e.bytes())
     }
 
     /// Bytes of what mass scaling remembers.
@@ -325,6 +357,8 @@ impl Persist for Elements {
             // They follow from the clock.
             fields: _,
             distortion,
+            erosion,
+            removed,
             masses,
             corners,
             gather: _,
@@ -342,6 +376,12 @@ impl Persist for Elements {
         }
         if let Some(distortion) = distortion {
             distortion.persist(archive);
+        }
+        if let Some(erosion) = erosion {
+            erosion.persist(archive);
+        }
+        if let Some(removed) = removed {
+            removed.persist(archive);
         }
         if let Some(masses) = masses {
             masses.persist(archive);

@@ -127,8 +127,17 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn corner_masses(&self, element: usize) -> [f64; 4];
     /// Gives the corners of an element other masses.
     fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]);
+    /// One over the stable increment of an element with its masses, without what the whole caps: on the present nodes, or, where
+    /// its modulus is part of its state, of the pass behind.
+    fn bound(&self, element: usize, nodes: &[Node]) -> f64 {
+        self.own_rate(element, &self.corner_masses(element), nodes).unwrap_or(0.0)
+    }
     /// Whether elements can be deleted at all.
     fn can_delete(&self) -> bool;
+    /// Lets elements be deleted by [`ElementGroup::erode`].
+    fn make_erodible(&mut self);
+    /// Deletes an element of this volume at the start, where it is solid; [`ElementGroup::deleted`] does not tell of it.
+    fn erode(&mut self, element: usize, volume: f64);
     /// Adds the corner nodes of elements that the last update deleted.
     fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
     /// Whether the pressure follows from a state, so that no initial stress can be given.
@@ -284,6 +293,12 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
         let block = element / LANES;
         Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
     }
+
+    /// Whether an element was deleted from outside.
+    fn is_eroded(&self, element: usize) -> bool {
+        let block = element / LANES;
+        self.tasks[block / TASK].eroded.get(block % TASK).is_some_and(|e| e.has(element % LANES))
+    }
 }
 
 #[cfg(test)]
@@ -342,6 +357,32 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
 
     fn use_arch(&mut self, arch: Arch) {
         self.arch = arch;
+    }
+
+    fn bound(&self, element: usize, nodes: &[Node]) -> f64 {
+        let (block, lane) = (element / LANES, element % LANES);
+        if V::EOS && !V::FLOWS {
+            return self.tasks[block / TASK].own_rates.get(block % TASK).map_or(0.0, |rates| 0.5 * rates[lane]);
+        }
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        self.constants.own_rate(corners, &self.corner_masses(element))
+    }
+
+    fn make_erodible(&mut self) {
+        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            scratch.make_erodible(blocks.len(), V::EOS && !V::FLOWS);
+        }
+    }
+
+    fn erode(&mut self, element: usize, volume: f64) {
+        let (block, lane) = (element / LANES, element % LANES);
+        self.quiescence[block / TASK].quiescent = false;
+        // Lanes behind the last element repeat it.
+        let behind = if element + 1 == self.count { LANES } else { lane + 1 };
+        (lane..behind).for_each(|l| self.tasks[block / TASK].eroded[block % TASK].take(l, volume));
+        if let Some(told) = self.told.get_mut(element) {
+            *told = true;
+        }
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
@@ -433,8 +474,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             Variable::SpecificEnergy => self.laws.1.energy(&block.volumetric, lane),
             Variable::Mass => Some(block.mass[lane]),
             Variable::Status => {
-                let alive = self.laws.2.alive(&block.failure, lane);
-                Some(alive.map_or(1.0, |alive| f64::from(u8::from(alive))))
+                let alive = self.laws.2.alive(&block.failure, lane).unwrap_or(true) && !self.is_eroded(element);
+                Some(f64::from(u8::from(alive)))
             }
             Variable::PlasticComponents if !H::PLASTIC && !V::FLOWS => None,
             _ => self.followed(element)?.value(part),
@@ -475,6 +516,9 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
         let mut work = 0.0;
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
+            if self.is_eroded(e) {
+                continue;
+            }
             self.quiescence[e / (TASK * LANES)].quiescent = false;
             let (block, lane) = (&mut self.blocks[e / LANES], e % LANES);
             let share = self.laws.2.share(&block.failure, lane);
@@ -537,7 +581,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn can_delete(&self) -> bool {
-        self.laws.2.deletes()
+        self.laws.2.deletes() || self.tasks.iter().any(|scratch| !scratch.eroded.is_empty())
     }
 
     fn copy(&self) -> Box<dyn ElementGroup> {

@@ -15,6 +15,8 @@ pub mod distortion;
 mod edges;
 pub mod elements;
 mod enhanced;
+mod eroded;
+pub mod erosion;
 mod estimate;
 pub mod frequency;
 pub mod group;
@@ -28,6 +30,7 @@ pub mod points;
 pub mod predefined;
 pub mod quiescent;
 pub mod record;
+pub mod removed;
 mod rescale;
 pub mod rings;
 #[cfg(test)]

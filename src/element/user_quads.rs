@@ -41,6 +41,8 @@ pub struct UserQuads {
     failure: Option<Halt>,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
+    /// Whether elements may be deleted from outside.
+    erodible: bool,
     /// Highest frequency that counts.
     cap: f64,
 }
@@ -77,6 +79,7 @@ impl UserQuads {
             now: Instant::default(),
             failure: None,
             told: vec![false; elements.len()],
+            erodible: false,
             cap: f64::INFINITY,
         }
     }
@@ -302,7 +305,16 @@ impl ElementGroup for UserQuads {
     }
 
     fn can_delete(&self) -> bool {
-        self.description.delete.is_some()
+        self.description.delete.is_some() || self.erodible
+    }
+
+    fn make_erodible(&mut self) {
+        self.erodible = true;
+    }
+
+    fn erode(&mut self, element: usize, _volume: f64) {
+        self.chunks[element / ELEMENTS].deleted[element % ELEMENTS] = true;
+        self.told[element] = true;
     }
 
     fn copy(&self) -> Box<dyn ElementGroup> {
@@ -342,6 +354,7 @@ impl Persist for UserQuads {
             now: _,
             failure: _,
             told,
+            erodible: _,
             cap,
         } = self;
         // The moduli are those of the routine's answer at time zero, which is not asked for again.

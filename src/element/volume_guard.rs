@@ -21,6 +21,9 @@ impl Elements {
                 continue;
             }
             for element in 0..self.groups[group].len() {
+                if self.groups[group].is_deleted(element) {
+                    continue;
+                }
                 let corners = self.groups[group].corners(element).map(|n| n as usize);
                 let at = corners.map(|n| nodes[n]);
                 let g = quad::gradient(at.map(|n| n.r), at.map(|n| n.z));

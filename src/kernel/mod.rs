@@ -5,6 +5,7 @@ pub mod amplitude;
 pub mod assumed;
 pub mod cavity;
 pub mod conduction;
+pub mod corners;
 pub mod facet;
 pub mod hardening;
 pub mod heating;

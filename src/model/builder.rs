@@ -192,6 +192,7 @@ impl<'a> Builder<'a> {
             "SOLID SECTION" => self.solid_section(card),
             "SHELL SECTION" => self.shell_section(card),
             "SECTION CONTROLS" => self.section_controls(card),
+            "EROSION" => self.erosion(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
             "CONTACT PAIR" => self.contact_pair(card),

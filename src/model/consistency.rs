@@ -4,9 +4,9 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Friction, IncrementControl,
-    InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region, ShellSection, ShellThinning,
-    Side, Step, Target,
+    AmplitudeDefinition, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Erosion, Friction,
+    IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region,
+    ShellSection, ShellThinning, Side, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;
@@ -22,6 +22,7 @@ impl Model {
             self.materials.iter().for_each(|m| check.material(m));
             check.bodies();
             check.amplitudes();
+            self.erosions.iter().for_each(|e| check.erosion(e));
             self.targets.iter().for_each(|t| check.target(t));
             self.connectors.iter().for_each(|c| check.connector(c));
             check.conditions();
@@ -75,6 +76,17 @@ impl Check<'_> {
 
     fn elements(&mut self, span: Span, indices: &[usize]) {
         self.indices("M110", span, "element", indices, self.model.mesh.elements.len());
+    }
+
+    fn erosion(&mut self, erosion: &Erosion) {
+        self.elements(erosion.span, erosion.elements.as_deref().unwrap_or_default());
+        let jacobian = erosion.distortion.is_none_or(|d| (0.0..1.0).contains(&d));
+        let limits = [erosion.plastic, erosion.strain, erosion.increment];
+        let good = jacobian && limits.iter().flatten().all(|limit| above_zero(*limit));
+        let any = erosion.distortion.is_some() || limits.iter().any(Option::is_some);
+        self.value(good && any, erosion.span, || {
+            "erosion needs a limit: DISTORTION from 0 on and below 1, others above zero".into()
+        });
     }
 
     fn amplitude(&mut self, span: Span, index: Option<usize>) {

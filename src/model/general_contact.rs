@@ -2,6 +2,7 @@
 //! Never here: which surfaces there are, pairs that the deck names one by one.
 
 use super::builder::Builder;
+use super::names::upper;
 use super::types::{AssignedClearance, AssignedInteraction, ContactDomain, GeneralContact, Law};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
@@ -26,6 +27,9 @@ impl Builder<'_> {
             && let Some(general) = &mut self.state().general_contact
         {
             general.all = true;
+        }
+        if card.keyword.name == "CONTACT CONTROLS ASSIGNMENT" {
+            self.nodal_erosion(card);
         }
         for line in &card.lines {
             let Some(domains) = self.domains(line) else { continue };
@@ -61,6 +65,23 @@ impl Builder<'_> {
         }
         self.out_of_range(line.span, format!("a factor on the penalty stiffness must be above zero, not {factor}"));
         None
+    }
+
+    /// ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT: with NODAL EROSION=NO, the default, nodes whose faces have
+    /// all eroded stay in contact as point masses, with YES they do not.
+    fn nodal_erosion(&mut self, card: &Card) {
+        let drops = match card.value("NODAL EROSION").map(|w| upper(&w.text)).as_deref() {
+            Some("YES") => true,
+            Some("NO") => false,
+            Some(other) => {
+                self.unsupported(card.span, format!("NODAL EROSION={other} is not supported"), "YES and NO are");
+                return;
+            }
+            None => return,
+        };
+        if let Some(general) = &mut self.state().general_contact {
+            general.drops_points = drops;
+        }
     }
 
     /// The two surfaces of a line: the first is all that is outside where it is left out, the second the first.

@@ -23,6 +23,7 @@ mod elements;
 mod energy_limit;
 mod eos;
 mod equations;
+mod erosion;
 mod failure;
 mod fields;
 mod general_contact;

@@ -59,6 +59,8 @@ pub struct Model {
     pub shell_sections: Vec<ShellSection>,
     /// `*SECTION CONTROLS`.
     pub controls: Vec<SectionControls>,
+    /// `*EROSION`.
+    pub erosions: Vec<Erosion>,
     /// Amplitudes in deck order.
     pub amplitudes: Vec<Amplitude>,
     /// `*TIME POINTS` in deck order.
@@ -512,6 +514,23 @@ pub enum ShellThinning {
     Ratio(f64),
 }
 
+/// `*EROSION`: limits whose passing deletes an element.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Erosion {
+    /// The card.
+    pub span: Span,
+    /// Its elements, ascending; `None` for all that deform.
+    pub elements: Option<Vec<usize>>,
+    /// Least scaled Jacobian, from 0 (folded) on and below 1.
+    pub distortion: Option<f64>,
+    /// Largest equivalent plastic strain.
+    pub plastic: Option<f64>,
+    /// Largest principal logarithmic strain.
+    pub strain: Option<f64>,
+    /// Least stable increment of an element, time.
+    pub increment: Option<f64>,
+}
+
 /// `*SECTION CONTROLS`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionControls {
@@ -704,6 +723,8 @@ pub struct GeneralContact {
     pub clearances: Vec<AssignedClearance>,
     /// Factors on penalty springs, which what they cover has; the last that covers a pair counts.
     pub penalties: Vec<([ContactDomain; 2], f64)>,
+    /// Whether nodes that no element has any more meet nothing (`NODAL EROSION=YES`).
+    pub drops_points: bool,
 }
 
 /// What gaps at the start of general contact are taken as.

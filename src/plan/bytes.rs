@@ -79,6 +79,8 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
         ("predefined fields", "values", elements.fields.as_ref().map_or(0, |f| f.bytes())),
         ("distortion control", "elements", elements.distortion.as_ref().map_or(0, |d| d.bytes())),
         ("mass scaling", "masses", elements.bytes_of_masses()),
+        ("erosion", "elements", elements.bytes_of_erosion()),
+        ("books of deletion", "elements and nodes", elements.removed.as_ref().map_or(0, |r| r.bytes())),
     ];
     for (effect, name, bytes) in named {
         let row = ledger.effects.iter().position(|row| row.effect == effect);

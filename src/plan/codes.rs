@@ -146,6 +146,11 @@ pub const CODES: &[Code] = &[
         text: "A reference node has no mass of its own; what hangs on it takes the force. Along this degree of freedom nothing does.",
     },
     Code {
+        code: "P070",
+        title: "erosion that cannot be",
+        text: "*EROSION deletes elements that come to its limits. PLASTIC STRAIN is of materials that flow, DISTORTION of solid elements, and at the start no element may be beyond a limit.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",

@@ -96,6 +96,9 @@ impl Compiler<'_> {
                 self.diagnostics.push(finding.help("one of them must belong to what deforms"));
                 continue;
             }
+            if contact.general && general.is_some_and(|g| g.drops_points) {
+                [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
+            }
             let curves = found.order(first, second);
             let spring = contact.penalty.filter(|_| contact.law.overclosure == Overclosure::Hard);
             let law = match spring {
@@ -244,6 +247,9 @@ impl Compiler<'_> {
         let mut detail = own.iter().take(6).cloned().collect::<Vec<_>>().join(" ");
         if own.len() > 6 {
             detail += " …";
+        }
+        if general.drops_points {
+            detail += ", without points of deleted elements";
         }
         self.cause(general.span, "general contact", own.len(), "pairs", detail)
     }

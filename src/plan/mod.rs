@@ -10,6 +10,7 @@ mod contact;
 mod contact_doubts;
 mod doubts;
 mod equations;
+mod erosion;
 mod fields;
 mod general_contact;
 mod heat;
@@ -222,6 +223,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     state.elements.fields = compiler.predefined_fields(&state);
     let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
     state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
+    compiler.erosion(&mut state);
     compiler.find_pairs();
     let (columns, fields) = compiler.variables(&mut state);
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();

@@ -151,7 +151,8 @@ impl Compiler<'_> {
                 }
             }
             if step.outputs.is_empty() {
-                columns.extend(self.energies().map(model_column));
+                let erodes = !model.erosions.is_empty();
+                columns.extend(self.energies().filter(|v| erodes || !is_removed(*v)).map(model_column));
                 fields.extend(there.iter().filter(|f| self.is_preselected(f)).cloned());
             }
         }
@@ -163,7 +164,27 @@ impl Compiler<'_> {
             state.elements.groups.iter_mut().for_each(|g| g.follow());
             self.followed_row(state.elements.count());
         }
+        self.books_of_deletion(&columns, state);
         (columns, fields)
+    }
+
+    /// Books of what deletion takes away, where erosion or an output asks for them.
+    fn books_of_deletion(&mut self, columns: &[Column], state: &mut State) {
+        let asked = columns.iter().any(|c| is_removed(c.part.variable));
+        if state.elements.removed.is_none() && !asked {
+            return;
+        }
+        if state.elements.removed.is_none() {
+            state.elements.count_deletions(state.dofs.nodes.len());
+        }
+        let erosion = self.model.erosions.first().map(|e| e.span);
+        let asks = |r: &&OutputRequest| r.variables.iter().any(|a| a.variables().iter().any(|v| is_removed(*v)));
+        let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks).map(|r| r.span);
+        if let Some(span) = request.or(erosion) {
+            let count = state.elements.groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
+            let detail = "mass, energy and points that deletion leaves";
+            self.cause(span, "books of deletion", count, "elements", detail.into());
+        }
     }
 
     /// The row of strains and energies that elements follow because an output asks for them.
@@ -242,8 +263,10 @@ impl Compiler<'_> {
             OutputCard::Node | OutputCard::Element | OutputCard::Integrated | OutputCard::Contact => None,
         };
         let named = asked.variables();
+        // Where materials alone delete, books are kept if they are asked for by name: elements must be followed for them.
+        let erodes = !self.model.erosions.is_empty();
         let meant = move |v: &Variable| match asked {
-            Asked::Preselect | Asked::All => Some(v.place()) == by_default,
+            Asked::Preselect | Asked::All => Some(v.place()) == by_default && (erodes || !is_removed(*v)),
             _ => named.contains(v),
         };
         self.energies().chain([Variable::TimeIncrement]).filter(meant)
@@ -381,12 +404,13 @@ impl Compiler<'_> {
     /// Energies that this scene has.
     fn energies(&self) -> impl Iterator<Item = Variable> + use<> {
         let deforms = self.deforms();
-        let conducts = self.solves_for_temperatures();
+        let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
         let springs = self.pairs.iter().flatten().any(|pair| pair.penalty.is_some());
         let is_there = move |v: &Variable| {
             let there = match v.row().preselected {
                 Preselected::Conducting => conducts,
                 Preselected::Springing => springs,
+                Preselected::Deleting => deletes,
                 _ => true,
             };
             v.place() == Place::Energy && (deforms || !v.row().deforming) && there
@@ -439,6 +463,12 @@ impl Compiler<'_> {
         let why = why_absent(asked, request);
         self.unused(request.span, asked.name(), why);
     }
+}
+
+/// Whether it is of the books of what deletion took away.
+fn is_removed(variable: Variable) -> bool {
+    let row = variable.row();
+    row.place == Place::Energy && row.preselected == Preselected::Deleting
 }
 
 /// Whether an element has a variable, or will have it once it is followed.

@@ -249,7 +249,7 @@ impl Compiler<'_> {
 
     /// Whether elements of the scene can be deleted.
     pub(super) fn deletes(&self) -> bool {
-        self.materials_present()
-            .any(|m| m.state.delete.is_some() || !m.failures.is_empty() || m.tensile_failure.is_some())
+        let fails = |m: &Material| m.state.delete.is_some() || !m.failures.is_empty() || m.tensile_failure.is_some();
+        !self.model.erosions.is_empty() || self.materials_present().any(fails)
     }
 }

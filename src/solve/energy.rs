@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use crate::element::removed::Books;
 use crate::load::Account;
 use crate::load::Slot;
 use crate::state::BodyState;
@@ -55,6 +56,9 @@ pub struct Energy {
     /// Heat taken up, likewise.
     #[serde(rename = "ALLIHE", skip_serializing_if = "Option::is_none")]
     pub internal_heat: Option<f64>,
+    /// Books of what deletion took away; `None` where they are not kept.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub removed: Option<Books>,
     /// The sum.
     #[serde(rename = "ETOTAL")]
     pub total: f64,

@@ -35,6 +35,7 @@ pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize,
 
 /// A number of the whole model; not a number where it does not have it.
 fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
+    let removed = energy.removed.unwrap_or_default();
     match variable {
         Variable::KineticEnergy => energy.kinetic,
         Variable::Work => energy.work,
@@ -50,6 +51,11 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
         Variable::DistortionEnergy => energy.distortion,
         Variable::ExternalHeat => energy.heat.unwrap_or(f64::NAN),
         Variable::InternalHeat => energy.internal_heat.unwrap_or(f64::NAN),
+        Variable::RemovedMass => removed.mass,
+        Variable::RemovedEnergy => removed.internal,
+        Variable::PointMass => removed.points,
+        Variable::PointKineticEnergy => removed.kinetic,
+        Variable::PointMomentum => removed.momentum,
         Variable::TotalEnergy => energy.total,
         Variable::TimeIncrement => increment,
         _ => f64::NAN,

@@ -362,7 +362,9 @@ impl<'a> Run<'a> {
     /// The energies now.
     pub(super) fn energy(&self) -> Energy {
         let heat = self.heat().map(Heat::energies);
-        Energy { heat: heat.map(|h| h.external), internal_heat: heat.map(|h| h.internal), ..self.balance.energy() }
+        let removed = self.elements.removed.as_ref().map(|r| r.books(&self.dofs.nodes));
+        let (external, internal) = (heat.map(|h| h.external), heat.map(|h| h.internal));
+        Energy { heat: external, internal_heat: internal, removed, ..self.balance.energy() }
     }
 
     /// Group and element that limit the increment.

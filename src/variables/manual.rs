@@ -57,6 +57,7 @@ fn components(variable: Variable) -> String {
 /// When it is shown without a request by name.
 fn by_default(variable: Variable) -> &'static str {
     match (variable.place(), variable.row().preselected, variable.row().deforming) {
+        (Place::Energy, Preselected::Deleting, _) => "where there is *EROSION",
         (Place::Facet, ..) | (Place::Energy, _, false) | (_, Preselected::Always, _) => "yes",
         (_, Preselected::Springing, _) => "where contact has penalty springs",
         (Place::Energy, _, true) | (_, Preselected::Deforming, _) => "where something deforms",

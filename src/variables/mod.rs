@@ -202,6 +202,11 @@ variables! {
     DistortionEnergy: energy("ALLDC", "Energy dissipated by distortion control").only_deforming(),
     ExternalHeat: energy("ALLHF", "Heat from outside: through fluxes, films and temperatures that are held").conducting(),
     InternalHeat: energy("ALLIHE", "Heat taken up: ALLHF and what plastic work makes").conducting(),
+    RemovedMass: energy("EROMASS", "Mass of elements that were deleted").deleting(),
+    RemovedEnergy: energy("EROIE", "Internal energy that deleted elements had taken up, part of ALLIE").deleting(),
+    PointMass: energy("EROPMASS", "Mass of nodes whose elements were all deleted, which fly on as points").deleting(),
+    PointKineticEnergy: energy("EROPKE", "Kinetic energy of those nodes, part of ALLKE").deleting(),
+    PointMomentum: energy("EROPMOM", "Momentum of those nodes along z").deleting(),
     TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK"),
     TimeIncrement: Row { place: Place::Increment, ..energy("DT", "Time increment") },
 }
@@ -270,6 +275,10 @@ impl Row {
 
     const fn conducting(self) -> Row {
         Row { preselected: Preselected::Conducting, deforming: true, ..self }
+    }
+
+    const fn deleting(self) -> Row {
+        Row { preselected: Preselected::Deleting, deforming: true, extension: true, ..self }
     }
 
     const fn springing(self) -> Row {

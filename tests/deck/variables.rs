@@ -134,6 +134,7 @@ fn material_with(variable: Variable) -> String {
     match variable {
         Variable::State => kept(),
         Variable::SpecificEnergy => gas(),
+        v if v.place() == Place::Energy && v.row().preselected == Preselected::Deleting => damaged(),
         Variable::Degradation
         | Variable::DamageInitiation
         | Variable::DuctileInitiation

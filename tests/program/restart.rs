@@ -200,6 +200,48 @@ fn controls_of_elements_and_a_target() {
     }
 }
 
+/// Elements that are deleted by more than their material: those that are gone, rates that are kept for the next decision, the books
+/// of what went, and points that meet nothing any more.
+#[test]
+fn erosion() {
+    let metal = "*Plastic\n 400., 0.\n 500., 0.1\n";
+    let shock = "*Density\n 2.785e-9,\n*Eos, type=USUP\n 5.328e6, 1.338, 2.\n*Elastic, type=SHEAR\n 2.8e4,\n*Plastic\n 300., 0.\n";
+    let shells = || {
+        let nodes: String = (0..=20).map(|i| format!(" {}, 10., {}\n", i + 1, 0.5 * f64::from(i))).collect();
+        let elements: String = (1..=20).map(|i| format!(" {i}, {i}, {}\n", i + 1)).collect();
+        format!(
+            "*Node, nset=ALL\n{nodes}*Nset, nset=UPPER, generate\n 11, 21, 1\n*Element, type=SAX1, elset=SHELL\n{elements}*Shell Section, \
+             elset=SHELL, material=M\n 0.2, 5\n*Material, name=M\n*Density\n 7.8e-9,\n*Elastic\n 200e3, 0.3\n{metal}*Erosion, plastic \
+             strain=0.3\n*Initial Conditions, type=VELOCITY\n UPPER, 2, 3e5\n*Step\n*Dynamic, Explicit\n , 12e-6\n*Output, field, \
+             number interval=7\n*Node Output\n U, V\n*Element Output\n ALL\n*Output, history, number interval=23\n*Energy \
+             Output\n ALL\n*End Step\n"
+        )
+    };
+    let shot = || {
+        let block = |name: &str, n: [usize; 2], from: f64| part(name, n, |i, j| [i as f64, from + j as f64], "");
+        block("ROD", [3, 6], 0.0)
+            + &block("PLATE", [8, 4], -4.01)
+            + &assembly(&["ROD", "PLATE"], "")
+            + &elastic("ROD", [207e3, 0.3, 7.85e-9], "*Plastic\n 1500., 0.\n")
+            + &elastic("PLATE", [69e3, 0.33, 2.71e-9], "*Plastic\n 300., 0.\n 400., 1.\n")
+            + "*Erosion, plastic strain=0.5, distortion=0.2\n*Initial Conditions, type=VELOCITY\n ROD.ALL, 2, -8e5\n*Step\n*Dynamic, \
+               Explicit\n , 8e-6\n*Contact\n*Contact Inclusions, all exterior\n*Contact Controls Assignment, nodal erosion=YES\n*Output, \
+               field, number interval=7\n*Node Output\n U, V\n*Element Output\n STATUS, PEEQ\n*Output, history, number \
+               interval=23\n*Energy Output\n ALL\n*End Step\n"
+    };
+    for (name, deck) in [
+        ("plastic", bar(4, &(steel(metal) + "*Erosion, plastic strain=0.05, increment=1e-10\n"), 2e5, 5e-6, "")),
+        ("rates of a state", bar(4, &(bare(shock) + "*Erosion, increment=6.5e-8\n"), 2e5, 5e-6, "")),
+        ("shells", shells()),
+        ("a rod through a plate", shot()),
+    ] {
+        let outcome = goes_on(name, &deck, Routines::none);
+        let removed = outcome.energy.removed.expect("books");
+        println!("{name}: {removed:?}");
+        assert!(outcome.halt.is_none() && removed.mass > 0.0, "{name}: {outcome:?}");
+    }
+}
+
 /// Stresses of assumed strains, and the yield stress that each element knows of, are kept: HOURGLASS=ENHANCED on what flows, is
 /// damaged and goes, and is rubber.
 #[test]

@@ -18,6 +18,7 @@ mod contact_hertz;
 mod contact_scenes;
 mod element_output;
 mod erosion;
+mod erosion_criteria;
 mod fidelity;
 mod hourglass;
 mod large_motion;

@@ -56,8 +56,9 @@ pub struct Curve {
     pub bare: Vec<u32>,
     /// Indices among the own points of those that bare facets have, in the same order, and of those that no element has any more.
     pub bare_own: Vec<u32>,
-    /// See there.
+    /// See there; none where they meet nothing any more.
     pub orphans: Vec<u32>,
+    drops_orphans: bool,
     /// Indices among the own points of tips: where the curve ends in a point on the axis.
     tips: Vec<u32>,
     /// Shapes at the start of the increment, of facets that lie bare.
@@ -131,6 +132,7 @@ impl Curve {
             bare_own: Vec::with_capacity(own.len()),
             orphans: Vec::with_capacity(if bare < count { own.len() } else { 0 }),
             tips: Vec::new(),
+            drops_orphans: false,
             own,
             around,
             shapes: vec![Shape::default(); count],
@@ -176,6 +178,11 @@ impl Curve {
         self.orphans.iter().chain(self.tips.iter().filter(there)).copied()
     }
 
+    /// Lets points that no element has any more meet nothing.
+    pub fn drop_orphans(&mut self) {
+        self.drops_orphans = true;
+    }
+
     /// The same of shells, whose surface lies in front of the facets.
     pub fn lifted(mut self, lift: Vec<f64>) -> Curve {
         self.lift = lift;
@@ -189,14 +196,14 @@ impl Curve {
 
     /// Lists what lies bare.
     pub fn list(&mut self) {
-        let Curve { there, behind, own, around, bare, bare_own, orphans, .. } = self;
+        let Curve { there, behind, own, around, bare, bare_own, orphans, drops_orphans, .. } = self;
         bare.clear();
         bare.extend((0..there.len() as u32).filter(|k| there[*k as usize]));
         bare_own.clear();
         bare_own.extend((0..own.len() as u32).filter(|i| around[*i as usize].iter().any(|f| there[f.0 as usize])));
         orphans.clear();
         let left = |i: &u32| around[*i as usize].iter().all(|f| !behind[f.0 as usize]);
-        if behind.contains(&false) {
+        if !*drops_orphans && behind.contains(&false) {
             orphans.extend((0..own.len() as u32).filter(left));
         }
     }

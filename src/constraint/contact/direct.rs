@@ -180,8 +180,10 @@ impl Rows {
                     let rate = motion.rate(own);
                     let closes = match law.overclosure {
                         Overclosure::Hard => rate + row.bias < -allowed * row.area,
-                        _ => closed_overlap(row, &law.overclosure, rate, span)
-                            > allowed * span.ahead - law.overclosure.begins(),
+                        _ => {
+                            closed_overlap(row, &law.overclosure, rate, span)
+                                > allowed * span.ahead - law.overclosure.begins()
+                        }
                     };
                     if closes { begins(row, law, rate, motion.slip(own)) } else { Status::Open }
                 }

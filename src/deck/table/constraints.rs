@@ -181,11 +181,12 @@ pub const CARDS: &[Keyword] = &[
         "TANGENT FRACTION" refused "of implicit analyses",
         "UERRMX" refused "of implicit analyses",
     }, []),
-    row!("CONTACT CONTROLS ASSIGNMENT", "Penalty springs in general contact; the last that covers two surfaces counts", (), {
+    row!("CONTACT CONTROLS ASSIGNMENT", "Controls of general contact; the last that covers two surfaces counts", (), {
+        "NODAL EROSION" read "NO (default): nodes whose elements were all deleted go on to meet others as points; YES: they meet nothing",
         "TYPE" only ["SCALE PENALTY"] "what meets needs no other controls: every facet is looked at in every increment",
         "AUTOMATIC OVERCLOSURE RESOLUTION" refused "overlaps at the start stay: *CONTACT INITIALIZATION DATA takes them off",
         "CONTACT THICKNESS REDUCTION" refused "shells keep their thickness in contact",
-        "NODAL EROSION" only ["NO"] "nodes that no element has stay in contact",
+        "BEAM CROSS SECTION" refused "there are no beams",
         "ROTATIONAL TERMS" only ["NONE"] "friction of shells acts in their middle surface",
     }, [(rows ["first surface" read "All that is outside where it is left out", "second surface" read "The first where it is left out",
         "factor on the penalty stiffness" read "What it covers has penalty springs in place of surfaces that do not give way"])]),

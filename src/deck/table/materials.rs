@@ -263,6 +263,13 @@ pub const CARDS: &[Keyword] = &[
         "THICKNESS MODULUS" refused "of continuum shells",
         "SECTION NAME" inert "written by CAE; no meaning",
     }, [(lines ["thickness", "points" read "Of Simpson's rule through the thickness: odd, from 3 on; 5 without it"])]),
+    row!(extension "EROSION", "Deletes elements that come to one of its limits, whatever their material", (), {
+        "ELSET" read "Elements; all that deform if absent",
+        "DISTORTION" read "Least sine of the angles at the corners over that of a square, of a triangle over the equilateral one (scaled Jacobian); 0 where the element is folded, 0.01 without a value",
+        "PLASTIC STRAIN" read "Equivalent plastic strain; of shells in the middle",
+        "PRINCIPAL STRAIN" read "Largest principal logarithmic strain, in the plane or along the hoop",
+        "INCREMENT" read "Stable increment of the element, time",
+    }, []),
     row!("SECTION CONTROLS", "Hourglass, distortion and viscosity controls of elements", (unique "NAME"), {
         "NAME" read "Name of the controls",
         "HOURGLASS" read "RELAX STIFFNESS (default: a spring whose force returns with the stress where the material flows), STIFFNESS, VISCOUS (default without shear modulus), COMBINED or ENHANCED (default of *HYPERELASTIC: assumed strains by direction)",

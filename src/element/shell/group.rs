@@ -34,6 +34,8 @@ pub struct Shells {
     flow: Vec<Flow>,
     /// What outputs ask for; `None` without.
     record: Option<Box<Record>>,
+    /// Elements that were deleted; empty where none can be.
+    gone: Vec<bool>,
 }
 
 /// What an element keeps beside its points.
@@ -89,12 +91,18 @@ impl Shells {
             section: Arc::new(section),
             ends,
             record: None,
+            gone: Vec::new(),
         }
     }
 
     /// The frame of an element now.
     fn frame(&self, element: usize, nodes: &[Node]) -> Frame {
         frame(&self.ends[element], nodes)
+    }
+
+    /// Whether an element was deleted.
+    fn is_gone(&self, element: usize) -> bool {
+        self.gone.get(element) == Some(&true)
     }
 
     /// Index of a point of an element.
@@ -210,6 +218,9 @@ impl ElementGroup for Shells {
     fn update(&mut self, mut pass: Pass<'_>) -> Totals {
         let mut totals = Totals::default();
         for element in 0..self.ends.len() {
+            if self.is_gone(element) {
+                continue;
+            }
             let ([internal, plastic, viscous], rate) = self.advance(element, &mut pass);
             totals.internal += internal;
             totals.plastic += plastic;
@@ -248,7 +259,7 @@ impl ElementGroup for Shells {
             Variable::ElementStrainEnergy => followed().map(|f| f.work[0] - f.work[1]),
             Variable::ElementPlasticEnergy => Some(followed()?.work[1]),
             Variable::Mass => Some(self.masses[element][0] + self.masses[element][1]),
-            Variable::Status => Some(1.0),
+            Variable::Status => Some(if self.is_gone(element) { 0.0 } else { 1.0 }),
             _ => None,
         }
     }
@@ -281,7 +292,18 @@ impl ElementGroup for Shells {
     }
 
     fn can_delete(&self) -> bool {
-        false
+        !self.gone.is_empty()
+    }
+
+    fn make_erodible(&mut self) {
+        self.gone = vec![false; self.ends.len()];
+    }
+
+    /// A deleted shell shows no stress.
+    fn erode(&mut self, element: usize, _volume: f64) {
+        self.gone[element] = true;
+        self.state[element].shear = 0.0;
+        self.set(element, Some([0.0; 4]), None);
     }
 
     fn deleted(&mut self, _gone: &mut Vec<[u32; 4]>) {}
@@ -308,7 +330,7 @@ impl ElementGroup for Shells {
         let section = size_of_val(&*self.section) + size_of_val(&*self.section.points);
         let elements = size_of_val(&*self.ends) + size_of_val(&*self.masses) + size_of_val(&*self.state);
         let record = self.record.as_ref().map_or(0, |r| size_of_val(&**r) + r.bytes());
-        section + elements + size_of_val(&*self.stress) + size_of_val(&*self.flow) + record
+        section + elements + size_of_val(&*self.stress) + size_of_val(&*self.flow) + record + self.gone.capacity()
     }
 
     fn copy(&self) -> Box<dyn ElementGroup> {
@@ -325,7 +347,8 @@ impl Persist for Shell {
 
 impl Persist for Shells {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shells { section: _, ends: _, masses, state, stress, flow, record } = self;
+        let Shells { section: _, ends: _, masses, state, stress, flow, record, gone } = self;
+        gone.as_mut_slice().persist(archive);
         persist_fields!(archive; masses.as_mut_slice(), state.as_mut_slice(), stress.as_mut_slice(), flow.as_mut_slice());
         if let Some(record) = record {
             record.persist(archive);

@@ -49,6 +49,13 @@ pub(super) const LIST: &[Ablation] = &[
         way: one_way,
     },
     Ablation {
+        name: "erosion",
+        instead: "no *EROSION",
+        ways: |model| usize::from(!model.erosions.is_empty() && super::super::settings::deforms(model)),
+        edit: |model, _| model.erosions.clear(),
+        way: one_way,
+    },
+    Ablation {
         name: "plasticity",
         instead: "elastic, without failure",
         ways: |model| usize::from(any(model, |m| m.plastic.is_some())),

@@ -1,0 +1,173 @@
+//! Erosion beyond what materials say (`*EROSION`): elements that are folded, strained or too short of an increment are deleted.
+//! It is decided in front of a pass over the elements, on what the pass before left and on where nodes are now, for all elements
+//! before any is deleted: the same set whatever threads take part, and a folded element is gone before its forces are asked for.
+//! Never here: what a deck may ask, failure of materials, what becomes of faces and nodes.
+
+use rayon::prelude::*;
+
+use super::elements::Elements;
+use super::group::{ElementGroup, PARALLEL, TASK};
+use crate::kernel::corners::{largest_shell_strain, largest_strain, scaled_jacobian};
+use crate::kernel::lanes::LANES;
+use crate::kernel::quad;
+use crate::state::archive::{Archive, Persist};
+use crate::state::dofs::Dofs;
+use crate::state::nodes::Nodes;
+use crate::variables::Variable;
+
+/// When an element is deleted: any of these is enough.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Criteria {
+    /// Its scaled Jacobian is no more than this.
+    pub distortion: Option<f64>,
+    /// Its equivalent plastic strain is no less than this; of shells that in the middle.
+    pub plastic: Option<f64>,
+    /// Its largest principal logarithmic strain is no less than this.
+    pub strain: Option<f64>,
+    /// Its own stable increment is no more than this.
+    pub increment: Option<f64>,
+}
+
+impl Criteria {
+    /// Whether an element of a group has come to one of them. Not a number is no reason to delete: it must be found.
+    pub fn are_met(&self, group: &dyn ElementGroup, element: usize, nodes: &Nodes) -> bool {
+        let corners = group.corners(element).map(|n| n as usize);
+        let places = || corners.map(|n| nodes[n].place());
+        let start = || corners.map(|n| nodes.start[n]);
+        let is_solid = group.is_solid();
+        let strain = || match (is_solid, places(), start()) {
+            (true, now, then) => largest_strain(now, then),
+            (false, [a, b, ..], [c, d, ..]) => largest_shell_strain([a, b], [c, d]),
+        };
+        let plastic = || group.value(element, Variable::PlasticStrain.into());
+        // Shells have no corners that could fold.
+        self.distortion.is_some_and(|least| is_solid && scaled_jacobian(places()) <= least)
+            || self.plastic.is_some_and(|most| plastic().is_some_and(|p| p >= most))
+            || self.strain.is_some_and(|most| strain() >= most)
+            || self.increment.is_some_and(|least| group.bound(element, nodes.as_slice()) * least >= 1.0)
+    }
+}
+
+/// Elements under criteria.
+#[derive(Clone, Debug)]
+struct Watched {
+    criteria: Criteria,
+    /// Group and element of the group.
+    elements: Vec<(usize, usize)>,
+    /// Whether each has come to them; of those that are gone, too.
+    due: Vec<bool>,
+}
+
+impl Watched {
+    /// Decides for all elements.
+    fn judge(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, threads: bool) {
+        let criteria = self.criteria;
+        let judge = |(elements, due): (&[(usize, usize)], &mut [bool])| {
+            for (&(group, element), due) in elements.iter().zip(due) {
+                let group = &*groups[group];
+                // What is at rest since the start has come to nothing.
+                if !*due && !group.is_quiescent(element / (TASK * LANES)) {
+                    *due = criteria.are_met(group, element, nodes);
+                }
+            }
+        };
+        let Watched { elements, due, .. } = self;
+        if threads && elements.len() >= PARALLEL {
+            let tasks = elements.par_chunks(TASK * LANES).zip(due.par_chunks_mut(TASK * LANES));
+            tasks.for_each(judge);
+        } else {
+            judge((elements, due));
+        }
+    }
+}
+
+/// All elements under criteria.
+#[derive(Clone, Debug, Default)]
+pub struct Erosion {
+    list: Vec<Watched>,
+}
+
+impl Erosion {
+    /// Puts elements, by group and element of the group, under criteria.
+    pub fn watch(&mut self, criteria: Criteria, elements: Vec<(usize, usize)>) {
+        self.list.push(Watched { criteria, due: vec![false; elements.len()], elements });
+    }
+
+    /// Groups that have elements under criteria.
+    pub fn groups(&self) -> Vec<usize> {
+        let mut groups: Vec<usize> = self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        groups
+    }
+
+    /// Bytes of the lists.
+    pub fn bytes(&self) -> usize {
+        let each = |w: &Watched| size_of_val(w) + size_of_val(&*w.elements) + w.due.capacity();
+        self.list.iter().map(each).sum()
+    }
+}
+
+impl Elements {
+    /// Puts elements under criteria, of nodes at the start.
+    pub fn watch(&mut self, erosion: Erosion, nodes: &Nodes) {
+        for group in erosion.groups() {
+            self.groups[group].make_erodible();
+        }
+        self.erosion = Some(Box::new(erosion));
+        self.make_room_for_deletions();
+        self.count_deletions(nodes.len());
+    }
+
+    /// Deletes the elements that have come to their criteria, at the end of an increment whose strains are still to come.
+    pub(super) fn erode(&mut self, dofs: &mut Dofs, threads: bool) {
+        if dofs.nodes.behind == 0.0 {
+            return;
+        }
+        let Some(mut erosion) = self.erosion.take() else { return };
+        for watched in &mut erosion.list {
+            watched.judge(&self.groups, &dofs.nodes, threads);
+        }
+        for watched in &erosion.list {
+            for (&(group, element), _) in watched.elements.iter().zip(&watched.due).filter(|e| *e.1) {
+                if !self.groups[group].is_deleted(element) {
+                    self.delete(group, element, dofs);
+                }
+            }
+        }
+        self.erosion = Some(erosion);
+    }
+
+    /// Deletes an element: its forces have acted over the first half of the increment behind and not over the second, which is the
+    /// work that it still takes up. What it had stored counts as dissipated.
+    fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
+        let corners = self.groups[group].corners(element);
+        let nodes = &dofs.nodes;
+        let mut work = 0.0;
+        for (corner, &n) in corners.iter().enumerate() {
+            let ([f_r, f_z], node) = (self.corner_force(group, element, corner), nodes[n as usize]);
+            work -= 0.5 * nodes.behind * (f_r * node.v_r + f_z * node.v_z);
+        }
+        let start = corners.map(|n| nodes.start[n as usize]);
+        let stored = self.groups[group].value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0);
+        dofs.energies.internal += work;
+        dofs.energies.plastic += work + stored;
+        self.clear_corners(group, element);
+        let solid = self.groups[group].is_solid();
+        self.groups[group].erode(element, if solid { quad::volume(start) } else { 0.0 });
+        // Shells are met from both sides.
+        let [a, b, ..] = corners;
+        self.gone.0.push(if solid { corners } else { [a, b, a, b] });
+        if let Some(removed) = &mut self.removed {
+            removed.add(work);
+        }
+    }
+}
+
+impl Persist for Erosion {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        for Watched { criteria: _, elements: _, due } in &mut self.list {
+            due.as_mut_slice().persist(archive);
+        }
+    }
+}

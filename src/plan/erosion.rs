@@ -1,0 +1,76 @@
+//! Erosion of the plan: which elements of the solver a card means, and what of it they cannot have.
+//! Never here: when an element is deleted.
+
+use super::{Compiler, State};
+use crate::deck::Diagnostic;
+use crate::element::erosion::{Criteria, Erosion};
+use crate::model::Erosion as Card;
+use crate::state::nodes::Nodes;
+use crate::variables::Variable;
+
+impl Compiler<'_> {
+    /// Puts elements under the criteria of `*EROSION`; nothing without the card.
+    pub(super) fn erosion(&mut self, state: &mut State) {
+        let mut erosion = Erosion::default();
+        for card in &self.model.erosions {
+            let Some(elements) = self.eroding_elements(card, state) else { continue };
+            let Card { distortion, plastic, strain, increment, .. } = *card;
+            let criteria = Criteria { distortion, plastic, strain, increment };
+            self.check_start(card, &criteria, &elements, state);
+            self.cause(card.span, "erosion", elements.len(), "elements", detail(card));
+            erosion.watch(criteria, elements);
+        }
+        if !erosion.groups().is_empty() {
+            state.elements.watch(erosion, &state.dofs.nodes);
+        }
+    }
+
+    fn eroding_elements(&mut self, card: &Card, state: &State) -> Option<Vec<(usize, usize)>> {
+        let places = &self.places.elements;
+        let elements: Vec<(usize, usize)> = match &card.elements {
+            None => places.values().copied().collect(),
+            Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
+        };
+        if elements.is_empty() {
+            self.unused(card.span, "erosion", "none of its elements deforms");
+            return None;
+        }
+        let groups = &state.elements.groups;
+        let flows = |&(g, e): &(usize, usize)| groups[g].value(e, Variable::PlasticStrain.into()).is_some();
+        let refusal = if card.plastic.is_some() && !elements.iter().any(flows) {
+            Some(("PLASTIC STRAIN where no element has one", "give PRINCIPAL STRAIN, which all elements have"))
+        } else if card.distortion.is_some() && !elements.iter().any(|(g, _)| groups[*g].is_solid()) {
+            Some(("DISTORTION of shells, which have no corners that could fold", "give it for solid elements"))
+        } else {
+            None
+        };
+        if let Some((message, help)) = refusal {
+            self.diagnostics.push(Diagnostic::error("P070", message).at(card.span, "this card").help(help));
+            return None;
+        }
+        Some(elements)
+    }
+
+    /// An element that has come to a criterion before anything moves is a slip of the deck.
+    fn check_start(&mut self, card: &Card, criteria: &Criteria, elements: &[(usize, usize)], state: &State) {
+        let nodes: &Nodes = &state.dofs.nodes;
+        let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
+        let Some(&place) = elements.iter().find(at_start) else { return };
+        let found = self.places.elements.iter().find(|e| *e.1 == place);
+        let name = found.map_or("", |(&e, _)| &self.model.mesh.elements[e].name);
+        let message = format!("element {name} has come to a criterion of this card at the start");
+        let finding = Diagnostic::error("P070", message).at(card.span, "this card");
+        self.diagnostics.push(finding.help("give a limit that the mesh keeps, or an ELSET without this element"));
+    }
+}
+
+fn detail(card: &Card) -> String {
+    let Card { distortion, plastic, strain, increment, .. } = card;
+    let limits = [
+        distortion.map(|d| format!("scaled Jacobian down to {d}")),
+        plastic.map(|p| format!("plastic strain up to {p}")),
+        strain.map(|s| format!("principal strain up to {s}")),
+        increment.map(|dt| format!("stable increment down to {dt}")),
+    ];
+    limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
