@@ -5,8 +5,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod contact_cost;
 mod elastic_cost;
 mod increment_cost;
+mod law_cost;
 mod overhead;
 mod plain_solid;
 mod solid_cost;
@@ -18,6 +20,8 @@ const BENCHES: &[(&str, fn())] = &[
     ("solid_cost", solid_cost::run),
     ("elastic_cost", elastic_cost::run),
     ("user_cost", user_cost::run),
+    ("law_cost", law_cost::run),
+    ("contact_cost", contact_cost::run),
     ("overhead", overhead::run),
 ];
 

@@ -261,7 +261,7 @@ impl Rows {
         if self.direct.unknowns.is_empty() {
             return true;
         }
-        if !self.assemble(motion, laws, span) || !self.direct.eliminate() {
+        if !self.assemble(motion, laws, span) || !self.direct.eliminate(1 + self.bodies.len()) {
             return false;
         }
         if !self.bodies.is_empty() {
@@ -416,8 +416,8 @@ fn asked(row: &Row, law: &Overclosure, rate: f64, span: Span) -> (f64, f64) {
 }
 
 impl Direct {
-    /// Elimination within the band, from all columns. Returns whether all rows were independent.
-    fn eliminate(&mut self) -> bool {
+    /// Elimination within the band, from the columns in use. Returns whether all rows were independent.
+    fn eliminate(&mut self, used: usize) -> bool {
         let (count, half) = (self.unknowns.len(), self.half_width);
         let width = 2 * half + 1;
         for p in 0..count {
@@ -438,7 +438,7 @@ impl Direct {
                 for (entry, pivots) in below[begin + 1..begin + 1 + from.len()].iter_mut().zip(from) {
                     *entry -= factor * pivots;
                 }
-                for (entry, pivots) in rest[i - p - 1].iter_mut().zip(&solved[p]) {
+                for (entry, pivots) in rest[i - p - 1][..used].iter_mut().zip(&solved[p]) {
                     *entry -= factor * pivots;
                 }
             }
@@ -449,12 +449,12 @@ impl Direct {
             let column = &mut this[p];
             for (j, known) in later[..last - p].iter().enumerate() {
                 let entry = self.band[p * width + half + 1 + j];
-                for (c, k) in column.iter_mut().zip(known) {
+                for (c, k) in column[..used].iter_mut().zip(known) {
                     *c -= entry * k;
                 }
             }
             let pivot = self.band[p * width + half];
-            column.iter_mut().for_each(|c| *c /= pivot);
+            column[..used].iter_mut().for_each(|c| *c /= pivot);
         }
         true
     }

@@ -1,0 +1,89 @@
+//! Goal: what a law costs, beside von Mises plasticity with straight hardening and beside a plain scalar loop of that.
+//! Scene: the copper Taylor bar of 2 000 elements, from the impact to the end of its flow, one thread.
+
+use revolve::job;
+use revolve::user::Routines;
+
+use super::plain_solid::Bar;
+use crate::common;
+
+const ROUNDS: usize = 3;
+const JOHNSON_COOK: &str = "*Plastic, hardening=JOHNSON COOK\n 90.e6, 292.e6, 0.31, 1.09, 1083., 20.\n";
+const RATE: &str = "*Rate Dependent, type=JOHNSON COOK\n 0.025, 1.\n";
+const HEAT: &str = "*Specific Heat\n 383.,\n*Inelastic Heat Fraction\n 0.9,\n";
+const ROWS: &str = "*Plastic\n 400.e6, 0.\n 500.e6, 1.\n 900.e6, 5.\n";
+
+/// Nanoseconds an element and increment under a law, the best of some runs.
+fn cost(law: &str) -> f64 {
+    let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
+    let begin = text.find("*Plastic").expect("a law");
+    let end = begin + 1 + text[begin + 1..].find('*').expect("a card behind");
+    let (before, behind) = (&text[..begin], &text[end..]);
+    let mut text = format!("{before}{law}{behind}");
+    if law.contains("*Specific Heat") {
+        text = text.replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
+        text = text.replacen("*Step", "*Initial Conditions, type=TEMPERATURE\n BAR, 20.\n*Step", 1);
+    }
+    let text = text.split("*Output, field").next().expect("text").to_owned()
+        + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";
+    let settings = [("nr", "20"), ("nz", "100")].map(|(n, v)| (n.to_owned(), v.to_owned()));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    pool.install(|| {
+        let once = || {
+            let prepared = job::prepare_text("taylor.inp", &text, &settings, &Routines::none());
+            assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
+            let (outcome, _) = job::run_in_memory(&prepared);
+            assert!(outcome.halt.is_none(), "{law}: {:?}", outcome.halt);
+            outcome.seconds * 1e9 / (outcome.increments as f64 * 2000.0)
+        };
+        (0..ROUNDS).map(|_| once()).fold(f64::INFINITY, f64::min)
+    })
+}
+
+/// The same of the plain loop.
+fn plain() -> f64 {
+    let once = || {
+        let mut bar = Bar::new(20, 100);
+        let begin = std::time::Instant::now();
+        bar.run(2000, std::hint::black_box(1e-9));
+        begin.elapsed().as_secs_f64() * 1e9 / (2000.0 * 2000.0)
+    };
+    (0..ROUNDS).map(|_| once()).fold(f64::INFINITY, f64::min)
+}
+
+pub fn run() {
+    let laws = [
+        ("straight hardening", ROWS.to_owned()),
+        ("elastic", String::new()),
+        ("kinematic", "*Plastic, hardening=KINEMATIC\n 400.e6, 0.\n 500.e6, 1.\n".to_owned()),
+        ("table of 3 rows whose slope grows", "*Plastic\n 400.e6, 0.\n 410.e6, 0.1\n 500.e6, 1.\n".to_owned()),
+        ("tables at 2 temperatures, heat", format!("{}{HEAT}", tables())),
+        ("Johnson-Cook", JOHNSON_COOK.to_owned()),
+        ("Johnson-Cook, rate", format!("{JOHNSON_COOK}{RATE}")),
+        ("Johnson-Cook, rate, heat", format!("{JOHNSON_COOK}{RATE}{HEAT}")),
+        ("Cowper-Symonds", format!("{ROWS}*Rate Dependent\n 1.e5, 4.\n")),
+        ("ratios over rate", format!("{ROWS}*Rate Dependent, type=YIELD RATIO\n 1., 0.\n 1.2, 1.e3\n 1.5, 1.e6\n")),
+        ("Johnson-Cook, rate, heat, failure", format!("{JOHNSON_COOK}{RATE}{HEAT}{}", failure())),
+    ];
+    let (mut straight, loops) = (f64::NAN, plain());
+    println!(
+        "nanoseconds an element and increment, best of {ROUNDS} (over straight hardening; over the plain loop, {loops:.1})"
+    );
+    for (name, law) in laws {
+        let cost = cost(&law);
+        if straight.is_nan() {
+            straight = cost;
+        }
+        println!("{name}: {cost:.1} ({:.2}; {:.2})", cost / straight, cost / loops);
+    }
+}
+
+fn tables() -> String {
+    let at = |factor: f64, t: f64| format!(" {}, 0., {t}\n {}, 1., {t}\n", 400e6 * factor, 500e6 * factor);
+    format!("*Plastic\n{}{}", at(1.0, 20.0), at(0.5, 500.0))
+}
+
+/// Johnson and Cook's failure strain of copper, with strains that are never met.
+fn failure() -> &'static str {
+    "*Shear Failure, type=JOHNSON COOK\n 5.4, 48.9, -3.03, 0.014, 1.12\n"
+}
