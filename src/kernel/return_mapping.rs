@@ -1,7 +1,7 @@
 //! The return to the yield surface of eight elements at once, for every flow stress over plastic strain, rate and temperature.
 //! Never here: stress tensors, one element at a time.
 //!
-//! Newton's method, where the yield stress is steeper than 3 G in the logarithm of the plastic strain increment: there
+//! Halley's method in the plastic strain increment; where the yield stress is steeper than 3 G, Newton's in its logarithm: there
 //! trial - 3 G dp - yield stress is concave for the laws of Johnson and Cook and of Cowper and Symonds, and from above the root
 //! every step stays above it, also at the onset of flow, where slopes over dp itself have no bound. Each lane goes its own way until its residual is
 //! met, whatever the lanes beside it do; one that has not met it after some rounds takes the bracketed secants of
@@ -31,16 +31,18 @@ pub struct Trial<'a> {
     pub dt: f64,
 }
 
-/// A value and its slope.
-type Sloped = (Lanes, Lanes);
+/// A value, its slope, and how that changes.
+type Curved = [Lanes; 3];
 
 const ZERO: Lanes = [0.0; LANES];
-/// Rounds of Newton's method at most.
+/// Rounds at most.
 const ROUNDS: usize = 8;
 /// Residual that is enough, a part of the trial stress.
 const ENOUGH: f64 = 1e-11;
-/// Step that is the last, a part of the plastic strain increment: what it leaves goes with its square.
-const SHORT: f64 = 1e-7;
+/// Steps that are the last, a part of the plastic strain increment: what they leave goes with the square of Newton's, the cube of
+/// Halley's, which lines do not need. Where a rate passes the reference rate of Johnson and Cook in such a step, a part c of the step
+/// is left.
+const SHORT: [f64; 2] = [1e-7, 2e-4];
 /// The least part of the plastic strain increment that a round leaves.
 const LEAST: f64 = 0.02;
 
@@ -73,22 +75,24 @@ pub fn plastic_increments(law: &FlowStress, trial: Trial<'_>, count: usize) -> L
             tried[l] = strain[l] + increment[l];
             rates[l] = increment[l] * per_dt;
         }
-        let (yields, slope) = law.lanes(&tried, &rates, temperature, &softening, per_dt);
+        let [yields, slope, bend] = law.lanes(&tried, &rates, temperature, &softening, per_dt);
         let mut left = false;
         for l in 0..LANES {
             let residual = stress[l] - shear3 * increment[l] - yields[l];
             let enough = residual.abs() <= ENOUGH * stress[l];
             open[l] &= !enough;
-            // From above and where the yield stress is the steeper part in the logarithm, where 1/(1 - x) is not below exp(x);
-            // else in the increment itself.
-            let step = residual / (shear3 + slope[l]);
-            let dp = increment[l];
+            let (dp, per) = (increment[l], shear3 + slope[l]);
+            let newton = residual / per;
+            let bends = 2.0 * per * per + residual * bend[l];
+            let halley = 2.0 * residual * per / (if bends > per * per { bends } else { per * per });
+            // From above, where 1/(1 - x) is not below exp(x).
             let steep = residual < 0.0 && slope[l] > shear3;
-            let next = if steep { dp * dp / (dp - step) } else { dp + step };
+            let next = if steep { dp * dp / (dp - newton) } else { dp + halley };
             let next = if next > LEAST * dp { next } else { LEAST * dp };
             let next = if next < highest[l] { next } else { highest[l] };
             increment[l] = if open[l] { next } else { dp };
-            open[l] &= step.abs() > SHORT * dp;
+            let short = if slope[l] > shear3 || bend[l] == 0.0 { SHORT[0] } else { SHORT[1] };
+            open[l] &= newton.abs() > short * dp;
             left |= open[l];
         }
         if !left {
@@ -114,34 +118,36 @@ impl FlowStress {
     /// The yield stress where nothing flows yet.
     #[inline(always)]
     fn at_rest(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Lanes {
-        let (mut value, _) = self.static_yield(strain, temperature, softening);
+        let [mut value, ..] = self.static_yield(strain, temperature, softening);
         if let Some(RateFactor::Ratio(tables)) = &self.factor {
-            let (ratio, _) = tables.lanes(&ZERO, temperature);
+            let [ratio, ..] = tables.lanes(&ZERO, temperature);
             (0..LANES).for_each(|l| value[l] *= ratio[l]);
         }
         value
     }
 
     #[inline(always)]
-    fn static_yield(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Sloped {
+    fn static_yield(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Curved {
         match &self.base {
             StaticYield::JohnsonCook(law) => law.lanes(strain, softening),
             StaticYield::Tables(tables) => tables.lanes(strain, temperature),
         }
     }
 
-    /// The yield stress at plastic strains and their rates, which grow by `per_dt` a unit of strain, and its slope over the strain.
+    /// The yield stress at plastic strains and their rates, which grow by `per_dt` a unit of strain, over the strain.
     #[inline(always)]
-    fn lanes(&self, strain: &Lanes, rate: &Lanes, temperature: &Lanes, softening: &Lanes, per_dt: f64) -> Sloped {
-        let (mut value, mut slope) = self.static_yield(strain, temperature, softening);
+    fn lanes(&self, strain: &Lanes, rate: &Lanes, temperature: &Lanes, softening: &Lanes, per_dt: f64) -> Curved {
+        let [mut value, mut slope, mut bend] = self.static_yield(strain, temperature, softening);
         if let Some(factor) = &self.factor {
-            let (times, grows) = factor.lanes(rate, temperature);
+            let [times, grows, bends] = factor.lanes(rate, temperature);
             for l in 0..LANES {
-                slope[l] = slope[l] * times[l] + value[l] * (grows[l] * per_dt);
+                let (grows, bends) = (grows[l] * per_dt, bends[l] * per_dt * per_dt);
+                bend[l] = bend[l] * times[l] + 2.0 * slope[l] * grows + value[l] * bends;
+                slope[l] = slope[l] * times[l] + value[l] * grows;
                 value[l] *= times[l];
             }
         }
-        (value, slope)
+        [value, slope, bend]
     }
 }
 
@@ -167,23 +173,25 @@ impl JohnsonCook {
     }
 
     #[inline(always)]
-    fn lanes(&self, strain: &Lanes, softening: &Lanes) -> Sloped {
+    fn lanes(&self, strain: &Lanes, softening: &Lanes) -> Curved {
         let power = power(strain, &[self.n; LANES]);
-        let (mut value, mut slope) = (ZERO, ZERO);
+        let [mut value, mut slope, mut bend] = [ZERO; 3];
         for l in 0..LANES {
             let hardened = self.b * power[l];
+            let per = if strain[l] > 0.0 { 1.0 / strain[l] } else { 0.0 };
             value[l] = (self.a + hardened) * softening[l];
-            slope[l] = if strain[l] > 0.0 { self.n * hardened / strain[l] * softening[l] } else { 0.0 };
+            slope[l] = self.n * hardened * per * softening[l];
+            bend[l] = (self.n - 1.0) * slope[l] * per;
         }
-        (value, slope)
+        [value, slope, bend]
     }
 }
 
 impl RateFactor {
-    /// The factor and its slope over the rate.
+    /// The factor over the rate.
     #[inline(always)]
-    fn lanes(&self, rate: &Lanes, temperature: &Lanes) -> Sloped {
-        let (mut value, mut slope) = ([1.0; LANES], ZERO);
+    fn lanes(&self, rate: &Lanes, temperature: &Lanes) -> Curved {
+        let [mut value, mut slope, mut bend] = [[1.0; LANES], ZERO, ZERO];
         match self {
             RateFactor::JohnsonCook { c, reference } => {
                 let mut ratio = ZERO;
@@ -194,11 +202,13 @@ impl RateFactor {
                 let log = ln(&ratio);
                 for l in 0..LANES {
                     value[l] = 1.0 + c * log[l];
-                    slope[l] = if ratio[l] > 1.0 { c / rate[l] } else { 0.0 };
+                    let per = if ratio[l] > 1.0 { 1.0 / rate[l] } else { 0.0 };
+                    slope[l] = c * per;
+                    bend[l] = -slope[l] * per;
                 }
             }
             RateFactor::PowerLaw { d, n } => {
-                let ((d, _), (n, _)) = (d.lanes(temperature), n.lanes(temperature));
+                let ([d, ..], [n, ..]) = (d.lanes(temperature), n.lanes(temperature));
                 let (mut ratio, mut inverse) = (ZERO, ZERO);
                 for l in 0..LANES {
                     ratio[l] = rate[l] / d[l];
@@ -207,24 +217,26 @@ impl RateFactor {
                 let power = power(&ratio, &inverse);
                 for l in 0..LANES {
                     value[l] = 1.0 + power[l];
-                    slope[l] = if rate[l] > 0.0 { inverse[l] * power[l] / rate[l] } else { 0.0 };
+                    let per = if rate[l] > 0.0 { 1.0 / rate[l] } else { 0.0 };
+                    slope[l] = inverse[l] * power[l] * per;
+                    bend[l] = (inverse[l] - 1.0) * slope[l] * per;
                 }
             }
             RateFactor::Ratio(tables) => return tables.lanes(rate, temperature),
         }
-        (value, slope)
+        [value, slope, bend]
     }
 }
 
 impl TableOverTemperature {
     /// Values and their slopes over the abscissa: the tables around each temperature, by their shares.
     #[inline(always)]
-    fn lanes(&self, at: &Lanes, temperature: &Lanes) -> Sloped {
-        let Some((first, rest)) = self.tables.split_first() else { return (ZERO, ZERO) };
-        let (mut value, mut slope) = first.1.lanes(at);
+    fn lanes(&self, at: &Lanes, temperature: &Lanes) -> Curved {
+        let Some((first, rest)) = self.tables.split_first() else { return [ZERO; 3] };
+        let [mut value, mut slope, straight] = first.1.lanes(at);
         let mut below = first.0;
         for (above, table) in rest {
-            let (over, steeper) = table.lanes(at);
+            let [over, steeper, _] = table.lanes(at);
             let per = 1.0 / (above - below);
             for l in 0..LANES {
                 // At temperatures below these two the share is none; above, all.
@@ -236,15 +248,15 @@ impl TableOverTemperature {
             }
             below = *above;
         }
-        (value, slope)
+        [value, slope, straight]
     }
 }
 
 impl Table {
     /// Values and slopes, row after row: what lies behind a row takes it.
     #[inline(always)]
-    fn lanes(&self, at: &Lanes) -> Sloped {
-        let Some(last) = self.rows.last() else { return (ZERO, ZERO) };
+    fn lanes(&self, at: &Lanes) -> Curved {
+        let Some(last) = self.rows.last() else { return [ZERO; 3] };
         let (mut value, mut slope) = ([self.rows[0][0]; LANES], ZERO);
         for row in self.rows.windows(2) {
             let steep = (row[1][0] - row[0][0]) / (row[1][1] - row[0][1]);
@@ -259,7 +271,7 @@ impl Table {
             value[l] = if behind { last[0] } else { value[l] };
             slope[l] = if behind { 0.0 } else { slope[l] };
         }
-        (value, slope)
+        [value, slope, ZERO]
     }
 }
 
