@@ -240,7 +240,9 @@ impl Compiler<'_> {
 
     fn all_conduct(&self, kind: &Kind, conducting: &HashSet<usize>) -> bool {
         match kind {
-            Kind::Faces(skin) | Kind::Film(skin, _) => skin.faces.iter().flatten().all(|n| conducting.contains(n)),
+            Kind::Faces(skin) | Kind::Film(skin, _) => {
+                skin.faces.iter().chain(skin.hidden().faces()).flatten().all(|n| conducting.contains(n))
+            }
             Kind::Nodes(_) | Kind::Volumes(_) => true,
         }
     }

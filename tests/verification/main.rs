@@ -19,6 +19,7 @@ mod contact_scenes;
 mod element_output;
 mod erosion;
 mod erosion_criteria;
+mod erosion_loads;
 mod fidelity;
 mod hourglass;
 mod large_motion;
