@@ -20,6 +20,7 @@ mod element_output;
 mod erosion;
 mod erosion_criteria;
 mod erosion_loads;
+mod erosion_rod;
 mod fidelity;
 mod hourglass;
 mod large_motion;
