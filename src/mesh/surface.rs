@@ -37,7 +37,7 @@ pub struct Skin {
     /// Whether it is a shell; empty where none is.
     pub shells: Vec<bool>,
     /// Faces that come behind these as they come to lie bare; there is room for all.
-    hidden: Hidden,
+    hidden: Option<Box<Hidden>>,
 }
 
 /// A face as it is now.
@@ -104,24 +104,26 @@ impl Surface {
 impl Skin {
     /// Faces that all carry, with the elements behind them.
     pub fn new(faces: Vec<[usize; 2]>, elements: Vec<usize>) -> Self {
-        Skin { carries: vec![true; faces.len()], faces, elements, shells: Vec::new(), hidden: Hidden::default() }
+        Skin { carries: vec![true; faces.len()], faces, elements, shells: Vec::new(), hidden: None }
     }
 
     /// The same with faces between elements, which carry from when the element in front of them goes.
     pub fn with_hidden(mut self, hidden: Hidden) -> Skin {
-        self.make_room(hidden.len());
-        self.hidden = hidden;
+        if !hidden.is_empty() {
+            self.make_room(hidden.len());
+            self.hidden = Some(Box::new(hidden));
+        }
         self
     }
 
     /// The faces that it and its hidden ones can come to.
     pub fn most(&self) -> usize {
-        self.faces.len() + self.hidden.len() - self.hidden.bare()
+        self.faces.len() + self.hidden.as_ref().map_or(0, |h| h.len() - h.bare())
     }
 
     /// Its hidden faces.
-    pub fn hidden(&self) -> &Hidden {
-        &self.hidden
+    pub fn hidden(&self) -> Option<&Hidden> {
+        self.hidden.as_deref()
     }
 
     /// Makes room for so many faces more: nothing allocates inside an increment.
@@ -168,10 +170,12 @@ impl Skin {
         for (face, carries) in self.faces.iter().zip(&mut self.carries) {
             *carries &= !is_of(*face, gone);
         }
-        for at in self.hidden.release(gone) {
-            let (_, face, element) = self.hidden.came(at);
+        let Some(mut hidden) = self.hidden.take() else { return };
+        hidden.release(gone).for_each(|at| {
+            let (_, face, element) = hidden.came(at);
             self.push(face, element);
-        }
+        });
+        self.hidden = Some(hidden);
     }
 
     /// Takes the last faces away, so that so many are left.
@@ -188,7 +192,7 @@ impl Skin {
             + size_of::<usize>() * self.elements.capacity()
             + self.carries.capacity()
             + self.shells.capacity()
-            + self.hidden.bytes()
+            + self.hidden.as_ref().map_or(0, |h| size_of_val(&**h) + h.bytes())
     }
 }
 
@@ -208,14 +212,17 @@ impl Clone for Skin {
 
 impl Persist for Skin {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let first = self.faces.len() - self.hidden.bare();
-        self.hidden.persist(archive);
-        if archive.reads() {
-            self.cut(first);
-            for at in 0..self.hidden.bare() {
-                let (_, face, element) = self.hidden.came(at);
-                self.push(face, element);
+        if let Some(mut hidden) = self.hidden.take() {
+            let first = self.faces.len() - hidden.bare();
+            hidden.persist(archive);
+            if archive.reads() {
+                self.cut(first);
+                (0..hidden.bare()).for_each(|at| {
+                    let (_, face, element) = hidden.came(at);
+                    self.push(face, element);
+                });
             }
+            self.hidden = Some(hidden);
         }
         self.carries.as_mut_slice().persist(archive);
     }

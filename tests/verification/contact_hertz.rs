@@ -184,8 +184,8 @@ fn a_slow_sphere_is_nearer_to_hertz() {
 }
 
 /// `input/sphere_on_plate.inp` as it stands in its head, on three elements over the contact radius: approach of the sphere's middle,
-/// force, time of contact and rebound. 3 %: half of it is the mesh, and as much that the plate is 40 contact radii thick and no half
-/// space. The rebound keeps what the plate's vibration does not take: 1 %.
+/// force, time of contact and rebound. 2 %: finer meshes end at -.9, +.9 and -1 %, for the plate is 40 contact radii thick and no half
+/// space. The rebound keeps what vibrations do not take: 1 %.
 #[test]
 fn a_sphere_thrown_at_a_plate() {
     let text = std::fs::read_to_string(project("input/sphere_on_plate.inp")).expect("a deck");
@@ -204,7 +204,7 @@ fn a_sphere_thrown_at_a_plate() {
         energy.contact / energy.initial,
         energy.drift
     );
-    assert!(off.iter().all(|x| x.abs() < 0.03), "{off:?}");
+    assert!(off.iter().all(|x| x.abs() < 0.02), "{off:?}");
     assert!(energy.contact >= 0.0 && energy.contact < 1e-4 * energy.initial && energy.drift < 1e-5, "{energy:?}");
     assert!((history.0["V2@CENTRE"].last / 1e3 - 1.0).abs() < 0.01);
 }

@@ -64,7 +64,7 @@ impl UserLoad {
     /// A pressure on a surface whose nodes are at their places at the start.
     pub fn on_surface(load: Description, surface: &Surface, nodes: &Nodes) -> Self {
         let skin = &surface.skin;
-        let (first_hidden, most, hidden) = (skin.faces.len(), skin.most(), skin.hidden().clone());
+        let (first_hidden, most, hidden) = (skin.faces.len(), skin.most(), skin.hidden().cloned().unwrap_or_default());
         let block = |first: usize| Block::of_faces(skin.part(first, MAX_BLOCK), (most - first).min(MAX_BLOCK), nodes);
         let mut blocks: Vec<Block> = (0..most).step_by(MAX_BLOCK).map(block).collect();
         let on_nodes = blocks.len();
