@@ -46,7 +46,7 @@ impl Load for Pressure {
     }
 
     fn acts_on_nodes(&self) -> bool {
-        !self.surface.skin.faces.is_empty()
+        self.surface.skin.most() > 0
     }
 
     fn on_nodes(&mut self, view: &View<'_>, _: &mut Locked<'_>, forces: &mut [[f64; 2]]) -> Result<(), Halt> {

@@ -2,4 +2,6 @@
 //! Never here: time.
 
 pub mod gather;
+pub mod hidden;
+mod room;
 pub mod surface;

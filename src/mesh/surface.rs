@@ -1,6 +1,8 @@
 //! Surfaces: chains of facets on rigid bodies, whose shape never changes, and of faces on deformable nodes.
-//! Never here: what acts on a surface.
+//! Never here: what acts on a surface, what of the inside comes to lie bare (`hidden`).
 
+use super::hidden::Hidden;
+use super::room::with_room;
 use crate::kernel::facet::Facet;
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Nodes;
@@ -24,7 +26,7 @@ pub struct Patch {
 }
 
 /// Faces of deformable elements.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Skin {
     /// The two nodes of each, so that the body lies to the left of the way from the first to the second.
     pub faces: Vec<[usize; 2]>,
@@ -34,6 +36,8 @@ pub struct Skin {
     pub carries: Vec<bool>,
     /// Whether it is a shell; empty where none is.
     pub shells: Vec<bool>,
+    /// Faces that come behind these as they come to lie bare; there is room for all.
+    hidden: Option<Box<Hidden>>,
 }
 
 /// A face as it is now.
@@ -100,12 +104,52 @@ impl Surface {
 impl Skin {
     /// Faces that all carry, with the elements behind them.
     pub fn new(faces: Vec<[usize; 2]>, elements: Vec<usize>) -> Self {
-        Skin { carries: vec![true; faces.len()], faces, elements, shells: Vec::new() }
+        Skin { carries: vec![true; faces.len()], faces, elements, shells: Vec::new(), hidden: None }
+    }
+
+    /// The same with faces between elements, which carry from when the element in front of them goes.
+    pub fn with_hidden(mut self, hidden: Hidden) -> Skin {
+        if !hidden.is_empty() {
+            self.make_room(hidden.len());
+            self.hidden = Some(Box::new(hidden));
+        }
+        self
+    }
+
+    /// The faces that it and its hidden ones can come to.
+    pub fn most(&self) -> usize {
+        self.faces.len() + self.hidden.as_ref().map_or(0, |h| h.len() - h.bare())
+    }
+
+    /// Its hidden faces.
+    pub fn hidden(&self) -> Option<&Hidden> {
+        self.hidden.as_deref()
+    }
+
+    /// Makes room for so many faces more: nothing allocates inside an increment.
+    pub fn make_room(&mut self, more: usize) {
+        self.faces.reserve_exact(more);
+        self.elements.reserve_exact(more);
+        self.carries.reserve_exact(more);
+        if !self.shells.is_empty() {
+            self.shells.reserve_exact(more);
+        }
+    }
+
+    /// Adds a face of a solid that has come to lie bare.
+    pub fn push(&mut self, face: [usize; 2], element: usize) {
+        self.faces.push(face);
+        self.elements.push(element);
+        self.carries.push(true);
+        if !self.shells.is_empty() {
+            self.shells.push(false);
+        }
     }
 
     /// Some of its faces, all of which carry.
     pub fn part(&self, first: usize, count: usize) -> Skin {
-        let range = first..self.faces.len().min(first + count);
+        let [first, last] = [first, first + count].map(|at| at.min(self.faces.len()));
+        let range = first..last;
         let shells = self.shells.get(range.clone()).unwrap_or_default().to_vec();
         Skin { shells, ..Skin::new(self.faces[range.clone()].to_vec(), self.elements[range].to_vec()) }
     }
@@ -121,11 +165,25 @@ impl Skin {
         self.faces.iter().zip(&self.carries).enumerate().filter(|f| *f.1.1).map(move |(i, f)| (*f.0, shell(i)))
     }
 
-    /// Elements with these corner nodes are no more: their faces no longer carry.
+    /// Elements with these corner nodes are no more: their faces no longer carry, hidden ones that come to lie bare do.
     pub fn release(&mut self, gone: &[[u32; 4]]) {
         for (face, carries) in self.faces.iter().zip(&mut self.carries) {
             *carries &= !is_of(*face, gone);
         }
+        let Some(mut hidden) = self.hidden.take() else { return };
+        hidden.release(gone).for_each(|at| {
+            let (_, face, element) = hidden.came(at);
+            self.push(face, element);
+        });
+        self.hidden = Some(hidden);
+    }
+
+    /// Takes the last faces away, so that so many are left.
+    pub fn cut(&mut self, count: usize) {
+        self.faces.truncate(count);
+        self.elements.truncate(count);
+        self.carries.truncate(count);
+        self.shells.truncate(count);
     }
 
     /// Bytes of the arrays.
@@ -134,6 +192,7 @@ impl Skin {
             + size_of::<usize>() * self.elements.capacity()
             + self.carries.capacity()
             + self.shells.capacity()
+            + self.hidden.as_ref().map_or(0, |h| size_of_val(&**h) + h.bytes())
     }
 }
 
@@ -143,9 +202,28 @@ fn is_of(face: [usize; 2], elements: &[[u32; 4]]) -> bool {
     elements.iter().any(|corners| (0..4).any(|i| corners[i] == a && corners[(i + 1) % 4] == b))
 }
 
+impl Clone for Skin {
+    fn clone(&self) -> Self {
+        let Skin { faces, elements, carries, shells, hidden } = self;
+        let (faces, elements) = (with_room(faces), with_room(elements));
+        Skin { faces, elements, carries: with_room(carries), shells: with_room(shells), hidden: hidden.clone() }
+    }
+}
+
 impl Persist for Skin {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Skin { faces: _, elements: _, carries, shells: _ } = self;
-        carries.as_mut_slice().persist(archive);
+        if let Some(mut hidden) = self.hidden.take() {
+            let first = self.faces.len() - hidden.bare();
+            hidden.persist(archive);
+            if archive.reads() {
+                self.cut(first);
+                (0..hidden.bare()).for_each(|at| {
+                    let (_, face, element) = hidden.came(at);
+                    self.push(face, element);
+                });
+            }
+            self.hidden = Some(hidden);
+        }
+        self.carries.as_mut_slice().persist(archive);
     }
 }

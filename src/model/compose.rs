@@ -141,7 +141,7 @@ impl Material {
 impl Sides {
     /// Sides of elements as a surface, `(element, side)`.
     pub fn new(name: &str, faces: &[(usize, Side)]) -> Sides {
-        Sides { name: name.into(), surface: true, faces: faces.to_vec() }
+        Sides { name: name.into(), surface: true, faces: faces.to_vec(), whole: Vec::new() }
     }
 }
 

@@ -6,7 +6,7 @@ use super::fields::MOST_FIELDS;
 use super::types::{
     AmplitudeDefinition, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Erosion, Friction,
     IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region,
-    ShellSection, ShellThinning, Side, Step, Target,
+    ShellSection, ShellThinning, Side, Sides, Step, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;
@@ -142,6 +142,11 @@ impl Check<'_> {
     }
 
     /// Sides of elements: each is one that its element has.
+    fn sides(&mut self, span: Span, sides: &Sides) {
+        self.faces(span, &sides.faces);
+        self.elements(span, &sides.whole);
+    }
+
     fn faces(&mut self, span: Span, faces: &[(usize, Side)]) {
         let mesh = &self.model.mesh;
         for &(index, side) in faces {
@@ -396,16 +401,16 @@ impl Check<'_> {
                 let length = direction[0].hypot(direction[1]);
                 self.value((length - 1.0).abs() < 1e-9, load.span, || "GRAV needs a unit vector as direction".into());
             }
-            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.faces(load.span, &sides.faces),
+            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.sides(load.span, sides),
             LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
             LoadKind::BodyHeat { elements, .. } => self.elements(load.span, elements),
             LoadKind::Film { sides, coefficient, amplitude } => {
-                self.faces(load.span, &sides.faces);
+                self.sides(load.span, sides);
                 self.amplitude(load.span, *amplitude);
                 self.value(not_below(*coefficient), load.span, || "a film coefficient must not be below zero".into());
             }
             LoadKind::User { sides, load_type } => {
-                self.faces(load.span, &sides.faces);
+                self.sides(load.span, sides);
                 self.load_type(load.span, *load_type, matches!(load_type, 0 | 20..=24));
             }
             LoadKind::UserBody { elements, load_type, .. } => {
@@ -413,7 +418,7 @@ impl Check<'_> {
                 self.load_type(load.span, *load_type, matches!(load_type, 1 | 2));
             }
             LoadKind::Cavity { sides, target, friction } => {
-                self.faces(load.span, &sides.faces);
+                self.sides(load.span, sides);
                 self.indices("M113", load.span, "target", &[*target], self.model.targets.len());
                 self.value(not_below(*friction), load.span, || {
                     format!("FRICTION must not be below zero, not {friction}")

@@ -81,13 +81,12 @@ impl Builder<'_> {
             return None;
         };
         let word = Word { text: format!("S{number}"), ..label.clone() };
-        Some(Sides { name: set.text.clone(), surface: false, faces: self.sides(&elements, &word) })
+        Some(Sides { name: set.text.clone(), surface: false, faces: self.sides(&elements, &word), whole: Vec::new() })
     }
 
     fn surface_sides(&mut self, line: &DataLine) -> Option<Sides> {
         let word = self.region(line)?;
         let key = self.surface_key(word)?;
-        let faces = self.model.surfaces[&key].faces.clone();
-        Some(Sides { name: word.text.clone(), surface: true, faces })
+        Some(self.model.surfaces[&key].sides(&word.text))
     }
 }

@@ -120,7 +120,7 @@ impl Builder<'_> {
                 return None;
             }
         };
-        let sides = Sides { name: set.text.clone(), surface: false, faces };
+        let sides = Sides { name: set.text.clone(), surface: false, faces, whole: Vec::new() };
         // VDLOAD's codes: 20 PNU, 21 P1NU to 24 P4NU.
         let load_type = user.map(|_| 20 + number.and_then(|n| n.parse::<i32>().ok()).unwrap_or(0));
         self.distributed(card, line, sides, load_type, name == "CAVITY")
@@ -145,8 +145,7 @@ impl Builder<'_> {
             self.unknown_label(label);
             return None;
         }
-        let faces = self.model.surfaces[&key].faces.clone();
-        let sides = Sides { name: word.text.clone(), surface: true, faces };
+        let sides = self.model.surfaces[&key].sides(&word.text);
         self.distributed(card, line, sides, (name == "PNU").then_some(0), name == "CAVITY")
     }
 

@@ -77,7 +77,7 @@ impl Builder<'_> {
             self.out_of_range(word.span, format!("surface `{}` has no faces", word.text));
             return None;
         }
-        Some(Sides { name: key, surface: true, faces })
+        Some(Sides { name: key, surface: true, faces, whole: Vec::new() })
     }
 
     /// The largest gap at the start that is taken as none.

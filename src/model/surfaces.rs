@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{ElementKind, Side, Surface};
+use super::types::{ElementKind, Side, Sides, Surface};
 use crate::deck::{Card, Diagnostic, Span, Word};
 
 impl Builder<'_> {
@@ -25,18 +25,23 @@ impl Builder<'_> {
             );
             return;
         }
-        let mut faces = Vec::new();
+        let (mut faces, mut whole) = (Vec::new(), Vec::new());
         for line in &card.lines {
             let Some(set) = line.field(0) else { continue };
             let elements = self.element_members(set).unwrap_or_default();
             match line.field(1) {
                 Some(side) => faces.extend(self.sides(&elements, side)),
-                None => faces.extend(self.free_sides(&elements, line.span)),
+                None => {
+                    faces.extend(self.free_sides(&elements, line.span));
+                    whole.extend(elements);
+                }
             }
         }
         let key = qualified(&self.scope, &name.text);
-        let fresh = || Surface { name: name.text.clone(), faces: Vec::new(), span: card.span };
-        self.model.surfaces.entry(key).or_insert_with(fresh).faces.extend(faces);
+        let fresh = || Surface { name: name.text.clone(), faces: Vec::new(), whole: Vec::new(), span: card.span };
+        let surface = self.model.surfaces.entry(key).or_insert_with(fresh);
+        surface.faces.extend(faces);
+        surface.whole.extend(whole);
     }
 
     /// One named side of each element.
@@ -71,6 +76,13 @@ impl Builder<'_> {
             outside[first..].iter().take_while(move |f| f.0 == e).copied()
         };
         elements.iter().flat_map(of).collect()
+    }
+}
+
+impl Surface {
+    /// Its sides for what acts on them; the name as a card gives it.
+    pub(super) fn sides(&self, name: &str) -> Sides {
+        Sides { name: name.into(), surface: true, faces: self.faces.clone(), whole: self.whole.clone() }
     }
 }
 

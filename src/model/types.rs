@@ -221,6 +221,8 @@ pub struct Surface {
     pub name: String,
     /// `(element index, side)` in deck order.
     pub faces: Vec<(usize, Side)>,
+    /// Elements of which all that lies bare is meant: no side was named.
+    pub whole: Vec<usize>,
     /// First definition.
     pub span: Span,
 }
@@ -1199,6 +1201,8 @@ pub struct Sides {
     pub surface: bool,
     /// `(element index, side)`.
     pub faces: Vec<(usize, Side)>,
+    /// Elements of which all that lies bare is meant, as others are deleted too.
+    pub whole: Vec<usize>,
 }
 
 /// What to write and when.

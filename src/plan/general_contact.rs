@@ -105,7 +105,12 @@ impl Compiler<'_> {
             let both = |side: Side| shells.clone().map(move |&e| (e, side)).collect::<Vec<Face>>();
             let parts = [("", solid), ("_SPOS", both(Side::Positive)), ("_SNEG", both(Side::Negative))];
             let parts = parts.into_iter().filter(|p| !p.1.is_empty());
-            surfaces.extend(parts.map(|(end, faces)| Sides { name: format!("{name}{end}"), surface: true, faces }));
+            surfaces.extend(parts.map(|(end, faces)| Sides {
+                name: format!("{name}{end}"),
+                surface: true,
+                faces,
+                whole: Vec::new(),
+            }));
         }
         surfaces
     }
@@ -188,7 +193,7 @@ fn apart(meeting: Meeting, domains: &[ContactDomain; 2]) -> Vec<(Meeting, bool)>
 fn split(sides: &Sides, domain: &ContactDomain) -> (Sides, Sides) {
     let part = |end: &str, faces: Vec<Face>| {
         let name = if faces.len() == sides.faces.len() { sides.name.clone() } else { format!("{}{end}", sides.name) };
-        Sides { name, surface: true, faces }
+        Sides { name, surface: true, faces, whole: Vec::new() }
     };
     match domain {
         ContactDomain::All => (sides.clone(), part("", Vec::new())),

@@ -14,6 +14,7 @@ use crate::heat::field::{Conditions, Heat};
 use crate::heat::sources::{Held, HeldNode, Kind, Source};
 use crate::kernel::hardening::Table;
 use crate::kernel::quad::corner_masses;
+use crate::mesh::hidden::Hidden;
 use crate::model::{InitialKind, Load, LoadKind, Material, Motion, SolidSection, Step};
 
 /// A section with the group of its elements.
@@ -240,7 +241,12 @@ impl Compiler<'_> {
 
     fn all_conduct(&self, kind: &Kind, conducting: &HashSet<usize>) -> bool {
         match kind {
-            Kind::Faces(skin) | Kind::Film(skin, _) => skin.faces.iter().flatten().all(|n| conducting.contains(n)),
+            Kind::Faces(skin) | Kind::Film(skin, _) => skin
+                .faces
+                .iter()
+                .chain(skin.hidden().map_or(&[][..], Hidden::faces))
+                .flatten()
+                .all(|n| conducting.contains(n)),
             Kind::Nodes(_) | Kind::Volumes(_) => true,
         }
     }

@@ -1,11 +1,12 @@
 //! Surfaces of loads: sides of elements as facets of rigid bodies and faces of what deforms.
 //! Never here: what acts on them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
+use crate::mesh::hidden::Hidden;
 use crate::mesh::surface::{Patch, Skin, Surface};
 use crate::model::{ElementKind, Side, Sides};
 
@@ -44,7 +45,31 @@ impl Compiler<'_> {
         if shells.contains(&true) {
             skin.shells = shells;
         }
-        Surface { patches, skin }
+        Surface { patches, skin: skin.with_hidden(self.hidden_faces(sides)) }
+    }
+
+    /// Faces within what deforms of the elements of which all that lies bare is meant; none where no element can be deleted.
+    fn hidden_faces(&self, sides: &Sides) -> Hidden {
+        if sides.whole.is_empty() || !self.deletes() {
+            return Hidden::default();
+        }
+        let mesh = &self.model.mesh;
+        let faces_of = |element: usize| {
+            let count =
+                if mesh.elements[element].kind.is_solid() { mesh.elements[element].nodes.len() as u8 } else { 0 };
+            let deforms = self.places.elements.contains_key(&element);
+            let sides = (1..=count).filter(move |_| deforms).map(Side::Face);
+            sides.filter_map(move |s| Some(mesh.ends(element, s)?.map(|n| self.places.nodes[&n])))
+        };
+        let all: HashSet<[usize; 2]> = self.places.elements.keys().flat_map(|&e| faces_of(e)).collect();
+        let own = sides.whole.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
+        // A face that is named besides is loaded from the start.
+        let named: HashSet<(usize, Side)> = sides.faces.iter().copied().collect();
+        let is_named = |element: usize, [a, b]: [usize; 2]| {
+            let ends = |&s: &Side| mesh.ends(element, s).map(|e| e.map(|n| self.places.nodes[&n])) == Some([a, b]);
+            (1..=4).map(Side::Face).filter(ends).any(|s| named.contains(&(element, s)))
+        };
+        Hidden::new(own.filter(|&([a, b], e)| all.contains(&[b, a]) && !is_named(e, [a, b])).collect())
     }
 
     /// The facet of one side. A solid's face runs counter-clockwise, so its outward normal is the negative side.

@@ -229,13 +229,39 @@ fn erosion() {
                field, number interval=7\n*Node Output\n U, V\n*Element Output\n STATUS, PEEQ\n*Output, history, number \
                interval=23\n*Energy Output\n ALL\n*End Step\n"
     };
+    let pressed = |label: &str| {
+        let law = "*Material, name=LAW\n*Density\n 1e-9,\n*Cavity Expansion, yield=50.\n 4., 0., 1.\n*Target, name=T, front=-1., direction=1\n LAW, 9.\n";
+        let target = if label == "CAVITY" { law } else { "" };
+        let flying: String = (0..=12)
+            .map(|j| {
+                format!(
+                    "*Nset, nset=R{j}, generate\n {}, {}, 1\n*Initial Conditions, type=VELOCITY\n R{j}, 2, {}e4\n",
+                    13 * j + 1,
+                    13 * j + 13,
+                    j * j
+                )
+            })
+            .collect();
+        grid(12, 12, false, |i, j| [i as f64, j as f64])
+            + "*Surface, name=SKIN\n SOLID,\n"
+            + &material(200e3, 0.3, 7.8e-9, metal)
+            + "*Erosion, principal strain=0.15\n"
+            + target
+            + &flying
+            + &format!(
+                "*Step\n*Dynamic, Explicit\n , 4e-6\n*Dsload\n SKIN, {label}, 30.\n*Output, field, number interval=7\n*Node Output\n U, V\n*Element Output\n STATUS\n*Output, history, number interval=23\n*Energy Output\n ALL\n*End Step\n"
+            )
+    };
     for (name, deck) in [
         ("plastic", bar(4, &(steel(metal) + "*Erosion, plastic strain=0.05, increment=1e-10\n"), 2e5, 5e-6, "")),
         ("rates of a state", bar(4, &(bare(shock) + "*Erosion, increment=6.5e-8\n"), 2e5, 5e-6, "")),
         ("shells", shells()),
         ("a rod through a plate", shot()),
+        ("pressure on what comes to lie bare", pressed("P")),
+        ("the user's pressure on what comes to lie bare", pressed("PNU")),
+        ("a target that resists what comes to lie bare", pressed("CAVITY").replace("*Dsload", "*Dsload, target=T")),
     ] {
-        let outcome = goes_on(name, &deck, Routines::none);
+        let outcome = goes_on(name, &deck, || Routines::none().with_load(Push));
         let removed = outcome.energy.removed.expect("books");
         println!("{name}: {removed:?}");
         assert!(outcome.halt.is_none() && removed.mass > 0.0, "{name}: {outcome:?}");

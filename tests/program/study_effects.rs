@@ -147,15 +147,16 @@ fn subzonal_pressures_left_out() {
     assert!(expected.effects.iter().all(|e| e.effect != "subzonal pressures"), "it is not there");
 }
 
-/// Blocks that slide on each other, in a pair and in general contact: without friction they are those of a coefficient of zero.
+/// Blocks that slide on each other, in a pair and in general contact: without friction they are those of a coefficient of zero,
+/// without contact those of a deck that has none.
 #[test]
-fn friction_of_surfaces_left_out() {
+fn contact_and_friction_of_surfaces_left_out() {
     use crate::common::bodies::{assembly, elastic, part};
     for contact in [
         "*Contact Pair, interaction=I\n LOWER.J1, UPPER.J0\n",
         "*Contact\n*Contact Inclusions, all exterior\n*Contact Property Assignment\n , , I\n",
     ] {
-        let blocks = |friction: f64| {
+        let blocks = |friction: f64, contact: &str| {
             let block = |name, from: f64| part(name, [3, 2], |i, j| [1.0 + i as f64, from + j as f64], "");
             block("LOWER", -2.0)
                 + &block("UPPER", 0.0)
@@ -168,11 +169,14 @@ fn friction_of_surfaces_left_out() {
                 + contact
                 + "*Output, history, number interval=10\n*Energy Output\n ALLKE\n*End Step\n"
         };
-        let effects = left_out(&blocks(0.3), "increment=1,0.5", "final(ALLKE)");
+        let effects = left_out(&blocks(0.3, contact), "increment=1,0.5", "final(ALLKE)");
         let found = find(&effects, "friction").value.expect("a value");
-        let expected = left_out(&blocks(0.0), "increment=1,0.5", "final(ALLKE)");
-        assert_eq!(found.to_bits(), expected.value.to_bits(), "{contact}: {found}");
-        assert_ne!(found, effects.value, "it is felt");
+        let passing = find(&effects, "contact").value.expect("a value");
+        let of = |deck: &str| left_out(deck, "increment=1,0.5", "final(ALLKE)").value;
+        let [expected, apart] = [of(&blocks(0.0, contact)), of(&blocks(0.3, ""))];
+        assert_eq!(found.to_bits(), expected.to_bits(), "{contact}: {found}");
+        assert_eq!(passing.to_bits(), apart.to_bits(), "{contact}: {passing}");
+        assert!(found != effects.value && passing != effects.value, "they are felt");
     }
 }
 

@@ -537,12 +537,11 @@ fn the_users_elements_are_eroded_as_built_in_ones_are() {
 }
 
 /// Pressure over the yield stress that opens a spherical cavity slowly from nothing in an elastic, compressible material that hardens
-/// as Y (E strain/Y)^m: a similarity solution over radius by radius of the cavity, from the elastic boundary inward by Runge and
+/// by any law, as Y (E strain/Y)^m or another: a similarity solution over radius by radius of the cavity, from the elastic boundary inward by Runge and
 /// Kutta's method. Balance: d(p + 2q/3)/dr = -2q/r; rates: of p by the bulk modulus, of q by the shear modulus and the flow.
-fn cavity_pressure([modulus, ratio, strength]: [f64; 3], m: f64) -> f64 {
+/// `strain_by_stress` is what the plastic strain rises by a unit of stress.
+pub(super) fn cavity_pressure([modulus, ratio, strength]: [f64; 3], strain_by_stress: impl Fn(f64) -> f64) -> f64 {
     let (bulk, shear) = (modulus / (3.0 * (1.0 - 2.0 * ratio)), modulus / (2.0 * (1.0 + ratio)));
-    // Plastic strain by stress q is (Y/E) (q/Y)^(1/m) - q/E.
-    let strain_by_stress = |q: f64| ((1.0 / m) * (q / strength).powf(1.0 / m - 1.0) - 1.0) / modulus;
     // Of the velocity, the pressure and q, at x: all lengths over the radius of the elastic boundary, times over its own.
     let slopes = |x: f64, [v, q]: [f64; 2]| {
         let past = v - x;
@@ -572,7 +571,12 @@ fn cavity_pressure([modulus, ratio, strength]: [f64; 3], m: f64) -> f64 {
 fn the_meshed_material_is_that_of_the_law() {
     let aluminium: [f64; 3] = [68.9e9, 1.0 / 3.0, 276e6];
     let closed = 2.0 / 3.0 * (1.0 + (aluminium[0] / (3.0 * (1.0 - aluminium[1]) * aluminium[2])).ln());
-    let [ideal, law] = [1e-3, 0.1035].map(|m| cavity_pressure(aluminium, m));
+    let [modulus, _, strength] = aluminium;
+    let of = |m: f64| {
+        // Plastic strain by stress q is (Y/E) (q/Y)^(1/m) - q/E.
+        cavity_pressure(aluminium, |q| ((1.0 / m) * (q / strength).powf(1.0 / m - 1.0) - 1.0) / modulus)
+    };
+    let [ideal, law] = [1e-3, 0.1035].map(of);
     println!("A without hardening {ideal:.4}, closed form {closed:.4}; with the exponent of the deck {law:.4}");
     assert!((ideal / closed - 1.0).abs() < 0.01 && (law / 5.0394 - 1.0).abs() < 2e-3);
 }

@@ -19,6 +19,8 @@ mod contact_scenes;
 mod element_output;
 mod erosion;
 mod erosion_criteria;
+mod erosion_loads;
+mod erosion_rod;
 mod fidelity;
 mod hourglass;
 mod large_motion;

@@ -143,7 +143,7 @@ pub const CARDS: &[Keyword] = &[
         (when "GENERATE" = "" rows ["first element", "last element", "increment"]),
         (list "element or set"),
     ]),
-    row!("SURFACE", "Defines a surface", (unique "NAME"), {
+    row!("SURFACE", "Defines a surface. A line with elements and no side means all of them that lies bare: contact, pressures, the user's pressures, CAVITY, fluxes and films go over to what comes to lie bare of these elements as others are deleted. A load on a side that is named ends with its element", (unique "NAME"), {
         "NAME" read "Name of the surface",
         "TYPE" read "ELEMENT (default), NODE, or SEGMENTS for lines and arcs",
         "INTERNAL" inert "written by CAE; no meaning",

@@ -23,11 +23,11 @@ pub(super) struct Resisted {
 
 impl Resisted {
     pub(super) fn new(skin: Skin) -> Self {
-        Resisted { forces: vec![[Pair::default(); 2]; skin.faces.len()], skin }
+        Resisted { forces: vec![[Pair::default(); 2]; skin.most()], skin }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.skin.faces.is_empty()
+        self.skin.most() == 0
     }
 
     /// Adds the forces on nodes.

@@ -7,7 +7,8 @@ mod shown;
 use super::{Account, Load, Slot, VelocityUse, View};
 use crate::load::fields::FacetFields;
 use crate::load::stiffness::Stiffness;
-use crate::mesh::surface::Surface;
+use crate::mesh::hidden::Hidden;
+use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
 use crate::state::dofs::Dofs;
@@ -53,19 +54,26 @@ pub struct UserLoad {
     blocks: Vec<Block>,
     /// Blocks of the first ones that act on nodes.
     on_nodes: usize,
+    /// Faces that come to lie bare, their middles at the start, and how many faces there were before them.
+    hidden: Hidden,
+    middles: Vec<[f64; 2]>,
+    first_hidden: usize,
 }
 
 impl UserLoad {
     /// A pressure on a surface whose nodes are at their places at the start.
     pub fn on_surface(load: Description, surface: &Surface, nodes: &Nodes) -> Self {
         let skin = &surface.skin;
-        let parts = (0..skin.faces.len().div_ceil(MAX_BLOCK)).map(|part| skin.part(part * MAX_BLOCK, MAX_BLOCK));
-        let mut blocks: Vec<Block> = parts.map(|part| Block::of_faces(part, nodes)).collect();
+        let (first_hidden, most, hidden) = (skin.faces.len(), skin.most(), skin.hidden().cloned().unwrap_or_default());
+        let block = |first: usize| Block::of_faces(skin.part(first, MAX_BLOCK), (most - first).min(MAX_BLOCK), nodes);
+        let mut blocks: Vec<Block> = (0..most).step_by(MAX_BLOCK).map(block).collect();
         let on_nodes = blocks.len();
         for (slot, patch) in surface.patches.iter().enumerate() {
             blocks.extend(patch.facets.chunks(MAX_BLOCK).map(|part| Block::of_facets(&load, slot, patch.body, part)));
         }
-        UserLoad { bodies: surface.patches.iter().map(|p| p.body).collect(), load, blocks, on_nodes }
+        let middles = hidden.faces().iter().map(|&f| Face::new(f, nodes).middle()).collect();
+        let bodies = surface.patches.iter().map(|p| p.body).collect();
+        UserLoad { bodies, load, blocks, on_nodes, hidden, middles, first_hidden }
     }
 
     /// A force a volume.
@@ -78,7 +86,14 @@ impl UserLoad {
             blocks.extend(of_body.chunks(MAX_BLOCK).map(|part| Block::of_solids(&load, bodies.len(), part)));
             bodies.push(of_body[0].0);
         }
-        UserLoad { load, bodies, blocks, on_nodes }
+        let (hidden, middles) = (Hidden::default(), Vec::new());
+        UserLoad { load, bodies, blocks, on_nodes, hidden, middles, first_hidden: 0 }
+    }
+
+    /// Adds a face that has come to lie bare behind those there are.
+    fn add_face(&mut self, at: usize) {
+        let (i, face, element) = self.hidden.came(at);
+        self.blocks[(self.first_hidden + at) / MAX_BLOCK].add_face((face, element), self.middles[i]);
     }
 }
 
@@ -138,13 +153,14 @@ impl Load for UserLoad {
         found.reduce(|most, other| if other.squared > most.squared { other } else { most })
     }
 
-    /// The routine goes on to be shown the face; its answer no longer counts.
+    /// The routine goes on to be shown a face that went; its answer no longer counts. Faces that come follow all others.
     fn release(&mut self, gone: &[[u32; 4]]) {
         for block in &mut self.blocks {
             if let Carrier::Faces { skin, .. } = &mut block.carrier {
                 skin.release(gone);
             }
         }
+        self.hidden.release(gone).for_each(|at| self.add_face(at));
     }
 
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
@@ -158,6 +174,7 @@ impl Load for UserLoad {
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let mut arrays = vec![("points", size_of::<Block>() * self.blocks.capacity() + self.load.magnitude.bytes())];
+        arrays[0].1 += self.hidden.bytes() + size_of::<[f64; 2]>() * self.middles.capacity();
         for block in &self.blocks {
             arrays[0].1 += block.carrier.bytes();
             for (name, bytes) in block.arrays() {
@@ -177,7 +194,13 @@ impl Load for UserLoad {
 
 impl Persist for UserLoad {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let UserLoad { load: _, bodies: _, blocks, on_nodes: _ } = self;
+        self.hidden.persist(archive);
+        if archive.reads() && !self.hidden.is_empty() {
+            let first = |i: usize| self.first_hidden.saturating_sub(i * MAX_BLOCK).min(MAX_BLOCK);
+            self.blocks[..self.on_nodes].iter_mut().enumerate().for_each(|(i, block)| block.cut(first(i)));
+            (0..self.hidden.bare()).for_each(|at| self.add_face(at));
+        }
+        let UserLoad { load: _, bodies: _, blocks, on_nodes: _, hidden: _, middles: _, first_hidden: _ } = self;
         blocks.as_mut_slice().persist(archive);
     }
 }

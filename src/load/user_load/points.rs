@@ -32,7 +32,8 @@ pub(super) enum Carrier {
     /// A rigid body: which of the load's forces is its, the force along z for a value of one (minus area times n_z, or the
     /// volume), z at the start, and the elements in the mesh.
     Body { slot: usize, body: usize, weight: Vec<f64>, z_start: Vec<f64>, elements: Vec<usize> },
-    /// Faces of deformable elements, with their middles at the start, and what is known of the load's stiffness.
+    /// Faces of deformable elements, with their middles at the start (and room for those to come), and what is known of the load's
+    /// stiffness.
     Faces { skin: Skin, start: Vec<[f64; 2]>, watch: Watch },
     /// Deformable elements by their corner nodes, with their middles at the start; the axis of the force.
     Elements { corners: Vec<[u32; 4]>, start: Vec<[f64; 2]>, axis: usize },
@@ -74,7 +75,7 @@ impl Block {
 
     fn of_body(load: &Description, slot: usize, body: usize, points: Vec<(usize, [f64; 2], [f64; 2], f64)>) -> Block {
         let n = points.len();
-        let mut shown = Shown::new(n);
+        let mut shown = Shown::new(n, n);
         for (i, &(_, place, normal, _)) in points.iter().enumerate() {
             shown.coordinates[i] = place[0];
             shown.coordinates[n + i] = place[1];
@@ -91,17 +92,37 @@ impl Block {
         Block { carrier, shown, pressure_before }
     }
 
-    /// Faces of deformable elements.
-    pub(super) fn of_faces(skin: Skin, nodes: &Nodes) -> Block {
-        let start: Vec<[f64; 2]> = skin.faces.iter().map(|&f| Face::new(f, nodes).middle()).collect();
-        let watch = Watch::new(start.len());
-        let shown = Shown::new(skin.faces.len());
+    /// Faces of deformable elements, with room for so many at most.
+    pub(super) fn of_faces(mut skin: Skin, most: usize, nodes: &Nodes) -> Block {
+        let mut start = vec![[0.0; 2]; most];
+        start.iter_mut().zip(&skin.faces).for_each(|(start, face)| *start = Face::new(*face, nodes).middle());
+        let watch = Watch::new(most);
+        let shown = Shown::new(skin.faces.len(), most);
+        skin.make_room(most - skin.faces.len());
         Block { carrier: Carrier::Faces { skin, start, watch }, shown, pressure_before: Vec::new() }
+    }
+
+    /// Adds a face that has come to lie bare, whose middle was there at the start.
+    pub(super) fn add_face(&mut self, (face, element): ([usize; 2], usize), middle: [f64; 2]) {
+        let Carrier::Faces { skin, start, .. } = &mut self.carrier else { return };
+        start[skin.faces.len()] = middle;
+        skin.push(face, element);
+        self.shown.resize(skin.faces.len());
+    }
+
+    /// Goes back to so many faces.
+    pub(super) fn cut(&mut self, count: usize) {
+        if let Carrier::Faces { skin, .. } = &mut self.carrier
+            && skin.faces.len() > count
+        {
+            skin.cut(count);
+            self.shown.resize(count);
+        }
     }
 
     /// Deformable elements.
     pub(super) fn of_elements(load: &Description, elements: &[[u32; 4]], nodes: &Nodes) -> Block {
-        let mut shown = Shown::new(elements.len());
+        let mut shown = Shown::new(elements.len(), elements.len());
         (0..elements.len()).for_each(|i| shown.set_normal(i, [0.0; 2], false));
         let start = elements.iter().map(|e| middle(*e, nodes, |_| [0.0; 2])[0]).collect();
         let axis = if load.load_type == 1 { 0 } else { 1 };
@@ -152,6 +173,9 @@ impl Block {
         first: usize,
         forces: &mut [[f64; 2]],
     ) -> Result<(), Halt> {
+        if self.shown.is_empty() {
+            return Ok(());
+        }
         self.show_nodes(load, view);
         let finite = |shown: &Shown| shown.pressure().iter().all(|p| p.is_finite());
         let called = self.shown.call(load, &view.clock, routine);

@@ -27,9 +27,9 @@ pub(super) struct Shown {
 const SIGNALLING: u64 = 0x7ff4_0000_0000_0000;
 
 impl Shown {
-    /// Arrays for so many points, without values.
-    pub(super) fn new(count: usize) -> Self {
-        let slabs = |slabs: usize, value: f64| vec![value; slabs * count];
+    /// Arrays for so many points, without values, with room for `most`.
+    pub(super) fn new(count: usize, most: usize) -> Self {
+        let slabs = |slabs: usize, value: f64| vec![value; slabs * most];
         let no_number = f64::from_bits(SIGNALLING);
         Shown {
             count,
@@ -40,6 +40,23 @@ impl Shown {
             normal_z: slabs(1, 0.0),
             pressure: vec![f64::NAN; MAX_BLOCK + 1],
         }
+    }
+
+    /// Whether it shows no point.
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Shows so many points from now on, of which nothing is known yet; what came in has no pressure.
+    pub(super) fn resize(&mut self, count: usize) {
+        let came = self.count.min(count)..count;
+        let no_number = f64::from_bits(SIGNALLING);
+        self.count = count;
+        self.coordinates.fill(no_number);
+        self.motion.fill(0.0);
+        self.directions.fill(no_number);
+        self.pressure[came].fill(0.0);
+        self.pressure[count..].fill(f64::NAN);
     }
 
     /// Sets the outward normal of a point, and with it the directions: the normal as the routine is shown it, and that
@@ -114,11 +131,11 @@ impl Shown {
             z: &self.coordinates[n..2 * n],
             velocity_r: &self.motion[..n],
             velocity_z: &self.motion[n..2 * n],
-            normal_r: &self.normal_r,
-            normal_z: &self.normal_z,
-            coordinates: &self.coordinates,
-            motion: &self.motion,
-            directions: &self.directions,
+            normal_r: &self.normal_r[..n],
+            normal_z: &self.normal_z[..n],
+            coordinates: &self.coordinates[..3 * n],
+            motion: &self.motion[..6 * n],
+            directions: &self.directions[..9 * n],
         };
         let pressure = &mut self.pressure[..n];
         routine.pressure(&points, pressure)
@@ -166,7 +183,8 @@ impl Shown {
 }
 
 impl Persist for Shown {
-    /// Motion, too, of which a routine that does not ask for all has only a part kept up.
+    /// Motion, too, of which a routine that does not ask for all has only a part kept up. The number of points follows from the
+    /// faces that have come to lie bare.
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Shown { count: _, coordinates, motion, directions: _, normal_r: _, normal_z: _, pressure } = self;
         persist_fields!(archive; coordinates.as_mut_slice(), motion.as_mut_slice(), pressure.as_mut_slice());

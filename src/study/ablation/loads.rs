@@ -1,8 +1,8 @@
-//! Loads and friction left out.
+//! Loads, contact and friction left out.
 //! Never here: the target.
 
 use super::{Ablation, one_way};
-use crate::model::{ConnectorLaw, Friction, Load, LoadKind, Model};
+use crate::model::{ConnectorLaw, Friction, Load, LoadKind, Model, Step};
 
 pub(super) const LIST: &[Ablation] = &[
     Ablation {
@@ -10,6 +10,13 @@ pub(super) const LIST: &[Ablation] = &[
         instead: "coefficient 0 on all surfaces",
         ways: |model| usize::from(has_friction(model)),
         edit: |model, _| no_friction(model),
+        way: one_way,
+    },
+    Ablation {
+        name: "contact",
+        instead: "none: all passes through all",
+        ways: |model| usize::from(model.steps.iter().any(Step::has_contact)),
+        edit: |model, _| no_contact(model),
         way: one_way,
     },
     Ablation {
@@ -69,6 +76,14 @@ fn no_friction(model: &mut Model) {
         }
         step.contacts.iter_mut().for_each(|c| c.friction = 0.0);
         step.frictions_mut().for_each(|friction| *friction = Friction::default());
+    }
+}
+
+fn no_contact(model: &mut Model) {
+    for step in &mut model.steps {
+        step.contacts.clear();
+        step.surface_contacts.clear();
+        step.general_contact = None;
     }
 }
 
