@@ -139,8 +139,10 @@ pub const MOST_SWEEPS: u32 = 200;
 const ROUNDS: usize = 30;
 
 impl Rows {
-    /// Room for this many rows and degrees of freedom.
-    pub(super) fn reserve(&mut self, rows: usize, dofs: usize) {
+    /// Room for this many keys and degrees of freedom. Where deletion can uncover what lies within a body keys are many, and those in
+    /// contact at a time about as many as its outside has.
+    pub(super) fn reserve(&mut self, keys: usize, dofs: usize) {
+        let rows = keys.min(1000 + 16 * keys.isqrt());
         self.terms.reserve(32 * rows);
         self.rows.reserve(rows);
         self.light.reserve(self.bodies.len());
