@@ -55,7 +55,6 @@ fn has_friction(model: &Model) -> bool {
     let of_load = |l: &Load| matches!(l.kind, LoadKind::Cavity { friction, .. } if friction > 0.0);
     model.steps.iter().any(|s| {
         s.loads.iter().any(of_load)
-            || s.contacts.iter().any(|c| c.friction > 0.0)
             || s.frictions().any(Friction::is_there)
     })
 }
@@ -67,7 +66,6 @@ fn no_friction(model: &mut Model) {
                 *friction = 0.0;
             }
         }
-        step.contacts.iter_mut().for_each(|c| c.friction = 0.0);
         step.frictions_mut().for_each(|friction| *friction = Friction::default());
     }
 }
