@@ -81,9 +81,13 @@ impl Compiler<'_> {
         match self.analytical_surface(opposite, &pair.sides[analytical.side].name, around, state) {
             Ok((mut surface, body, count)) => {
                 surface.point = found.add_carried(body);
+                let gives_way = (pair.penalty.is_some() || pair.law.overclosure != Overclosure::Hard) && !sides.faces.is_empty();
+                if gives_way {
+                    surface.overlap = surface.overlap.max(found.deepest(curve));
+                }
                 let friction = friction_of(pair);
                 let (set, name) = (&sides.name, &pair.sides[analytical.side].name);
-                let kind = if pair.penalty.is_some() || pair.law.overclosure != Overclosure::Hard { "gives way" } else { "kinematic" };
+                let kind = if gives_way { "gives way" } else { "kinematic" };
                 let (effect, detail) = match surface.profile.height() {
                     Some(z) => ("contact with a plane", format!("{set} on {name}, z = {z}, {kind}{friction}")),
                     None => {

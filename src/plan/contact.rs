@@ -464,10 +464,16 @@ impl Found {
         self.points.len() as u32 - 1
     }
 
+    /// How deep in an analytical surface the points of a curve may be where it gives way.
+    pub(super) fn deepest(&self, curve: usize) -> f64 {
+        DEEPEST * self.lengths[curve][0]
+    }
+
     /// A curve of points without facets.
     pub(super) fn add_points(&mut self, curve: Curve) -> usize {
         self.deforms.push(true);
-        self.lengths.push([0.0; 2]);
+        // They have no length that gaps could be held against.
+        self.lengths.push([f64::INFINITY; 2]);
         self.behind.push(Vec::new());
         self.curves.push(curve);
         self.curves.len() - 1

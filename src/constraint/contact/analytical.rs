@@ -128,8 +128,11 @@ impl Contact {
                 shown.opening[key as usize] = apart;
             }
             let speed = velocity[0].abs() + velocity[1].abs() + carried.abs();
-            let reach = if coupled { dt * (2.0 * fastest).max(speed) } else { 0.0 };
-            let begins = laws[law as usize].overclosure.begins();
+            let overclosure = &laws[law as usize].overclosure;
+            let hard = *overclosure == Overclosure::Hard;
+            // What gives way may press before the end.
+            let reach = if coupled || !hard { dt * (2.0 * fastest).max(speed) } else { 0.0 };
+            let begins = overclosure.begins();
             let starts = dt == 0.0;
             if nearest.beyond || nearest.gap - way.zero >= reach + begins && !starts {
                 continue;
@@ -146,7 +149,7 @@ impl Contact {
                 let met = &analytical.profile.segments[segment];
                 let (n, gap) = (met.normal(start, lift[0]), met.gap(end, lift[1]) - way.zero);
                 // A penalty and other laws that give way press at any depth.
-                let target = if laws[law as usize].overclosure == Overclosure::Hard { target } else { 0.0 };
+                let target = if hard { target } else { 0.0 };
                 let [r, z] = dofs_of[point as usize];
                 let part = |dof: u32, n: f64| if dof == NONE || dofs[dof as usize].1 { 0.0 } else { n * n };
                 if part(r, n[0]) + part(z, n[1]) < LEAST_SHARE {
