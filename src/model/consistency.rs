@@ -4,8 +4,8 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, AnalyticalSide, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Erosion, Friction,
-    IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region,
+    AmplitudeDefinition, AnalyticalSide, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Erosion,
+    Friction, IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region,
     ShellSection, ShellThinning, Side, Step, SurfaceContact, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};

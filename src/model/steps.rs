@@ -5,8 +5,8 @@ use super::builder::Builder;
 use super::history::{History, StepTime};
 use super::names::upper;
 use super::types::{
-    Boundary, Clearance, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling,
-    OutputKind, OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
+    Boundary, Clearance, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
+    OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 

@@ -81,7 +81,8 @@ impl Compiler<'_> {
         match self.analytical_surface(opposite, &pair.sides[analytical.side].name, around, state) {
             Ok((mut surface, body, count)) => {
                 surface.point = found.add_carried(body);
-                let gives_way = (pair.penalty.is_some() || pair.law.overclosure != Overclosure::Hard) && !sides.faces.is_empty();
+                let gives_way =
+                    (pair.penalty.is_some() || pair.law.overclosure != Overclosure::Hard) && !sides.faces.is_empty();
                 if gives_way {
                     surface.overlap = surface.overlap.max(found.deepest(curve));
                 }
@@ -184,8 +185,7 @@ impl Compiler<'_> {
         let help = "give the points of the surface in the opposite order";
         if start.behind <= rounding {
             if start.front <= rounding && self.looks_away(opposite, &profile) {
-                let message =
-                    format!("`{name}` faces away from `{}`, which lies on it: nothing will meet it", set);
+                let message = format!("`{name}` faces away from `{}`, which lies on it: nothing will meet it", set);
                 let finding = Diagnostic::warning("P110", message).at(surface.span, format!("{way}, as in ABAQUS"));
                 self.diagnostics.push(finding.at(pair.span, "this pair").help(help));
             }
@@ -196,8 +196,7 @@ impl Compiler<'_> {
             false => self.looks_away(opposite, &profile),
         };
         if away && start.front <= rounding.max(overlap) {
-            let message =
-                format!("`{name}` faces away from `{}`: contact is taken on the side where that is", set);
+            let message = format!("`{name}` faces away from `{}`: contact is taken on the side where that is", set);
             let finding = Diagnostic::warning("P110", message).at(surface.span, format!("{way}; ABAQUS keeps to it"));
             self.diagnostics.push(finding.at(pair.span, "this pair").help(help));
             return Ok(profile.reversed());
@@ -218,8 +217,7 @@ impl Compiler<'_> {
     /// Whether what has the nodes of a surface lies behind the analytical one, in the mean.
     fn body_of_nodes_is_behind(&self, nodes: &[usize], profile: &Profile) -> bool {
         let mesh = &self.model.mesh;
-        let touches =
-            |e: &&Element| e.nodes.len() > 2 && e.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
+        let touches = |e: &&Element| e.nodes.len() > 2 && e.nodes.iter().any(|n| nodes.binary_search(n).is_ok());
         let body = mesh.elements.iter().filter(touches).flat_map(|e| &e.nodes);
         body.map(|&n| profile.nearest(mesh.points[n], 0.0).gap).sum::<f64>() < 0.0
     }

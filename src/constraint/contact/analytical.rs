@@ -102,11 +102,16 @@ impl Contact {
     /// The rows of a pair with an analytical surface, in an increment of the length `dt`; of length zero at the start, when overlaps
     /// are told as they are.
     pub(super) fn measure_analytical(&mut self, at: usize, dt: f64) {
-        let Contact { curves, pairs, analyticals, rows, feet, dofs_of, motion, places, fits, laws, shown, dofs, .. } = self;
+        let Contact {
+            curves, pairs, analyticals, rows, feet, dofs_of, motion, places, fits, laws, shown, dofs, ..
+        } = self;
         let pair = &pairs[at];
-        let Some((which, analytical)) = pair.analytical.and_then(|i| Some((i as u32, analyticals.get(i)?))) else { return };
+        let Some((which, analytical)) = pair.analytical.and_then(|i| Some((i as u32, analyticals.get(i)?))) else {
+            return;
+        };
         let own = &curves[pair.own];
-        let velocity_of = |point: u32| dofs_of[point as usize].map(|d| if d == NONE { 0.0 } else { motion.velocity[d as usize] });
+        let velocity_of =
+            |point: u32| dofs_of[point as usize].map(|d| if d == NONE { 0.0 } else { motion.velocity[d as usize] });
         let [_, body] = dofs_of[analytical.point as usize];
         let (carried, before) = (motion.velocity[body as usize], places[analytical.point as usize][1]);
         let lift = [before, before + dt * carried];
@@ -117,7 +122,8 @@ impl Contact {
         let alone = own.orphans.iter().map(|&i| (i, true));
         for (index, alone) in own.bare_own.iter().map(|&i| (i, false)).chain(alone) {
             let point = own.own[index as usize];
-            let (key, law) = (pair.first_key + index, if alone { pair.of_points as u32 } else { pair.law_of(index as usize) });
+            let (key, law) =
+                (pair.first_key + index, if alone { pair.of_points as u32 } else { pair.law_of(index as usize) });
             let fit = |key: u32| fits.get(key as usize).copied().unwrap_or(0.0);
             let (start, velocity) = (places[point as usize], velocity_of(point));
             let end = [0, 1].map(|i| start[i] + dt * velocity[i]);

@@ -53,10 +53,7 @@ pub(super) const LIST: &[Ablation] = &[
 
 fn has_friction(model: &Model) -> bool {
     let of_load = |l: &Load| matches!(l.kind, LoadKind::Cavity { friction, .. } if friction > 0.0);
-    model.steps.iter().any(|s| {
-        s.loads.iter().any(of_load)
-            || s.frictions().any(Friction::is_there)
-    })
+    model.steps.iter().any(|s| s.loads.iter().any(of_load) || s.frictions().any(Friction::is_there))
 }
 
 fn no_friction(model: &mut Model) {
