@@ -7,6 +7,7 @@
 use revolve::solve::Outcome;
 
 use crate::common::Memory;
+use crate::common::bodies::cell_field;
 use crate::common::solid::{column, grid, last, material, run};
 
 /// The tool from one place to another, its front to the left, its reference node 9000 in the set REF.
@@ -201,4 +202,29 @@ fn shells_meet_an_analytical_plane_in_front_of_their_middle() {
         println!("shell on a plane{word}: fallen by {fallen:.12}");
         assert!((fallen - way).abs() < 1e-12, "{fallen}");
     }
+}
+
+/// A bar whose foot fails on an analytical plane: rows that deletion lays bare meet the plane, and nodes that no element has any more
+/// stay in front of it. Nothing is behind it by more than the rounding of places.
+#[test]
+fn what_erosion_lays_bare_meets_an_analytical_plane() {
+    let (n, m) = (4, 16);
+    let deck = grid(n, m, false, |i, j| [3.2e-3 * i as f64 / n as f64, 12.8e-3 * j as f64 / m as f64])
+        + &material(117e9, 0.35, 8930.0, "*Plastic\n 4.e8, 0.\n 5.e8, 1.\n*Shear Failure\n 0.4,\n")
+        + &tool(true, [[0.0, 0.0], [1.0, 0.0]], 1)
+        + "*Surface Interaction, name=DRY\n*Initial Conditions, type=VELOCITY\n ALL, 2, -300.\n\
+           *Step\n*Dynamic, Explicit\n , 2.5e-5\n*Boundary\n REF, 2, 2\n*Contact Pair, interaction=DRY\n J0, TOOL\n\
+           *Output, history, number interval=50\n*Node Output, nset=ALL\n COOR2\n\
+           *Output, field, number interval=2\n*Element Output\n STATUS\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let gone = cell_field(memory.frames.last().expect("a frame"), "STATUS").iter().filter(|s| **s == 0.0).count();
+    let lowest = (1..=(n + 1) * (m + 1)).flat_map(|k| column(&deck, &memory, &format!("COOR2@{k}")));
+    let lowest = lowest.map(|row| row.1).fold(f64::INFINITY, f64::min);
+    println!(
+        "eroding bar on an analytical plane: {gone} deleted, lowest place {lowest:.1e}, drift {:.1e}",
+        outcome.energy.drift
+    );
+    assert!(gone > n, "rows above the first have gone: {gone}");
+    assert!(lowest > -1e-9, "{lowest}");
 }
