@@ -10,7 +10,6 @@ pub mod overlaps;
 pub mod system;
 pub mod tie;
 pub mod user_motion;
-pub mod wall;
 
 use self::contact::curve::Carrier;
 use crate::load::Slot;
@@ -23,7 +22,7 @@ use crate::variables::Part;
 
 /// A constraint over a step. In each increment the integrator calls [`Constraint::passes_on`], [`Constraint::accelerations`],
 /// [`Constraint::velocities`] and, behind the motion, [`Constraint::motion`]; constraints follow each other in the order of the
-/// plan: prescribed motions, equations, walls, contact, ties.
+/// plan: prescribed motions, equations, contact, ties.
 pub trait Constraint: Persist + Send + Sync {
     /// Its row of the ledger.
     fn id(&self) -> EffectId;

@@ -100,7 +100,7 @@ impl Segment {
     }
 
     /// Where the foot of a point is: below 0 before the start, above 0 behind the end, 0 between.
-    fn side_of(&self, point: [f64; 2], lift: f64) -> i8 {
+    pub fn side_of(&self, point: [f64; 2], lift: f64) -> i8 {
         let [a, b] = self.ends();
         let p = [point[0], point[1] - lift];
         let (before, behind) = match *self {
@@ -204,6 +204,16 @@ impl Profile {
         boxes.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[l, h], [a, b]| {
             [[l[0].min(a[0]), l[1].min(a[1])], [h[0].max(b[0]), h[1].max(b[1])]]
         })
+    }
+
+    /// The segments that meet a segment in a re-entrant corner at its start and at its end: what is in front of it may meet both.
+    pub fn beside(&self, segment: usize) -> [Option<usize>; 2] {
+        let (count, last) = (self.segments.len(), self.segments.len() - 1);
+        let closed = self.segments[0].ends()[0] == self.segments[last].ends()[1];
+        let turns = |a: usize, b: usize| cross(self.segments[a].direction(1), self.segments[b].direction(0)) > SMOOTH;
+        let before = (segment > 0 || closed && count > 1).then_some((segment + last) % count);
+        let after = (segment < last || closed && count > 1).then_some((segment + 1) % count);
+        [before.filter(|&b| turns(b, segment)), after.filter(|&a| turns(segment, a))]
     }
 
     /// z, where all of it is one plane z = constant.

@@ -162,7 +162,6 @@ impl Step {
             boundaries: Vec::new(),
             loads: Vec::new(),
             fields: Vec::new(),
-            contacts: Vec::new(),
             surface_contacts: Vec::new(),
             general_contact: None,
             mass_scalings: Vec::new(),

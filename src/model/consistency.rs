@@ -4,9 +4,9 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Erosion, Friction,
-    IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region,
-    ShellSection, ShellThinning, Side, Sides, Step, Target,
+    AmplitudeDefinition, AnalyticalSide, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Erosion,
+    Friction, IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region,
+    ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;
@@ -344,19 +344,13 @@ impl Check<'_> {
     }
 
     fn contacts_and_masses(&mut self, step: &Step) {
-        for contact in &step.contacts {
-            self.nodes(contact.span, &contact.nodes);
-            self.value(ascend(&contact.nodes), contact.span, || "nodes in contact must ascend".into());
-            self.value(not_below(contact.friction), contact.span, || "friction must not be below zero".into());
-            self.nodes(contact.span, contact.faces.as_flattened());
-            if !self.model.rigid_surfaces.contains_key(&contact.surface) {
-                self.error("M114", contact.span, format!("there is no analytical surface `{}`", contact.surface));
-            }
-        }
         for contact in &step.surface_contacts {
             for sides in &contact.sides {
                 let elements: Vec<usize> = sides.faces.iter().map(|f| f.0).collect();
                 self.elements(contact.span, &elements);
+            }
+            if let Some(analytical) = &contact.analytical {
+                self.analytical_side(contact, analytical);
             }
             let Friction { at_rest, sliding, decay, largest } = contact.law.friction;
             let good = [at_rest, sliding, decay, largest].iter().all(|x| *x >= 0.0);
@@ -374,6 +368,15 @@ impl Check<'_> {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
             let good = above_zero(scaling.factor) && scaling.target.is_none_or(|t| above_zero(t.1));
             self.value(good, scaling.span, || "FACTOR and DT of mass scaling must be above zero".into());
+        }
+    }
+
+    fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {
+        self.nodes(contact.span, &analytical.nodes);
+        self.value(ascend(&analytical.nodes), contact.span, || "nodes in contact must ascend".into());
+        let surface = contact.sides.get(analytical.side).map_or("", |s| &s.name);
+        if !self.model.rigid_surfaces.contains_key(surface) {
+            self.error("M114", contact.span, format!("there is no analytical surface `{surface}`"));
         }
     }
 

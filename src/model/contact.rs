@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Contact, Friction, GapHeat, Model, Overclosure, Profile, RigidBody, RigidSurface, Segment};
+use super::types::{AnalyticalSide, Model, Profile, RigidBody, RigidSurface, Segment, Sides};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
@@ -210,9 +210,9 @@ impl Builder<'_> {
             let (known, scope) = (&self.model.rigid_surfaces, &self.scope);
             let find =
                 |w: &Word| [qualified(scope, &w.text), upper(&w.text)].into_iter().find(|n| known.contains_key(n));
-            let (surface, other) = match (find(first), find(second)) {
-                (Some(surface), None) => (surface, second),
-                (None, Some(surface)) => (surface, first),
+            let (side, surface, other) = match (find(first), find(second)) {
+                (Some(surface), None) => (0, surface, second),
+                (None, Some(surface)) => (1, surface, first),
                 _ if self.lost.explains("surface", first) || self.lost.explains("surface", second) => continue,
                 (None, None) => {
                     self.surface_pair(card, line, [first, second], adds);
@@ -224,31 +224,10 @@ impl Builder<'_> {
                     continue;
                 }
             };
-            let Some(nodes) = self.contact_nodes(other) else { continue };
-            let Some(penalty) = self.penalty_of_pair(card) else { return };
-            if penalty.is_some() {
-                let message = "penalty springs do not stand between nodes and an analytical surface";
-                self.unsupported(
-                    line.span,
-                    message,
-                    "make the surface of RAX2 elements, or leave MECHANICAL CONSTRAINT out",
-                );
-                continue;
-            }
-            let faces = self.contact_faces(other);
-            let set = other.text.clone();
-            let interaction = card.value("INTERACTION").cloned();
-            let pairs = &mut self.state().contacts;
-            let before = pairs.len();
-            // A pair that is given again takes the place of the earlier one.
-            pairs.retain(|c| c.surface != surface || c.nodes != nodes);
-            if !adds {
-                if pairs.len() == before {
-                    self.no_pair_to_delete(line.span);
-                }
-                continue;
-            }
-            pairs.push(Contact { surface, nodes, faces, set, interaction, friction: 0.0, span: line.span });
+            let Some((nodes, sides)) = self.sides_of_nodes(other) else { continue };
+            let rigid = Sides { name: surface, surface: true, faces: Vec::new(), whole: Vec::new() };
+            let sides = if side == 0 { [rigid, sides] } else { [sides, rigid] };
+            self.add_pair(card, line, (sides, Some(AnalyticalSide { side, nodes })), adds);
         }
     }
 
@@ -281,21 +260,7 @@ impl Builder<'_> {
         }
         let Model { interactions, steps, .. } = &mut self.model;
         let of = |word: &Word| interactions.iter().find(|i| i.name == upper(&word.text));
-        let mut refused = Vec::new();
         for step in steps {
-            for contact in &mut step.contacts {
-                let Some(found) = contact.interaction.as_ref().and_then(of) else { continue };
-                let friction = found.law.friction;
-                let plain = found.law.overclosure == Overclosure::Hard && found.law.heat == GapHeat::default();
-                if plain && friction == Friction::of(friction.at_rest) {
-                    contact.friction = friction.at_rest;
-                    continue;
-                }
-                let message = format!("interaction `{}` is more than one coefficient of friction", found.name);
-                let finding = Diagnostic::error("M105", message).at(contact.span, "with an analytical surface");
-                refused
-                    .push(finding.help("make the surface of RAX2 elements, or take HARD contact and one coefficient"));
-            }
             for contact in &mut step.surface_contacts {
                 let found = contact.interaction.as_ref().and_then(of);
                 contact.law = found.map(|i| i.law.clone()).unwrap_or_default();
@@ -304,31 +269,27 @@ impl Builder<'_> {
                 assigned.law = of(&assigned.interaction).map(|i| i.law.clone()).unwrap_or_default();
             }
         }
-        refused.into_iter().for_each(|finding| self.diagnostics.push(finding));
     }
 
     /// Nodes of a surface of nodes or of element faces, ascending.
     pub(super) fn contact_nodes(&mut self, word: &Word) -> Option<Vec<usize>> {
+        self.sides_of_nodes(word).map(|sides| sides.0)
+    }
+
+    /// The same, and its faces.
+    fn sides_of_nodes(&mut self, word: &Word) -> Option<(Vec<usize>, Sides)> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.model.node_surfaces.get(&name) {
-                return Some(nodes.clone());
+                return Some((nodes.clone(), Sides { name, surface: true, faces: Vec::new(), whole: Vec::new() }));
             }
         }
-        let key = self.surface_key(word)?;
+        let name = self.surface_key(word)?;
         let mesh = &self.model.mesh;
-        let faces = &self.model.surfaces[&key].faces;
+        let faces = self.model.surfaces[&name].faces.clone();
         let mut nodes: Vec<usize> = faces.iter().filter_map(|&(e, side)| mesh.ends(e, side)).flatten().collect();
         nodes.sort_unstable();
         nodes.dedup();
-        Some(nodes)
-    }
-
-    /// Faces of a surface; none of one of nodes.
-    fn contact_faces(&self, word: &Word) -> Vec<[usize; 2]> {
-        let names = [qualified(&self.scope, &word.text), upper(&word.text)];
-        let surface = names.iter().find_map(|name| self.model.surfaces.get(name));
-        let faces = surface.map_or(&[][..], |s| &s.faces);
-        faces.iter().filter_map(|&(e, side)| self.model.mesh.ends(e, side)).collect()
+        Some((nodes, Sides { name, surface: true, faces, whole: Vec::new() }))
     }
 
     /// A surface of nodes: sets or single nodes.

@@ -5,8 +5,8 @@ use super::builder::Builder;
 use super::history::{History, StepTime};
 use super::names::upper;
 use super::types::{
-    Boundary, Clearance, Contact, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling,
-    OutputKind, OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
+    Boundary, Clearance, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
+    OutputRequest, PrescribedField, Restart, Step, SurfaceContact,
 };
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
@@ -35,7 +35,6 @@ pub(super) struct StepState {
     pub fields: Vec<PrescribedField>,
     /// Output requests of earlier steps.
     pub earlier_outputs: Vec<OutputRequest>,
-    pub contacts: Vec<Contact>,
     pub surface_contacts: Vec<SurfaceContact>,
     pub general_contact: Option<GeneralContact>,
     /// Clearances and factors on penalty springs that cards of this step give sets of pairs.
@@ -151,7 +150,6 @@ impl Builder<'_> {
             boundaries,
             loads,
             fields,
-            contacts: state.contacts,
             surface_contacts: state.surface_contacts,
             general_contact: state.general_contact,
             mass_scalings: state.mass_scalings,

@@ -1,10 +1,9 @@
-//! Contact of surfaces of elements with each other and with themselves: the pairs of `*CONTACT PAIR` without an analytical
-//! surface.
-//! Never here: analytical surfaces, how surfaces interact, what contact does.
+//! The pairs of `*CONTACT PAIR`: which surfaces, and what the card says of them.
+//! Never here: analytical surfaces and what lies opposite them, how surfaces interact, what contact does.
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{Clearance, Law, Sides, SurfaceContact};
+use super::types::{AnalyticalSide, Clearance, Law, Sides, SurfaceContact};
 use crate::deck::{Card, DataLine, Word};
 
 impl Builder<'_> {
@@ -12,6 +11,17 @@ impl Builder<'_> {
     pub(super) fn surface_pair(&mut self, card: &Card, line: &DataLine, words: [&Word; 2], adds: bool) {
         let Some(first) = self.contact_sides(words[0]) else { return };
         let Some(second) = self.contact_sides(words[1]) else { return };
+        self.add_pair(card, line, ([first, second], None), adds);
+    }
+
+    /// A pair of two surfaces, of which one may be analytical, is added, or deleted.
+    pub(super) fn add_pair(
+        &mut self,
+        card: &Card,
+        line: &DataLine,
+        (sides, analytical): ([Sides; 2], Option<AnalyticalSide>),
+        adds: bool,
+    ) {
         let clearance = match card.value("ADJUST") {
             None => None,
             Some(word) => match self.adjust(word) {
@@ -22,7 +32,7 @@ impl Builder<'_> {
         let Some(penalty) = self.penalty_of_pair(card) else { return };
         let same = |c: &SurfaceContact| {
             let names = [&c.sides[0].name, &c.sides[1].name];
-            names == [&first.name, &second.name] || names == [&second.name, &first.name]
+            names == [&sides[0].name, &sides[1].name] || names == [&sides[1].name, &sides[0].name]
         };
         let pairs = &mut self.state().surface_contacts;
         let before = pairs.len();
@@ -36,7 +46,8 @@ impl Builder<'_> {
         }
         let (interaction, law) = (card.value("INTERACTION").cloned(), Law::default());
         pairs.push(SurfaceContact {
-            sides: [first, second],
+            sides,
+            analytical,
             general: false,
             thin: card.has("NO THICKNESS"),
             clearance,

@@ -658,11 +658,13 @@ pub struct Interaction {
     pub heat_cards: Vec<(&'static str, Span)>,
 }
 
-/// Contact of two surfaces of elements, or of one with itself.
+/// Contact of two surfaces of elements, of one with itself, or of one with an analytical surface.
 #[derive(Clone, Debug)]
 pub struct SurfaceContact {
     /// Both surfaces; the same twice where one meets itself.
     pub sides: [Sides; 2],
+    /// Of an analytical surface and what meets it; `None` of surfaces of elements.
+    pub analytical: Option<AnalyticalSide>,
     /// Whether it is one of general contact.
     pub general: bool,
     /// Whether shells meet at their middle surface (`NO THICKNESS`).
@@ -686,6 +688,15 @@ impl SurfaceContact {
     pub fn is_of_one(&self) -> bool {
         self.sides[0].name == self.sides[1].name
     }
+}
+
+/// Which side of a pair is an analytical surface, and what meets it.
+#[derive(Clone, Debug)]
+pub struct AnalyticalSide {
+    /// The side; it has the upper-case name of the surface and no faces.
+    pub side: usize,
+    /// Nodes of the other surface, ascending; that has no faces either where it is one of nodes.
+    pub nodes: Vec<usize>,
 }
 
 /// What gaps at the start are taken as: no node is moved, and nothing is strained.
@@ -749,25 +760,6 @@ pub struct AssignedInteraction {
     pub interaction: Word,
     /// What it does.
     pub law: Law,
-}
-
-/// Contact of a surface with an analytical one.
-#[derive(Clone, Debug)]
-pub struct Contact {
-    /// Upper-case name of the analytical surface.
-    pub surface: String,
-    /// Nodes of the other surface, ascending.
-    pub nodes: Vec<usize>,
-    /// Its faces, the way they run around their elements counter-clockwise; none of a surface of nodes.
-    pub faces: Vec<[usize; 2]>,
-    /// What the deck called it.
-    pub set: String,
-    /// Name of its surface interaction, which may be defined anywhere in the deck.
-    pub interaction: Option<Word>,
-    /// Coulomb coefficient, of that interaction.
-    pub friction: f64,
-    /// The data line.
-    pub span: Span,
 }
 
 /// What springs or dashpots of a set do.
@@ -938,9 +930,7 @@ pub struct Step {
     pub loads: Vec<Load>,
     /// Field variables in force, each with the nodes to which no later one gives another value.
     pub fields: Vec<PrescribedField>,
-    /// Contact with analytical surfaces in force.
-    pub contacts: Vec<Contact>,
-    /// Contact of surfaces of elements in force.
+    /// Contact of pairs of surfaces in force.
     pub surface_contacts: Vec<SurfaceContact>,
     /// General contact in force.
     pub general_contact: Option<GeneralContact>,
@@ -957,10 +947,10 @@ pub struct Step {
 impl Step {
     /// Whether anything may meet.
     pub fn has_contact(&self) -> bool {
-        !self.contacts.is_empty() || !self.surface_contacts.is_empty() || self.general_contact.is_some()
+        !self.surface_contacts.is_empty() || self.general_contact.is_some()
     }
 
-    /// Friction of all surfaces of elements that may meet.
+    /// Friction of all surfaces that may meet.
     pub fn frictions(&self) -> impl Iterator<Item = &Friction> {
         let assigned = self.general_contact.iter().flat_map(|g| &g.assigned).map(|a| &a.law);
         self.surface_contacts.iter().map(|c| &c.law).chain(assigned).map(|law| &law.friction)

@@ -1,18 +1,20 @@
 //! Contact of surfaces of elements: which curves there are, which of a pair carries the pressures, what is told of how they start.
-//! Never here: analytical surfaces, the contact itself.
+//! Never here: how analytical surfaces lie, the contact itself.
 
 use std::collections::{HashMap, HashSet};
 
+use super::analytical::friction_of;
 use super::contact_doubts::Met;
 use super::general_contact::pair_name;
 use super::pieces::pieces;
 use super::{Compiler, State};
 use crate::constraint::Constraint;
+use crate::constraint::contact::analytical::Analytical;
 use crate::constraint::contact::curve::{Carrier, Curve, Point};
 use crate::constraint::contact::{Begins, Contact, Overlap, Pair};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{GapHeat, Law, Overclosure};
-use crate::model::{GeneralContact, Side, Sides, SurfaceContact};
+use crate::model::{AnalyticalSide, GeneralContact, Side, Sides, SurfaceContact};
 
 /// A facet is met from behind no deeper than this many of its lengths.
 const DEEPEST: f64 = 2.0;
@@ -26,7 +28,7 @@ const SEARCHED: f64 = 0.1;
 
 /// Points and curves as they are found.
 #[derive(Default)]
-struct Found {
+pub(super) struct Found {
     points: Vec<Point>,
     places: Vec<[f64; 2]>,
     point_of_node: HashMap<usize, u32>,
@@ -37,12 +39,13 @@ struct Found {
     lengths: Vec<[f64; 2]>,
     deforms: Vec<bool>,
     by_name: HashMap<(String, bool), usize>,
+    pub(super) analyticals: Vec<Analytical>,
 }
 
 /// What points and facets are judged by.
-struct Around<'a> {
+pub(super) struct Around<'a> {
     /// Degrees of freedom whose motion is prescribed, and that follow others.
-    prescribed: &'a HashSet<(usize, usize)>,
+    pub(super) prescribed: &'a HashSet<(usize, usize)>,
     kept: &'a HashSet<(usize, usize)>,
     /// The outside of what is solid.
     skin: &'a Skin,
@@ -53,7 +56,7 @@ type Edge = [[f64; 2]; 2];
 
 /// The outside of what is solid, but for the axis, and which piece of elements that hang together each edge and element is of.
 #[derive(Default)]
-struct Skin {
+pub(super) struct Skin {
     edges: Vec<(Edge, usize)>,
     piece_of: HashMap<usize, usize>,
 }
@@ -71,7 +74,7 @@ fn is_off_axis(edge: &Edge) -> bool {
 }
 
 impl Compiler<'_> {
-    /// All contact of surfaces of elements in a step.
+    /// All contact of a step.
     pub(super) fn contact(
         &mut self,
         step: usize,
@@ -88,6 +91,14 @@ impl Compiler<'_> {
         let general = self.model.steps[step].general_contact.as_ref();
         let around = Around { prescribed, kept: &self.kept.concerned(), skin: &self.solid_skin() };
         for contact in &wanted {
+            if let Some(side) = &contact.analytical {
+                let Some((at, id)) = self.analytical((contact, side), &around, &mut found, state) else { continue };
+                let law = (&mut laws, &mut springs);
+                let Some(pair) = self.analytical_pair((contact, side), (at, id), law, &found, state) else { continue };
+                pairs.push(pair);
+                spans.push(None);
+                continue;
+            }
             let curves = [0, 1].map(|i| self.curve(contact, i, &around, &mut found));
             let [Some(first), Some(second)] = curves else { continue };
             if !found.deforms[first] && !found.deforms[second] {
@@ -100,18 +111,9 @@ impl Compiler<'_> {
                 [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
             }
             let curves = found.order(first, second);
-            let spring = contact.penalty.filter(|_| contact.law.overclosure == Overclosure::Hard);
-            let law = match spring {
-                None => place_of(&mut laws, contact.law.clone()),
-                Some(factor) => {
-                    let Some(own) = self.springs(contact, factor, curves, &found, state) else { continue };
-                    springs.extend(own);
-                    springs.len() - found.curves[curves[0]].own.len()
-                }
-            };
-            // What acts on a point by itself is no pressure: it does not give way.
-            let hard = Law { overclosure: Overclosure::Hard, ..contact.law.clone() };
-            let of_points = place_of(&mut laws, hard);
+            let others = Some(curves[1]);
+            let law = self.law(contact, [Some(curves[0]), others], (&mut laws, &mut springs), &found, state);
+            let Some([law, of_points]) = law else { continue };
             let length = found.lengths[first][0].min(found.lengths[second][0]);
             let id = match general {
                 Some(general) if contact.general => self.general_row(general, &wanted),
@@ -127,27 +129,21 @@ impl Compiler<'_> {
                 length: found.lengths[curves[0]][1],
             };
             self.doubt_pair(contact, step, met, state);
-            let name = pair_name(contact);
-            let number = self.pair_names.iter().position(|n| *n == name).unwrap_or_default();
-            let mut pair = Pair::new(id, number, curves, law, length);
-            (pair.of_points, pair.springs, pair.first) = (of_points, spring.is_some(), curves[0] == first);
-            pair.begins = contact.clearance.map(|clearance| {
-                let searched = SEARCHED * length;
-                let range = [-clearance.below.unwrap_or(searched), clearance.above.unwrap_or(searched)];
-                Begins { gap: clearance.gap, range }
-            });
+            let mut pair = Pair::new(id, self.pair_number(contact), curves, law, length);
+            (pair.of_points, pair.springs, pair.first) = (of_points, has_springs(contact), curves[0] == first);
+            pair.begins = begins(contact, length);
             pairs.push(pair);
-            spans.push((contact, length));
+            spans.push(Some((contact, length)));
         }
         if pairs.is_empty() {
             return None;
         }
-        let Found { points, places, curves, .. } = found;
+        let Found { points, places, curves, analyticals, .. } = found;
         let first = laws.len();
         pairs.iter_mut().filter(|p| p.springs).for_each(|p| p.law += first);
         let any = !springs.is_empty();
         laws.extend(springs);
-        let mut contact = Contact::new(points, curves, pairs, laws);
+        let mut contact = Contact::new(points, curves, analyticals, pairs, laws);
         if any {
             contact = contact.with_springs(first);
         }
@@ -155,10 +151,59 @@ impl Compiler<'_> {
             contact = contact.with_heat(|node| heat.temperature(node).is_finite());
         }
         let overlaps = contact.start(&places);
-        for ((contact, length), overlap) in spans.into_iter().zip(overlaps) {
+        for ((contact, length), overlap) in spans.into_iter().zip(overlaps).filter_map(|(s, o)| Some((s?, o))) {
             self.tell_start(contact, length, overlap);
         }
         Some(Box::new(contact))
+    }
+
+    /// The pair of a curve with an analytical surface.
+    fn analytical_pair(
+        &mut self,
+        (contact, side): (&SurfaceContact, &AnalyticalSide),
+        ([curve, analytical], id): ([usize; 2], usize),
+        laws: (&mut Vec<Law>, &mut Vec<Law>),
+        found: &Found,
+        state: &State,
+    ) -> Option<Pair> {
+        let [law, of_points] = self.law(contact, [Some(curve), None], laws, found, state)?;
+        let length = found.lengths[curve][0];
+        let number = self.pair_number(contact);
+        let mut pair = Pair::in_front_of(id, number, curve, analytical, law, length);
+        (pair.of_points, pair.springs, pair.first) = (of_points, has_springs(contact), side.side == 1);
+        pair.begins = begins(contact, length);
+        if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
+            self.heat_row(contact);
+        }
+        Some(pair)
+    }
+
+    /// The law of a pair of curves, of which the second may be rigid, among all laws or those of penalty springs; and that of points
+    /// that meet by themselves.
+    fn law(
+        &mut self,
+        contact: &SurfaceContact,
+        [own, other]: [Option<usize>; 2],
+        (laws, springs): (&mut Vec<Law>, &mut Vec<Law>),
+        found: &Found,
+        state: &State,
+    ) -> Option<[usize; 2]> {
+        let law = match contact.penalty.filter(|_| has_springs(contact)).zip(own) {
+            None => place_of(laws, contact.law.clone()),
+            Some((factor, own)) => {
+                let all = self.springs(contact, factor, (own, other), found, state)?;
+                springs.extend(all);
+                springs.len() - found.curves[own].own.len()
+            }
+        };
+        // What acts on a point by itself is no pressure: it does not give way.
+        let hard = Law { overclosure: Overclosure::Hard, ..contact.law.clone() };
+        Some([law, place_of(laws, hard)])
+    }
+
+    fn pair_number(&self, contact: &SurfaceContact) -> usize {
+        let name = pair_name(contact);
+        self.pair_names.iter().position(|n| *n == name).unwrap_or_default()
     }
 
     fn contact_row(&mut self, contact: &SurfaceContact, found: &Found, own: usize) -> usize {
@@ -172,11 +217,7 @@ impl Compiler<'_> {
             (Overclosure::Exponential(_), _) => "exponential".into(),
             (Overclosure::Table(_), _) => "tabular".into(),
         };
-        let friction = match contact.law.friction.at_rest {
-            _ if !contact.law.friction.is_there() => String::new(),
-            f64::INFINITY => ", rough".into(),
-            coefficient => format!(", friction {coefficient}"),
-        };
+        let friction = friction_of(contact);
         let count = found.curves[own].facets.len();
         let clearance = match contact.clearance {
             Some(clearance) if clearance.gap > 0.0 => format!(", clearance {:e}", clearance.gap),
@@ -210,7 +251,7 @@ impl Compiler<'_> {
         &mut self,
         contact: &SurfaceContact,
         factor: f64,
-        [own, other]: [usize; 2],
+        (own, other): (usize, Option<usize>),
         found: &Found,
         state: &State,
     ) -> Option<Vec<Law>> {
@@ -218,14 +259,16 @@ impl Compiler<'_> {
             let of = found.behind[curve].iter().map(|&(e, nodes)| self.softness(e, nodes, state));
             of.collect::<Option<Vec<f64>>>()
         };
-        let (Some(own_ways), Some(others)) = (softness(own), softness(other)) else {
+        let others = other.map_or(Some(Vec::new()), softness);
+        let (Some(own_ways), Some(others)) = (softness(own).filter(|ways| !ways.is_empty()), others) else {
             let message = "penalty springs are as stiff as the elements behind them, and that cannot be told of these";
             let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
             self.diagnostics
                 .push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or leave PENALTY out"));
             return None;
         };
-        let beside = others.iter().sum::<f64>() / others.len() as f64;
+        // An analytical surface does not give.
+        let beside = others.iter().sum::<f64>() / others.len().max(1) as f64;
         let curve = &found.curves[own];
         let stiffness = |index: usize| {
             let around = curve.around_own(index).iter().filter_map(|f| own_ways.get(f.0 as usize));
@@ -255,7 +298,7 @@ impl Compiler<'_> {
     }
 
     /// One surface of a pair; `None` where it cannot be in contact, which is told.
-    fn curve(
+    pub(super) fn curve(
         &mut self,
         contact: &SurfaceContact,
         which: usize,
@@ -276,16 +319,12 @@ impl Compiler<'_> {
             }
             let mut facet = [0; 2];
             for (point, node) in facet.iter_mut().zip(ends) {
-                *point = match found.point_of_node.get(&node) {
-                    Some(&known) => known,
-                    None => match self.contact_point(node, around) {
-                        Ok(at) => found.add(node, at, self.model.mesh.points[node]),
-                        Err(why) => {
-                            let finding = Diagnostic::error("P021", why).at(contact.span, "this pair");
-                            self.diagnostics.push(finding);
-                            return None;
-                        }
-                    },
+                *point = match self.point_of(node, around, found) {
+                    Ok(point) => point,
+                    Err(why) => {
+                        self.diagnostics.push(Diagnostic::error("P021", why).at(contact.span, "this pair"));
+                        return None;
+                    }
                 };
             }
             facets.push((facet, element));
@@ -345,6 +384,14 @@ impl Compiler<'_> {
     fn thickness_of(&self, element: usize) -> f64 {
         let section = self.model.shell_sections.iter().find(|s| s.elements.contains(&element));
         section.map_or(0.0, |s| s.thickness)
+    }
+
+    /// The point of a node.
+    pub(super) fn point_of(&self, node: usize, around: &Around<'_>, found: &mut Found) -> Result<u32, String> {
+        match found.point_of_node.get(&node) {
+            Some(&known) => Ok(known),
+            None => Ok(found.add(node, self.contact_point(node, around)?, self.model.mesh.points[node])),
+        }
     }
 
     /// What carries a point of a surface in contact, and along which axes it moves freely.
@@ -410,6 +457,28 @@ impl Found {
         index
     }
 
+    /// A point that a body carries at the origin.
+    pub(super) fn add_carried(&mut self, body: usize) -> u32 {
+        self.points.push(Point { carrier: Carrier::Body(body, [0.0; 2]), free: [false, true] });
+        self.places.push([0.0; 2]);
+        self.points.len() as u32 - 1
+    }
+
+    /// How deep in an analytical surface the points of a curve may be where it gives way.
+    pub(super) fn deepest(&self, curve: usize) -> f64 {
+        DEEPEST * self.lengths[curve][0]
+    }
+
+    /// A curve of points without facets.
+    pub(super) fn add_points(&mut self, curve: Curve) -> usize {
+        self.deforms.push(true);
+        // They have no length that gaps could be held against.
+        self.lengths.push([f64::INFINITY; 2]);
+        self.behind.push(Vec::new());
+        self.curves.push(curve);
+        self.curves.len() - 1
+    }
+
     fn add_curve(
         &mut self,
         facets: &[([u32; 2], usize)],
@@ -447,6 +516,20 @@ impl Found {
         };
         if swaps { [second, first] } else { [first, second] }
     }
+}
+
+/// Whether penalty springs stand between the surfaces of a pair: a pressure-overclosure relationship takes their place.
+fn has_springs(contact: &SurfaceContact) -> bool {
+    contact.penalty.is_some() && contact.law.overclosure == Overclosure::Hard
+}
+
+/// What gaps of a pair at the start are taken as.
+fn begins(contact: &SurfaceContact, length: f64) -> Option<Begins> {
+    contact.clearance.map(|clearance| {
+        let searched = SEARCHED * length;
+        let range = [-clearance.below.unwrap_or(searched), clearance.above.unwrap_or(searched)];
+        Begins { gap: clearance.gap, range }
+    })
 }
 
 /// Where a law is among others; it is added where it is not.

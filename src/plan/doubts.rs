@@ -1,6 +1,6 @@
 //! What a deck says and can hardly mean: units that do not fit, a step without end, a body that nothing acts on. Warnings; the run does what the deck
 //! says.
-//! Never here: what cannot be simulated; surfaces that face away (walls.rs), bodies that lie in each other (overlaps.rs).
+//! Never here: what cannot be simulated; surfaces that face away (analytical.rs), bodies that lie in each other (overlaps.rs).
 
 use std::collections::HashSet;
 

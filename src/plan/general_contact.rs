@@ -74,6 +74,7 @@ impl Compiler<'_> {
                 law: assigned.map(|a| a.law.clone()).unwrap_or_default(),
                 interaction: assigned.map(|a| a.interaction.clone()),
                 sides: m.sides,
+                analytical: None,
                 general: true,
                 thin: false,
                 clearance: clearance.and_then(|index| general.clearances[index].clearance),

@@ -1,6 +1,7 @@
 //! The meeting point: model in, effects out, with the ledger that says which and why. The one place that decides.
 //! Never here: time stepping.
 
+mod analytical;
 mod averaging;
 mod bodies;
 mod bytes;
@@ -33,7 +34,6 @@ mod surfaces;
 mod ties;
 mod user;
 mod user_material;
-mod walls;
 
 use std::collections::HashSet;
 
@@ -126,7 +126,7 @@ pub struct StepPlan {
     pub load_velocity: LoadVelocity,
     /// Loads; those that resist come last.
     pub loads: Vec<Box<dyn Load>>,
-    /// Constraints: prescribed motions, equations, walls, contact, ties.
+    /// Constraints: prescribed motions, equations, contact, ties.
     pub constraints: Vec<Box<dyn Constraint>>,
     /// Limits on energies; `None` without any.
     pub energy_limit: Option<EnergyLimit>,
@@ -284,10 +284,8 @@ impl Compiler<'_> {
         let mut constraints = self.motions(step, &mut user_motions);
         let held = constraints.iter().filter(|c| c.holds()).flat_map(|c| c.prescribes()).collect();
         let given = Given { all: constraints.iter().flat_map(|c| c.prescribes()).collect(), held };
-        let walls = self.walls(step, state, &given.all);
         constraints.extend(self.equations(step, state, &given));
-        // Tied nodes follow what walls do to a body that moves freely.
-        constraints.extend(walls);
+        // Tied nodes follow what contact does to a body that moves freely.
         constraints.extend(self.contact(index, &given.all, state));
         constraints.extend(self.strangers(state));
         constraints.extend(self.ties.iter().map(|tie| Box::new(tie.clone()) as Box<dyn Constraint>));

@@ -400,7 +400,8 @@ fn faulty_contact_is_refused_with_a_reason() {
         ("M104", " LINE, 100., 0.", " PARAB, 100., 1., 200., 0."),
         ("M114", " J0, WALL", " NONE, WALL"),
         ("", " J0, WALL", " J0, J1"),
-        ("M104", "interaction=SMOOTH", "interaction=SMOOTH, mechanical constraint=PENALTY"),
+        ("", "interaction=SMOOTH", "interaction=SMOOTH, mechanical constraint=PENALTY"),
+        ("M103", "interaction=SMOOTH", "interaction=SMOOTH, mechanical constraint=SPRINGS"),
         ("M103", "name=SMOOTH\n", "name=SMOOTH\n*Friction\n -1.\n"),
     ];
     refused(&good, &cases);

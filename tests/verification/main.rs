@@ -10,6 +10,7 @@ mod bars;
 mod cavities;
 mod conduction;
 mod contact;
+mod contact_analytical;
 mod contact_cards;
 mod contact_curved;
 mod contact_friction;

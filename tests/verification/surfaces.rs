@@ -2,7 +2,7 @@
 //!
 //! Goal: momentum, energy, forces and times of contact.
 //! Source: closed forms of bars, of Hertz and of rigid bodies; each test says its tolerance and why. What a node alone does
-//! on arcs, slopes and corners stands with the constraint (`src/constraint/wall.rs`).
+//! on arcs, slopes and corners stands with the constraint (`src/constraint/contact/analytical.rs`).
 
 use revolve::solve;
 use revolve::user::Routines;

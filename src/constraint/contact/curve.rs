@@ -54,7 +54,8 @@ pub struct Curve {
     around: Vec<Vec<(u32, u8)>>,
     /// Those facets that lie bare, as they follow each other.
     pub bare: Vec<u32>,
-    /// Indices among the own points of those that bare facets have, in the same order, and of those that no element has any more.
+    /// Indices among the own points of those that bare facets have, in the same order, and of those that no element has, or none any
+    /// more.
     pub bare_own: Vec<u32>,
     /// See there; none where they meet nothing any more.
     pub orphans: Vec<u32>,
@@ -145,6 +146,14 @@ impl Curve {
         curve
     }
 
+    /// Points without facets, ascending.
+    pub fn of_points(points: Vec<u32>) -> Curve {
+        let mut curve = Curve::new(Vec::new(), Vec::new(), 0, &[]);
+        (curve.around, curve.own) = (vec![Vec::new(); points.len()], points);
+        curve.list();
+        curve
+    }
+
     /// Tips are points on the axis from which the surface rises behind them. The hats of what they meet see them late: they meet
     /// by themselves, too.
     fn find_tips(&mut self, places: &[[f64; 2]]) {
@@ -203,7 +212,7 @@ impl Curve {
         bare_own.extend((0..own.len() as u32).filter(|i| around[*i as usize].iter().any(|f| there[f.0 as usize])));
         orphans.clear();
         let left = |i: &u32| around[*i as usize].iter().all(|f| !behind[f.0 as usize]);
-        if !*drops_orphans && behind.contains(&false) {
+        if !*drops_orphans && (behind.is_empty() || behind.contains(&false)) {
             orphans.extend((0..own.len() as u32).filter(left));
         }
     }
@@ -311,6 +320,24 @@ impl Curve {
             let [a, b] = self.facets[k as usize].map(|p| places[p as usize]);
             self.shapes[k as usize] = Shape::new(a, b);
         }
+    }
+
+    /// Area of the hat function of the point of an index among the curve's own, over the surface of revolution.
+    pub fn area(&self, index: usize, places: &[[f64; 2]]) -> f64 {
+        let own = self.around[index].iter().filter(|f| self.there[f.0 as usize]);
+        let of = |&(k, end): &(u32, u8)| {
+            let radii = self.facets[k as usize].map(|p| places[p as usize][0]);
+            let (here, there) = (radii[end as usize], radii[1 - end as usize]);
+            std::f64::consts::TAU * self.shapes[k as usize].length * (2.0 * here + there) / 6.0
+        };
+        own.map(of).sum()
+    }
+
+    /// How far in front of the point of an index among the curve's own the surface lies, in the mean of all facets there ever are.
+    pub fn lift_of(&self, index: usize) -> f64 {
+        let around = &self.around[index];
+        let sum: f64 = around.iter().map(|f| self.lift[f.0 as usize]).sum();
+        sum / around.len().max(1) as f64
     }
 
     /// Bytes of the arrays.

@@ -162,6 +162,8 @@ impl Rows {
             let most = most_shear(row, &laws[row.law as usize], span.half);
             direct.status.push(match row.pressed > 0.0 {
                 false => Status::Open,
+                // What is held along the surface otherwise gives friction no way.
+                true if row.gives[1] <= 0.0 => Status::Slides(0.0),
                 true if row.sheared.abs() < most * (1.0 - 1e-9) => Status::Sticks,
                 true => Status::Slides(row.sheared.signum()),
             });
@@ -217,6 +219,7 @@ impl Rows {
             let (pressed, sheared) = match *status {
                 Status::Open => (0.0, 0.0),
                 Status::Sticks => (row.pressed.max(0.0), row.sheared),
+                Status::Slides(0.0) => (row.pressed.max(0.0), 0.0),
                 Status::Slides(direction) => {
                     (row.pressed.max(0.0), direction * most_shear(row, &laws[row.law as usize], span.half))
                 }

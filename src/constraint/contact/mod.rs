@@ -1,11 +1,14 @@
-//! Contact of surfaces with each other and with themselves: no overlap grows, whatever the stiffness of what meets.
-//! Never here: analytical surfaces, deck words, which surfaces there are.
+//! Contact of surfaces with each other, with themselves and with analytical ones: no overlap grows, whatever the stiffness of what
+//! meets.
+//! Never here: deck words, which surfaces there are.
 //!
 //! Each point of one surface of a pair carries a pressure, the multiplier of the gap in front of it, weighted with its hat
 //! function over the surface of revolution ([`gaps`]). In each increment impulses are found with which the velocity ahead closes
 //! no gap by more than it has, `G v + max(g, 0)/dt >= 0` with pressures not below zero, and friction within Coulomb's cone
-//! ([`sweeps`]). An overlap that is there is stopped and not thrown out. Nothing here limits the increment.
+//! ([`sweeps`]). An overlap that is there is stopped and not thrown out. In front of
+//! analytical surfaces each point has a gap of its own ([`analytical`]). Nothing here limits the increment.
 
+pub mod analytical;
 pub mod curve;
 mod direct;
 mod gaps;
@@ -15,6 +18,7 @@ mod search;
 mod shown;
 mod sweeps;
 
+use self::analytical::{Analytical, Foot};
 use self::curve::{Carrier, Curve, Point};
 use self::gaps::{Gaps, Seen};
 use self::heat::Crossing;
@@ -38,8 +42,10 @@ pub struct Pair {
     pub number: usize,
     /// The curve whose points carry pressures.
     pub own: usize,
-    /// The other one; `None` where it is the same.
+    /// The other one; `None` where it is the same, or an analytical surface.
     pub other: Option<usize>,
+    /// The analytical surface, where it is one.
+    pub analytical: Option<usize>,
     /// Which of the laws of the contact it follows; of penalty springs the first: each point of the own curve has one.
     pub law: usize,
     /// Whether it has penalty springs.
@@ -67,6 +73,7 @@ impl Pair {
             number,
             own,
             other,
+            analytical: None,
             law,
             springs: false,
             of_points: law,
@@ -76,6 +83,11 @@ impl Pair {
             seen: Vec::new(),
             first_key: 0,
         }
+    }
+
+    /// The same of a curve with an analytical surface.
+    pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, law: usize, length: f64) -> Pair {
+        Pair { analytical: Some(analytical), ..Pair::new(id, number, [own, own], law, length) }
     }
 
     /// The law of a point of the own curve.
@@ -99,6 +111,9 @@ pub struct Contact {
     points: Vec<Point>,
     curves: Vec<Curve>,
     pairs: Vec<Pair>,
+    analyticals: Vec<Analytical>,
+    /// Where rows meet analytical surfaces in this increment.
+    feet: Vec<Foot>,
     laws: Vec<Law>,
     /// Degrees of freedom of each point along r and z; [`NONE`] where it has none.
     dofs_of: Vec<[u32; 2]>,
@@ -155,8 +170,14 @@ pub struct Overlap {
 }
 
 impl Contact {
-    /// The contact of some pairs of curves over points.
-    pub fn new(points: Vec<Point>, curves: Vec<Curve>, mut pairs: Vec<Pair>, laws: Vec<Law>) -> Contact {
+    /// The contact of some pairs of curves over points, with each other and with analytical surfaces.
+    pub fn new(
+        points: Vec<Point>,
+        curves: Vec<Curve>,
+        mut analyticals: Vec<Analytical>,
+        mut pairs: Vec<Pair>,
+        laws: Vec<Law>,
+    ) -> Contact {
         let mut contact = Contact { laws, ..Contact::default() };
         contact.number(&points);
         let mut keys = 0;
@@ -164,22 +185,27 @@ impl Contact {
             let own = &curves[pair.own];
             let others = pair.other.map_or(own.facets.len(), |o| curves[o].facets.len());
             let lift = own.highest() + pair.other.map_or(own.highest(), |o| curves[o].highest());
+            pair.first_key = keys;
+            keys += analytical::keys(&curves, &analyticals, pair);
+            if let Some(met) = pair.analytical {
+                analyticals[met].lift = (0..own.own.len()).map(|i| own.lift_of(i)).collect();
+                continue;
+            }
             pair.search = Search::new(pair.search.length, lift, own.facets.len(), others);
             pair.seen = vec![Seen::default(); own.facets.len()];
-            pair.first_key = keys;
-            // Points of the other curve carry one where they meet by themselves.
-            let others = pair.other.map(|o| &curves[o]).filter(|c| c.has_loose_points());
-            keys += (own.own.len() + others.map_or(0, |c| c.own.len())) as u32;
         }
-        let facets: usize = pairs.iter().map(|p| curves[p.own].facets.len()).sum();
+        let facets: usize = pairs.iter().map(|p| p.seen.len()).sum();
         contact.pressures = vec![[0.0; 2]; keys as usize];
         contact.shown = Shown::new(keys as usize, &points);
         contact.places = vec![[0.0; 2]; points.len()];
         contact.listed = Vec::with_capacity(points.len());
-        contact.near = Vec::with_capacity(2 * points.len());
+        contact.near = Vec::with_capacity(2 * points.len() + analyticals.len());
+        let meets = |p: &&Pair| p.analytical.is_some();
+        contact.feet = Vec::with_capacity(pairs.iter().filter(meets).map(|p| 2 * curves[p.own].own.len()).sum());
         contact.gaps = Gaps::new(facets);
         contact.rows.reserve(keys as usize, contact.dofs.len());
         (contact.points, contact.curves, contact.pairs) = (points, curves, pairs);
+        contact.analyticals = analyticals;
         contact.list_points();
         contact
     }
@@ -199,6 +225,9 @@ impl Contact {
             keys.extend(of(pair.own).map(|point| (point, pair.first)));
             let loose = pair.other.filter(|o| self.curves[*o].has_loose_points());
             keys.extend(loose.into_iter().flat_map(of).map(|point| (point, !pair.first)));
+            // In front of corners of analytical surfaces points have two.
+            let twice = pair.first_key as usize + self.keys_of(pair) as usize - keys.len();
+            keys.extend(of(pair.own).take(twice).map(|point| (point, pair.first)));
         }
         let crossing = Crossing::new((&self.points, &self.dofs_of), self.dofs.len(), keys, has);
         self.crossing = Some(Box::new(crossing));
@@ -212,7 +241,7 @@ impl Contact {
         self.places.copy_from_slice(places);
         self.curves.iter_mut().for_each(|c| c.shape(places));
         self.list();
-        self.measure();
+        self.measure(0.0);
         let mut deepest: Vec<Option<Overlap>> = vec![None; self.pairs.len()];
         let mut fits = vec![0.0; self.pressures.len()];
         for row in &mut self.rows.rows {
@@ -291,6 +320,7 @@ impl Contact {
     /// Lists the points that bare facets have and those that no element has.
     fn list_points(&mut self) {
         self.near.clear();
+        self.near.extend(self.analyticals.iter().map(|a| a.point));
         for curve in &self.curves {
             let points = curve.bare_own.iter().chain(&curve.orphans).map(|&i| curve.own[i as usize]);
             self.near.extend(points);
@@ -302,7 +332,11 @@ impl Contact {
 
     /// Makes lists anew where something has moved too far since they were made.
     fn list(&mut self) {
-        let slack = self.pairs.iter().map(|p| p.search.slack()).fold(f64::INFINITY, f64::min);
+        let searched = |p: &&Pair| p.analytical.is_none();
+        let slack = self.pairs.iter().filter(searched).map(|p| p.search.slack()).fold(f64::INFINITY, f64::min);
+        if slack == f64::INFINITY {
+            return;
+        }
         let far = |&p: &u32| {
             let (a, b) = (self.places[p as usize], self.listed[p as usize]);
             let d = [a[0] - b[0], a[1] - b[1]];
@@ -313,17 +347,26 @@ impl Contact {
         }
         self.listed.clear();
         self.listed.extend_from_slice(&self.places);
-        for pair in &mut self.pairs {
+        for pair in self.pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             pair.search.build(&self.curves[pair.own], pair.other.map(|o| &self.curves[o]), &self.places);
         }
     }
 
-    /// The gaps of all pairs as rows.
-    fn measure(&mut self) {
+    /// The gaps of all pairs as rows, in an increment of the length `dt`.
+    fn measure(&mut self, dt: f64) {
+        self.gaps.shares.clear();
+        self.rows.clear();
+        self.feet.clear();
+        self.shown.clear();
+        self.measure_curves();
+        for pair in 0..self.pairs.len() {
+            self.measure_analytical(pair, dt);
+        }
+    }
+
+    fn measure_curves(&mut self) {
         let Contact { curves, pairs, gaps, rows, dofs_of, fits, places, .. } = self;
-        gaps.shares.clear();
-        rows.clear();
-        for pair in pairs.iter_mut() {
+        for pair in pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             let own = &curves[pair.own];
             let other = pair.other.map_or(own, |o| &curves[o]);
             let (mut any, reach) = (false, pair.search.reach());
@@ -558,11 +601,13 @@ impl Constraint for Contact {
         }
         self.curves.iter_mut().for_each(|c| c.shape(&self.places));
         self.list();
-        self.measure();
+        self.measure(dt);
         self.show_openings();
         self.let_heat_cross();
         let span = Span { ahead: dt, half: self.half };
-        self.rows.solve(&mut self.motion, &self.laws, &self.pressures, span);
+        if let Some(reference) = self.rows.solve(&mut self.motion, &self.laws, &self.pressures, span) {
+            self.end_on_arcs(reference, span);
+        }
         self.gather_impulses();
         self.act(dofs, dt);
         self.push_bodies(dofs);

@@ -10,7 +10,7 @@ use crate::variables::{Part, Variable};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
     /// Gap of each key; not a number where nothing is near.
-    opening: Vec<f64>,
+    pub(super) opening: Vec<f64>,
     /// Slip of each key so far while in contact.
     slip: Vec<f64>,
     /// Points by what carries them: nodes first, ascending.
@@ -29,6 +29,11 @@ impl Shown {
         }
         shown.by_node.sort_unstable();
         shown
+    }
+
+    /// Nothing is near anything.
+    pub(super) fn clear(&mut self) {
+        self.opening.fill(f64::NAN);
     }
 
     fn point(&self, carrier: Carrier) -> Option<u32> {
@@ -58,8 +63,7 @@ impl Contact {
     /// Keeps the gaps that the increment begins with.
     pub(super) fn show_openings(&mut self) {
         let Contact { rows, shown, .. } = self;
-        shown.opening.fill(f64::NAN);
-        for row in &rows.rows {
+        for row in rows.rows.iter().filter(|row| row.foot.is_none()) {
             shown.opening[row.key as usize] = row.gap / row.area;
         }
     }
@@ -74,6 +78,9 @@ impl Contact {
 
     /// Force of pressure and of friction on the own surface of a pair, along r and z, and the area where it is pressed.
     fn forces(&self, pair: &Pair) -> [f64; 5] {
+        if pair.analytical.is_some() {
+            return self.forces_of_rows(pair);
+        }
         let (own, mut sum) = (&self.curves[pair.own], [0.0; 5]);
         for &k in &own.bare {
             let (facet, seen) = (&own.facets[k as usize], &pair.seen[k as usize]);
@@ -101,9 +108,12 @@ impl Contact {
 
     pub(super) fn value_at(&self, carrier: Carrier, part: Part) -> Option<f64> {
         let point = self.shown.point(carrier)?;
-        let keys = self.pairs.iter().filter_map(|pair| {
-            let at = self.curves[pair.own].own.binary_search(&point).ok()?;
-            Some(pair.first_key as usize + at)
+        let keys = self.pairs.iter().flat_map(|pair| {
+            let own = &self.curves[pair.own].own;
+            let at = own.binary_search(&point).ok().map(|at| pair.first_key as usize + at);
+            // In corners of analytical surfaces it has two.
+            let twice = pair.analytical.is_some() && self.keys_of(pair) as usize > own.len();
+            [at, at.filter(|_| twice).map(|at| at + own.len())].into_iter().flatten()
         });
         let mut found: Option<f64> = None;
         for key in keys {

@@ -29,6 +29,9 @@ pub struct Row {
     pub law: u32,
     /// Whether it is of a point that meets by itself: its area is one, its multiplier an impulse.
     pub alone: bool,
+    /// Which of the places on analytical surfaces it is in front of: its gap is that at the end of an increment without contact, less
+    /// what that closes it by, and may lie below zero.
+    pub foot: Option<u32>,
     /// Area of its hat function.
     pub area: f64,
     /// Gap times area, less what was there at the start where that is taken off.
@@ -51,6 +54,12 @@ impl Row {
     /// A row without gap or area.
     pub fn of(key: u32, law: u32) -> Row {
         Row { key, law, ..Row::default() }
+    }
+
+    /// Takes the rate at which it may close.
+    fn take_bias(&mut self, law: &Law, span: Span) {
+        let open = self.gap - law.overclosure.begins() * self.area;
+        self.bias = if self.foot.is_some() { open } else { open.max(0.0) } / span.ahead;
     }
 
     /// Takes how it gives way.
@@ -196,10 +205,29 @@ impl Rows {
     /// Finds the impulses; velocities in `motion` are those they give. `laws` are those of the rows, `before` the pressure and
     /// shear stress of each key in the increment before. Nothing is done where nothing approaches. Sweeps begin where the direct
     /// solution finds no end.
-    pub fn solve(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) {
+    /// Returns the velocity that errors are held against; `None` where nothing approaches.
+    pub fn solve(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) -> Option<f64> {
         self.sweeps = 0;
-        let Some(reference) = self.begin(motion, laws, span) else { return };
+        let reference = self.begin(motion, laws, span)?;
         self.begin_warm(motion, laws, before, span);
+        self.find(motion, laws, before, reference, span);
+        Some(reference)
+    }
+
+    /// Finds the impulses from those that rows have, whose gaps may be others than they were found for.
+    pub(super) fn solve_again(
+        &mut self,
+        motion: &mut Motion,
+        laws: &[Law],
+        before: &[[f64; 2]],
+        reference: f64,
+        span: Span,
+    ) {
+        self.rows.iter_mut().for_each(|row| row.take_bias(&laws[row.law as usize], span));
+        self.find(motion, laws, before, reference, span);
+    }
+
+    fn find(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], reference: f64, span: Span) {
         if !self.solve_directly(motion, laws, reference, span) {
             self.unload(motion);
             self.solve_by_sweeps(motion, laws, before, reference, span);
@@ -284,11 +312,11 @@ impl Rows {
         for row in rows.iter_mut() {
             let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
             let law = &laws[row.law as usize];
-            row.bias = (row.gap - law.overclosure.begins() * row.area).max(0.0) / span.ahead;
+            row.take_bias(law, span);
             row.coefficient = law.friction.at_rest;
             let short = -(motion.rate(own) + row.bias) / row.area;
             // What gives way presses wherever it is closed, at whatever rate.
-            let closed = law.overclosure != Overclosure::Hard && row.bias == 0.0;
+            let closed = law.overclosure != Overclosure::Hard && row.bias <= 0.0;
             let by_closure = if closed { (-row.gap / row.area + law.overclosure.begins()) / span.ahead } else { 0.0 };
             approach = approach.max(short).max(by_closure);
         }

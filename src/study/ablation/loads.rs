@@ -60,11 +60,7 @@ pub(super) const LIST: &[Ablation] = &[
 
 fn has_friction(model: &Model) -> bool {
     let of_load = |l: &Load| matches!(l.kind, LoadKind::Cavity { friction, .. } if friction > 0.0);
-    model.steps.iter().any(|s| {
-        s.loads.iter().any(of_load)
-            || s.contacts.iter().any(|c| c.friction > 0.0)
-            || s.frictions().any(Friction::is_there)
-    })
+    model.steps.iter().any(|s| s.loads.iter().any(of_load) || s.frictions().any(Friction::is_there))
 }
 
 fn no_friction(model: &mut Model) {
@@ -74,14 +70,12 @@ fn no_friction(model: &mut Model) {
                 *friction = 0.0;
             }
         }
-        step.contacts.iter_mut().for_each(|c| c.friction = 0.0);
         step.frictions_mut().for_each(|friction| *friction = Friction::default());
     }
 }
 
 fn no_contact(model: &mut Model) {
     for step in &mut model.steps {
-        step.contacts.clear();
         step.surface_contacts.clear();
         step.general_contact = None;
     }

@@ -1,0 +1,478 @@
+//! What points of a surface meet of an analytical one: a row each, two in a re-entrant corner of two segments.
+//! Never here: profiles themselves, impulses.
+//!
+//! The gap of a row is that where the increment ends, for the normal where it begins (the constrained central differences of
+//! Ryckaert, Ciccotti and Berendsen 1977, J. Comput. Phys. 23, 327): what slides along an arc keeps its speed and does not sink in.
+//! It is linear about the end without contact, gap(x*) - dt n.v*, and on arcs taken anew where impulses have moved it.
+
+use super::curve::Curve;
+use super::sweeps::{Motion, NONE, Row, Rows};
+use super::{Contact, Pair};
+use crate::kernel::interaction::Overclosure;
+use crate::kernel::profile::{Profile, Segment};
+
+/// An analytical surface on a body, in front of the own curve of a pair.
+#[derive(Clone, Debug)]
+pub struct Analytical {
+    /// The surface at the start, its front to the left.
+    pub profile: Profile,
+    /// The point of the contact that its body carries, at z = 0 at the start.
+    pub point: u32,
+    /// Rounding of places: behind the surface by no more counts as on it.
+    pub rounding: f64,
+    /// Behind the surface by no more a point is stopped; further behind it is not in contact.
+    pub overlap: f64,
+    /// How far in front of each own point its surface lies.
+    pub(super) lift: Vec<f64>,
+    /// For each segment those that it meets in re-entrant corners.
+    pub(super) beside: Vec<[Option<usize>; 2]>,
+}
+
+/// Where a row meets an analytical surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    analytical: u32,
+    segment: u32,
+    point: u32,
+    /// The distance from the profile that counts as no gap, with what was there of an overlap.
+    target: f64,
+}
+
+/// What a row is made of.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    start: [f64; 2],
+    end: [f64; 2],
+    /// Displacement of the body at the start and at the end.
+    lift: [f64; 2],
+    /// The distance from the profile that counts as no gap.
+    zero: f64,
+}
+
+/// The smallest part of a normal that must lie along what is free: nodes that are held otherwise would have to be pushed along
+/// the surface.
+const LEAST_SHARE: f64 = 1e-3;
+/// Rounds in which impulses along the normal of the start find the surface where the increment ends.
+const ROUNDS: usize = 12;
+
+impl Analytical {
+    /// A surface carried by a point.
+    pub fn new(profile: Profile, point: u32) -> Analytical {
+        let [low, high] = profile.bounds();
+        let rounding = 1e-9 * low[1].abs().max(high[1].abs()).max(high[0] - low[0]);
+        let beside = (0..profile.segments.len()).map(|k| profile.beside(k)).collect();
+        Analytical { profile, point, rounding, overlap: rounding, lift: Vec::new(), beside }
+    }
+
+    /// Whether points may meet two segments at once.
+    pub(super) fn has_corners(&self) -> bool {
+        self.beside.iter().flatten().any(Option::is_some)
+    }
+
+    /// The segment that a point meets, and the gap that it keeps. One that it was behind of although it was in front of the
+    /// surface lies around a corner: until it is past, the segment before counts.
+    fn met(&self, segment: usize, way: &Way) -> Option<(usize, f64)> {
+        let gap = |k: usize| self.profile.segments[k].gap(way.start, way.lift[0]) - way.zero;
+        let came = gap(segment);
+        if came >= -self.rounding {
+            return Some((segment, 0.0));
+        }
+        let was = self.profile.nearest(way.start, way.lift[0]);
+        if was.gap - way.zero >= -self.rounding {
+            return (gap(was.segment) >= -self.rounding).then_some((was.segment, 0.0));
+        }
+        (came > -self.overlap).then_some((segment, came))
+    }
+
+    /// Another segment that a point may meet in the corner with one that it meets.
+    fn corner(&self, segment: usize, way: &Way, reach: f64) -> Option<usize> {
+        let near = |k: &usize| {
+            let other = &self.profile.segments[*k];
+            let gap = other.gap(way.end, way.lift[1]) - way.zero;
+            let away = |end: &[f64; 2]| libm::hypot(way.end[0] - end[0], way.end[1] - end[1] - way.lift[1]);
+            let beside = other.side_of(way.end, way.lift[1]) == 0
+                || other.ends().iter().map(away).fold(f64::INFINITY, f64::min) <= reach + way.zero.abs();
+            gap < reach && beside && other.gap(way.start, way.lift[0]) - way.zero >= -self.rounding
+        };
+        self.beside[segment].into_iter().flatten().find(near)
+    }
+}
+
+impl Contact {
+    /// The rows of a pair with an analytical surface, in an increment of the length `dt`; of length zero at the start, when overlaps
+    /// are told as they are.
+    pub(super) fn measure_analytical(&mut self, at: usize, dt: f64) {
+        let Contact {
+            curves, pairs, analyticals, rows, feet, dofs_of, motion, places, fits, laws, shown, dofs, ..
+        } = self;
+        let pair = &pairs[at];
+        let Some((which, analytical)) = pair.analytical.and_then(|i| Some((i as u32, analyticals.get(i)?))) else {
+            return;
+        };
+        let own = &curves[pair.own];
+        let velocity_of =
+            |point: u32| dofs_of[point as usize].map(|d| if d == NONE { 0.0 } else { motion.velocity[d as usize] });
+        let [_, body] = dofs_of[analytical.point as usize];
+        let (carried, before) = (motion.velocity[body as usize], places[analytical.point as usize][1]);
+        let lift = [before, before + dt * carried];
+        // Rows may move what others left where it was.
+        let coupled = pairs.len() > 1 || motion.inverse_mass[body as usize] > 0.0;
+        let fastest = if coupled { motion.velocity.iter().fold(0.0_f64, |v, w| v.max(w.abs())) } else { 0.0 };
+        let opens = pair.search.reach();
+        let alone = own.orphans.iter().map(|&i| (i, true));
+        for (index, alone) in own.bare_own.iter().map(|&i| (i, false)).chain(alone) {
+            let point = own.own[index as usize];
+            let (key, law) =
+                (pair.first_key + index, if alone { pair.of_points as u32 } else { pair.law_of(index as usize) });
+            let fit = |key: u32| fits.get(key as usize).copied().unwrap_or(0.0);
+            let (start, velocity) = (places[point as usize], velocity_of(point));
+            let end = [0, 1].map(|i| start[i] + dt * velocity[i]);
+            let mut way = Way { start, end, lift, zero: analytical.lift[index as usize] + fit(key) };
+            let nearest = analytical.profile.nearest(end, lift[1]);
+            let apart = analytical.profile.segments[nearest.segment].gap(start, lift[0]) - way.zero;
+            if apart < opens && !nearest.beyond {
+                shown.opening[key as usize] = apart;
+            }
+            let speed = velocity[0].abs() + velocity[1].abs() + carried.abs();
+            let overclosure = &laws[law as usize].overclosure;
+            let hard = *overclosure == Overclosure::Hard;
+            // What gives way may press before the end.
+            let reach = if coupled || !hard { dt * (2.0 * fastest).max(speed) } else { 0.0 };
+            let begins = overclosure.begins();
+            let starts = dt == 0.0;
+            if nearest.beyond || nearest.gap - way.zero >= reach + begins && !starts {
+                continue;
+            }
+            let met = if starts { Some((nearest.segment, 0.0)) } else { analytical.met(nearest.segment, &way) };
+            let Some((segment, target)) = met else { continue };
+            let area = if alone { 1.0 } else { own.area(index as usize, places) };
+            let second = || analytical.corner(segment, &way, (dt * speed).max(reach)).map(|k| (k, 0.0));
+            let second = if starts { None } else { second() };
+            let both = [(Some((segment, target)), key), (second, key + own.own.len() as u32)];
+            for (met, key) in both {
+                let Some((segment, target)) = met else { continue };
+                way.zero = analytical.lift[index as usize] + fit(key);
+                let met = &analytical.profile.segments[segment];
+                let (n, gap) = (met.normal(start, lift[0]), met.gap(end, lift[1]) - way.zero);
+                // A penalty and other laws that give way press at any depth.
+                let target = if hard { target } else { 0.0 };
+                let [r, z] = dofs_of[point as usize];
+                let part = |dof: u32, n: f64| if dof == NONE || dofs[dof as usize].1 { 0.0 } else { n * n };
+                if part(r, n[0]) + part(z, n[1]) < LEAST_SHARE {
+                    continue;
+                }
+                let closes = dt * (n[0] * velocity[0] + n[1] * (velocity[1] - carried));
+                let mut row = Row::of(key, law);
+                row.foot = Some(feet.len() as u32);
+                (row.alone, row.area, row.gap) = (alone, area, area * (gap - target - closes));
+                let target = way.zero + target;
+                feet.push(Foot { analytical: which, segment: segment as u32, point, target });
+                rows.open();
+                rows.add_share([r, z], [area * n[0], area * n[1]]);
+                rows.add_share(dofs_of[analytical.point as usize], [-area * n[0], -area * n[1]]);
+                rows.close(row);
+            }
+        }
+    }
+
+    /// Takes gaps on arcs anew until all rows that press end where they should; errors are held against `reference`.
+    pub(super) fn end_on_arcs(&mut self, reference: f64, span: super::Span) {
+        if !self.analyticals.iter().any(|a| a.profile.segments.iter().any(|s| matches!(s, Segment::Arc(..)))) {
+            return;
+        }
+        for _ in 0..ROUNDS {
+            if self.correct_gaps(span.ahead) <= 1e-3 {
+                return;
+            }
+            let Contact { rows, motion, laws, pressures, .. } = self;
+            rows.solve_again(motion, laws, pressures, reference, span);
+        }
+    }
+
+    /// Corrects the gaps of rows that press; returns by how much at most, in parts of the rounding of places.
+    fn correct_gaps(&mut self, dt: f64) -> f64 {
+        let Contact { rows, feet, analyticals, motion, places, dofs_of, .. } = self;
+        let Rows { rows, terms, .. } = rows;
+        let mut off: f64 = 0.0;
+        for row in rows.iter_mut().filter(|row| row.pressed > 0.0) {
+            let Some(foot) = row.foot.map(|f| feet[f as usize]) else { continue };
+            let analytical = &analyticals[foot.analytical as usize];
+            let segment = &analytical.profile.segments[foot.segment as usize];
+            if let Segment::Line(_) = segment {
+                continue;
+            }
+            let moved = |point: u32| end_of(point, places, dofs_of, motion, dt);
+            let gap = segment.gap(moved(foot.point), moved(analytical.point)[1]) - foot.target;
+            let rate = motion.rate(&terms[row.terms[0] as usize..row.terms[1] as usize]);
+            let wrong = gap - (row.gap + dt * rate) / row.area;
+            row.gap += wrong * row.area;
+            off = off.max(wrong.abs() / analytical.rounding);
+        }
+        off
+    }
+
+    /// Force of pressure and of friction on the own surface of a pair with an analytical one, and the area where it is pressed.
+    pub(super) fn forces_of_rows(&self, pair: &Pair) -> [f64; 5] {
+        let keys = pair.first_key..pair.first_key + self.keys_of(pair);
+        let mut sum = [0.0; 5];
+        for row in self.rows.rows.iter().filter(|row| keys.contains(&row.key) && row.pressed > 0.0) {
+            let [pressure, shear] = self.pressures[row.key as usize];
+            let Some(foot) = row.foot.map(|f| feet_dofs(self, f)) else { continue };
+            sum[4] += if row.alone { 0.0 } else { row.area };
+            for term in self.rows.terms_of(row) {
+                if let Some(axis) = foot.iter().position(|d| *d == term.dof) {
+                    sum[axis] += pressure * term.normal;
+                    sum[2 + axis] += shear * term.slip;
+                }
+            }
+        }
+        sum
+    }
+
+    /// How many keys a pair has.
+    pub(super) fn keys_of(&self, pair: &Pair) -> u32 {
+        keys(&self.curves, &self.analyticals, pair)
+    }
+}
+
+/// How many keys a pair has: points of the other curve carry one where they meet by themselves, those in front of corners two.
+pub(super) fn keys(curves: &[Curve], analyticals: &[Analytical], pair: &Pair) -> u32 {
+    let own = curves[pair.own].own.len() as u32;
+    let loose = pair.other.map(|o| &curves[o]).filter(|c| c.has_loose_points()).map_or(0, |c| c.own.len() as u32);
+    let twice = pair.analytical.is_some_and(|a| analyticals[a].has_corners());
+    own + loose + if twice { own } else { 0 }
+}
+
+/// Degrees of freedom of the point of a foot.
+fn feet_dofs(contact: &Contact, foot: u32) -> [u32; 2] {
+    contact.dofs_of[contact.feet[foot as usize].point as usize]
+}
+
+/// Where a point ends the increment.
+fn end_of(point: u32, places: &[[f64; 2]], dofs_of: &[[u32; 2]], motion: &Motion, dt: f64) -> [f64; 2] {
+    let (place, dofs) = (places[point as usize], dofs_of[point as usize]);
+    [0, 1].map(|i| if dofs[i] == NONE { place[i] } else { place[i] + dt * motion.velocity[dofs[i] as usize] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Analytical;
+    use crate::constraint::Constraint;
+    use crate::constraint::contact::curve::{Carrier, Curve, Point};
+    use crate::constraint::contact::{Contact, Pair};
+    use crate::kernel::interaction::{Friction, Law};
+    use crate::kernel::profile::{Profile, Segment};
+    use crate::state::dofs::Dofs;
+    use crate::state::magnitude::Clock;
+    use crate::state::nodes::{Node, Nodes};
+    use crate::state::{BodyState, Instant};
+
+    /// Nodes without elements, and one body with a surface.
+    struct Scene {
+        contact: Contact,
+        profile: Profile,
+        dofs: Dofs,
+        gravity: [f64; 2],
+    }
+
+    impl Scene {
+        /// A body of a mass, or held where it is `None`; nodes with place, velocity and mass.
+        fn new(
+            profile: Profile,
+            friction: f64,
+            body: Option<(f64, f64)>,
+            nodes: &[([f64; 2], [f64; 2], f64)],
+        ) -> Scene {
+            let list = nodes.iter().map(|(p, v, _)| Node { r: p[0], z: p[1], v_r: v[0], v_z: v[1] }).collect();
+            let masses = nodes.iter().map(|n| n.2).collect();
+            let mut state = BodyState::new(body.map_or(1.0, |b| b.0), body.map_or(0.0, |b| b.1));
+            state.velocity_half = state.velocity;
+            state.prescribed = body.is_none();
+            let mut dofs = Dofs { bodies: vec![state], nodes: Nodes::new(list, masses), ..Dofs::default() };
+            let count = nodes.len() as u32;
+            let carriers = (0..nodes.len()).map(Carrier::Node).chain([Carrier::Body(0, [0.0; 2])]);
+            let points = carriers.map(|carrier| Point { carrier, free: [true; 2] }).collect();
+            let mut surface = Analytical::new(profile.clone(), count);
+            surface.overlap = 1e-3;
+            let (curve, pair) = (Curve::of_points((0..count).collect()), Pair::in_front_of(0, 0, 0, 0, 0, 1.0));
+            let law = Law { friction: Friction::of(friction), ..Law::default() };
+            let mut contact = Contact::new(points, vec![curve], vec![surface], vec![pair], vec![law]);
+            contact.begin(&mut dofs);
+            Scene { contact, profile, dofs, gravity: [0.0; 2] }
+        }
+
+        fn advance(&mut self, dt: f64) {
+            let body = &mut self.dofs.bodies[0];
+            body.acceleration = 0.0;
+            (body.before.displacement, body.before.velocity) = (body.displacement, body.velocity_half);
+            body.displacement += dt * body.velocity_half;
+            let nodes = &mut self.dofs.nodes;
+            for n in 0..nodes.len() {
+                nodes.acceleration[n] = self.gravity;
+                for axis in [0, 1] {
+                    *nodes[n].velocity(axis) += dt * self.gravity[axis];
+                    let v = *nodes[n].velocity(axis);
+                    *nodes[n].coordinate(axis) += dt * v;
+                }
+            }
+            (nodes.behind, nodes.half) = (dt, dt);
+            self.contact.motion(&mut self.dofs, &Clock { now: Instant::default(), told: &[] }, dt);
+        }
+
+        fn momentum(&self) -> f64 {
+            let nodes = &self.dofs.nodes;
+            let sum: f64 = (0..nodes.len()).map(|n| nodes.mass[n] * nodes[n].v_z).sum();
+            sum + self.dofs.bodies[0].mass * self.dofs.bodies[0].velocity_half
+        }
+
+        fn kinetic(&self) -> f64 {
+            let nodes = &self.dofs.nodes;
+            let of = |n: usize| nodes.mass[n] * (nodes[n].v_r * nodes[n].v_r + nodes[n].v_z * nodes[n].v_z);
+            let body = &self.dofs.bodies[0];
+            let own = if body.prescribed { 0.0 } else { body.mass * body.velocity_half * body.velocity_half };
+            0.5 * ((0..nodes.len()).map(of).sum::<f64>() + own)
+        }
+    }
+
+    fn lines(points: &[[f64; 2]]) -> Profile {
+        Profile { segments: points.windows(2).map(|w| Segment::Line([w[0], w[1]])).collect() }
+    }
+
+    /// A bowl of radius 1 around (2, 1), run through counter-clockwise, so that its inside is the front.
+    fn bowl() -> Profile {
+        let (c, points) = ([2.0, 1.0], [[1.0, 1.0], [2.0, 0.0], [3.0, 1.0]]);
+        Profile { segments: points.windows(2).map(|w| Segment::arc(w[0], w[1], c)).collect() }
+    }
+
+    /// Without friction a node that slides along a bowl keeps its speed, to rounding, whatever the increment.
+    #[test]
+    fn sliding_along_a_bowl_keeps_the_speed() {
+        for dt in [0.1_f64, 0.01] {
+            // On the arc half an increment past its start, along the chord.
+            let (c, s) = (dt.cos(), dt.sin());
+            let start = [2.0 - c, 1.0 - s];
+            let mut scene = Scene::new(bowl(), 0.0, None, &[(start, [0.0, 0.0], 2.0)]);
+            let (angle, speed) = (1.5 * dt, 2.0 * (0.5 * dt).sin() / dt);
+            (scene.dofs.nodes[0].v_r, scene.dofs.nodes[0].v_z) = (speed * angle.sin(), -speed * angle.cos());
+            for _ in 0..(2.5 / dt) as usize {
+                scene.advance(dt);
+            }
+            let node = scene.dofs.nodes[0];
+            let radius = (node.r - 2.0).hypot(node.z - 1.0);
+            assert!(node.r > 2.5 && (radius - 1.0).abs() < 1e-12, "{node:?}");
+            assert!((scene.kinetic() - speed * speed).abs() < 1e-9, "{} {}", dt, scene.kinetic());
+            assert!(scene.dofs.energies.contact.abs() < 1e-9, "{:?}", scene.dofs.energies);
+        }
+    }
+
+    /// In a bowl under gravity a node swings for ever: it comes back as high as it began, ten times over.
+    #[test]
+    fn a_node_swings_in_a_bowl_as_a_pendulum() {
+        let start = [2.0 + 0.5_f64.sin(), 1.0 - 0.5_f64.cos()];
+        let mut scene = Scene::new(bowl(), 0.0, None, &[(start, [0.0; 2], 1.0)]);
+        scene.gravity = [0.0, -1.0];
+        let (mut crossings, mut highest, mut before, mut time) = (Vec::new(), 0.0_f64, start[0] - 2.0, 0.0);
+        while crossings.len() < 20 {
+            scene.advance(0.01);
+            time += 0.01;
+            let node = scene.dofs.nodes[0];
+            if (node.r - 2.0) * before < 0.0 {
+                crossings.push(time);
+                highest = 0.0;
+            }
+            before = node.r - 2.0;
+            highest = highest.max(node.z);
+        }
+        // Period of a pendulum by the complete elliptic integral: 2 pi (1 + a^2/16 + 11 a^4/3072 + ..) for a = 0.5.
+        let period = (crossings[18] - crossings[0]) / 9.0;
+        let exact = std::f64::consts::TAU * (1.0 + 0.25 / 16.0 + 11.0 * 0.0625 / 3072.0 + 173.0 * 0.015625 / 737_280.0);
+        assert!((period / exact - 1.0).abs() < 1e-3, "{period} {exact}");
+        while scene.dofs.nodes[0].v_r.abs() > 6e-3 {
+            scene.advance(0.01);
+            highest = highest.max(scene.dofs.nodes[0].z);
+        }
+        assert!((highest - start[1]).abs() < 1e-4, "{highest} {}", start[1]);
+    }
+
+    /// Over a convex corner nothing acts; in a concave one what points into the second side is lost and nothing else.
+    #[test]
+    fn corners_do_not_kick() {
+        let down = lines(&[[0.0, 0.0], [1.0, 0.0], [2.0, -1.0]]);
+        let mut scene = Scene::new(down, 0.0, None, &[([0.95, 0.0], [1.0, 0.0], 1.0)]);
+        (0..20).for_each(|_| scene.advance(0.01));
+        let node = scene.dofs.nodes[0];
+        assert!((node.v_r, node.v_z) == (1.0, 0.0) && node.z.abs() < 1e-15, "{node:?}");
+        let up = lines(&[[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]]);
+        let mut scene = Scene::new(up, 0.0, None, &[([0.955, 0.0], [1.0, 0.0], 1.0)]);
+        (0..20).for_each(|_| scene.advance(0.01));
+        let node = scene.dofs.nodes[0];
+        assert!((node.v_r - 0.5).abs() < 1e-9 && (node.v_z - 0.5).abs() < 1e-9, "{node:?}");
+        let lost = scene.dofs.energies.contact;
+        assert!((lost - 0.25).abs() < 1e-9 && (lost + scene.kinetic() - 0.5).abs() < 1e-12, "{lost}");
+    }
+
+    /// A slope of 45 degrees under gravity, friction 0.3: (1 - 0.3)/sqrt 2 along it, and what is lost is friction.
+    #[test]
+    fn sliding_down_a_slope_is_slowed_by_friction() {
+        let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
+        let mut scene = Scene::new(slope, 0.3, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
+        scene.gravity = [0.0, -1.0];
+        let steps = 400;
+        (0..steps).for_each(|_| scene.advance(0.01));
+        let node = scene.dofs.nodes[0];
+        let (along, exact) = (node.v_r.hypot(node.v_z), 0.7 / 2.0_f64.sqrt() * 0.01 * f64::from(steps));
+        assert!((along / exact - 1.0).abs() < 1e-9, "{along} {exact}");
+        let work = 2.0 * (9.0 - node.z);
+        let lost = scene.dofs.energies.friction;
+        assert!((scene.kinetic() + lost - work).abs() < 0.01 * work, "{lost} {work}");
+        assert!(scene.dofs.energies.contact.abs() < 1e-9);
+        // It sticks where friction is enough.
+        let slope = lines(&[[0.0, 10.0], [10.0, 0.0]]);
+        let mut scene = Scene::new(slope, 1.1, None, &[([1.0, 9.0], [0.0; 2], 2.0)]);
+        scene.gravity = [0.0, -1.0];
+        (0..steps).for_each(|_| scene.advance(0.01));
+        assert!((scene.dofs.nodes[0].r - 1.0).abs() < 1e-12);
+    }
+
+    /// Bodies from a million times lighter to a thousand times heavier than the nodes they meet: all that touches moves on
+    /// together, momentum is kept to rounding and energy only lost.
+    #[test]
+    fn free_bodies_keep_momentum_however_light() {
+        let punch = || {
+            let c = [0.0, 2.0];
+            Profile { segments: vec![Segment::arc([0.0, 1.0], [1.0, 2.0], c).reversed()] }
+        };
+        for mass in [1e-6, 1e-3, 1.0, 1e3] {
+            for friction in [0.0, 0.3] {
+                let nodes: Vec<_> = (0..8).map(|i| ([0.05 + 0.1 * f64::from(i), 0.9999], [0.0; 2], 1.0)).collect();
+                let mut scene = Scene::new(punch(), friction, Some((mass, -1.0)), &nodes);
+                let (momentum, energy) = (scene.momentum(), scene.kinetic());
+                for _ in 0..3000 {
+                    scene.advance(1e-4);
+                    let lost = scene.dofs.energies.contact + scene.dofs.energies.friction;
+                    assert!((scene.kinetic() + lost - energy).abs() < 1e-9 * energy, "{mass} {friction}");
+                }
+                let now = scene.momentum();
+                assert!((now - momentum).abs() < 1e-12 * momentum.abs(), "{mass} {friction}: {now} {momentum}");
+                assert!(scene.kinetic() <= energy && scene.dofs.energies.friction >= 0.0);
+                for n in 0..8 {
+                    let node = scene.dofs.nodes[n];
+                    let gap = scene.profile.nearest(node.place(), scene.dofs.bodies[0].displacement).gap;
+                    assert!(gap > -1e-9, "{mass} {friction}: {n} {gap}");
+                }
+            }
+        }
+    }
+
+    /// A body that falls on one node and carries it along: a perfectly plastic impact.
+    #[test]
+    fn a_body_takes_a_node_along() {
+        let flat = lines(&[[1.0, 0.0], [0.0, 0.0]]);
+        let mut scene = Scene::new(flat, 0.0, Some((3.0, -1.0)), &[([0.5, -0.5], [0.0; 2], 1.0)]);
+        (0..200).for_each(|_| scene.advance(0.01));
+        assert!((scene.dofs.bodies[0].velocity_half + 0.75).abs() < 1e-12);
+        assert!((scene.dofs.nodes[0].v_z + 0.75).abs() < 1e-12);
+        // Half the reduced mass times the square of the speed.
+        assert!((scene.dofs.energies.contact - 0.375).abs() < 1e-12);
+    }
+}
