@@ -1,7 +1,7 @@
 //! Pairs of `*CONTACT PAIR` with analytical surfaces: which points, on which side, and what is told of how they start.
 //! Never here: the contact itself, pairs of surfaces of elements.
 
-use super::contact::{Around, Found};
+use super::contact_curves::{Around, Found};
 use super::{Compiler, State};
 use crate::constraint::contact::analytical::Analytical;
 use crate::constraint::contact::curve::Curve;

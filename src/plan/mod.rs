@@ -8,6 +8,7 @@ mod bytes;
 pub mod codes;
 mod connectors;
 mod contact;
+mod contact_curves;
 mod contact_doubts;
 mod doubts;
 mod equations;
