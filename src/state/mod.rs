@@ -96,9 +96,14 @@ impl BodyState {
         self.direction = direction(velocity);
     }
 
-    /// Kinetic energy.
+    /// Kinetic energy. In contact the velocities before and behind the instant without the contact's next impulse make it: their
+    /// mean, squared, would hold the motion that the impulse is about to stop, (F dt)^2/8M under a load F at rest.
     pub fn kinetic(&self) -> f64 {
-        0.5 * self.mass * self.velocity * self.velocity
+        if self.contact == 0.0 {
+            return 0.5 * self.mass * self.velocity * self.velocity;
+        }
+        let behind = 2.0 * self.velocity - self.velocity_half;
+        (0.5 * self.mass * self.velocity_half * behind).max(0.0)
     }
 }
 

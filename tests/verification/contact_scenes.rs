@@ -284,5 +284,7 @@ fn a_light_plate_hands_on_its_load() {
             ran.outcome.energy.drift
         );
         assert!(off < 2e-6, "{mass}: {off}");
+        // A load that sets in at once is booked to second order in the increment: the heavier the plate, the more of it moves at first.
+        assert!(ran.outcome.energy.drift < 1e-2, "{mass}: {}", ran.outcome.energy.drift);
     }
 }
