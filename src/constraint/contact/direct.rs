@@ -61,6 +61,8 @@ pub(super) struct Direct {
     links: Vec<Link>,
     /// Rows of the band, of twice the half width and the diagonal.
     band: Vec<f64>,
+    /// How many numbers it may have.
+    room: usize,
     half_width: usize,
     /// Its diagonal before elimination.
     diagonal: Vec<f64>,
@@ -84,10 +86,12 @@ const NONE: u32 = u32::MAX;
 impl Direct {
     /// Room for this many rows and degrees of freedom, of which the copy of a contact has none.
     pub(super) fn reserve(&mut self, rows: usize, dofs: usize) {
+        // What there is room for must not follow from what was there before: it decides how impulses are found.
+        *self = Direct { room: ROOM * rows, ..Direct::default() };
         self.status.reserve(rows);
         self.unknowns.reserve(2 * rows);
         self.links.reserve(64 * rows);
-        self.band.reserve(ROOM * rows);
+        self.band.reserve(self.room);
         self.diagonal.reserve(2 * rows);
         self.columns.reserve(2 * rows);
         self.on_bodies.reserve(2 * rows);
@@ -320,7 +324,7 @@ impl Rows {
         let Rows { rows, terms, direct, bodies, .. } = self;
         let (count, half) = (direct.unknowns.len(), direct.half_width);
         let width = 2 * half + 1;
-        if count * width > direct.band.capacity() {
+        if count * width > direct.room {
             self.forget();
             return false;
         }
