@@ -109,3 +109,14 @@ pub fn cell_field<'a>(frame: &'a Frame, name: &str) -> &'a [f64] {
 pub fn short(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!("{x:.1e}")).collect::<Vec<_>>().join(" ")
 }
+
+/// Numbers between two bounds without order, the same for a seed in every run (Marsaglia 2003, J. Stat. Softw. 8(14)).
+pub fn between(seed: u64) -> impl FnMut(f64, f64) -> f64 {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) + 1;
+    move |low, high| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}

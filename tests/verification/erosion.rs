@@ -3,7 +3,7 @@
 //! Goal: nothing passes through what deletion uncovers, momentum and energy are kept with all that is gone, and a criterion that is
 //! never met changes no bit. Source: conservation; each test says its tolerance and why.
 
-use crate::common::bodies::{Ran, assembly, cell_field, part, run};
+use crate::common::bodies::{Ran, assembly, between, cell_field, part, run};
 
 /// Steel and aluminium, mm, t, s; the plate fails at this plastic strain.
 fn materials(strain: Option<f64>) -> String {
@@ -93,13 +93,7 @@ fn what_never_fails_runs_as_what_cannot() {
 fn random_shots(first: u64, count: u64) {
     let mut worst = [0.0_f64; 3];
     for seed in first..first + count {
-        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) + 1;
-        let mut next = |low: f64, high: f64| {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut next = between(seed);
         let (length, speed) = (next(1.0, 2.0), next(1e5, 1.2e6));
         let size = [next(3.0, 15.0), next(2.0, 10.0)];
         let deck = shot(length, size, speed, Some(next(0.1, 1.0)), next(0.0, 0.4), 20.0 / speed);

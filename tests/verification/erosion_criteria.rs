@@ -7,7 +7,7 @@
 use revolve::job;
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 
-use crate::common::bodies::{Ran, assembly, cell_field, part, point_field, rigid_line, run, short};
+use crate::common::bodies::{Ran, assembly, between, cell_field, part, point_field, rigid_line, run, short};
 use crate::common::solid::grid;
 use crate::common::{self, pairs, project};
 
@@ -389,13 +389,7 @@ fn the_number_of_threads_changes_no_death() {
 fn random_scenes(first: u64, count: u64) {
     let mut worst = [0.0_f64; 4];
     for seed in first..first + count {
-        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) + 1;
-        let mut next = |low: f64, high: f64| {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut next = between(seed);
         let (length, speed) = (next(1.0, 2.0), next(1e5, 1.2e6));
         let (rod, plate, friction) = (next(3.0, 15.0), next(2.0, 10.0), next(0.0, 0.4));
         let limits = [
