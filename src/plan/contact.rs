@@ -35,52 +35,23 @@ impl Compiler<'_> {
         if wanted.is_empty() {
             return None;
         }
-        let general = self.model.steps[step].general_contact.as_ref();
         let around = Around { prescribed, kept: &self.kept.concerned(), skin: &self.solid_skin() };
         for contact in &wanted {
-            if let Some(side) = &contact.analytical {
-                let Some((at, id)) = self.analytical((contact, side), &around, &mut found, state) else { continue };
-                let law = (&mut laws, &mut springs);
-                let Some(pair) = self.analytical_pair((contact, side), (at, id), law, &found, state) else { continue };
-                pairs.push(pair);
-                spans.push(None);
-                continue;
-            }
-            let curves = [0, 1].map(|i| self.curve(contact, i, &around, &mut found));
-            let [Some(first), Some(second)] = curves else { continue };
-            if !found.deforms[first] && !found.deforms[second] {
-                let message = "both surfaces of this pair are rigid";
-                let finding = Diagnostic::error("P021", message).at(contact.span, "nothing of it deforms");
-                self.diagnostics.push(finding.help("one of them must belong to what deforms"));
-                continue;
-            }
-            if contact.general && general.is_some_and(|g| g.drops_points) {
-                [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
-            }
-            let curves = found.order(first, second);
-            let others = Some(curves[1]);
-            let law = self.law(contact, [Some(curves[0]), others], (&mut laws, &mut springs), &found, state);
-            let Some([law, of_points]) = law else { continue };
-            let length = found.lengths[first][0].min(found.lengths[second][0]);
-            let id = match general {
-                Some(general) if contact.general => self.general_row(general, &wanted),
-                _ => self.contact_row(contact, &found, curves[0]),
+            let pair = match &contact.analytical {
+                Some(side) => self.analytical_pair((contact, side), &around, &mut found, state),
+                None => self.pair_of_curves(contact, step, &around, &mut found, state),
             };
+            let Some((mut pair, length)) = pair else { continue };
+            let other = if pair.analytical.is_some() { None } else { Some(pair.other.unwrap_or(pair.own)) };
+            let law = self.law(contact, (pair.own, other), (&mut laws, &mut springs), &found, state);
+            let Some([law, of_points]) = law else { continue };
+            (pair.law, pair.of_points, pair.springs) = (law, of_points, has_springs(contact));
+            pair.begins = begins(contact, length);
             if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
                 self.heat_row(contact);
             }
-            let met = Met {
-                curves: curves.map(|c| &found.curves[c]),
-                points: &found.points,
-                places: &found.places,
-                length: found.lengths[curves[0]][1],
-            };
-            self.doubt_pair(contact, step, met, state);
-            let mut pair = Pair::new(id, self.pair_number(contact), curves, law, length);
-            (pair.of_points, pair.springs, pair.first) = (of_points, has_springs(contact), curves[0] == first);
-            pair.begins = begins(contact, length);
             pairs.push(pair);
-            spans.push(Some((contact, length)));
+            spans.push((contact, length));
         }
         if pairs.is_empty() {
             return None;
@@ -98,31 +69,65 @@ impl Compiler<'_> {
             contact = contact.with_heat(|node| heat.temperature(node).is_finite());
         }
         let overlaps = contact.start(&places);
-        for ((contact, length), overlap) in spans.into_iter().zip(overlaps).filter_map(|(s, o)| Some((s?, o))) {
+        // How nodes lie to analytical surfaces has been told.
+        for ((contact, length), overlap) in spans.into_iter().zip(overlaps).filter(|s| s.0.0.analytical.is_none()) {
             self.tell_start(contact, length, overlap);
         }
         Some(Box::new(contact))
     }
 
-    /// The pair of a curve with an analytical surface.
+    /// The pair of two curves, or of one with itself, and the length of its facets; its laws are still to come.
+    fn pair_of_curves(
+        &mut self,
+        contact: &SurfaceContact,
+        step: usize,
+        around: &Around<'_>,
+        found: &mut Found,
+        state: &State,
+    ) -> Option<(Pair, f64)> {
+        let curves = [0, 1].map(|i| self.curve(contact, i, around, found));
+        let [Some(first), Some(second)] = curves else { return None };
+        if !found.deforms[first] && !found.deforms[second] {
+            let message = "both surfaces of this pair are rigid";
+            let finding = Diagnostic::error("P021", message).at(contact.span, "nothing of it deforms");
+            self.diagnostics.push(finding.help("one of them must belong to what deforms"));
+            return None;
+        }
+        let general = self.model.steps[step].general_contact.as_ref().filter(|_| contact.general);
+        if general.is_some_and(|g| g.drops_points) {
+            [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
+        }
+        let curves = found.order(first, second);
+        let length = found.lengths[first][0].min(found.lengths[second][0]);
+        let id = match general {
+            Some(general) => self.general_row(general, step),
+            None => self.contact_row(contact, found, curves[0]),
+        };
+        let met = Met {
+            curves: curves.map(|c| &found.curves[c]),
+            points: &found.points,
+            places: &found.places,
+            length: found.lengths[curves[0]][1],
+        };
+        self.doubt_pair(contact, step, met, state);
+        let mut pair = Pair::new(id, self.pair_number(contact), curves, length);
+        pair.first = curves[0] == first;
+        Some((pair, length))
+    }
+
+    /// The same of a curve with an analytical surface.
     fn analytical_pair(
         &mut self,
         (contact, side): (&SurfaceContact, &AnalyticalSide),
-        ([curve, analytical], id): ([usize; 2], usize),
-        laws: (&mut Vec<Law>, &mut Vec<Law>),
-        found: &Found,
+        around: &Around<'_>,
+        found: &mut Found,
         state: &State,
-    ) -> Option<Pair> {
-        let [law, of_points] = self.law(contact, [Some(curve), None], laws, found, state)?;
+    ) -> Option<(Pair, f64)> {
+        let ([curve, analytical], id) = self.analytical((contact, side), around, found, state)?;
         let length = found.lengths[curve][0];
-        let number = self.pair_number(contact);
-        let mut pair = Pair::in_front_of(id, number, curve, analytical, law, length);
-        (pair.of_points, pair.springs, pair.first) = (of_points, has_springs(contact), side.side == 1);
-        pair.begins = begins(contact, length);
-        if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
-            self.heat_row(contact);
-        }
-        Some(pair)
+        let mut pair = Pair::in_front_of(id, self.pair_number(contact), curve, analytical, length);
+        pair.first = side.side == 1;
+        Some((pair, length))
     }
 
     /// The law of a pair of curves, of which the second may be rigid, among all laws or those of penalty springs; and that of points
@@ -130,14 +135,14 @@ impl Compiler<'_> {
     fn law(
         &mut self,
         contact: &SurfaceContact,
-        [own, other]: [Option<usize>; 2],
+        (own, other): (usize, Option<usize>),
         (laws, springs): (&mut Vec<Law>, &mut Vec<Law>),
         found: &Found,
         state: &State,
     ) -> Option<[usize; 2]> {
-        let law = match contact.penalty.filter(|_| has_springs(contact)).zip(own) {
+        let law = match contact.penalty.filter(|_| has_springs(contact)) {
             None => place_of(laws, contact.law.clone()),
-            Some((factor, own)) => {
+            Some(factor) => {
                 let all = self.springs(contact, factor, (own, other), found, state)?;
                 springs.extend(all);
                 springs.len() - found.curves[own].own.len()
@@ -232,8 +237,8 @@ impl Compiler<'_> {
     }
 
     /// One row for all pairs of general contact.
-    fn general_row(&mut self, general: &GeneralContact, pairs: &[SurfaceContact]) -> usize {
-        let own: Vec<String> = pairs.iter().filter(|p| p.general).map(pair_name).collect();
+    fn general_row(&mut self, general: &GeneralContact, step: usize) -> usize {
+        let own: Vec<String> = self.pairs[step].iter().filter(|p| p.general).map(pair_name).collect();
         let mut detail = own.iter().take(6).cloned().collect::<Vec<_>>().join(" ");
         if own.len() > 6 {
             detail += " …";

@@ -6,7 +6,7 @@
 //! It is linear about the end without contact, gap(x*) - dt n.v*, and on arcs taken anew where impulses have moved it.
 
 use super::curve::Curve;
-use super::sweeps::{Motion, NONE, Row, Rows};
+use super::sweeps::{Given, Motion, NONE, Row, Rows, Span};
 use super::{Contact, Pair};
 use crate::kernel::interaction::Overclosure;
 use crate::kernel::profile::{Profile, Segment};
@@ -176,7 +176,7 @@ impl Contact {
     }
 
     /// Takes gaps on arcs anew until all rows that press end where they should; errors are held against `reference`.
-    pub(super) fn end_on_arcs(&mut self, reference: f64, span: super::Span) {
+    pub(super) fn end_on_arcs(&mut self, reference: f64, span: Span) {
         if !self.analyticals.iter().any(|a| a.profile.segments.iter().any(|s| matches!(s, Segment::Arc(..)))) {
             return;
         }
@@ -185,7 +185,7 @@ impl Contact {
                 return;
             }
             let Contact { rows, motion, laws, pressures, .. } = self;
-            rows.solve_again(motion, laws, pressures, reference, span);
+            rows.solve_again(motion, reference, Given { laws, before: pressures, span });
         }
     }
 
@@ -203,7 +203,7 @@ impl Contact {
             }
             let moved = |point: u32| end_of(point, places, dofs_of, motion, dt);
             let gap = segment.gap(moved(foot.point), moved(analytical.point)[1]) - foot.target;
-            let rate = motion.rate(&terms[row.terms[0] as usize..row.terms[1] as usize]);
+            let rate = motion.rate(row.own(terms));
             let wrong = gap - (row.gap + dt * rate) / row.area;
             row.gap += wrong * row.area;
             off = off.max(wrong.abs() / analytical.rounding);
@@ -294,7 +294,7 @@ mod tests {
             let points = carriers.map(|carrier| Point { carrier, free: [true; 2] }).collect();
             let mut surface = Analytical::new(profile.clone(), count);
             surface.overlap = 1e-3;
-            let (curve, pair) = (Curve::of_points((0..count).collect()), Pair::in_front_of(0, 0, 0, 0, 0, 1.0));
+            let (curve, pair) = (Curve::of_points((0..count).collect()), Pair::in_front_of(0, 0, 0, 0, 1.0));
             let law = Law { friction: Friction::of(friction), ..Law::default() };
             let mut contact = Contact::new(points, vec![curve], vec![surface], vec![pair], vec![law]);
             contact.begin(&mut dofs);

@@ -5,7 +5,7 @@
 //! Comput. Methods Appl. Mech. Engrg. 194, 3147). Rigid bodies that move freely stand beside the band, whatever their mass.
 //! Never here: sweeps, which take over where rounds do not end or rows depend on each other.
 
-use super::sweeps::{Motion, Row, Rows, Span, TOLERANCE, Term, closed_overlap, most_shear};
+use super::sweeps::{Given, Motion, Row, Rows, Span, TOLERANCE, Term, closed_overlap, most_shear};
 use crate::kernel::interaction::{Law, Overclosure};
 use nalgebra::{SMatrix, SVector};
 
@@ -138,20 +138,20 @@ fn lets_go(row: &Row, law: &Overclosure, rate: impl Fn() -> f64, span: Span) -> 
 impl Rows {
     /// Finds the impulses from those that rows have. Returns whether they were found, to the part [`TOLERANCE`] of the `reference`
     /// velocity.
-    pub(super) fn solve_directly(&mut self, motion: &mut Motion, laws: &[Law], reference: f64, span: Span) -> bool {
+    pub(super) fn solve_directly(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) -> bool {
         if self.bodies.len() > BODIES {
             return false;
         }
-        self.guess(span, laws);
+        self.guess(given);
         let allowed = TOLERANCE * reference;
         for round in 0..ROUNDS {
-            let changed = self.set_right(motion, laws, allowed, span);
-            self.obey(motion, laws, span);
-            if !changed && round > 0 && self.wrong(motion, laws, span) <= allowed {
+            let changed = self.set_right(motion, allowed, given);
+            self.obey(motion, given);
+            if !changed && round > 0 && self.wrong(motion, given) <= allowed {
                 self.direct.status.iter().zip(&mut self.rows).for_each(|(s, row)| row.sticks = *s == Status::Sticks);
                 return true;
             }
-            if !self.step(motion, laws, span) {
+            if !self.step(motion, given) {
                 return false;
             }
         }
@@ -159,11 +159,11 @@ impl Rows {
     }
 
     /// Statuses from the impulses of the increment before.
-    fn guess(&mut self, span: Span, laws: &[Law]) {
+    fn guess(&mut self, given: Given<'_>) {
         let Rows { rows, direct, .. } = self;
         direct.status.clear();
         for row in rows.iter() {
-            let most = most_shear(row, &laws[row.law as usize], span.half);
+            let most = most_shear(row, &given.laws[row.law as usize], given.span.half);
             direct.status.push(match row.pressed > 0.0 {
                 false => Status::Open,
                 // What is held along the surface otherwise gives friction no way.
@@ -175,27 +175,27 @@ impl Rows {
     }
 
     /// Changes the statuses that the impulses contradict. Returns whether any changed.
-    fn set_right(&mut self, motion: &Motion, laws: &[Law], allowed: f64, span: Span) -> bool {
+    fn set_right(&mut self, motion: &Motion, allowed: f64, given: Given<'_>) -> bool {
         let Rows { rows, terms, direct, .. } = self;
         let mut changed = false;
         for (row, status) in rows.iter().zip(&mut direct.status) {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
-            let law = &laws[row.law as usize];
+            let own = row.own(terms);
+            let law = &given.laws[row.law as usize];
             let next = match *status {
                 Status::Open => {
                     let rate = motion.rate(own);
                     let closes = match law.overclosure {
                         Overclosure::Hard => rate + row.bias < -allowed * row.area,
                         _ => {
-                            closed_overlap(row, &law.overclosure, rate, span)
-                                > allowed * span.ahead - law.overclosure.begins()
+                            closed_overlap(row, &law.overclosure, rate, given.span)
+                                > allowed * given.span.ahead - law.overclosure.begins()
                         }
                     };
                     if closes { begins(row, law, rate, motion.slip(own)) } else { Status::Open }
                 }
-                _ if lets_go(row, &law.overclosure, || motion.rate(own), span) => Status::Open,
+                _ if lets_go(row, &law.overclosure, || motion.rate(own), given.span) => Status::Open,
                 Status::Sticks => {
-                    let most = most_shear(row, law, span.half);
+                    let most = most_shear(row, law, given.span.half);
                     if row.sheared.abs() > most { Status::Slides(row.sheared.signum()) } else { Status::Sticks }
                 }
                 Status::Slides(direction) => {
@@ -203,7 +203,7 @@ impl Rows {
                     let stops = direction * slip > allowed * row.area;
                     let held = row.sheared - slip / row.gives[1];
                     match stops {
-                        true if held.abs() > most_shear(row, law, span.half) => Status::Slides(held.signum()),
+                        true if held.abs() > most_shear(row, law, given.span.half) => Status::Slides(held.signum()),
                         true => Status::Sticks,
                         false => Status::Slides(direction),
                     }
@@ -216,16 +216,16 @@ impl Rows {
     }
 
     /// Changes impulses to what statuses allow.
-    fn obey(&mut self, motion: &mut Motion, laws: &[Law], span: Span) {
+    fn obey(&mut self, motion: &mut Motion, given: Given<'_>) {
         let Rows { rows, terms, direct, .. } = self;
         for (row, status) in rows.iter_mut().zip(&direct.status) {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let own = row.own(terms);
             let (pressed, sheared) = match *status {
                 Status::Open => (0.0, 0.0),
                 Status::Sticks => (row.pressed.max(0.0), row.sheared),
                 Status::Slides(0.0) => (row.pressed.max(0.0), 0.0),
                 Status::Slides(direction) => {
-                    (row.pressed.max(0.0), direction * most_shear(row, &laws[row.law as usize], span.half))
+                    (row.pressed.max(0.0), direction * most_shear(row, &given.laws[row.law as usize], given.span.half))
                 }
             };
             if pressed != row.pressed {
@@ -240,18 +240,18 @@ impl Rows {
     }
 
     /// The furthest that a row is from what its status asks, as a velocity.
-    fn wrong(&self, motion: &Motion, laws: &[Law], span: Span) -> f64 {
+    fn wrong(&self, motion: &Motion, given: Given<'_>) -> f64 {
         let mut furthest: f64 = 0.0;
         for (row, status) in self.rows.iter().zip(&self.direct.status) {
             if *status == Status::Open {
                 continue;
             }
             let own = self.terms_of(row);
-            let off = match &laws[row.law as usize].overclosure {
+            let off = match &given.laws[row.law as usize].overclosure {
                 Overclosure::Hard => motion.rate(own) + row.bias,
                 soft => {
-                    let [pressure, _] = soft.pressure(closed_overlap(row, soft, motion.rate(own), span));
-                    (row.pressed - span.half * pressure) * row.gives[0]
+                    let [pressure, _] = soft.pressure(closed_overlap(row, soft, motion.rate(own), given.span));
+                    (row.pressed - given.span.half * pressure) * row.gives[0]
                 }
             };
             furthest = furthest.max(off.abs() / row.area);
@@ -263,12 +263,12 @@ impl Rows {
     }
 
     /// Goes to the impulses that the statuses ask for. Returns whether there are such.
-    fn step(&mut self, motion: &mut Motion, laws: &[Law], span: Span) -> bool {
-        self.list_unknowns(laws, span);
+    fn step(&mut self, motion: &mut Motion, given: Given<'_>) -> bool {
+        self.list_unknowns(given);
         if self.direct.unknowns.is_empty() {
             return true;
         }
-        if !self.assemble(motion, laws, span) || !self.direct.eliminate(1 + self.bodies.len()) {
+        if !self.assemble(motion, given) || !self.direct.eliminate(1 + self.bodies.len()) {
             return false;
         }
         if !self.bodies.is_empty() {
@@ -284,7 +284,7 @@ impl Rows {
                 return false;
             }
             let row = &mut rows[unknown.row as usize];
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let own = row.own(terms);
             if unknown.shears {
                 row.sheared += change;
                 motion.shear(own, *change);
@@ -300,7 +300,7 @@ impl Rows {
         true
     }
 
-    fn list_unknowns(&mut self, laws: &[Law], span: Span) {
+    fn list_unknowns(&mut self, given: Given<'_>) {
         let Rows { rows, direct, .. } = self;
         direct.unknowns.clear();
         for (at, (row, status)) in rows.iter().zip(&direct.status).enumerate() {
@@ -308,7 +308,7 @@ impl Rows {
             match *status {
                 Status::Open => {}
                 Status::Slides(direction) => {
-                    let rubs = rubs(row, &laws[row.law as usize], direction, span.half);
+                    let rubs = rubs(row, &given.laws[row.law as usize], direction, given.span.half);
                     direct.unknowns.push(Unknown { row: row_at, shears: false, rubs });
                 }
                 Status::Sticks => {
@@ -319,7 +319,7 @@ impl Rows {
     }
 
     /// The band, the right-hand side and what stands beside them. Returns whether there is room for the band.
-    fn assemble(&mut self, motion: &Motion, laws: &[Law], span: Span) -> bool {
+    fn assemble(&mut self, motion: &Motion, given: Given<'_>) -> bool {
         self.find_width();
         let Rows { rows, terms, direct, bodies, .. } = self;
         let (count, half) = (direct.unknowns.len(), direct.half_width);
@@ -335,13 +335,14 @@ impl Rows {
         direct.links.clear();
         for (at, unknown) in direct.unknowns.iter().enumerate() {
             let row = &rows[unknown.row as usize];
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let own = row.own(terms);
             let (mut column, mut on_bodies) = ([0.0; COLUMNS], [0.0; BODIES]);
             let mut compliance = 0.0;
             column[0] = if unknown.shears {
                 -motion.slip(own)
             } else {
-                let (asked, gives) = asked(row, &laws[row.law as usize].overclosure, motion.rate(own), span);
+                let (asked, gives) =
+                    asked(row, &given.laws[row.law as usize].overclosure, motion.rate(own), given.span);
                 compliance = gives;
                 asked
             };
@@ -385,7 +386,7 @@ impl Rows {
         direct.half_width = 0;
         for (at, unknown) in direct.unknowns.iter().enumerate() {
             let row = &rows[unknown.row as usize];
-            for term in &terms[row.terms[0] as usize..row.terms[1] as usize] {
+            for term in row.own(terms) {
                 if (unknown.test(term) == 0.0 && unknown.impulse(term) == 0.0) || bodies.contains(&term.dof) {
                     continue;
                 }
@@ -403,7 +404,7 @@ impl Rows {
         let Rows { rows, terms, direct, .. } = self;
         for unknown in &direct.unknowns {
             let row = &rows[unknown.row as usize];
-            for term in &terms[row.terms[0] as usize..row.terms[1] as usize] {
+            for term in row.own(terms) {
                 direct.first[term.dof as usize] = NONE;
                 direct.last[term.dof as usize] = NONE;
             }
@@ -492,7 +493,7 @@ impl Direct {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sweeps::{Motion, Row, Rows, Span, Term};
+    use super::super::sweeps::{Given, Motion, Row, Rows, Span, Term};
     use crate::kernel::interaction::{Friction, Law, Overclosure};
 
     /// Numbers between -1 and 1 without order, the same in every run.
@@ -591,7 +592,9 @@ mod tests {
                 for count in [1, 2, 3, 7, 20, 60] {
                     for _ in 0..20 {
                         let (mut rows, mut motion) = scene(&mut numbers, count, body);
-                        rows.solve(&mut motion, std::slice::from_ref(&law), &vec![[0.0; 2]; count as usize], span);
+                        let before = vec![[0.0; 2]; count as usize];
+                        let given = Given { laws: std::slice::from_ref(&law), before: &before, span };
+                        rows.solve(&mut motion, given);
                         scenes += 1;
                         swept += usize::from(rows.sweeps > 0);
                         holds(&rows, &motion, &law);

@@ -53,7 +53,7 @@ impl Rows {
         }
         let Rows { terms, rows, .. } = self;
         for row in rows {
-            row.give(&terms[row.terms[0] as usize..row.terms[1] as usize], motion);
+            row.give(row.own(terms), motion);
         }
     }
 
@@ -109,7 +109,7 @@ impl Rows {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sweeps::{MOST_SWEEPS, Motion, Row, Rows, Span, Term};
+    use super::super::sweeps::{Given, MOST_SWEEPS, Motion, Row, Rows, Span, Term};
     use crate::kernel::interaction::Law;
 
     /// A plate of this mass comes with velocity -1, and is pushed, against twelve nodes of mass 1 in a row, hats over them.
@@ -134,9 +134,10 @@ mod tests {
         let mut inverse_mass = vec![1.0; 13];
         (velocity[12], inverse_mass[12]) = (-1.0, 1.0 / mass);
         let mut motion = Motion { velocity, inverse_mass };
-        let (laws, span) = ([Law::default()], Span { ahead: 1.0, half: 1.0 });
-        if let Some(reference) = rows.begin(&motion, &laws, span) {
-            rows.solve_by_sweeps(&mut motion, &laws, &[[0.0; 2]; 12], reference, span);
+        let span = Span { ahead: 1.0, half: 1.0 };
+        let given = Given { laws: &[Law::default()], before: &[[0.0; 2]; 12], span };
+        if let Some(reference) = rows.begin(&motion, given) {
+            rows.solve_by_sweeps(&mut motion, reference, given);
         }
         (rows, motion)
     }

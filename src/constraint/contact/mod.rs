@@ -24,7 +24,7 @@ use self::gaps::{Gaps, Seen};
 use self::heat::Crossing;
 use self::search::Search;
 use self::shown::Shown;
-use self::sweeps::{Motion, NONE, Row, Rows, Span};
+use self::sweeps::{Given, Motion, NONE, Row, Rows, Span};
 use super::Constraint;
 use crate::kernel::interaction::Law;
 use crate::state::EffectId;
@@ -63,9 +63,9 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// A pair with a row of the ledger and a number, of one curve with another or, where that is `None`, with itself. `length` is
-    /// the smaller of the longest facets of both.
-    pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], law: usize, length: f64) -> Pair {
+    /// A pair with a row of the ledger and a number, of one curve with another or, where that is the same, with itself, under
+    /// the first of the laws. `length` is the smaller of the longest facets of both.
+    pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], length: f64) -> Pair {
         let other = (own != other).then_some(other);
         let search = Search::new(length, 0.0, 0, 0);
         Pair {
@@ -74,9 +74,9 @@ impl Pair {
             own,
             other,
             analytical: None,
-            law,
+            law: 0,
             springs: false,
-            of_points: law,
+            of_points: 0,
             first: true,
             begins: None,
             search,
@@ -86,8 +86,8 @@ impl Pair {
     }
 
     /// The same of a curve with an analytical surface.
-    pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, law: usize, length: f64) -> Pair {
-        Pair { analytical: Some(analytical), ..Pair::new(id, number, [own, own], law, length) }
+    pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> Pair {
+        Pair { analytical: Some(analytical), ..Pair::new(id, number, [own, own], length) }
     }
 
     /// The law of a point of the own curve.
@@ -605,7 +605,8 @@ impl Constraint for Contact {
         self.show_openings();
         self.let_heat_cross();
         let span = Span { ahead: dt, half: self.half };
-        if let Some(reference) = self.rows.solve(&mut self.motion, &self.laws, &self.pressures, span) {
+        let given = Given { laws: &self.laws, before: &self.pressures, span };
+        if let Some(reference) = self.rows.solve(&mut self.motion, given) {
             self.end_on_arcs(reference, span);
         }
         self.gather_impulses();

@@ -62,6 +62,12 @@ impl Row {
         self.bias = if self.foot.is_some() { open } else { open.max(0.0) } / span.ahead;
     }
 
+    /// Its terms among all.
+    #[inline(always)]
+    pub(super) fn own<'a>(&self, terms: &'a [Term]) -> &'a [Term] {
+        &terms[self.terms[0] as usize..self.terms[1] as usize]
+    }
+
     /// Takes how it gives way.
     pub(super) fn give(&mut self, own: &[Term], motion: &Motion) {
         self.gives = [0.0; 2];
@@ -113,6 +119,17 @@ pub struct Span {
     pub ahead: f64,
     /// Time over which forces act on velocities: half of both increments around.
     pub half: f64,
+}
+
+/// What rows are solved under.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a> {
+    /// The laws of the rows.
+    pub laws: &'a [Law],
+    /// Pressure and shear stress of each key in the increment before.
+    pub before: &'a [[f64; 2]],
+    /// The increment.
+    pub span: Span,
 }
 
 /// Rows and their terms.
@@ -202,65 +219,49 @@ impl Rows {
         self.rows.push(row);
     }
 
-    /// Finds the impulses; velocities in `motion` are those they give. `laws` are those of the rows, `before` the pressure and
-    /// shear stress of each key in the increment before. Nothing is done where nothing approaches. Sweeps begin where the direct
-    /// solution finds no end.
-    /// Returns the velocity that errors are held against; `None` where nothing approaches.
-    pub fn solve(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) -> Option<f64> {
+    /// Finds the impulses; velocities in `motion` are those they give. Nothing is done where nothing approaches. Sweeps begin where
+    /// the direct solution finds no end. Returns the velocity that errors are held against; `None` where nothing approaches.
+    pub fn solve(&mut self, motion: &mut Motion, given: Given<'_>) -> Option<f64> {
         self.sweeps = 0;
-        let reference = self.begin(motion, laws, span)?;
-        self.begin_warm(motion, laws, before, span);
-        self.find(motion, laws, before, reference, span);
+        let reference = self.begin(motion, given)?;
+        self.begin_warm(motion, given);
+        self.find(motion, reference, given);
         Some(reference)
     }
 
     /// Finds the impulses from those that rows have, whose gaps may be others than they were found for.
-    pub(super) fn solve_again(
-        &mut self,
-        motion: &mut Motion,
-        laws: &[Law],
-        before: &[[f64; 2]],
-        reference: f64,
-        span: Span,
-    ) {
-        self.rows.iter_mut().for_each(|row| row.take_bias(&laws[row.law as usize], span));
-        self.find(motion, laws, before, reference, span);
+    pub(super) fn solve_again(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) {
+        self.rows.iter_mut().for_each(|row| row.take_bias(&given.laws[row.law as usize], given.span));
+        self.find(motion, reference, given);
     }
 
-    fn find(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], reference: f64, span: Span) {
-        if !self.solve_directly(motion, laws, reference, span) {
+    fn find(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) {
+        if !self.solve_directly(motion, reference, given) {
             self.unload(motion);
-            self.solve_by_sweeps(motion, laws, before, reference, span);
+            self.solve_by_sweeps(motion, reference, given);
         }
     }
 
     /// Keeps the rows that this increment may close. Returns the velocity that errors are held against; `None` where nothing
     /// approaches.
-    pub(super) fn begin(&mut self, motion: &Motion, laws: &[Law], span: Span) -> Option<f64> {
-        let approach = self.prepare(motion, laws, span);
+    pub(super) fn begin(&mut self, motion: &Motion, given: Given<'_>) -> Option<f64> {
+        let approach = self.prepare(motion, given);
         if approach <= 0.0 {
             self.rows.clear();
             return None;
         }
         let fastest = self.terms.iter().fold(0.0_f64, |v, t| v.max(motion.velocity[t.dof as usize].abs()));
-        self.keep_near(motion, laws, approach, span);
+        self.keep_near(motion, approach, given);
         Some(approach.max(ROUNDING * fastest))
     }
 
-    pub(super) fn solve_by_sweeps(
-        &mut self,
-        motion: &mut Motion,
-        laws: &[Law],
-        before: &[[f64; 2]],
-        reference: f64,
-        span: Span,
-    ) {
-        self.hold_light(motion, laws);
-        self.begin_warm(motion, laws, before, span);
+    pub(super) fn solve_by_sweeps(&mut self, motion: &mut Motion, reference: f64, given: Given<'_>) {
+        self.hold_light(motion, given.laws);
+        self.begin_warm(motion, given);
         self.start_light(motion);
         while self.sweeps < MOST_SWEEPS {
             self.sweeps += 1;
-            let change = self.sweep(motion, laws, span);
+            let change = self.sweep(motion, given);
             if change.max(self.move_light(motion)) <= TOLERANCE * reference {
                 break;
             }
@@ -272,7 +273,7 @@ impl Rows {
     fn unload(&mut self, motion: &mut Motion) {
         let Rows { terms, rows, .. } = self;
         for row in rows {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let own = row.own(terms);
             motion.push(own, -row.pressed);
             motion.shear(own, -row.sheared);
             (row.pressed, row.sheared) = (0.0, 0.0);
@@ -280,20 +281,20 @@ impl Rows {
     }
 
     /// Begins with the pressures of the increment before. Friction that depends on the rate of slip takes that which they leave.
-    pub(super) fn begin_warm(&mut self, motion: &mut Motion, laws: &[Law], before: &[[f64; 2]], span: Span) {
+    pub(super) fn begin_warm(&mut self, motion: &mut Motion, given: Given<'_>) {
         let Rows { terms, rows, .. } = self;
         for row in rows.iter_mut() {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
-            let [pressure, shear] = before[row.key as usize];
-            row.pressed = pressure * span.half;
-            let most = most_shear(row, &laws[row.law as usize], span.half);
-            row.sheared = (shear * span.half).clamp(-most, most);
+            let own = row.own(terms);
+            let [pressure, shear] = given.before[row.key as usize];
+            row.pressed = pressure * given.span.half;
+            let most = most_shear(row, &given.laws[row.law as usize], given.span.half);
+            row.sheared = (shear * given.span.half).clamp(-most, most);
             motion.push(own, row.pressed);
             motion.shear(own, row.sheared);
         }
         for row in rows.iter_mut() {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
-            let friction = &laws[row.law as usize].friction;
+            let own = row.own(terms);
+            let friction = &given.laws[row.law as usize].friction;
             if friction.decay != 0.0 {
                 row.coefficient = friction.coefficient(motion.slip(own).abs() / row.area);
             }
@@ -301,49 +302,50 @@ impl Rows {
     }
 
     /// What rows need; returns the fastest approach beyond what is let through, as a velocity.
-    fn prepare(&mut self, motion: &Motion, laws: &[Law], span: Span) -> f64 {
+    fn prepare(&mut self, motion: &Motion, given: Given<'_>) -> f64 {
         let Rows { terms, rows, .. } = self;
         rows.retain_mut(|row| {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
+            let own = row.own(terms);
             row.give(own, motion);
             row.gives[0] > 0.0 && row.area > 0.0
         });
         let mut approach: f64 = 0.0;
         for row in rows.iter_mut() {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
-            let law = &laws[row.law as usize];
-            row.take_bias(law, span);
+            let own = row.own(terms);
+            let law = &given.laws[row.law as usize];
+            row.take_bias(law, given.span);
             row.coefficient = law.friction.at_rest;
             let short = -(motion.rate(own) + row.bias) / row.area;
             // What gives way presses wherever it is closed, at whatever rate.
             let closed = law.overclosure != Overclosure::Hard && row.bias <= 0.0;
-            let by_closure = if closed { (-row.gap / row.area + law.overclosure.begins()) / span.ahead } else { 0.0 };
+            let by_closure =
+                if closed { (-row.gap / row.area + law.overclosure.begins()) / given.span.ahead } else { 0.0 };
             approach = approach.max(short).max(by_closure);
         }
         approach
     }
 
     /// Leaves out rows that nothing in this increment can close.
-    fn keep_near(&mut self, motion: &Motion, laws: &[Law], approach: f64, span: Span) {
+    fn keep_near(&mut self, motion: &Motion, approach: f64, given: Given<'_>) {
         let Rows { terms, rows, .. } = self;
         rows.retain(|row| {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
-            let begins = laws[row.law as usize].overclosure.begins() * row.area;
-            row.gap - begins + span.ahead * motion.rate(own) <= 2.0 * span.ahead * row.area * approach
+            let own = row.own(terms);
+            let begins = given.laws[row.law as usize].overclosure.begins() * row.area;
+            row.gap - begins + given.span.ahead * motion.rate(own) <= 2.0 * given.span.ahead * row.area * approach
         });
     }
 
     /// One sweep; returns the largest change of a rate, as a velocity.
-    fn sweep(&mut self, motion: &mut Motion, laws: &[Law], span: Span) -> f64 {
+    fn sweep(&mut self, motion: &mut Motion, given: Given<'_>) -> f64 {
         let Rows { terms, rows, .. } = self;
         let mut largest: f64 = 0.0;
         for row in rows.iter_mut() {
-            let own = &terms[row.terms[0] as usize..row.terms[1] as usize];
-            let law = &laws[row.law as usize];
+            let own = row.own(terms);
+            let law = &given.laws[row.law as usize];
             let rate = motion.rate(own);
             let pressed = match &law.overclosure {
                 Overclosure::Hard => (row.pressed - (rate + row.bias) / row.gives[0]).max(0.0),
-                soft => give_way(row, soft, rate - row.gives[0] * row.pressed, span),
+                soft => give_way(row, soft, rate - row.gives[0] * row.pressed, given.span),
             };
             let change = pressed - row.pressed;
             if change != 0.0 {
@@ -352,7 +354,7 @@ impl Rows {
                 largest = largest.max(change.abs() * row.gives[0] / row.area);
             }
             if row.coefficient > 0.0 && row.gives[1] > 0.0 {
-                let most = most_shear(row, law, span.half);
+                let most = most_shear(row, law, given.span.half);
                 let held = row.sheared - motion.slip(own) / row.gives[1];
                 let sheared = held.clamp(-most, most);
                 row.sticks = held == sheared;
@@ -369,7 +371,7 @@ impl Rows {
 
     /// The terms of a row.
     pub fn terms_of(&self, row: &Row) -> &[Term] {
-        &self.terms[row.terms[0] as usize..row.terms[1] as usize]
+        row.own(&self.terms)
     }
 
     /// Bytes of the arrays.
