@@ -10,9 +10,9 @@ use super::eroded::Eroded;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
-use crate::kernel::lanes::{Corners, LANES, Lanes, column, dot};
-use crate::kernel::quad::{UNIT, operators, section};
-use crate::kernel::rotation::rotated;
+use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares, sums};
+use crate::kernel::rotation::{SpinOver, turned};
 use crate::kernel::stress::mises;
 use crate::material::failure::Failure;
 use crate::material::plasticity::{Flow, Hardening};
@@ -34,7 +34,7 @@ pub struct Block<S, Q, X> {
     pub stress: [Lanes; 4],
     /// Mass of each element.
     pub mass: Lanes,
-    /// One over the masses of the corners.
+    /// One over the masses of the corners, as [`sums`].
     pub inverse_mass: [Lanes; 4],
     /// What hardening keeps.
     pub state: S,
@@ -106,17 +106,56 @@ pub(super) struct Kept {
     pub(super) returned: Lanes,
 }
 
+/// Elements of a block where they are: their [`Operators`], and what follows from them.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+struct Geometry {
+    r: [Lanes; 3],
+    z: [Lanes; 3],
+    hoop: [Lanes; 3],
+    volume: Lanes,
+    /// The hourglass pattern times the volume, by base vectors.
+    pattern: [Lanes; 3],
+    /// Sums over the corners of the squares of all operators, and of that pattern, over their masses.
+    squares: Lanes,
+    light: Lanes,
+    /// Bound of the highest frequency times the volume.
+    root: Lanes,
+}
+
+impl Geometry {
+    /// The operators of a lane.
+    #[inline(always)]
+    fn operators(&self, l: usize) -> Operators {
+        let [r, z, hoop] = [&self.r, &self.z, &self.hoop].map(|list| [list[0][l], list[1][l], list[2][l]]);
+        Operators { r, z, hoop, volume: self.volume[l] }
+    }
+
+    /// The pattern of a lane.
+    #[inline(always)]
+    fn pattern(&self, l: usize) -> [f64; 3] {
+        [self.pattern[0][l], self.pattern[1][l], self.pattern[2][l]]
+    }
+}
+
 /// Scratch memory of one task.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub struct Workspace {
-    /// Coordinates and velocities of the corners.
+    /// Coordinates and velocities of the corners, as [`sums`].
     pub(super) r: [Lanes; 4],
     pub(super) z: [Lanes; 4],
     pub(super) v_r: [Lanes; 4],
     pub(super) v_z: [Lanes; 4],
     /// Strain increments rr, zz, hoop, rz.
     pub(super) strain: [Lanes; 4],
+    /// Volume at the middle of the increment in the unit [`UNIT`], and what one division of a phase came to.
+    middle: Lanes,
+    inverse: Lanes,
+    /// The elements where they are now.
+    now: Geometry,
+    /// Part of the elastic trial that the return to the yield surface left.
+    left: Lanes,
     /// Stress before the increment, carried along by the rotation.
     pub(super) carried: [Lanes; 4],
     /// Mean stress and deviator of the trial.
@@ -134,8 +173,6 @@ pub struct Workspace {
     /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
     pub(super) bulk: Lanes,
     pub(super) heat: Lanes,
-    /// What the volumetric strain increments lack to be averaged ones; `None` where each element has its own.
-    pub(super) lacking: Option<Lanes>,
     /// Of a shear modulus that varies: its value.
     pub(super) shear: Lanes,
     /// Of the task so far.
@@ -168,20 +205,23 @@ pub struct Workspace {
     /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
     /// under a cap.
     pub(super) deformed: [Lanes; 2],
+    /// What the volumetric strain increments lack to be averaged ones; `None` where each element has its own. Behind all other
+    /// numbers, which would no longer begin with a cache line.
+    pub(super) lacking: Option<Lanes>,
 }
 
 impl<S, Q, X> Block<S, Q, X> {
     /// Masses of the corners of a lane.
     pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
-        [0, 1, 2, 3].map(|c| 1.0 / self.inverse_mass[c][lane])
+        at_corners(column(&self.inverse_mass, lane)).map(|inverse| 4.0 / inverse)
     }
 
     /// Gives the corners of a lane other masses.
     pub(super) fn set_corner_masses(&mut self, lane: usize, masses: [f64; 4]) {
         let total = (masses[0] + masses[1]) + (masses[2] + masses[3]);
         self.mass[lane] = total;
-        for (list, mass) in self.inverse_mass.iter_mut().zip(masses) {
-            list[lane] = 1.0 / mass;
+        for (list, sum) in self.inverse_mass.iter_mut().zip(sums(masses.map(|mass| 1.0 / mass))) {
+            list[lane] = sum;
         }
     }
 }
@@ -233,7 +273,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             hardening.follow(&mut self.state, &scratch.back, &scratch.deviator, &scratch.trial, &scratch.flow);
         }
         if V::EOS {
-            self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), nodes, scratch);
+            self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), scratch);
         }
         self.stress::<H>(constants, &mut kept, scratch);
         let shares = if scratch.enhanced.is_empty() { [1.0; LANES] } else { self.shares(failure) };
@@ -246,11 +286,11 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let mut seen = Seen::default();
             self.forces::<V, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut seen);
             let laws = (hardening, failure, shares);
-            self.enhance::<H, V, F, AREA>(laws, (constants, dt), &seen, &mut kept, scratch, corners);
+            self.enhance::<H, V, F, AREA>(laws, (constants, dt), (&seen, nodes), &mut kept, scratch, corners);
         }
         scratch.keep(kept);
         if V::EOS && !V::TOTAL {
-            scratch.resist_patterns((dt, constants.hourglass.viscosity), &self.inverse_mass, corners);
+            scratch.resist_patterns((dt, constants.hourglass.viscosity), nodes, &self.inverse_mass, corners);
         }
         if F::FAILS {
             self.clear_deleted(failure, corners);
@@ -278,25 +318,22 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         nodes: &Nodes,
         scratch: &mut Workspace,
     ) {
+        scratch.velocity_gradient::<AREA>(dt, nodes);
+        self.trial::<H, V>(constants, dt, scratch);
+    }
+
+    /// The stress turned with the material, and the elastic trial of its mean and deviator.
+    #[inline(always)]
+    fn trial<H: Hardening, V: Volumetric>(&mut self, constants: &Constants, dt: f64, scratch: &mut Workspace) {
         let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
-        let half = 0.5 * dt;
         for l in 0..LANES {
-            let [r, z, v_r, v_z] = [0, 1, 2, 3].map(|component| nodes.of(l, component));
-            for i in 0..4 {
-                scratch.r[i][l] = r[i];
-                scratch.z[i][l] = z[i];
-                scratch.v_r[i][l] = v_r[i];
-                scratch.v_z[i][l] = v_z[i];
-            }
-            let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
-            let g = operators::<AREA>(middle(r, v_r), middle(z, v_z));
-            let per = dt / g.volume;
-            let (d_rr, d_zz, d_hoop) = (per * dot(g.r, v_r), per * dot(g.z, v_z), per * dot(g.hoop, v_r));
-            let (rz, zr) = (per * dot(g.z, v_r), per * dot(g.r, v_z));
-            let d_rz = 0.5 * (rz + zr);
-            let carried = rotated(column(&self.stress, l), 0.5 * (rz - zr));
+            let ([rr, zz, around, both], difference) = (column(&scratch.strain, l), scratch.spin[l]);
+            let spin = SpinOver { dividend: difference, divisor: scratch.middle[l], inverse: scratch.inverse[l] };
+            let per = dt * spin.per();
+            let (d_rr, d_zz, d_hoop, d_rz) = (per * rr, per * zz, per * around, 0.5 * (per * both));
+            let carried = turned(column(&self.stress, l), spin.turn());
             if H::BACKSTRESS || V::TOTAL {
-                scratch.spin[l] = 0.5 * (rz - zr);
+                scratch.spin[l] = difference * spin.per();
             }
             let dilation = d_rr + d_zz + d_hoop;
             let mean = (carried[0] + carried[1] + carried[2]) * (1.0 / 3.0);
@@ -313,7 +350,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 scratch.deviator[i][l] = deviator[i];
             }
             scratch.mean[l] = mean + bulk * dilation;
-            scratch.volume[l] = UNIT * scratch.weight[l] * g.volume;
+            scratch.volume[l] = UNIT * scratch.weight[l] * scratch.middle[l];
             if H::PLASTIC {
                 let [a, b, c, d] = deviator.map(|s| s * s);
                 scratch.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
@@ -326,16 +363,18 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     fn stress<H: Hardening>(&mut self, constants: &Constants, kept: &mut Kept, scratch: &mut Workspace) {
         let shear3 = 3.0 * constants.shear;
         let relaxes = constants.hourglass.relaxes;
-        for l in 0..LANES {
-            let mut factor = 1.0;
-            if H::PLASTIC {
+        if H::PLASTIC {
+            for l in 0..LANES {
                 let (trial, flow) = (scratch.trial[l], scratch.flow[l]);
                 let returned = trial - shear3 * flow;
-                factor = if flow > 0.0 { returned / trial } else { 1.0 };
+                let factor = if flow > 0.0 { returned / trial } else { 1.0 };
+                scratch.left[l] = factor;
                 kept.returned[l] = if relaxes { factor } else { 1.0 };
                 scratch.sums.plastic[l] += scratch.volume[l] * returned * flow;
             }
-            let mean = scratch.mean[l];
+        }
+        for l in 0..LANES {
+            let (factor, mean) = (if H::PLASTIC { scratch.left[l] } else { 1.0 }, scratch.mean[l]);
             let mut s = [
                 mean + factor * scratch.deviator[0][l],
                 mean + factor * scratch.deviator[1][l],
@@ -354,6 +393,38 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             for i in 0..4 {
                 self.stress[i][l] = s[i];
             }
+        }
+    }
+
+    /// The elements where they are now: operators, the bound of their highest frequencies, the hourglass pattern. What takes long
+    /// ends a loop, so that the lanes behind need not wait for it.
+    #[inline(always)]
+    fn measure_now<V: Volumetric, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace) {
+        let shear43 = 4.0 / 3.0 * constants.shear;
+        let modulus = constants.bulk + shear43;
+        let Workspace { r, z, now, bulk, inverse, .. } = scratch;
+        for l in 0..LANES {
+            let modulus = if V::EOS { bulk[l] + shear43 } else { modulus };
+            let (r, z, inverse_mass) = (column(r, l), column(z, l), column(&self.inverse_mass, l));
+            let g = Operators::of::<AREA>(r, z);
+            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
+            let lists =
+                [[0.0, g.r[0], g.r[1], g.r[2]], [0.0, g.z[0], g.z[1], g.z[2]], [g.hoop[0], g.hoop[1], g.hoop[2], 0.0]];
+            let all = squares(&lists, inverse_mass);
+            let pattern = g.pattern([r[3], z[3]]);
+            for i in 0..3 {
+                now.r[i][l] = g.r[i];
+                now.z[i][l] = g.z[i];
+                now.hoop[i][l] = g.hoop[i];
+                now.pattern[i][l] = pattern[i];
+            }
+            now.volume[l] = g.volume;
+            now.squares[l] = all;
+            now.light[l] = squares(&[[0.0, pattern[0], pattern[1], pattern[2]]], inverse_mass);
+            now.root[l] = (modulus * UNIT * all * g.volume).sqrt();
+        }
+        for l in 0..LANES {
+            inverse[l] = 1.0 / (now.volume[l] * (now.root[l] * now.light[l]));
         }
     }
 
@@ -383,46 +454,44 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         let starts = V::EOS && per_dt == 0.0;
         let shocks = V::EOS && !V::TOTAL;
         let directed = if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 };
+        self.measure_now::<V, AREA>(constants, scratch);
         for l in 0..LANES {
             let modulus = if V::EOS { scratch.bulk[l] + shear43 } else { modulus };
-            let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
-            let (v_r, v_z) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
-            let g = operators::<AREA>(r, z);
-            // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
-            let corner =
-                |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) * self.inverse_mass[i][l];
-            let sum = modulus * UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
-            // omega = root / V; one division serves 1/V and 1/omega.
-            let root = (sum * g.volume).sqrt();
-            let inverse = 1.0 / (g.volume * root);
-            let per = root * inverse;
+            let ([v0, v1, v2, v3], [_, w1, w2, w3]) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
+            let (along_r, along_z, ring) = ([v1, v2, v3], [w1, w2, w3], [v0, v1, v2]);
+            let now = &scratch.now;
+            let (g, inverse_mass, all) = (now.operators(l), column(&self.inverse_mass, l), now.squares[l]);
+            // omega = root / V; one division has served 1/V, 1/omega and the mass that the pattern moves.
+            let (root, light, inverse) = (now.root[l], now.light[l], scratch.inverse[l]);
+            let inverse_root = inverse * (g.volume * light);
+            let per = inverse * (root * light);
             let omega = root * per;
+            let square = dot3(g.r, g.r) + dot3(g.z, g.z);
             // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"): no part of the stress. The length
             // is 2 c/omega, so that the linear coefficient is the fraction of critical damping in the highest mode, also
             // of a flat element: then rho c times the length is 2 (K + 4/3 G)/omega.
-            let mut period = g.volume * g.volume * inverse;
+            let mut period = g.volume * inverse_root;
             if AREA {
                 // Of the section alone: the ring would show in what is spherical.
-                let (square, mass) = (dot(g.r, g.r) + dot(g.z, g.z), self.inverse_mass[0][l]);
-                period = g.volume / (modulus * UNIT * square * mass * g.volume).sqrt();
+                period = g.volume / (modulus * UNIT * square * inverse_mass[0] * g.volume).sqrt();
             }
             let dilation = scratch.strain[0][l] + scratch.strain[1][l] + scratch.strain[2][l];
             let mut dilation_rate = dilation * per_dt;
             if starts {
-                dilation_rate = (dot(g.r, v_r) + dot(g.z, v_z) + dot(g.hoop, v_r)) / g.volume;
+                dilation_rate = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
             }
             let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
             let mut fraction = linear - quadratic2 * 2.0 * period * compression;
             let mut sided = [0.0; 4];
             if shocks {
                 let rates = if starts {
-                    let shear = 0.5 * (dot(g.z, v_r) + dot(g.r, v_z));
-                    [dot(g.r, v_r), dot(g.z, v_z), shear].map(|sum| sum / g.volume)
+                    let shear = 0.5 * (dot3(g.z, along_r) + dot3(g.r, along_z));
+                    [dot3(g.r, along_r), dot3(g.z, along_z), shear].map(|sum| sum / g.volume)
                 } else {
                     [0, 1, 3].map(|i: usize| scratch.strain[i][l] * per_dt)
                 };
-                let length = self.mass[l] * ((corner(0) + corner(1)) + (corner(2) + corner(3)));
-                let length = 0.5 * (section(r, z) * length).sqrt() / g.volume;
+                // The section is a quarter of the hoop operators' first part.
+                let length = 0.5 * (0.25 * g.hoop[0] * (self.mass[l] * all)).sqrt() / g.volume;
                 let squeezed = principal_compression(rates, -compression);
                 fraction = length * (linear + quadratic2 * length * 2.0 * period * squeezed);
                 let viscosity = if dilation_rate < 0.0 { directed * modulus * period * fraction } else { 0.0 };
@@ -437,21 +506,16 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             kept.viscous[l] = damping;
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields. Its spring
             // may return to the yield surface with the stress.
-            let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
-            let rest = [0, 1, 2, 3].map(|i| h_r * g.r[i] + h_z * g.z[i]);
-            let shape = [1.0 - rest[0], -1.0 - rest[1], 1.0 - rest[2], -1.0 - rest[3]];
+            let shape = now.pattern(l).map(|part| per * part);
+            let (q_r, q_z) = (dot3(shape, along_r), dot3(shape, along_z));
             let (mut f_r, mut f_z) = (0.0, 0.0);
             if C::ENHANCED {
-                let squares = (corner(0) + corner(1)) + (corner(2) + corner(3));
-                control.see(l, &Lane { g: &g, per, shape, v_r, v_z, squares });
+                control.see(l, &Lane { g: &g, per, shape, rate: [q_r, q_z], v_r: [v0, v1, v2, v3], squares: all });
             } else {
-                let (q_r, q_z) = (dot(shape, v_r), dot(shape, v_z));
-                let square = dot(g.r, g.r) + dot(g.z, g.z);
                 // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: no more stiffness
                 // than that the pattern stays slow beside the strains, and a fraction of what is critical at their frequency.
-                let light = |i: usize| shape[i] * shape[i] * self.inverse_mass[i][l];
-                let moved = omega / ((light(0) + light(1)) + (light(2) + light(3)));
-                let (wanted, most) = (stiffness * square * per, SLOW * dt * omega * moved);
+                let moved = root * (g.volume * (inverse * (root * g.volume)));
+                let (wanted, most) = (stiffness * (4.0 * square) * per, SLOW * dt * omega * moved);
                 let spring = if wanted < most { wanted } else { most };
                 let dashpot = viscosity2 * moved;
                 let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
@@ -472,13 +536,25 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let s_rz = UNIT * if shocks { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
             // Weighted by area the equation of motion itself is integrated over the section, its terms with 1/r included; the
             // ring is put back node by node (area.rs).
-            let flat = if AREA { 1.0 / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { 1.0 };
+            let flat = if AREA { 1.0 / (4.0 * UNIT * scratch.r[0][l]) } else { 1.0 };
             let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, 0.0) };
+            let stressed_r = |i: usize| s_rr * g.r[i] + s_rz * g.z[i];
+            let stressed_z = |i: usize| s_zz * g.z[i] + s_rz * g.r[i];
+            let along_r = at_corners([
+                hoop_r * g.hoop[0],
+                stressed_r(0) + (hoop_r * g.hoop[1] + f_r * shape[0]),
+                stressed_r(1) + (hoop_r * g.hoop[2] + f_r * shape[1]),
+                stressed_r(2) + f_r * shape[2],
+            ]);
+            let along_z = at_corners([
+                hoop_z * g.hoop[0],
+                stressed_z(0) + f_z * shape[0],
+                stressed_z(1) + f_z * shape[1],
+                stressed_z(2) + f_z * shape[2],
+            ]);
             for i in 0..4 {
-                let along_r = (s_rr * g.r[i] + s_rz * g.z[i]) + (hoop_r * g.hoop[i] + f_r * shape[i]);
-                let along_z = (s_zz * g.z[i] + s_rz * g.r[i]) + f_z * shape[i];
-                corners.0[2 * i][l] = if AREA { -flat * along_r } else { -along_r };
-                corners.0[2 * i + 1][l] = if AREA { -flat * (along_z + hoop_z * g.hoop[i]) } else { -along_z };
+                let (force_r, force_z) = (-along_r[i], -along_z[i]);
+                corners.0[i][l] = if AREA { [flat * force_r, flat * force_z] } else { [force_r, force_z] };
             }
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
@@ -505,6 +581,35 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 }
 
 impl Workspace {
+    /// Where the corners are and how they move, and the velocity gradient in the middle of the increment, times the volume there:
+    /// `strain` is rr, zz, hoop and the sum of rz and zr, `spin` half their difference times the increment. The division behind both
+    /// ends the loop, so that the lanes behind need not wait for it.
+    #[inline(always)]
+    fn velocity_gradient<const AREA: bool>(&mut self, dt: f64, nodes: &Nodes) {
+        let half = 0.5 * dt;
+        for l in 0..LANES {
+            let [r, z, v_r, v_z] = [0, 1, 2, 3].map(|component| sums(nodes.of(l, component)));
+            for i in 0..4 {
+                self.r[i][l] = r[i];
+                self.z[i][l] = z[i];
+                self.v_r[i][l] = v_r[i];
+                self.v_z[i][l] = v_z[i];
+            }
+            let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
+            let g = Operators::of::<AREA>(middle(r, v_r), middle(z, v_z));
+            let (along_r, along_z) = ([v_r[1], v_r[2], v_r[3]], [v_z[1], v_z[2], v_z[3]]);
+            let (rz, zr) = (dot3(g.z, along_r), dot3(g.r, along_z));
+            self.strain[0][l] = dot3(g.r, along_r);
+            self.strain[1][l] = dot3(g.z, along_z);
+            self.strain[2][l] = dot3(g.hoop, [v_r[0], v_r[1], v_r[2]]);
+            self.strain[3][l] = rz + zr;
+            let spin = SpinOver::new(half * (rz - zr), g.volume);
+            self.spin[l] = spin.dividend;
+            self.middle[l] = spin.divisor;
+            self.inverse[l] = spin.inverse;
+        }
+    }
+
     /// Scratch memory of a task of so many blocks whose frequencies are not capped, with room for what its elements keep of
     /// hourglass control and bulk viscosity.
     pub fn new(constants: &Constants, blocks: usize) -> Self {

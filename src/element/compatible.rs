@@ -32,8 +32,8 @@ impl Workspace {
             for l in 0..LANES {
                 let [_, _, v_r, v_z] = nodes.0[i][l];
                 let [a_r, a_z] = before.accelerations.get(of[i][l] as usize).copied().unwrap_or_default();
-                lost[l] += corners.0[2 * i][l] * (half * v_r - share * a_r)
-                    + corners.0[2 * i + 1][l] * (half * v_z - share * a_z);
+                let [f_r, f_z] = corners.0[i][l];
+                lost[l] += f_r * (half * v_r - share * a_r) + f_z * (half * v_z - share * a_z);
             }
         }
         Owed { sums: [self.sums.internal, self.sums.viscous, self.sums.artificial], lost }
@@ -48,7 +48,8 @@ impl Workspace {
         for i in 0..4 {
             for l in 0..LANES {
                 let [_, _, v_r, v_z] = nodes.0[i][l];
-                lost[l] += half * (corners.0[2 * i][l] * v_r + corners.0[2 * i + 1][l] * v_z);
+                let [f_r, f_z] = corners.0[i][l];
+                lost[l] += half * (f_r * v_r + f_z * v_z);
             }
         }
         let [internal, viscous, artificial] = &owed.sums;

@@ -3,10 +3,9 @@
 //! Never here: stresses.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use crate::kernel::assumed::hoop;
-use crate::kernel::lanes::Lanes;
-use crate::kernel::lanes::{column, dot};
-use crate::kernel::quad::Gradient;
+use crate::kernel::assumed::{hoop, ring};
+use crate::kernel::lanes::{Lanes, column, dot};
+use crate::kernel::quad::Operators;
 
 /// What resists the patterns of a block's elements.
 pub(super) trait Control {
@@ -29,13 +28,14 @@ impl Control for Spring {
 
 /// A lane as the corner forces of the uniform stress have found it.
 pub(super) struct Lane<'a> {
-    pub g: &'a Gradient,
+    pub g: &'a Operators,
     /// One over the volume.
     pub per: f64,
-    /// The hourglass shape.
-    pub shape: [f64; 4],
+    /// The hourglass pattern by base vectors, and its products with the velocities along r and z.
+    pub shape: [f64; 3],
+    pub rate: [f64; 2],
+    /// Sums of the velocities along r.
     pub v_r: [f64; 4],
-    pub v_z: [f64; 4],
     /// Sum of the squares of all operators over the masses of the corners.
     pub squares: f64,
 }
@@ -44,10 +44,10 @@ pub(super) struct Lane<'a> {
 #[derive(Default)]
 #[repr(C, align(64))]
 pub(super) struct Seen {
-    /// The hourglass shape, and the sums of it and the velocities along r and z.
-    pub shape: [Lanes; 4],
+    /// The hourglass pattern by base vectors, and its products with the velocities along r and z.
+    pub shape: [Lanes; 3],
     pub rate: [Lanes; 2],
-    /// Operators of the hoop strains along r and z ([`hoop`]), and the sums of them and the velocities along r.
+    /// Operators of the hoop strains along r and z ([`hoop`]), and their products with the velocities along r.
     pub hoop: [[Lanes; 4]; 2],
     pub hoop_rate: [Lanes; 2],
     /// One over the mean radius and the volume ([`crate::kernel::assumed::Directions::of`]).
@@ -63,27 +63,28 @@ impl Control for Seen {
     #[inline(always)]
     fn see(&mut self, l: usize, lane: &Lane<'_>) {
         let (g, shape, [by_r, by_z]) = (lane.g, lane.shape, hoop(lane.g));
-        for i in 0..4 {
+        for i in 0..3 {
             self.shape[i][l] = shape[i];
+        }
+        for i in 0..4 {
             self.hoop[0][i][l] = by_r[i];
             self.hoop[1][i][l] = by_z[i];
         }
-        self.rate[0][l] = dot(shape, lane.v_r);
-        self.rate[1][l] = dot(shape, lane.v_z);
+        self.rate[0][l] = lane.rate[0];
+        self.rate[1][l] = lane.rate[1];
         self.hoop_rate[0][l] = dot(by_r, lane.v_r);
         self.hoop_rate[1][l] = dot(by_z, lane.v_r);
         let square = lane.per * lane.per;
-        // Opposite corners share three times the section of the integral of one.
-        self.ring[l] = 2.0 * (g.hoop[0] + g.hoop[2]) * square;
+        self.ring[l] = ring(g, square);
         self.volume[l] = g.volume;
         self.squares[l] = lane.squares * square;
     }
 }
 
 impl Seen {
-    /// The hourglass shape and the operators of the hoop strains of a lane.
+    /// The hourglass pattern and the operators of the hoop strains of a lane.
     #[inline(always)]
-    pub fn operators(&self, l: usize) -> ([f64; 4], [[f64; 4]; 2]) {
-        (column(&self.shape, l), [column(&self.hoop[0], l), column(&self.hoop[1], l)])
+    pub fn operators(&self, l: usize) -> ([f64; 3], [[f64; 4]; 2]) {
+        ([self.shape[0][l], self.shape[1][l], self.shape[2][l]], [column(&self.hoop[0], l), column(&self.hoop[1], l)])
     }
 }

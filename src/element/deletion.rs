@@ -65,7 +65,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     pub(super) fn clear_eroded(&mut self, eroded: &Eroded, corners: &mut Corners) {
         for l in (0..LANES).filter(|l| eroded.has(*l)) {
             self.stress.iter_mut().for_each(|s| s[l] = 0.0);
-            corners.0.iter_mut().for_each(|list| list[l] = 0.0);
+            corners.clear(l);
         }
     }
 
@@ -116,7 +116,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     pub(super) fn clear_deleted<F: Failure<State = X>>(&self, failure: &F, corners: &mut Corners) {
         for l in 0..LANES {
             if failure.share(&self.failure, l) == 0.0 {
-                corners.0.iter_mut().for_each(|list| list[l] = 0.0);
+                corners.clear(l);
             }
         }
     }

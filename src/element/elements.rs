@@ -271,8 +271,7 @@ impl Elements {
     /// Force of one element on one of its corners.
     pub fn corner_force(&self, group: usize, element: usize, corner: usize) -> [f64; 2] {
         let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
-        let block = &self.corners[before + element / LANES].0;
-        let force = [block[2 * corner], block[2 * corner + 1]].map(|lanes| lanes[element % LANES]);
+        let force = self.corners[before + element / LANES].0[corner][element % LANES];
         let node = self.groups[group].corners(element)[corner] as usize;
         self.rings.as_ref().map_or(force, |rings| force.map(|f| rings.factors[node] * f))
     }
@@ -280,8 +279,7 @@ impl Elements {
     /// An element no longer pulls at its corners.
     pub(super) fn clear_corners(&mut self, group: usize, element: usize) {
         let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
-        let block = &mut self.corners[before + element / LANES].0;
-        block.iter_mut().for_each(|list| list[element % LANES] = 0.0);
+        self.corners[before + element / LANES].clear(element % LANES);
     }
 
     /// Sum of the corner forces of one node.

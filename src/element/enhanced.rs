@@ -3,14 +3,14 @@
 //! Never here: the geometry of the strains, how edges flow, uniform stress.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{Block, Kept, Workspace};
+use super::block::{Block, Kept, Nodes, Workspace};
 use super::constants::Constants;
 use super::control::Seen;
 use super::edges::{Yields, largest};
 use super::middle::Middle;
 use crate::kernel::assumed::Directions;
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
-use crate::kernel::quad::UNIT;
+use crate::kernel::quad::{UNIT, at_corners};
 use crate::material::failure::Failure;
 use crate::material::plasticity::{Flow, Hardening};
 use crate::material::volumetric::Volumetric;
@@ -55,7 +55,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         &self,
         (hardening, failure, before): (&H, &F, Lanes),
         (constants, dt): (&Constants, f64),
-        seen: &Seen,
+        (seen, nodes): (&Seen, &Nodes),
         kept: &mut Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
@@ -74,7 +74,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             scratch.enhanced[scratch.at].limit = first_yield(hardening, &self.state, constants.shear, scratch.count);
         }
         let increment = (constants.hourglass.enhanced, dt);
-        self.resist::<(H, V, F), AREA>(increment, (seen, &middle), kept, scratch, corners);
+        self.resist::<(H, V, F), AREA>(increment, (seen, &middle, nodes), kept, scratch, corners);
     }
 
     /// Stresses of the patterns at the end of the increment, and their corner forces: free of branches, and what is divided
@@ -83,7 +83,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     pub(super) fn resist<L: Laws, const AREA: bool>(
         &self,
         (factor, dt): (f64, f64),
-        (seen, middle): (&Seen, &Middle),
+        (seen, middle, nodes): (&Seen, &Middle, &Nodes),
         kept: &Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
@@ -101,7 +101,8 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let slowest = middle.slow[l] * seen.squares[l] / trace;
             let slowed = if slowest < factor { slowest } else { factor };
             // A triangle, with two corners in one place, has no pattern.
-            let triangle = (r[2] == r[3]) & (z[2] == z[3]);
+            let (of_r, of_z) = (nodes.of(l, 0), nodes.of(l, 1));
+            let triangle = (of_r[2] == of_r[3]) & (of_z[2] == of_z[3]);
             let mut grows = if triangle { 0.0 } else { dt * slowed };
             if L::FAILS {
                 grows *= middle.share[l];
@@ -150,14 +151,22 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             }
             let third = UNIT / 3.0 * seen.volume[l];
             scratch.sums.artificial[l] += 0.5 * dt * scratch.weight[l] * (third * power);
-            let acts = if AREA { third / (1.5 * UNIT * ((r[0] + r[1]) + (r[2] + r[3]))) } else { third };
+            let acts = if AREA { third / (4.0 * UNIT * r[0]) } else { third };
             let [first, second] = stress;
             let [bent, turned] =
                 directions.forces([acts * first[0], acts * second[0]], [acts * first[1], acts * second[1]]);
             let (shape, [by_r, by_z]) = operators;
+            let ring = |i: usize| turned[0] * by_r[i] + turned[1] * by_z[i];
+            let along_r = at_corners([
+                ring(0),
+                bent[0] * shape[0] + ring(1),
+                bent[0] * shape[1] + ring(2),
+                bent[0] * shape[2] + ring(3),
+            ]);
+            let along_z = at_corners([0.0, bent[1] * shape[0], bent[1] * shape[1], bent[1] * shape[2]]);
             for i in 0..4 {
-                corners.0[2 * i][l] -= bent[0] * shape[i] + (turned[0] * by_r[i] + turned[1] * by_z[i]);
-                corners.0[2 * i + 1][l] -= bent[1] * shape[i];
+                let [r, z] = corners.0[i][l];
+                corners.0[i][l] = [r - along_r[i], z - along_z[i]];
             }
         }
         scratch.enhanced[scratch.at] = assumed;

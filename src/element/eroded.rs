@@ -38,7 +38,7 @@ impl Eroded {
 /// Height of a ring from 1 to 2 of some volume, which is 3 pi a height.
 #[inline(always)]
 pub(super) fn height(volume: f64) -> f64 {
-    volume / (9.0 * UNIT)
+    volume / (24.0 * UNIT)
 }
 
 impl Persist for Eroded {

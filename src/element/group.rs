@@ -26,7 +26,7 @@ use crate::user::AtPoints;
 use crate::variables::{Part, Variable};
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
-pub(super) const TASK: usize = 64;
+pub(super) const TASK: usize = 32;
 
 /// What an increment of a group came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -252,7 +252,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
                 volumetric.place(&mut block.volumetric, l, middle, area[l].sqrt());
             }
             if AREA {
-                block.inverse_mass = [block.mass.map(|mass| 4.0 / mass); 4];
+                block.inverse_mass = [block.mass.map(|mass| 16.0 / mass), [0.0; LANES], [0.0; LANES], [0.0; LANES]];
             }
             block
         };
@@ -341,9 +341,10 @@ pub(super) fn block<S, Q, X>(
         // Lanes behind the last element repeat it; nothing reads their answers.
         let element = elements[l.min(elements.len() - 1)];
         let corners = element.map(|n| nodes[n as usize].place());
-        for (corner, mass) in quad::corner_masses(corners, density).into_iter().enumerate() {
-            block.nodes[corner][l] = element[corner];
-            block.inverse_mass[corner][l] = 1.0 / mass;
+        let inverse_mass = quad::sums(quad::corner_masses(corners, density).map(|mass| 1.0 / mass));
+        for i in 0..4 {
+            block.nodes[i][l] = element[i];
+            block.inverse_mass[i][l] = inverse_mass[i];
         }
         block.mass[l] = density * quad::volume(corners);
     }
@@ -416,12 +417,12 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             });
             // Without an increment behind nothing has been added to the sums, so they hold while the task is quiescent. The
             // pressure of an equation of state is not in the state looked at here.
-            let zero = |list: &[Lanes]| list.as_flattened().iter().all(|x| *x == 0.0);
+            let zero = |list: &[f64]| list.iter().all(|x| *x == 0.0);
             resting.quiescent = dt == 0.0
                 && lacking.is_none()
                 && !V::EOS
-                && corners.iter().all(|c| zero(&c.0))
-                && blocks.iter().all(|b| zero(&b.stress))
+                && corners.iter().all(|c| zero(c.0.as_flattened().as_flattened()))
+                && blocks.iter().all(|b| zero(b.stress.as_flattened()))
                 && resting.is_still(nodes);
         };
         if !threads || self.count < PARALLEL {
@@ -756,7 +757,8 @@ mod tests {
                 })
             });
             let totals = totals.last().expect("totals");
-            let corners: Vec<u64> = corners.iter().flat_map(|c| c.0.as_flattened()).map(|f| f.to_bits()).collect();
+            let corners: Vec<u64> =
+                corners.iter().flat_map(|c| c.0.as_flattened().as_flattened()).map(|f| f.to_bits()).collect();
             assert!(totals.plastic > 0.0 && totals.rate > 0.0);
             (corners, totals)
         };

@@ -2,9 +2,9 @@
 //! Never here: the law.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{Block, Nodes, Workspace};
-use crate::kernel::lanes::LANES;
-use crate::kernel::quad::{UNIT, operators};
+use super::block::{Block, Workspace};
+use crate::kernel::lanes::{LANES, column};
+use crate::kernel::quad::{Operators, UNIT};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::{Squeeze, Stretch, Volumetric};
 
@@ -15,7 +15,6 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         &mut self,
         law: &V,
         (shear3, dt): (f64, f64),
-        nodes: &Nodes,
         scratch: &mut Workspace,
     ) {
         if V::TOTAL {
@@ -63,7 +62,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let shear = 2.0 * scratch.strain[3][l] * (scratch.carried[3][l] + factor * scratch.deviator[3][l]);
             work[l] = 0.5 * scratch.volume[l] * ((normal(0) + normal(1)) + (normal(2) + shear));
             dilation[l] = scratch.strain[0][l] + scratch.strain[1][l] + scratch.strain[2][l];
-            volume[l] = UNIT * operators::<AREA>(nodes.of(l, 0), nodes.of(l, 1)).volume;
+            volume[l] = UNIT * Operators::of::<AREA>(column(&scratch.r, l), column(&scratch.z, l)).volume;
         }
         let viscous = scratch.viscous.get(scratch.at).copied().unwrap_or_default();
         let ask = Squeeze {

@@ -2,8 +2,7 @@
 //! Never here: what resists it.
 
 use super::group::ElementGroup;
-use crate::kernel::assumed::shape;
-use crate::kernel::quad::{plane_gradient, section};
+use crate::kernel::quad::{Operators, dot3, section, sums};
 use crate::state::nodes::Nodes;
 
 /// The element that is folded most.
@@ -34,8 +33,13 @@ fn fold(corners: [usize; 4], nodes: &Nodes) -> f64 {
     let places = corners.map(|n| nodes[n].place());
     let moved = |axis: usize| [0, 1, 2, 3].map(|i| places[i][axis] - nodes.start[corners[i]][axis]);
     let (r, z) = (places.map(|p| p[0]), places.map(|p| p[1]));
-    let shape = shape(r, z, &plane_gradient(r, z));
-    let pattern = |u: [f64; 4]| 0.25 * (0..4).map(|i| shape[i] * u[i]).sum::<f64>();
+    let (all_r, all_z) = (sums(r), sums(z));
+    let g = Operators::of::<true>(all_r, all_z);
+    let shape = g.pattern([all_r[3], all_z[3]]).map(|part| part / g.volume);
+    let pattern = |u: [f64; 4]| {
+        let [_, first, second, pattern] = sums(u);
+        0.25 * dot3(shape, [first, second, pattern])
+    };
     pattern(moved(0)).hypot(pattern(moved(1))) / section(r, z).sqrt()
 }
 

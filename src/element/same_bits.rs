@@ -87,7 +87,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch, enh
         plastic += totals.plastic;
         let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];
         assert!(sums.iter().all(|x| x.is_finite()) && totals.rate > 0.0, "{totals:?}");
-        bits.extend(corners.iter().flat_map(|c| c.0.as_flattened()).chain(&sums).map(|x| x.to_bits()));
+        bits.extend(corners.iter().flat_map(|c| c.0.as_flattened().as_flattened()).chain(&sums).map(|x| x.to_bits()));
     }
     let mut deleted = 0;
     for e in 0..elements.len() {

@@ -4,9 +4,9 @@
 //! Never here: pressures of elements, viscosity.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{Workspace, is_larger};
+use super::block::{Nodes, Workspace, is_larger};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
-use crate::kernel::quad::{UNIT, volume_gradient};
+use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Node;
 
@@ -23,7 +23,7 @@ pub(super) struct Subzones {
     pressure: [Lanes; 4],
 }
 
-/// Volume of a quarter in units of pi/3, and its derivatives by r and z of the element's corners.
+/// Volume of a quarter in the unit [`UNIT`], and its derivatives by r and z of the element's corners.
 struct Quarter {
     volume: f64,
     by_r: [f64; 4],
@@ -49,6 +49,18 @@ fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> Quarter {
     Quarter { volume, by_r: spread(by_r), by_z: spread(by_z) }
 }
 
+/// One over the masses of the corners, by their sums.
+#[inline(always)]
+fn by_corner(inverse_mass: &[Lanes; 4]) -> [Lanes; 4] {
+    let mut list = [[0.0; LANES]; 4];
+    for l in 0..LANES {
+        for (i, inverse) in at_corners(column(inverse_mass, l)).into_iter().enumerate() {
+            list[i][l] = 0.25 * inverse;
+        }
+    }
+    list
+}
+
 impl Subzones {
     /// Of a block's elements at the start; lanes behind the last element repeat it.
     pub fn of(elements: &[[u32; 4]], nodes: &[Node]) -> Self {
@@ -64,9 +76,9 @@ impl Subzones {
     }
 }
 
-/// What the quarters of a block come to: forces as in [`Corners`] over pi/3, power, and the trace that bounds the increment.
+/// What the quarters of a block come to: forces as in [`Corners`] over [`UNIT`], power, and the trace that bounds the increment.
 struct Answers {
-    forces: [Lanes; 8],
+    forces: [[[f64; 2]; LANES]; 4],
     power: Lanes,
     stiff: Lanes,
 }
@@ -78,27 +90,29 @@ impl Workspace {
     pub(super) fn resist_patterns(
         &mut self,
         (dt, damping): (f64, f64),
+        nodes: &Nodes,
         inverse_mass: &[Lanes; 4],
         corners: &mut Corners,
     ) {
         let Some(mut zones) = self.subzones.get(self.at).copied() else { return };
+        let inverse_mass = &by_corner(inverse_mass);
         let mut whole = [0.0; LANES];
-        let mut answers = Answers { forces: [[0.0; LANES]; 8], power: [0.0; LANES], stiff: [0.0; LANES] };
+        let mut answers = Answers { forces: [[[0.0; 2]; LANES]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
         // The trace of what the quarters do beside the element as a whole is no smaller than the square of their highest
         // frequency.
         for l in 0..LANES {
-            let (by_r, by_z, volume) = volume_gradient(column(&self.r, l), column(&self.z, l));
+            let (by_r, by_z, volume) = volume_gradient(nodes.of(l, 0), nodes.of(l, 1));
             let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
             whole[l] = volume;
             answers.stiff[l] = -((light(0) + light(1)) + (light(2) + light(3))) / volume;
         }
-        self.add_quarter::<0>(&mut zones, &whole, inverse_mass, &mut answers);
-        self.add_quarter::<1>(&mut zones, &whole, inverse_mass, &mut answers);
-        self.add_quarter::<2>(&mut zones, &whole, inverse_mass, &mut answers);
-        self.add_quarter::<3>(&mut zones, &whole, inverse_mass, &mut answers);
+        self.add_quarter::<0>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
+        self.add_quarter::<1>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
+        self.add_quarter::<2>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
+        self.add_quarter::<3>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
         for (to, list) in corners.0.iter_mut().zip(&answers.forces) {
             for l in 0..LANES {
-                to[l] += UNIT * list[l];
+                to[l] = [to[l][0] + UNIT * list[l][0], to[l][1] + UNIT * list[l][1]];
             }
         }
         let (block, damped) = (self.number(), damping + (1.0 + damping * damping).sqrt());
@@ -121,13 +135,13 @@ impl Workspace {
     fn add_quarter<const CORNER: usize>(
         &self,
         zones: &mut Subzones,
-        whole: &Lanes,
+        (whole, nodes): (&Lanes, &Nodes),
         inverse_mass: &[Lanes; 4],
         answers: &mut Answers,
     ) {
         for l in 0..LANES {
-            let Quarter { volume, by_r, by_z } = quarter(CORNER, &column(&self.r, l), &column(&self.z, l));
-            let (v_r, v_z) = (column(&self.v_r, l), column(&self.v_z, l));
+            let Quarter { volume, by_r, by_z } = quarter(CORNER, &nodes.of(l, 0), &nodes.of(l, 1));
+            let (v_r, v_z) = (nodes.of(l, 2), nodes.of(l, 3));
             let due = zones.share[CORNER][l] * whole[l];
             let room = if volume > LEAST * due { volume } else { LEAST * due };
             let pressure = self.bulk[l] * (due / room - 1.0);
@@ -136,8 +150,8 @@ impl Workspace {
             let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];
             let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
             for i in 0..4 {
-                answers.forces[2 * i][l] += pressure * by_r[i];
-                answers.forces[2 * i + 1][l] += pressure * by_z[i];
+                let [r, z] = answers.forces[i][l];
+                answers.forces[i][l] = [r + pressure * by_r[i], z + pressure * by_z[i]];
             }
             answers.power[l] -= mean * ((growth(0) + growth(1)) + (growth(2) + growth(3)));
             answers.stiff[l] += ((light(0) + light(1)) + (light(2) + light(3))) / room;

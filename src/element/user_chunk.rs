@@ -230,11 +230,12 @@ impl Chunk {
                 let mut seen = Seen::default();
                 block.forces::<Linear, _, false>(increment, &mut kept, workspace, forces, &mut seen);
                 let (factor, middle) = (common.constants.hourglass.enhanced, Middle::of(common.constants, workspace));
-                block.resist::<Routine, false>((factor, common.dt), (&seen, &middle), &kept, workspace, forces);
+                let seen = (&seen, &middle, &scratch.nodes[s]);
+                block.resist::<Routine, false>((factor, common.dt), seen, &kept, workspace, forces);
             }
             workspace.keep(kept);
             for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {
-                forces.0.iter_mut().for_each(|list| list[l] = 0.0);
+                forces.clear(l);
                 if let Some(hourglass) = workspace.hourglass.get_mut(place.turn) {
                     hourglass.iter_mut().for_each(|list| list[l] = 0.0);
                 }

@@ -4,7 +4,7 @@
 //! plate bends against E instead of E/(1 - nu^2)).
 //! Never here: stress, what flows.
 
-use super::quad::{Gradient, UNIT, gradient, section};
+use super::quad::{Operators, UNIT, at_corners, squares, sums};
 
 /// How much of the square of the longer side the shorter counts at least: an element pressed flat has no more stiffness.
 const FLAT: f64 = 1e-4;
@@ -24,12 +24,10 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// Of an element with these corners, and one over its mean radius and volume, in the units of [`Gradient`]: six times its
-    /// section over the square of its volume.
+    /// By the [`sums`] of r and z, and one over the mean radius and volume ([`ring`]).
     #[inline(always)]
     pub fn of(r: [f64; 4], z: [f64; 4], ring: f64) -> Directions {
-        let sides = |x: [f64; 4]| [(x[1] - x[0]) + (x[2] - x[3]), (x[3] - x[0]) + (x[2] - x[1])];
-        let ([a_r, c_r], [a_z, c_z]) = (sides(r), sides(z));
+        let ([_, a_r, c_r, _], [_, a_z, c_z, _]) = (r, z);
         let (aa, cc) = (a_r * a_r + a_z * a_z, c_r * c_r + c_z * c_z);
         let (least_a, least_c) = (FLAT * cc, FLAT * aa);
         let (aa, cc) = (if aa > least_a { aa } else { least_a }, if cc > least_c { cc } else { least_c });
@@ -81,41 +79,28 @@ impl Directions {
     /// the hourglass shape and the operators of [`hoop`], one over the masses, and n, the modulus beside a strain over that along it. Of strains e along and
     /// h around the stiffness is (h + n e)^2 + (1 - n^2) e^2.
     #[inline(always)]
-    pub fn trace(&self, (shape, [by_r, by_z]): ([f64; 4], [[f64; 4]; 2]), inverse: [f64; 4], ratio: f64) -> f64 {
+    pub fn trace(&self, (shape, [by_r, by_z]): ([f64; 3], [[f64; 4]; 2]), inverse: [f64; 4], ratio: f64) -> f64 {
+        let shape = [0.0, shape[0], shape[1], shape[2]];
         let [a, c] = self.across;
         let (n_a, n_c) = (ratio * self.dual[0][0], ratio * self.dual[1][0]);
         // Along z there is no hoop strain.
         let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
-        let corner = |i: usize| {
-            let first = a[0] * by_r[i] + a[1] * by_z[i] + n_a * shape[i];
-            let second = c[0] * by_r[i] + c[1] * by_z[i] + n_c * shape[i];
-            inverse[i] * (first * first + second * second + rest * (shape[i] * shape[i]))
-        };
-        (corner(0) + corner(1)) + (corner(2) + corner(3))
+        let parts = |[b_r, b_z]: [f64; 2], n: f64| [0, 1, 2, 3].map(|i| b_r * by_r[i] + b_z * by_z[i] + n * shape[i]);
+        squares(&[parts(a, n_a), parts(c, n_c)], inverse) + rest * squares(&[shape], inverse)
     }
 }
 
-/// One over the mean radius and the volume, as [`Directions::of`] takes it.
-fn ring(r: [f64; 4], z: [f64; 4], g: &Gradient) -> f64 {
-    6.0 * section(r, z) / (g.volume * g.volume)
-}
-
-/// Operators `[r, z]` of each corner that [`Directions`] make hoop strains of.
+/// One over the mean radius and the volume, where it has the unit of [`Operators`], by one over the square of that: the mean radius is
+/// the volume over that of the hoop operators' sum.
 #[inline(always)]
-pub fn hoop(g: &Gradient) -> [[f64; 4]; 2] {
-    [[g.r[0] - g.hoop[0], g.r[1] - g.hoop[1], g.r[2] - g.hoop[2], g.r[3] - g.hoop[3]], g.z]
+pub fn ring(g: &Operators, square: f64) -> f64 {
+    4.0 * g.hoop[0] * square
 }
 
-/// The hourglass pattern of an element, free of linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45).
-pub fn shape(r: [f64; 4], z: [f64; 4], g: &Gradient) -> [f64; 4] {
-    let per = 1.0 / g.volume;
-    let (h_r, h_z) = (per * ((r[0] - r[1]) + (r[2] - r[3])), per * ((z[0] - z[1]) + (z[2] - z[3])));
-    [
-        1.0 - (h_r * g.r[0] + h_z * g.z[0]),
-        -1.0 - (h_r * g.r[1] + h_z * g.z[1]),
-        1.0 - (h_r * g.r[2] + h_z * g.z[2]),
-        -1.0 - (h_r * g.r[3] + h_z * g.z[3]),
-    ]
+/// Operators `[r, z]` that [`Directions`] make hoop strains of, by base vectors.
+#[inline(always)]
+pub fn hoop(g: &Operators) -> [[f64; 4]; 2] {
+    [[-g.hoop[0], g.r[0] - g.hoop[1], g.r[1] - g.hoop[2], g.r[2]], [0.0, g.z[0], g.z[1], g.z[2]]]
 }
 
 /// Plane stress moduli E/(1 - nu^2), and nu times it, by bulk and shear modulus.
@@ -127,12 +112,14 @@ pub fn moduli(bulk: f64, shear: f64) -> [f64; 2] {
 
 /// Stiffness that the two fields give an element: force over length, for `[r, z]` of each corner in turn.
 pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 8] {
-    let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
-    let g = gradient(r, z);
-    let shape = shape(r, z, &g);
+    let (r, z) = (sums(corners.map(|c| c[0])), sums(corners.map(|c| c[1])));
+    let g = Operators::of::<false>(r, z);
+    let per = 1.0 / g.volume;
+    let [first, second, pattern] = g.pattern([r[3], z[3]]).map(|part| per * part);
+    let shape = at_corners([0.0, first, second, pattern]);
     let [along, beside] = moduli(bulk, shear);
     let third = UNIT * g.volume / 3.0;
-    let (directions, operators) = (Directions::of(r, z, ring(r, z, &g)), hoop(&g));
+    let (directions, operators) = (Directions::of(r, z, ring(&g, per * per)), hoop(&g).map(at_corners));
     let mut matrix = [[0.0; 8]; 8];
     for field in 0..2 {
         let column = |d: usize| {
@@ -155,7 +142,19 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
 
 #[cfg(test)]
 mod tests {
-    use super::{Directions, UNIT, gradient, hoop, moduli, ring, shape, stiffness};
+    use super::{Directions, Operators, UNIT, hoop, moduli, ring, stiffness, sums};
+    use crate::kernel::quad::dot3;
+
+    const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
+    const Z: [f64; 4] = [0.1, -0.2, 1.7, 2.0];
+
+    /// The element above: sums, operators, the pattern, the directions.
+    fn element() -> ([[f64; 4]; 2], Operators, [f64; 3], Directions) {
+        let (r, z) = (sums(R), sums(Z));
+        let g = Operators::of::<false>(r, z);
+        let per = 1.0 / g.volume;
+        ([r, z], g, g.pattern([r[3], z[3]]).map(|part| per * part), Directions::of(r, z, ring(&g, per * per)))
+    }
 
     /// A thin ring far from the axis bends as a plate strip: E/(1 - nu^2) times its section modulus, whatever its aspect.
     #[test]
@@ -179,25 +178,20 @@ mod tests {
     /// Rigid motion along z, and growth of all radii alike, make neither strain.
     #[test]
     fn uniform_strain_is_not_seen() {
-        let (r, z) = ([1.0, 3.2, 2.9, 0.8], [0.1, -0.2, 1.7, 2.0]);
-        let g = gradient(r, z);
-        let (shape, directions) = (shape(r, z, &g), Directions::of(r, z, ring(r, z, &g)));
+        let ([r, z], g, shape, directions) = element();
         let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let around = directions.around(hoop(&g).map(|o| dot(o, r)));
-        let along = directions.along([dot(shape, r), dot(shape, z)]);
+        let along = directions.along([r, z].map(|x| dot3(shape, [x[1], x[2], x[3]])));
         assert!(around.iter().chain(&along).all(|strain| strain.abs() < 1e-12), "{around:?} {along:?}");
-        assert!(dot(shape, [1.0; 4]).abs() < 1e-12);
     }
 
     #[test]
     fn the_trace_is_that_of_the_matrix() {
-        let (r, z) = ([1.0, 3.2, 2.9, 0.8], [0.1, -0.2, 1.7, 2.0]);
-        let (g, inverse, [bulk, shear]) = (gradient(r, z), [0.3, 0.2, 0.5, 0.7], [2.0, 0.9]);
-        let directions = Directions::of(r, z, ring(r, z, &g));
+        let (_, g, shape, directions) = element();
+        let (inverse, [bulk, shear]) = ([0.3, 0.2, 0.5, 0.7], [2.0, 0.9]);
         let [along, beside] = moduli(bulk, shear);
-        let trace =
-            directions.trace((shape(r, z, &g), hoop(&g)), inverse, beside / along) * along * UNIT * g.volume / 3.0;
-        let matrix = stiffness([0, 1, 2, 3].map(|i| [r[i], z[i]]), [bulk, shear]);
+        let trace = directions.trace((shape, hoop(&g)), sums(inverse), beside / along) * along * UNIT * g.volume / 3.0;
+        let matrix = stiffness([0, 1, 2, 3].map(|i| [R[i], Z[i]]), [bulk, shear]);
         let exact: f64 = (0..8).map(|d| matrix[d][d] * inverse[d / 2]).sum();
         assert!((trace / exact - 1.0).abs() < 1e-13, "{trace} {exact}");
     }
@@ -205,17 +199,14 @@ mod tests {
     /// Forces do the work of the strains.
     #[test]
     fn forces_and_strains_belong_together() {
-        let (r, z) = ([1.0, 3.2, 2.9, 0.8], [0.1, -0.2, 1.7, 2.0]);
-        let g = gradient(r, z);
-        let directions = Directions::of(r, z, ring(r, z, &g));
+        let directions = element().3;
         let (q, x, along, around) = ([0.3, -0.4], [0.7, 0.2], [2.0, -3.0], [0.5, 1.5]);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let [bent, turned] = directions.forces(along, around);
         let work = dot(along, directions.along(q)) + dot(around, directions.around(x));
         assert!((dot(bent, q) + dot(turned, x) - work).abs() < 1e-14);
         // A direction and the one across give the trace of a tensor in the plane of a square.
-        let square = ([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 2.0, 2.0]);
-        let flat = Directions::of(square.0, square.1, 1.0);
+        let flat = Directions::of(sums([1.0, 3.0, 3.0, 1.0]), sums([0.0, 0.0, 2.0, 2.0]), 1.0);
         assert_eq!(flat.normal([2.0, 5.0, 7.0]), [2.0, 5.0]);
     }
 }

@@ -1,17 +1,25 @@
-//! Eight numbers side by side: the width in which inner loops are written, so that compilers make vectors of them.
+//! Numbers side by side: the width in which inner loops are written, so that compilers make vectors of them.
 //! Never here: what the numbers mean.
 
 /// Elements side by side in the inner loop.
-pub const LANES: usize = 8;
+pub const LANES: usize = 16;
 
 /// One number of each element of a block.
 pub type Lanes = [f64; LANES];
 
-/// Forces of a block's elements on their corners: r and z of the first corner, of the second, and so on. Like all that the
-/// inner loop touches it begins with a cache line.
+/// Forces `[r, z]` of a block's elements on their corners, corner by corner. Like all that the inner loop touches it begins with
+/// a cache line.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
-pub struct Corners(pub [Lanes; 8]);
+pub struct Corners(pub [[[f64; 2]; LANES]; 4]);
+
+impl Corners {
+    /// An element that no longer pulls at its corners.
+    #[inline(always)]
+    pub fn clear(&mut self, lane: usize) {
+        self.0.iter_mut().for_each(|corner| corner[lane] = [0.0; 2]);
+    }
+}
 
 /// The numbers of one element in lists of four.
 #[inline(always)]

@@ -7,10 +7,110 @@
 
 use std::f64::consts::PI;
 
-/// Factor of all integrals in [`Gradient`]: most uses are ratios, in which it drops out.
-pub const UNIT: f64 = PI / 3.0;
+/// Factor of all integrals in [`Operators`] and [`Gradient`]: most uses are ratios, in which it drops out.
+pub const UNIT: f64 = PI / 8.0;
 
-/// Integrals over the volume of an element, a full ring, in units of pi/3.
+/// Sums of the values at four corners with the signs of the base vectors Sigma, Lambda_1, Lambda_2 and Gamma: all, along the first
+/// direction of the square that the corners are mapped from, along the second, and the hourglass pattern (Flanagan and
+/// Belytschko 1981, eq. 6). Formed from differences, so that what is common to all corners costs no digits of the last three.
+#[inline(always)]
+pub fn sums(x: [f64; 4]) -> [f64; 4] {
+    let (below, above) = (x[1] - x[0], x[2] - x[3]);
+    let (left, right) = (x[3] - x[0], x[2] - x[1]);
+    [(x[0] + x[1]) + (x[2] + x[3]), below + above, left + right, above - below]
+}
+
+/// Values at the corners by their parts in the four base vectors.
+#[inline(always)]
+pub fn at_corners([all, first, second, pattern]: [f64; 4]) -> [f64; 4] {
+    let (even, odd) = (all + pattern, all - pattern);
+    let (both, apart) = (first + second, first - second);
+    [even - both, odd + apart, even + both, odd - apart]
+}
+
+/// Gradient operators of a quadrilateral by base vectors: of values with the [`sums`] s the integral of the derivative along r
+/// is r . s\[1..4\], along z z . s\[1..4\], and of the value over r it is hoop . s\[0..3\]. In the unit [`UNIT`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Operators {
+    /// Parts of int dN_I/dr dV in Lambda_1, Lambda_2 and Gamma, length^2.
+    pub r: [f64; 3],
+    /// Parts of int dN_I/dz dV, length^2.
+    pub z: [f64; 3],
+    /// Parts of int N_I/r dV in Sigma, Lambda_1 and Lambda_2, length^2.
+    pub hoop: [f64; 3],
+    /// Volume, length^3.
+    pub volume: f64,
+}
+
+impl Operators {
+    /// By the [`sums`] of r and z, weighted by volume or by area. By volume they are the derivatives of the volume of the ring, the
+    /// hoop part taken off along r. Area weighting (Goudreau and Hallquist 1982, Comput. Meth. Appl. Mech. Eng. 33, 725) has the
+    /// gradients in the middle of the plane section times 2 pi times the radius there, so that ratios to the volume are those of
+    /// the plane.
+    #[inline(always)]
+    pub fn of<const AREA: bool>(r: [f64; 4], z: [f64; 4]) -> Operators {
+        let section = r[1] * z[2] - r[2] * z[1];
+        let (r_first, r_second) = ([r[0] * z[2], -(r[0] * z[1])], [-(r[0] * r[2]), r[0] * r[1]]);
+        if AREA {
+            return Operators {
+                r: [r_first[0], r_first[1], 0.0],
+                z: [r_second[0], r_second[1], 0.0],
+                hoop: [section, 0.0, 0.0],
+                volume: r[0] * section,
+            };
+        }
+        let [_, r1, r2, r3] = r.map(|x| x * (1.0 / 3.0));
+        let (first, second) = (r1 * z[3], r2 * z[3]);
+        let hoop = [section, first - r3 * z[1], r3 * z[2] - second];
+        Operators {
+            r: [r_first[0] + first, r_first[1] - second, r2 * z[2] - r1 * z[1]],
+            z: [r_second[0] - r1 * r[3], r_second[1] + r2 * r[3], (r1 - r2) * (r[1] + r[2])],
+            hoop,
+            volume: r[0] * section + (r[1] * hoop[1] + r[2] * hoop[2]),
+        }
+    }
+
+    /// The hourglass pattern, free of linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45), times the volume: its parts in
+    /// Lambda_1, Lambda_2 and Gamma, by the last of the [`sums`] of r and of z.
+    #[inline(always)]
+    pub fn pattern(&self, [r, z]: [f64; 2]) -> [f64; 3] {
+        let linear = |i: usize| r * self.r[i] + z * self.z[i];
+        [-linear(0), -linear(1), self.volume - linear(2)]
+    }
+
+    /// The operators of each corner.
+    #[inline(always)]
+    pub fn gradient(&self) -> Gradient {
+        let [along, across, around] = [self.r, self.z, self.hoop];
+        Gradient {
+            r: at_corners([0.0, along[0], along[1], along[2]]),
+            z: at_corners([0.0, across[0], across[1], across[2]]),
+            hoop: at_corners([around[0], around[1], around[2], 0.0]),
+            volume: self.volume,
+        }
+    }
+}
+
+/// Sum of the products of three and three numbers, in this order.
+#[inline(always)]
+pub fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+/// Sum over the corners of a weight, by its [`sums`], times the squares of what has these lists of parts in the base vectors.
+#[inline(always)]
+pub fn squares<const N: usize>(lists: &[[f64; 4]; N], weight: [f64; 4]) -> f64 {
+    let mut sums = [0.0; 4];
+    for [d, a, b, c] in *lists {
+        sums[0] += (d * d + a * a) + (b * b + c * c);
+        sums[1] += d * a + b * c;
+        sums[2] += d * b + a * c;
+        sums[3] += d * c + a * b;
+    }
+    sums[0] * weight[0] + 2.0 * ((sums[1] * weight[1] + sums[2] * weight[2]) + sums[3] * weight[3])
+}
+
+/// Integrals over the volume of an element, a full ring, in the unit [`UNIT`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gradient {
     /// int dN_I/dr dV of each corner, length^2.
@@ -26,34 +126,14 @@ pub struct Gradient {
 /// The gradient operators of a quadrilateral.
 #[inline(always)]
 pub fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
-    // Triangles at the corners: twice their areas, with T1 + T3 = T2 + T4 = 2 A.
-    let (r21, z21) = (r[1] - r[0], z[1] - z[0]);
-    let (r31, z31) = (r[2] - r[0], z[2] - z[0]);
-    let (r41, z41) = (r[3] - r[0], z[3] - z[0]);
-    let t1 = r21 * z41 - r41 * z21;
-    let t2 = r21 * z31 - r31 * z21;
-    let t4 = r31 * z41 - r41 * z31;
-    let double = t2 + t4;
-    // int N_I dA = (A + T_I)/6 with plain areas.
-    let hoop = [double + t1, double + t2, double + double - t1, double + t4].map(|t| 0.5 * t);
-    let (by_r, by_z, volume) = volume_gradient(r, z);
-    Gradient { r: [0, 1, 2, 3].map(|i: usize| by_r[i] - hoop[i]), z: by_z, hoop, volume }
+    Operators::of::<false>(sums(r), sums(z)).gradient()
 }
 
-/// Derivatives of the volume of a ring by r and z of its corners, and the volume, in units of pi/3.
+/// Derivatives of the volume of a ring by r and z of its corners, and the volume, in the unit [`UNIT`].
 #[inline(always)]
 pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> ([f64; 4], [f64; 4], f64) {
-    let (mut by_r, mut by_z, mut moment) = ([0.0; 4], [0.0; 4], 0.0);
-    for i in 0..4 {
-        let (j, p) = ((i + 1) % 4, (i + 3) % 4);
-        let (next, before) = (r[i] + r[j], r[p] + r[i]);
-        // dV/dr_I is pi/3 times 2 r_I (z_J - z_P) + r_J (z_J - z_I) + r_P (z_I - z_P).
-        by_r[i] = (r[i] + next) * (z[j] - z[i]) + (r[i] + before) * (z[i] - z[p]);
-        by_z[i] = r[p] * before - r[j] * next;
-        moment += r[i] * by_r[i];
-    }
-    // V is of second degree in r.
-    (by_r, by_z, 0.5 * moment)
+    let Operators { r: [a, b, c], z: [d, e, f], hoop, volume } = Operators::of::<false>(sums(r), sums(z));
+    (at_corners([hoop[0], a + hoop[1], b + hoop[2], c]), at_corners([0.0, d, e, f]), volume)
 }
 
 /// Area of the plane section, positive for corners that run counter-clockwise.
@@ -62,21 +142,10 @@ pub fn section(r: [f64; 4], z: [f64; 4]) -> f64 {
     0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]))
 }
 
-/// Operators of area weighting (Goudreau and Hallquist 1982, Comput. Meth. Appl. Mech. Eng. 33, 725): gradients in the
-/// middle of the plane section times 2 pi times the radius there, so that ratios to the volume are those of the plane.
+/// The operators of a quadrilateral under area weighting.
 #[inline(always)]
 pub fn plane_gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
-    let ring = 6.0 * 0.25 * ((r[0] + r[1]) + (r[2] + r[3]));
-    let area = section(r, z);
-    let (a, b) = (0.5 * ring * (z[1] - z[3]), 0.5 * ring * (z[2] - z[0]));
-    let (c, d) = (0.5 * ring * (r[3] - r[1]), 0.5 * ring * (r[0] - r[2]));
-    Gradient { r: [a, b, -a, -b], z: [c, d, -c, -d], hoop: [1.5 * area; 4], volume: ring * area }
-}
-
-/// The operators of an element, weighted by volume or by area.
-#[inline(always)]
-pub fn operators<const AREA: bool>(r: [f64; 4], z: [f64; 4]) -> Gradient {
-    if AREA { plane_gradient(r, z) } else { gradient(r, z) }
+    Operators::of::<true>(sums(r), sums(z)).gradient()
 }
 
 /// Stiffness of a linear elastic element with mean quadrature, and of its hourglass control: force over length, for
@@ -84,12 +153,12 @@ pub fn operators<const AREA: bool>(r: [f64; 4], z: [f64; 4]) -> Gradient {
 /// Belytschko 1981, eqs. 25 to 45, `hourglass` times the shear modulus.
 pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64) -> [[f64; 8]; 8] {
     let (r, z) = (corners.map(|c| c[0]), corners.map(|c| c[1]));
-    let g = gradient(r, z);
+    let (r, z) = (sums(r), sums(z));
+    let operators = Operators::of::<false>(r, z);
+    let g = operators.gradient();
     let (lame, per) = (bulk - 2.0 / 3.0 * shear, 1.0 / g.volume);
-    let slope = |x: [f64; 4]| per * ((x[0] - x[1]) + (x[2] - x[3]));
-    let (h_r, h_z) = (slope(r), slope(z));
-    let signs = [1.0, -1.0, 1.0, -1.0];
-    let shape = [0, 1, 2, 3].map(|i: usize| signs[i] - h_r * g.r[i] - h_z * g.z[i]);
+    let [first, second, pattern] = operators.pattern([r[3], z[3]]).map(|part| per * part);
+    let shape = at_corners([0.0, first, second, pattern]);
     let square: f64 = (0..4).map(|i| g.r[i] * g.r[i] + g.z[i] * g.z[i]).sum();
     let spring = hourglass * shear * square;
     // Strains rr, zz, hoop and twice rz that a corner's displacement along r or z makes, and the pattern.
@@ -120,9 +189,10 @@ pub fn volume_change<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> f64 {
 /// The same, behind the volume in the middle of the increment.
 pub fn dilation<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> [f64; 2] {
     let middle = |axis: usize| corners.map(|c| c[axis] - 0.5 * dt * c[axis + 2]);
-    let (g, v_r, v_z) = (operators::<AREA>(middle(0), middle(1)), corners.map(|c| c[2]), corners.map(|c| c[3]));
-    let growth = UNIT * dt * (0..4).map(|i| (g.r[i] + g.hoop[i]) * v_r[i] + g.z[i] * v_z[i]).sum::<f64>();
-    [UNIT * g.volume, growth]
+    let g = Operators::of::<AREA>(sums(middle(0)), sums(middle(1)));
+    let ([s0, s1, s2, s3], [_, v1, v2, v3]) = (sums(corners.map(|c| c[2])), sums(corners.map(|c| c[3])));
+    let growth = dot3(g.r, [s1, s2, s3]) + dot3(g.hoop, [s0, s1, s2]) + dot3(g.z, [v1, v2, v3]);
+    [UNIT * g.volume, UNIT * dt * growth]
 }
 
 /// Volume of a full ring with these corners `[r, z]`.

@@ -9,8 +9,7 @@ const SLOTS: usize = 4;
 /// Which corner slots act on which node, in fixed order.
 #[derive(Clone, Debug, Default)]
 pub struct Gather {
-    /// The first slots of each node, as places of the force along r in the blocks' corner forces (that along z is
-    /// [`LANES`] behind); where it has fewer, one that holds zeros.
+    /// The first slots of each node, as places in the blocks' corner forces; where it has fewer, one that holds zeros.
     slots: Vec<[u32; SLOTS]>,
     /// The slots of nodes that have more: node, slot.
     more: Vec<(u32, u32)>,
@@ -20,13 +19,13 @@ impl Gather {
     /// From the corner nodes of elements, group by group; each group begins a new block.
     pub fn new(count: usize, groups: &[&[[u32; 4]]]) -> Self {
         let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
-        let empty = (blocks * 8 * LANES) as u32;
+        let empty = (blocks * 4 * LANES) as u32;
         let mut gather = Gather { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
         let mut block = 0;
         for elements in groups {
             for (e, corners) in elements.iter().enumerate() {
                 for (c, &node) in corners.iter().enumerate() {
-                    let slot = (((block + e / LANES) * 8 + 2 * c) * LANES + e % LANES) as u32;
+                    let slot = (((block + e / LANES) * 4 + c) * LANES + e % LANES) as u32;
                     match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {
                         Some(free) => *free = slot,
                         None => gather.more.push((node, slot)),
@@ -50,9 +49,8 @@ impl Gather {
     #[inline(always)]
     pub fn sum(&self, first: usize, corners: &[Corners], forces: &mut [[f64; 2]]) {
         let pair = |slot: u32| {
-            let (block, at) = (slot as usize / (8 * LANES), slot as usize % (8 * LANES));
-            let corner = corners[block].0.as_flattened();
-            [corner[at], corner[at | LANES]]
+            let (block, at) = (slot as usize / (4 * LANES), slot as usize % (4 * LANES));
+            corners[block].0.as_flattened()[at]
         };
         let last = first + forces.len();
         for (force, slots) in forces.iter_mut().zip(&self.slots[first..last]) {

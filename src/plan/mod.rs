@@ -22,6 +22,7 @@ mod links;
 mod loads;
 mod mass_scaling;
 mod motions;
+mod numbering;
 mod outputs;
 mod overlaps;
 mod penalty;

@@ -4,7 +4,7 @@
 use indexmap::IndexMap;
 
 use super::user_material::asks_at_points;
-use super::{Compiler, State};
+use super::{Compiler, State, numbering};
 use crate::deck::Diagnostic;
 use crate::element::damping::Damping;
 use crate::element::distortion::DistortionControl;
@@ -61,7 +61,7 @@ impl Compiler<'_> {
     pub(super) fn solids(&mut self) -> State {
         let model = self.model;
         let sections: Vec<(&SolidSection, Vec<usize>)> =
-            model.sections.iter().map(|s| (s, self.free_elements(s))).filter(|s| !s.1.is_empty()).collect();
+            model.sections.iter().map(|s| (s, self.ordered(s))).filter(|s| !s.1.is_empty()).collect();
         let shells = self.free_shells();
         if sections.is_empty() && shells.is_empty() {
             return State::default();
@@ -125,14 +125,13 @@ impl Compiler<'_> {
     /// Nodes of the solver for those of the mesh that deform or that rigid bodies share.
     fn place_nodes<'e>(&mut self, sections: impl Iterator<Item = &'e Vec<usize>>) -> Vec<Node> {
         let mesh = &self.model.mesh;
-        let corners = sections.flatten().flat_map(|&e| mesh.elements[e].nodes.iter().copied());
-        let mut used: Vec<usize> = corners.collect();
-        used.extend(self.bare_nodes());
-        used.sort_unstable();
-        used.dedup();
-        self.places.tied = used.iter().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
-        self.places.nodes = used.iter().enumerate().map(|(i, &n)| (n, i)).collect();
-        used.iter().map(|&n| Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() }).collect()
+        self.places.nodes = numbering::nodes(sections.flatten().copied(), self.bare_nodes(), mesh);
+        self.places.tied = self.places.nodes.keys().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
+        let mut nodes = vec![Node::default(); self.places.nodes.len()];
+        for (&n, &place) in &self.places.nodes {
+            nodes[place] = Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() };
+        }
+        nodes
     }
 
     /// Mass proportional damping of a section, 0 without any.
@@ -213,6 +212,13 @@ impl Compiler<'_> {
                 self.diagnostics.push(finding.help("change in mid-analysis is not supported yet"));
             }
         }
+    }
+
+    /// Elements that deform in the order in which the solver takes them: routines of the user see the deck's.
+    fn ordered(&self, section: &SolidSection) -> Vec<usize> {
+        let elements = self.free_elements(section);
+        let shown = asks_at_points(&self.model.materials[section.material]);
+        if shown { elements } else { numbering::in_order(elements, &self.model.mesh) }
     }
 
     fn free_elements(&self, section: &SolidSection) -> Vec<usize> {

@@ -1,9 +1,14 @@
 //! The copper Taylor bar in a plain scalar loop: an array of structs, one element after the other, forces added to the nodes.
-//! The arithmetic is that of the solver (CAX4R, von Mises with hardening, stiffness hourglass control, bulk viscosity, all
-//! energies, the stable increment).
+//! The mathematics is that of the solver (CAX4R, von Mises with hardening, stiffness hourglass control that relaxes, bulk
+//! viscosity, all energies, the stable increment), corner by corner as textbooks have it.
 
-use revolve::internals::quad::{UNIT, corner_masses, gradient};
+use std::f64::consts::PI;
+
+use revolve::internals::quad::corner_masses;
 use revolve::internals::rotation::rotated;
+
+/// Factor of the integrals of [`gradient`].
+const UNIT: f64 = PI / 3.0;
 
 const DENSITY: f64 = 8930.0;
 const SHEAR: f64 = 117e9 / 2.7;
@@ -28,6 +33,8 @@ struct Element {
     hourglass: [f64; 2],
     viscous: f64,
     strain: f64,
+    /// Part of the trial stress that the return to the yield surface left.
+    left: f64,
     inverse_mass: [f64; 4],
 }
 
@@ -41,6 +48,38 @@ pub struct Bar {
     pub kinetic: f64,
     /// Highest rate of an element.
     pub rate: f64,
+}
+
+/// Integrals of the gradient operators of a quadrilateral over the ring, in units of pi/3 (Flanagan and Belytschko 1981, eqs. 13 to 21,
+/// carried over to the ring): along z the derivative of the volume, along r that less the integral of N_I/r.
+struct Gradient {
+    r: [f64; 4],
+    z: [f64; 4],
+    hoop: [f64; 4],
+    volume: f64,
+}
+
+fn gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
+    // Triangles at the corners: twice their areas, with T1 + T3 = T2 + T4 = 2 A.
+    let (r21, z21) = (r[1] - r[0], z[1] - z[0]);
+    let (r31, z31) = (r[2] - r[0], z[2] - z[0]);
+    let (r41, z41) = (r[3] - r[0], z[3] - z[0]);
+    let t1 = r21 * z41 - r41 * z21;
+    let t2 = r21 * z31 - r31 * z21;
+    let t4 = r31 * z41 - r41 * z31;
+    let double = t2 + t4;
+    // int N_I dA = (A + T_I)/6 with plain areas.
+    let hoop = [double + t1, double + t2, double + double - t1, double + t4].map(|t| 0.5 * t);
+    let (mut by_r, mut by_z, mut moment) = ([0.0; 4], [0.0; 4], 0.0);
+    for i in 0..4 {
+        let (j, p) = ((i + 1) % 4, (i + 3) % 4);
+        let (next, before) = (r[i] + r[j], r[p] + r[i]);
+        // dV/dr_I is pi/3 times 2 r_I (z_J - z_P) + r_J (z_J - z_I) + r_P (z_I - z_P).
+        by_r[i] = (r[i] + next) * (z[j] - z[i]) + (r[i] + before) * (z[i] - z[p]);
+        by_z[i] = r[p] * before - r[j] * next;
+        moment += r[i] * by_r[i];
+    }
+    Gradient { r: [0, 1, 2, 3].map(|i: usize| by_r[i] - hoop[i]), z: by_z, hoop, volume: 0.5 * moment }
 }
 
 fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
@@ -69,6 +108,7 @@ impl Bar {
                 hourglass: [0.0; 2],
                 viscous: 0.0,
                 strain: 0.0,
+                left: 1.0,
                 inverse_mass: masses.map(|m| 1.0 / m),
             });
         }
@@ -147,7 +187,7 @@ impl Element {
         }
         let returned = trial - 3.0 * SHEAR * flow;
         let factor = if flow > 0.0 { returned / trial } else { 1.0 };
-        self.strain += flow;
+        (self.strain, self.left) = (self.strain + flow, factor);
         let mean = pressure + BULK * dilation;
         self.stress = [mean + factor * s[0], mean + factor * s[1], mean + factor * s[2], factor * s_rz];
         let volume = UNIT * g.volume;
@@ -185,7 +225,7 @@ impl Element {
         let spring = dt * UNIT * HOURGLASS * SHEAR * (dot(g.r, g.r) + dot(g.z, g.z)) * per;
         let (q_r, q_z) = (dot(shape, v_r), dot(shape, v_z));
         let old = self.hourglass;
-        self.hourglass = [old[0] + spring * q_r, old[1] + spring * q_z];
+        self.hourglass = [self.left * (old[0] + spring * q_r), self.left * (old[1] + spring * q_z)];
         let [f_r, f_z] = self.hourglass;
         energies[3] += dt * 0.5 * (q_r * (old[0] + f_r) + q_z * (old[1] + f_z));
         let [rr, zz, hoop] = [0, 1, 2].map(|i| UNIT * (self.stress[i] + damping));

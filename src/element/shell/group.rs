@@ -201,8 +201,8 @@ fn put(forces: &[[f64; 3]; 2], steps: &[[f64; 3]; 2], corners: &mut Corners, lan
     let mut work = 0.0;
     for (end, (forces, steps)) in forces.iter().zip(steps).enumerate() {
         for (axis, (&force, step)) in forces.iter().zip(steps).enumerate() {
-            let row = if axis < 2 { 2 * end + axis } else { 4 + 2 * end };
-            let slot = &mut corners.0[row][lane];
+            let (corner, component) = if axis < 2 { (end, axis) } else { (2 + end, 0) };
+            let slot = &mut corners.0[corner][lane][component];
             work -= 0.5 * (*slot + force) * step;
             *slot = force;
         }

@@ -1,0 +1,128 @@
+//! The order in which the solver holds elements and nodes: what is read together lies together.
+//! Never here: the order in which anything is shown, which is the deck's.
+
+use indexmap::IndexMap;
+
+use crate::model::Mesh;
+
+/// Elements between two visits to a node, over the root of their number, above which a mesh counts as scattered. Rows of a square
+/// mesh come to one half.
+const SCATTERED: f64 = 4.0;
+/// Elements among which any order serves: what they touch stays in the nearest cache.
+const NEAR: f64 = 256.0;
+
+/// Elements so that neighbours follow each other: in the given order, unless that is scattered; then along a Z-shaped curve
+/// through the plane (G. M. Morton 1966).
+pub(super) fn in_order(elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
+    let limit = NEAR + SCATTERED * (elements.len() as f64).sqrt();
+    if mean_distance(&elements, mesh) <= limit { elements } else { along_curve(elements, mesh) }
+}
+
+/// Mean number of elements between two that follow each other at a node.
+fn mean_distance(elements: &[usize], mesh: &Mesh) -> f64 {
+    let mut last = vec![u32::MAX; mesh.points.len()];
+    let (mut sum, mut count) = (0, 0_usize);
+    for (at, &element) in elements.iter().enumerate() {
+        for &node in &mesh.elements[element].nodes {
+            let before = std::mem::replace(&mut last[node], at as u32);
+            if before != u32::MAX {
+                (sum, count) = (sum + at - before as usize, count + 1);
+            }
+        }
+    }
+    sum as f64 / count.max(1) as f64
+}
+
+/// Sorts by the places of first corners on a grid of 2^16 lines each way, of the same width along r and z.
+fn along_curve(mut elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
+    let place = |element: usize| mesh.points[mesh.elements[element].nodes[0]];
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64| elements.iter().map(|&e| place(e)[axis]).reduce(pick);
+    let [from, to] = [f64::min, f64::max].map(|pick| [0, 1].map(|axis| bound(axis, pick).unwrap_or_default()));
+    let extent = (to[0] - from[0]).max(to[1] - from[1]);
+    let per = if extent > 0.0 { f64::from(u16::MAX) / extent } else { 0.0 };
+    elements.sort_by_cached_key(|&e| {
+        let [r, z] = [0, 1].map(|axis| ((place(e)[axis] - from[axis]) * per) as u16);
+        spread(r) | spread(z) << 1
+    });
+    elements
+}
+
+/// The bits of a number, each with a zero before it.
+fn spread(number: u16) -> u32 {
+    let mut bits = u32::from(number);
+    for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
+        bits = (bits | bits << shift) & mask;
+    }
+    bits
+}
+
+/// Nodes of the solver by those of the mesh: in the order in which elements complete them, so that an element's last nodes follow
+/// each other and its forces are added while they are at hand; what no element has comes last. The map itself is in the order of the mesh.
+pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> IndexMap<usize, usize> {
+    let mut last = vec![0_u32; mesh.points.len()];
+    let mut touched = Vec::new();
+    for (at, element) in elements.enumerate() {
+        for &node in &mesh.elements[element].nodes {
+            if last[node] == 0 {
+                touched.push(node);
+            }
+            last[node] = at as u32 + 1;
+        }
+    }
+    // Of those that one element completes, the one that was met first comes first.
+    touched.sort_by_key(|&node| last[node]);
+    let mut rest: Vec<usize> = bare.into_iter().filter(|&node| last[node] == 0).collect();
+    rest.sort_unstable();
+    rest.dedup();
+    touched.extend(rest);
+    let mut places: Vec<(usize, usize)> = touched.into_iter().enumerate().map(|(i, node)| (node, i)).collect();
+    places.sort_unstable();
+    places.into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{in_order, mean_distance, nodes, spread};
+    use crate::model::{ElementKind, Mesh, Model};
+
+    /// A square of n by n elements, row by row, and its elements with a stride that scatters them.
+    fn square(n: usize) -> (Mesh, Vec<usize>) {
+        let mut model = Model::default();
+        (0..(n + 1) * (n + 1)).for_each(|i| drop(model.node((i % (n + 1)) as f64, (i / (n + 1)) as f64)));
+        for e in 0..n * n {
+            let first = e % n + e / n * (n + 1);
+            model.element(ElementKind::Cax4r, &[first, first + 1, first + n + 2, first + n + 1]);
+        }
+        (model.mesh, (0..n * n).map(|e| (e * 7919) % (n * n)).collect())
+    }
+
+    #[test]
+    fn bits_are_spread() {
+        assert_eq!((spread(0b1011), spread(u16::MAX)), (0b100_0101, 0x5555_5555));
+    }
+
+    #[test]
+    fn rows_stay_and_what_is_scattered_is_brought_together() {
+        let n = 100;
+        let (mesh, scattered) = square(n);
+        let rows: Vec<usize> = (0..n * n).collect();
+        assert_eq!(in_order(rows.clone(), &mesh), rows);
+        let mut together = in_order(scattered.clone(), &mesh);
+        let [before, after] = [&scattered, &together].map(|list| mean_distance(list, &mesh));
+        assert!(before > 10.0 * n as f64 && after < n as f64, "{before} {after}");
+        together.sort_unstable();
+        assert_eq!(together, rows);
+    }
+
+    #[test]
+    fn nodes_follow_the_elements_that_complete_them() {
+        let (mut mesh, _) = square(2);
+        mesh.points.push([9.0, 9.0]);
+        // Rows of three nodes, then one of no element that is named twice.
+        let places = nodes([3, 2, 1, 0].into_iter(), vec![9, 9, 4], &mesh);
+        let order: Vec<usize> = (0..9).map(|node| places[&node]).collect();
+        // The first completes its corner 8 alone, the next 7, met before, and 6; the last 4, 3, 1 and its own 0.
+        assert_eq!(order, [8, 7, 4, 6, 5, 3, 2, 1, 0]);
+        assert!(places.keys().is_sorted() && places[&9] == 9);
+    }
+}
