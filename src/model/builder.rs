@@ -8,6 +8,8 @@ use crate::deck::keywords::Tier;
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
+use indexmap::IndexMap;
+
 use super::coupling::Coupling;
 use super::degrees::Rotational;
 use super::lost::{Lost, is_skipped};
@@ -78,6 +80,8 @@ pub(super) struct Builder<'a> {
     pub clearances: Vec<(String, super::types::Clearance)>,
     /// Boundaries on degrees of freedom above 2 alone.
     pub rotational: Vec<Rotational>,
+    /// Place of each `*MATERIAL` of the deck among them, by its name in upper case.
+    pub material_places: IndexMap<String, usize>,
 }
 
 impl<'a> Builder<'a> {
@@ -118,6 +122,7 @@ impl<'a> Builder<'a> {
             interactions_used: Vec::new(),
             clearances: Vec::new(),
             rotational: Vec::new(),
+            material_places: super::materials::places(deck),
         }
     }
 
@@ -368,7 +373,8 @@ impl<'a> Builder<'a> {
     /// Material index by name.
     pub fn material(&mut self, word: &Word) -> Option<usize> {
         let name = upper(&word.text);
-        let found = self.model.materials.iter().position(|m: &Material| m.name == name);
+        let place = self.material_places.get(&name).copied();
+        let found = place.filter(|&place| self.model.materials.get(place).is_some_and(|m: &Material| m.name == name));
         if found.is_none() {
             let names: Vec<String> = self.model.materials.iter().map(|m| m.name.clone()).collect();
             self.unknown("M111", "material", word, &names);

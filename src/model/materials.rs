@@ -1,10 +1,14 @@
 //! Materials: `*MATERIAL` and the cards below it, `*SOLID SECTION`.
 //! Never here: what a material does under load.
 
+use std::collections::HashSet;
+
+use indexmap::IndexMap;
+
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{CavityExpansion, Element, ElementKind, Expansion, Material, Plastic, RateDependence, SolidSection};
-use crate::deck::{Card, DataLine, Diagnostic};
+use crate::deck::{Card, DataLine, Deck, Diagnostic};
 use crate::kernel::levels::Levels;
 
 impl Builder<'_> {
@@ -374,15 +378,13 @@ impl Builder<'_> {
             return None;
         };
         // In a part the material follows later in the deck: it is looked up by name in the whole deck.
-        let known = self.deck.cards.iter().any(|c| {
-            c.keyword.name == "MATERIAL" && c.value("NAME").is_some_and(|n| upper(&n.text) == upper(&material.text))
-        });
+        let known = self.material_places.get(&upper(&material.text)).copied();
         let elements = self.element_members(set).unwrap_or_default();
-        if !known {
-            let names = self.material_names();
+        let Some(index) = known else {
+            let names: Vec<String> = self.material_places.keys().cloned().collect();
             self.unknown("M111", "material", material, &names);
             return None;
-        }
+        };
         self.claim("section", &elements, card.span);
         let mesh = &self.model.mesh;
         if let Some(&other) = elements.iter().find(|e| !fits(mesh.elements[**e].kind)) {
@@ -393,7 +395,6 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
             return None;
         }
-        let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
         Some((elements, index))
     }
 
@@ -416,16 +417,21 @@ impl Builder<'_> {
     pub(super) fn check_controls(&mut self) {
         let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "SECTION CONTROLS");
         let names: Vec<String> = cards.filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
+        let known: HashSet<&str> = names.iter().map(String::as_str).collect();
         for word in std::mem::take(&mut self.controls_used) {
-            if !names.contains(&upper(&word.text)) {
+            if !known.contains(&*upper(&word.text)) {
                 self.unknown("M116", "section controls", &word, &names);
             }
         }
     }
+}
 
-    /// Names of all materials of the deck, in order, whether read yet or not.
-    fn material_names(&self) -> Vec<String> {
-        let materials = self.deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
-        materials.filter_map(|c| c.value("NAME")).map(|n| upper(&n.text)).collect()
+/// Place of each material among those of the deck, by its name; the first of a name.
+pub(super) fn places(deck: &Deck) -> IndexMap<String, usize> {
+    let materials = deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
+    let mut places = IndexMap::new();
+    for (place, name) in materials.filter_map(|c| c.value("NAME")).enumerate() {
+        places.entry(upper(&name.text)).or_insert(place);
     }
+    places
 }
