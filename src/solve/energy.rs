@@ -164,6 +164,17 @@ impl Balance {
         [self.departure > drift * self.largest, internal > small * self.largest && of_control > artificial * internal]
     }
 
+    /// The largest energy met: kinetic, internal, or work of loads and motions.
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Kinetic and internal energy of what deforms.
+    #[inline(always)]
+    pub fn of_solid(&self) -> [f64; 2] {
+        [self.solid.kinetic, self.solid.internal + self.solid.artificial]
+    }
+
     /// A new step with its forces, in which the motions of some bodies are prescribed.
     pub fn begin(&mut self, slots: &[Slot], bodies: &[BodyState]) {
         self.settle();

@@ -13,6 +13,7 @@ mod restart;
 mod routines;
 mod run;
 mod timing;
+mod watch;
 
 use std::time::Instant as Stopwatch;
 
@@ -96,6 +97,7 @@ pub fn run_with(
         }
     }
     run.warn_of_energy();
+    run.show_warnings(sink);
     run.outcome.digest = run.digest();
     let energy = run.energy();
     let Run { mut outcome, dofs, elements, constraints, thermal, timing, .. } = run;
@@ -145,6 +147,7 @@ fn increments(
     }
     loop {
         run.evaluate()?;
+        run.show_warnings(sink);
         observing.show(run, sink)?;
         if run.is_over() {
             return run.end_routines();
