@@ -116,8 +116,7 @@ impl Builder<'_> {
         let name = upper(&word.text);
         let found = self.model.amplitudes.iter().position(|a| a.name == name);
         if found.is_none() {
-            let names: Vec<String> = self.model.amplitudes.iter().map(|a| a.name.clone()).collect();
-            self.unknown("M112", "amplitude", word, &names);
+            self.unknown("M112", "amplitude", word, |b| b.model.amplitudes.iter().map(|a| a.name.clone()).collect());
         }
         found
     }

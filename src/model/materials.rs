@@ -381,8 +381,7 @@ impl Builder<'_> {
         let known = self.material_places.get(&upper(&material.text)).copied();
         let elements = self.element_members(set).unwrap_or_default();
         let Some(index) = known else {
-            let names: Vec<String> = self.material_places.keys().cloned().collect();
-            self.unknown("M111", "material", material, &names);
+            self.unknown("M111", "material", material, |b| b.material_places.keys().cloned().collect());
             return None;
         };
         self.claim("section", &elements, card.span);
@@ -420,7 +419,7 @@ impl Builder<'_> {
         let known: HashSet<&str> = names.iter().map(String::as_str).collect();
         for word in std::mem::take(&mut self.controls_used) {
             if !known.contains(&*upper(&word.text)) {
-                self.unknown("M116", "section controls", &word, &names);
+                self.unknown("M116", "section controls", &word, |_| names.clone());
             }
         }
     }

@@ -15,8 +15,10 @@ use crate::state::magnitude::Clock;
 /// increments, which only an element that collapses asks for.
 const FLOOR: f64 = 1e-10;
 
-/// Drift of ETOTAL over the largest energy at which every run halts.
+/// Drift of ETOTAL over the largest energy at which every run halts ...
 const LARGEST_DRIFT: f64 = 0.2;
+/// ... once so many increments in a row have found it.
+const LASTING: u64 = 10;
 
 /// What is passed first of what has not been told: which limit, the value reached and the limit.
 fn passed(values: [f64; 2], limits: [Option<f64>; 2], told: [bool; 2]) -> Option<(usize, f64, f64)> {
@@ -109,11 +111,14 @@ impl Run<'_> {
     }
 
     /// The limit of every run, unless the deck gives one of its own. The first increments pass, for what is small cannot be
-    /// told from what is wrong; the end of the step does not.
-    fn hold_to_balance(&self) -> Result<(), Halt> {
-        let (drift, own) = (self.balance.drift(), self.step.energy_limit.is_some_and(|l| l.error.is_some()));
+    /// told from what is wrong, but not the end of the step; and an instant beyond it is none yet, for energies of undamped
+    /// vibration jump where increments do.
+    fn hold_to_balance(&mut self) -> Result<(), Halt> {
+        let drift = self.balance.drift_now();
+        self.watch.adrift = if drift > LARGEST_DRIFT { self.watch.adrift + 1 } else { 0 };
+        let own = self.step.energy_limit.is_some_and(|l| l.error.is_some());
         let early = self.now.increment < STARTING && !self.is_over();
-        if drift <= LARGEST_DRIFT || own || early || self.is_noise() {
+        if self.watch.adrift < LASTING || own || early || self.is_noise() {
             return Ok(());
         }
         let reason = format!(

@@ -1,4 +1,4 @@
-//! What a run tells of itself: energies beyond sound bounds, energies below zero, a pattern that grows, increments that
+//! What a run tells of itself: energies beyond sound bounds, kinetic energy below zero, a pattern that grows, increments that
 //! crawl; since when, where, and what helps.
 //! Never here: what halts a run (`guard.rs`), how energies are booked.
 
@@ -16,8 +16,11 @@ pub(super) const SMALL: f64 = 0.01;
 /// is the rule of practice: above it hourglass control has its share in the answer.
 const SOUND: [f64; 2] = [0.01, 0.05];
 
-/// Kinetic or internal energy so far below zero, over the largest energy, is told.
+/// Kinetic energy so far below zero, over the largest energy, is told ...
 const BELOW_ZERO: f64 = 0.01;
+
+/// ... once so many increments have found it: what is let go all at once brings it for a few.
+const SEEN: u64 = 10;
 
 /// Increments to go above which a step crawls: hours on any machine for what has more than a few elements.
 const CRAWL: f64 = 1e8;
@@ -26,19 +29,22 @@ const CRAWL: f64 = 1e8;
 const LOOK_EVERY: u64 = 512;
 
 /// A pattern is told once its kinetic energy is this share of all that moves within elements ...
-const PATTERN: f64 = 0.5;
+const PATTERN: f64 = 0.75;
 /// ... so many times that of the look before ...
 const GROWTH: f64 = 4.0;
 /// ... and more than this of the largest energy.
-const WORTH: f64 = 1e-3;
+const WORTH: f64 = 0.01;
 
 /// What is known of the run behind.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Watch {
     /// Since when the drift of ETOTAL and ALLAE have been beyond sound bounds, total time.
     unsound: [Option<f64>; 2],
-    /// Whether kinetic and internal energy below zero, a pattern and crawling have been told.
-    below_zero: [bool; 2],
+    /// Increments in a row, up to this one, that found a drift which halts.
+    pub(super) adrift: u64,
+    /// Increments that found kinetic energy below zero, up to that which told it.
+    below_zero: u64,
+    /// Whether a pattern and crawling have been told.
     trembles: bool,
     crawls: bool,
     /// Whether the look before found increments too small.
@@ -65,8 +71,7 @@ impl Watch {
                 *since = unsound.then_some(now.total_time);
             }
         }
-        let [kinetic, internal] = balance.of_solid();
-        let below = kinetic.min(internal) < -BELOW_ZERO * balance.largest();
+        let below = balance.kinetic_of_solid() < -BELOW_ZERO * balance.largest();
         !unsound[0] && !below && now.increment < self.next_look
     }
 }
@@ -83,7 +88,7 @@ impl Run<'_> {
 
     /// What calls for a closer look.
     pub(super) fn watch(&mut self) {
-        self.watch_signs();
+        self.watch_kinetic();
         if self.now.increment >= self.watch.next_look {
             self.watch.next_look = self.now.increment + self.now.increment.clamp(16, LOOK_EVERY);
             self.watch_pattern();
@@ -91,32 +96,25 @@ impl Run<'_> {
         }
     }
 
-    /// Kinetic and internal energy that cannot be.
-    fn watch_signs(&mut self) {
-        let (energies, largest) = (self.balance.of_solid(), self.balance.largest());
-        for (which, energy) in energies.into_iter().enumerate() {
-            if self.watch.below_zero[which] || energy >= -BELOW_ZERO * largest || self.is_noise() {
-                continue;
-            }
-            self.watch.below_zero[which] = true;
-            let [name, why] = [
-                [
-                    "ALLKE",
-                    "nodes turn around within every increment, which is near or beyond the stable one: SCALE FACTOR=0.5 on *DYNAMIC shows by how much",
-                ],
-                [
-                    "ALLIE",
-                    "elements give more than they were given, as a law does that has no strength left or was stressed at the start: look at its tension, or end it by *TENSILE FAILURE or *EROSION",
-                ],
-            ][which];
-            self.outcome.warnings.push(format!(
-                "{name} is {energy:.3e}, below zero by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
-                -100.0 * energy / largest,
-                self.now.increment,
-                self.now.total_time,
-                self.name_folded()
-            ));
+    /// Kinetic energy below zero, as central differences have it where velocities change sign from one half step to the next.
+    fn watch_kinetic(&mut self) {
+        let (energy, largest) = (self.balance.kinetic_of_solid(), self.balance.largest());
+        if energy >= -BELOW_ZERO * largest || self.watch.below_zero > SEEN {
+            return;
         }
+        self.watch.below_zero += 1;
+        if self.watch.below_zero < SEEN || self.is_noise() {
+            return;
+        }
+        self.watch.below_zero = SEEN + 1;
+        self.outcome.warnings.push(format!(
+            "ALLKE is {energy:.3e}, below zero by {:.1} % of the largest energy, at increment {}, time {:e}: nodes turn around \
+             within an increment, which is near or beyond the stable one; SCALE FACTOR=0.5 on *DYNAMIC shows what that does{}",
+            -100.0 * energy / largest,
+            self.now.increment,
+            self.now.total_time,
+            self.name_folded()
+        ));
     }
 
     /// Hourglass patterns that grow.
@@ -263,8 +261,8 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 
 impl Persist for Watch {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Watch { unsound, below_zero, trembles, crawls, slow, pattern, next_look, shown: _ } = self;
-        persist_fields!(archive; unsound, below_zero, trembles, crawls, slow, pattern, next_look);
+        let Watch { unsound, adrift, below_zero, trembles, crawls, slow, pattern, next_look, shown: _ } = self;
+        persist_fields!(archive; unsound, adrift, below_zero, trembles, crawls, slow, pattern, next_look);
     }
 }
 
