@@ -111,13 +111,13 @@ impl Run<'_> {
     }
 
     /// The limit of every run, unless the deck gives one of its own. The first increments pass, for what is small cannot be
-    /// told from what is wrong, but not the end of the step; and an instant beyond it is none yet, for energies of undamped
-    /// vibration jump where increments do.
+    /// told from what is wrong, and coarse scenes are over by then; and an instant beyond it is none yet, for energies of
+    /// undamped vibration jump where increments do.
     fn hold_to_balance(&mut self) -> Result<(), Halt> {
         let drift = self.balance.drift_now();
         self.watch.adrift = if drift > LARGEST_DRIFT { self.watch.adrift + 1 } else { 0 };
         let own = self.step.energy_limit.is_some_and(|l| l.error.is_some());
-        let early = self.now.increment < STARTING && !self.is_over();
+        let early = self.now.increment < STARTING;
         if self.watch.adrift < LASTING || own || early || self.is_noise() {
             return Ok(());
         }
