@@ -150,7 +150,11 @@ impl Run<'_> {
             return;
         }
         self.watch.crawls = true;
-        let by = if self.elements.is_empty() { String::new() } else { self.name_slowest() };
+        let by = match self.step.control {
+            IncrementControl::Fixed(_) => "; DIRECT USER CONTROL gives it".into(),
+            IncrementControl::Automatic { .. } if self.elements.is_empty() => String::new(),
+            IncrementControl::Automatic { .. } => self.name_slowest(),
+        };
         self.outcome.warnings.push(format!(
             "the run crawls: at increment {}, time {:e} the increment is {:.3e}, with which the step has {:.1e} increments to \
              go{by}",
