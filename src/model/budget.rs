@@ -1,9 +1,6 @@
 //! What a deck may ask for, over all its cards: told with the card that asks for too much, before it is made.
 //! Never here: what is made.
 
-use super::builder::Builder;
-use crate::deck::{Diagnostic, Span};
-
 /// What is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Good {
@@ -26,7 +23,7 @@ pub(super) struct Budget {
     members: u64,
     /// Bytes of the machine.
     memory: u128,
-    told: bool,
+    pub told: bool,
 }
 
 impl Default for Budget {
@@ -40,7 +37,7 @@ impl Budget {
     ///
     /// # Errors
     /// What is too much.
-    fn spend(&mut self, good: Good, count: u128, mesh: [usize; 2]) -> Result<(), String> {
+    pub fn spend(&mut self, good: Good, count: u128, mesh: [usize; 2]) -> Result<(), String> {
         let mut all = [mesh[0] as u128, mesh[1] as u128, u128::from(self.members)];
         let most = if good == Good::Members { PLACES[0] + PLACES[1] * (all[0] + all[1]) } else { MOST };
         let (name, wanted) = (GOODS[good as usize].0, all[good as usize].saturating_add(count));
@@ -69,19 +66,6 @@ fn memory_of_machine() -> u128 {
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"));
     let kilobytes = line.and_then(|rest| rest.trim().trim_end_matches("kB").trim().parse::<u128>().ok());
     kilobytes.map_or(u128::MAX, |kilobytes| 1024 * kilobytes)
-}
-
-impl Builder<'_> {
-    /// Whether the deck may have so many more; where it may not that is told once, with the card.
-    pub(super) fn affords(&mut self, good: Good, count: u128, span: Span) -> bool {
-        let mesh = [self.model.mesh.points.len(), self.model.mesh.elements.len()];
-        let Err(too_much) = self.budget.spend(good, count, mesh) else { return true };
-        if !std::mem::replace(&mut self.budget.told, true) {
-            self.diagnostics.push(Diagnostic::error("M125", too_much).at(span, "too many with this"));
-        }
-        self.lost.everything = true;
-        false
-    }
 }
 
 #[cfg(test)]

@@ -130,7 +130,7 @@ impl<'a> Builder<'a> {
             interactions_used: Vec::new(),
             clearances: Vec::new(),
             rotational: Vec::new(),
-            material_places: super::materials::places(deck),
+            material_places: super::names::material_places(deck),
             budget: Budget::default(),
             suggested: 0,
         }
@@ -384,6 +384,17 @@ impl<'a> Builder<'a> {
             None => finding.help(format!("there are: {}", first_of(names))),
         };
         self.diagnostics.push(finding);
+    }
+
+    /// Whether the deck may have so many more; where it may not that is told once, with the card.
+    pub(super) fn affords(&mut self, good: Good, count: u128, span: Span) -> bool {
+        let mesh = [self.model.mesh.points.len(), self.model.mesh.elements.len()];
+        let Err(too_much) = self.budget.spend(good, count, mesh) else { return true };
+        if !std::mem::replace(&mut self.budget.told, true) {
+            self.diagnostics.push(Diagnostic::error("M125", too_much).at(span, "too many with this"));
+        }
+        self.lost.everything = true;
+        false
     }
 
     /// Material index by name.

@@ -3,12 +3,10 @@
 
 use std::collections::HashSet;
 
-use indexmap::IndexMap;
-
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{CavityExpansion, Element, ElementKind, Expansion, Material, Plastic, RateDependence, SolidSection};
-use crate::deck::{Card, DataLine, Deck, Diagnostic};
+use crate::deck::{Card, DataLine, Diagnostic};
 use crate::kernel::levels::Levels;
 
 impl Builder<'_> {
@@ -423,14 +421,4 @@ impl Builder<'_> {
             }
         }
     }
-}
-
-/// Place of each material among those of the deck, by its name; the first of a name.
-pub(super) fn places(deck: &Deck) -> IndexMap<String, usize> {
-    let materials = deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
-    let mut places = IndexMap::new();
-    for (place, name) in materials.filter_map(|c| c.value("NAME")).enumerate() {
-        places.entry(upper(&name.text)).or_insert(place);
-    }
-    places
 }

@@ -3,7 +3,6 @@
 //! Never here: what halts a run (`guard.rs`), how energies are booked.
 
 use super::energy::{Balance, Energy};
-use super::observe::Sink;
 use super::run::Run;
 use crate::model::IncrementControl;
 use crate::state::Instant;
@@ -53,7 +52,7 @@ pub(super) struct Watch {
     pattern: f64,
     next_look: u64,
     /// Warnings that the sink has been shown.
-    shown: usize,
+    pub(super) shown: usize,
 }
 
 impl Watch {
@@ -77,15 +76,6 @@ impl Watch {
 }
 
 impl Run<'_> {
-    /// Shows the sink what is new among the warnings.
-    #[inline(always)]
-    pub(super) fn show_warnings(&mut self, sink: &mut dyn Sink) {
-        if self.watch.shown < self.outcome.warnings.len() {
-            self.outcome.warnings[self.watch.shown..].iter().for_each(|warning| sink.warning(warning));
-            self.watch.shown = self.outcome.warnings.len();
-        }
-    }
-
     /// What calls for a closer look.
     pub(super) fn watch(&mut self) {
         self.watch_kinetic();
