@@ -5,7 +5,6 @@
 use super::increment::shortened;
 use super::run::Run;
 use super::watch::SMALL;
-use crate::element::volume_guard::STARTING;
 use crate::load::stiffness::Stiffness;
 use crate::model::IncrementControl;
 use crate::state::halt::Halt;
@@ -15,6 +14,9 @@ use crate::state::magnitude::Clock;
 /// increments, which only an element that collapses asks for.
 const FLOOR: f64 = 1e-10;
 
+/// Increments of an analysis before which no drift halts: a load that is there at once makes some of nothing while there is next
+/// to no energy.
+const EARLY: u64 = 500;
 /// Drift of ETOTAL over the largest energy at which every run halts ...
 const LARGEST_DRIFT: f64 = 0.2;
 /// ... once so many increments in a row have found it.
@@ -117,7 +119,7 @@ impl Run<'_> {
         let drift = self.balance.drift_now();
         self.watch.adrift = if drift > LARGEST_DRIFT { self.watch.adrift + 1 } else { 0 };
         let own = self.step.energy_limit.is_some_and(|l| l.error.is_some());
-        let early = self.now.increment < STARTING;
+        let early = self.now.increment < EARLY;
         if self.watch.adrift < LASTING || own || early || self.is_noise() {
             return Ok(());
         }
