@@ -1,6 +1,7 @@
 //! A job: a deck taken through the whole pipeline. Text to deck, deck to model, model to plan, plan to results.
 //! Never here: printing, arguments.
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant as Stopwatch};
@@ -13,6 +14,7 @@ use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
+use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
@@ -231,6 +233,8 @@ pub struct Options<'a> {
     pub state: Option<State>,
     /// What the user's routines are ([`crate::user::compile::Compiled::identity`]); empty without any.
     pub user: String,
+    /// Is told each warning as soon as there is one.
+    pub warn: Option<&'a dyn Fn(&str)>,
 }
 
 /// Why a job does not begin.
@@ -238,8 +242,8 @@ pub struct Options<'a> {
 pub enum Refusal {
     /// Its folder cannot be made, cleared or read.
     #[error(transparent)]
-    Folder(#[from] std::io::Error),
-    /// Its checkpoint is not one of this job.
+    Folder(#[from] io::Error),
+    /// Its checkpoint is not one of this job, or another job is at work in its folder.
     #[error(transparent)]
     Checkpoint(Box<Diagnostic>),
 }
@@ -286,6 +290,7 @@ struct Files<'a> {
     summary: HistorySummary,
     identity: Identity,
     progress: &'a mut Progress<'a>,
+    warn: &'a dyn Fn(&str),
     history_written: Stopwatch,
 }
 
@@ -322,6 +327,10 @@ impl Sink for Files<'_> {
 
     fn progress(&mut self, step: &str, fraction: f64, increment: u64) {
         (self.progress)(step, fraction, increment);
+    }
+
+    fn warning(&mut self, text: &str) {
+        (self.warn)(text);
     }
 
     fn keeps(&self) -> bool {
@@ -367,10 +376,11 @@ pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Pro
 pub fn run_with<'a>(
     prepared: &Prepared,
     job: &'a Job,
-    options: Options<'_>,
+    options: Options<'a>,
     progress: &'a mut Progress<'a>,
 ) -> Result<Summary, Refusal> {
     let identity = prepared.identity(&options.user);
+    let _lock = lock(job)?;
     announce(prepared, job);
     let mut history = History { columns: column_names(&prepared.plan), ..History::default() };
     let mut summary = HistorySummary::default();
@@ -385,7 +395,8 @@ pub fn run_with<'a>(
     };
     let frames = frames.map_err(Refusal::Folder)?;
     let history_written = Stopwatch::now();
-    let mut files = Files { job, frames, history, summary, identity, progress, history_written };
+    let warn = options.warn.unwrap_or(&|_| {});
+    let mut files = Files { job, frames, history, summary, identity, progress, warn, history_written };
     let kept = options.from.as_ref().map(|c| &c.state[..]);
     let control = Control { every: options.every, interrupt: options.interrupt, state: kept };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
@@ -398,6 +409,16 @@ pub fn run_with<'a>(
     history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
     finish_files(job, &mut summary);
     Ok(summary)
+}
+
+/// Makes the folder of a job and takes it.
+fn lock(job: &Job) -> Result<Lock, Refusal> {
+    let made = std::fs::create_dir_all(&job.folder);
+    made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))?;
+    Lock::take(&job.folder, &job.name).map_err(|why| match why {
+        Refused::Busy(finding) => Refusal::Checkpoint(finding),
+        Refused::File(error) => Refusal::Folder(error),
+    })
 }
 
 /// The summary; then the checkpoint of a run that is complete has served its purpose.
@@ -477,7 +498,14 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
 }
 
 /// The name of a job: the deck's file name without ending; and its default folder, `out/<job>`.
-pub fn default_job(deck: &Path, folder: Option<PathBuf>) -> Job {
+///
+/// # Errors
+/// Where that name would lead out of the folder.
+pub fn default_job(deck: &Path, folder: Option<PathBuf>) -> Result<Job, Box<Diagnostic>> {
     let name = deck.file_stem().map_or("job".into(), |s| s.to_string_lossy().into_owned());
-    Job { folder: folder.unwrap_or_else(|| Path::new("out").join(&name)), name }
+    if [".", ".."].contains(&name.as_str()) {
+        let message = format!("a deck called {} has no name that its results could have", deck.display());
+        return Err(Box::new(Diagnostic::error("K008", message).help("give the file a name before its ending")));
+    }
+    Ok(Job { folder: folder.unwrap_or_else(|| Path::new("out").join(&name)), name })
 }

@@ -5,6 +5,7 @@ mod command;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use command::words::tell;
 use command::{REFUSED, chart, check, explain, report, run, study, sweep};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
@@ -39,7 +40,7 @@ fn main() -> ExitCode {
     match result {
         Ok(code) => code,
         Err(message) => {
-            eprintln!("error: {message}");
+            tell!("error: {message}");
             ExitCode::from(REFUSED)
         }
     }

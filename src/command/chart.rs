@@ -9,6 +9,8 @@ use revolve::output;
 use revolve::report::picture;
 use revolve::study::draw;
 
+use super::words::say;
+
 /// Draw history columns, energies or a frame of the run in a folder as PNG or SVG.
 #[derive(Args)]
 #[command(group = ArgGroup::new("what").required(true))]
@@ -51,7 +53,7 @@ impl Chart {
             }
         };
         output::write_whole(&out, &bytes).map_err(|e| e.to_string())?;
-        println!("picture {}", out.display());
+        say!("picture {}", out.display());
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use revolve::job;
 
-use super::{REFUSED, UserFiles, accepted, pairs};
+use super::{REFUSED, UserFiles, accepted, pairs, words};
 
 /// Check a deck: diagnostics and the ledger of what it would simulate.
 #[derive(Args)]
@@ -29,7 +29,7 @@ impl Check {
         if !accepted(&prepared, false) {
             return Ok(ExitCode::from(REFUSED));
         }
-        print!("{}", prepared.plan.ledger.render());
-        Ok(ExitCode::SUCCESS)
+        words::write(format_args!("{}", prepared.plan.ledger.render()), false);
+        Ok(super::shown())
     }
 }

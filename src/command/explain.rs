@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 use revolve::explain::explain;
 
+use super::words::say;
+
 /// Explain a keyword, an output variable or a diagnostic code; `keywords` and `variables` print all of them.
 #[derive(Args)]
 pub struct Explain {
@@ -19,8 +21,8 @@ impl Explain {
         let word = self.word.join(" ");
         match explain(&word) {
             Some(text) => {
-                println!("{}", text.trim_end());
-                Ok(ExitCode::SUCCESS)
+                say!("{}", text.trim_end());
+                Ok(super::shown())
             }
             None => Err(format!(
                 "`{word}` is no keyword, no output variable and no diagnostic code; `revolve explain keywords` and `revolve \

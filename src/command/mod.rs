@@ -6,11 +6,13 @@ pub mod check;
 pub mod explain;
 pub mod report;
 pub mod run;
+mod signals;
 pub mod study;
 pub mod sweep;
+pub mod words;
 
-use std::io::IsTerminal as _;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -18,6 +20,7 @@ use revolve::deck::{Diagnostics, Sources};
 use revolve::job::Prepared;
 use revolve::user::Routines;
 use revolve::user::compile::{Compiled, compile};
+use words::tell;
 
 /// Deck or arguments refused.
 pub const REFUSED: u8 = 2;
@@ -89,9 +92,11 @@ fn print_findings(found: &Diagnostics, sources: &Sources) {
     if found.is_empty() {
         return;
     }
-    let styled = std::io::stderr().is_terminal();
-    let text = if styled { found.render_styled(sources) } else { found.render(sources) };
-    eprintln!("{}", text.trim_end());
+    if words::is_watched() {
+        words::tell_styled(found.render_styled(sources).trim_end());
+    } else {
+        tell!("{}", found.render(sources).trim_end());
+    }
 }
 
 /// Prints findings; whether the deck may run.
@@ -103,9 +108,14 @@ pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
     !errors
 }
 
+/// The exit status of what is only shown.
+fn shown() -> ExitCode {
+    if words::arrived() { ExitCode::SUCCESS } else { ExitCode::from(HALTED) }
+}
+
 /// A bar on standard error; hidden where nobody watches.
 pub fn progress_bar(length: u64, quiet: bool) -> ProgressBar {
-    if quiet || !std::io::stderr().is_terminal() {
+    if quiet || !words::is_watched() {
         return ProgressBar::hidden();
     }
     let style =

@@ -7,6 +7,8 @@ use std::process::ExitCode;
 use clap::Args;
 use revolve::{output, report};
 
+use super::words::say;
+
 /// Write one self-contained HTML page for the runs, sweeps and studies in a folder.
 #[derive(Args)]
 pub struct Report {
@@ -31,10 +33,10 @@ impl Report {
             let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
             let tables = page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table));
             for (name, notes) in runs.chain(tables.map(|t| (t.name.as_str(), &t.notes))) {
-                notes.iter().for_each(|note| println!("{name}: {note}"));
+                notes.iter().for_each(|note| say!("{name}: {note}"));
             }
-            page.notes.iter().for_each(|note| println!("{note}"));
-            println!("report {}, {} kB", out.display(), html.len().div_ceil(1000));
+            page.notes.iter().for_each(|note| say!("{note}"));
+            say!("report {}, {} kB", out.display(), html.len().div_ceil(1000));
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -3,21 +3,19 @@
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize};
 use std::time::Duration;
 
 use clap::Args;
-use revolve::deck::{Diagnostic, Diagnostics, Sources};
+use revolve::deck::{Diagnostic, Diagnostics, Sources, printable};
 use revolve::job::Instructions;
 use revolve::job::{self, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
 use revolve::solve::Every;
 use revolve::user::host;
-use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
-use signal_hook::flag;
 
+use super::signals::watch_signals;
+use super::words::{say, tell};
 use super::{HALTED, REFUSED, UserFiles, accepted, pairs, print_findings, progress_bar};
 
 /// Run a deck and write frames, histories and a summary.
@@ -65,23 +63,6 @@ fn every(text: &str) -> Result<Every, String> {
     if time > Duration::ZERO { Ok(Every::Elapsed(time)) } else { Err(wrong()) }
 }
 
-/// The first SIGINT or SIGTERM is told to the run, the second ends the program. A file that grows beyond a limit is an
-/// error like a full disk, and no reason to die.
-fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
-    let (signal, again) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-    let watch = || -> std::io::Result<()> {
-        for number in [SIGINT, SIGTERM] {
-            flag::register_conditional_shutdown(number, 128 + number, again.clone())?;
-            flag::register(number, again.clone())?;
-            flag::register_usize(number, signal.clone(), number as usize)?;
-        }
-        flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
-        Ok(())
-    };
-    watch().map_err(|e| format!("cannot watch for signals: {e}"))?;
-    Ok(signal)
-}
-
 impl Run {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
@@ -97,7 +78,10 @@ impl Run {
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
         }
-        let job = job::default_job(&self.deck, self.out.clone());
+        let job = match job::default_job(&self.deck, self.out.clone()) {
+            Ok(job) => job,
+            Err(finding) => return Ok(refused(*finding)),
+        };
         if self.checkpoint_every.is_some() && !user.is_empty() && !self.quiet {
             let message =
                 "what the user's routines keep to themselves (SAVE, COMMON, open files) is not in checkpoints";
@@ -108,19 +92,19 @@ impl Run {
             Err(finding) => return Ok(refused(*finding)),
         };
         if !self.quiet {
-            println!("{}", prepared.plan.ledger.render());
+            say!("{}", prepared.plan.ledger.render());
         }
         let signal = watch_signals()?;
         // Only once: the state itself, which may be large, and not a copy.
         let state = Some(std::mem::take(&mut prepared.state));
-        let options = Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user };
+        let options =
+            Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user, warn: None };
         let summary = match run(&prepared, &job, options, self.quiet) {
             Ok(summary) => summary,
             Err(Refusal::Folder(e)) => return Err(e.into()),
             Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
         };
         print_messages(&summary.messages, self.quiet);
-        summary.warnings.iter().filter(|_| !self.quiet).for_each(|w| eprintln!("warning: {w}"));
         if !self.quiet {
             print_outcome(&summary, &job);
         }
@@ -165,9 +149,14 @@ fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool
     let bar = progress_bar(1000, quiet);
     let mut progress = |step: &str, fraction: f64, increment: u64| {
         bar.set_position((1000.0 * fraction) as u64);
-        bar.set_message(format!("{step}, increment {increment}"));
+        bar.set_message(format!("{}, increment {increment}", printable(step)));
     };
-    let summary = job::run_with(prepared, job, options, &mut progress);
+    let warn = |text: &str| {
+        if !quiet {
+            bar.suspend(|| tell!("warning: {text}"));
+        }
+    };
+    let summary = job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut progress);
     bar.finish_and_clear();
     summary
 }
@@ -175,11 +164,11 @@ fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool
 /// Says how it ended; the exit status is 0, that of a halt, or that of a signal as shells have it.
 fn print_end(summary: &Summary, job: &output::Job, signal: usize) -> ExitCode {
     let Some(reason) = &summary.reason else { return ExitCode::SUCCESS };
-    eprintln!("halted: {reason}\nthe last good state is in {}", job.path(".pvd").display());
+    tell!("halted: {reason}\nthe last good state is in {}", job.path(".pvd").display());
     if !summary.interrupted {
         return ExitCode::from(HALTED);
     }
-    eprintln!("go on with --resume");
+    tell!("go on with --resume");
     ExitCode::from(128 + signal as u8)
 }
 
@@ -188,7 +177,7 @@ fn print_messages(messages: &[host::Message], quiet: bool) {
     for message in messages.iter().filter(|m| !quiet || m.level == host::Level::Error) {
         let level = format!("{:?}", message.level).to_lowercase();
         let times = if message.times > 1 { format!(" ({} times)", message.times) } else { String::new() };
-        eprintln!("{level} from the user's routine: {}{times}", message.text);
+        tell!("{level} from the user's routine: {}{times}", message.text);
     }
 }
 
@@ -197,16 +186,16 @@ const SHOWN: usize = 24;
 
 fn print_outcome(summary: &Summary, job: &output::Job) {
     if summary.ended_by_user {
-        println!("the user's routine ended the analysis");
+        say!("the user's routine ended the analysis");
     }
     for rest in &summary.rests {
-        println!("{} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
+        say!("{} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
     }
     for (name, column) in summary.history.0.iter().take(SHOWN) {
-        println!("{name}: final {:.6e}, min {:.6e}, max {:.6e}", column.last, column.min, column.max);
+        say!("{name}: final {:.6e}, min {:.6e}, max {:.6e}", column.last, column.min, column.max);
     }
     if summary.history.0.len() > SHOWN {
-        println!("… and {} more columns in {}", summary.history.0.len() - SHOWN, job.path("_history.csv").display());
+        say!("… and {} more columns in {}", summary.history.0.len() - SHOWN, job.path("_history.csv").display());
     }
     for step in summary.steps.iter().filter(|s| s.limiting_element.is_some()) {
         let element = step.limiting_element.as_deref().unwrap_or_default();
@@ -214,20 +203,20 @@ fn print_outcome(summary: &Summary, job: &output::Job) {
             Some(count) => format!(", global estimate made {count} times"),
             None => String::new(),
         };
-        println!("{}: smallest increment {:.3e}, limited by element {element}{by}", step.name, step.smallest_increment);
+        say!("{}: smallest increment {:.3e}, limited by element {element}{by}", step.name, step.smallest_increment);
     }
-    println!("energy drift {:.1e} of the largest energy", summary.energy.drift);
+    say!("energy drift {:.1e} of the largest energy", summary.energy.drift);
     if let Some(increment) = summary.timing.resumed_at {
-        println!("went on from increment {increment}");
+        say!("went on from increment {increment}");
     }
     if let Some(seconds) = summary.timing.checkpoint_seconds {
-        println!("checkpoints: {:.2} % of the time", 100.0 * seconds / summary.timing.seconds);
+        say!("checkpoints: {:.2} % of the time", 100.0 * seconds / summary.timing.seconds);
     }
-    println!("digest {}", summary.digest);
+    say!("digest {}", summary.digest);
     for row in summary.ledger.effects.iter().filter(|r| r.share.is_some()) {
-        println!("{}: {:.0} % of the time", row.effect, 100.0 * row.share.unwrap_or(0.0));
+        say!("{}: {:.0} % of the time", row.effect, 100.0 * row.share.unwrap_or(0.0));
     }
-    println!(
+    say!(
         "{} increments in {:.3} ms, results in {}",
         summary.timing.increments,
         1e3 * summary.timing.seconds,

@@ -20,6 +20,7 @@ use revolve::study::target::{self, Met, Target};
 use revolve::user::compile::Compiled;
 use revolve::{deck, job, model, output};
 
+use super::words::{self, say, tell};
 use super::{HALTED, REFUSED, UserFiles, accepted, pairs, progress_bar};
 
 /// Refine a deck: observed order, error, and what accuracy costs.
@@ -89,7 +90,7 @@ impl Study {
         let bar = progress_bar(runs as u64, self.quiet);
         let done = || bar.inc(1);
         let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &measure, self.repeat as usize, &done);
-        let job = job::default_job(&self.deck, self.out.clone());
+        let job = job::default_job(&self.deck, self.out.clone()).map_err(|finding| finding.message)?;
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();
@@ -154,9 +155,9 @@ fn write_effects(
     write("_study.json", &(serde_json::to_string_pretty(&record).map_err(|e| e.to_string())? + "\n"))?;
     if !quiet {
         let (header, rows) = effects.sheet(false);
-        print!("{}", table::terminal(&header, &rows));
-        effects.conclusions().iter().for_each(|line| println!("{line}"));
-        println!("table {}", job.path("_study.csv").display());
+        words::write(format_args!("{}", table::terminal(&header, &rows)), false);
+        effects.conclusions().iter().for_each(|line| say!("{line}"));
+        say!("table {}", job.path("_study.csv").display());
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -200,11 +201,11 @@ fn draw(job: &output::Job, ending: &str, chart: &Chart) -> Result<(), Box<dyn Er
 
 fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job) {
     let (header, rows) = record::sheet(results, false);
-    print!("{}", table::terminal(&header, &rows));
+    words::write(format_args!("{}", table::terminal(&header, &rows)), false);
     for line in record::conclusions(results, met) {
-        println!("{line}");
+        say!("{line}");
     }
-    println!(
+    say!(
         "{} settings, each run {} times: {:.3} s, {:.1} % of it beside the runs; table {}, picture {}",
         results.rows.len(),
         timing.repeat,
@@ -218,7 +219,7 @@ fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job
 fn verdict(results: &Results, met: Option<&Met>) -> ExitCode {
     let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
     if let Some(reason) = failed.first() {
-        eprintln!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
+        tell!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
         return ExitCode::from(HALTED);
     }
     if met.is_some_and(|m| m.run.is_none()) { ExitCode::from(HALTED) } else { ExitCode::SUCCESS }

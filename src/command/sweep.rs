@@ -12,6 +12,7 @@ use revolve::study::{sweep, table};
 use revolve::user::compile::Compiled;
 use revolve::{deck, job, output};
 
+use super::words::{self, say, tell};
 use super::{HALTED, REFUSED, UserFiles, accepted, progress_bar};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
@@ -64,7 +65,7 @@ impl Sweep {
         let results = pool.install(|| sweep::run(&self.deck, &grid, &quantities, compiled.as_ref(), &|| bar.inc(1)));
         bar.finish_and_clear();
         let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());
-        let job = job::default_job(&self.deck, self.out);
+        let job = job::default_job(&self.deck, self.out).map_err(|finding| finding.message)?;
         write_sweep(&job, &first.deck, &grid, &quantities, &results, reference.as_ref(), &sheet)?;
         if !self.quiet {
             print_sweep(&sheet, &job);
@@ -74,11 +75,11 @@ impl Sweep {
 }
 
 fn print_sweep(sheet: &sweep::Sheet, job: &output::Job) {
-    print!("{}", table::terminal(&sheet.header, &sheet.rows));
+    words::write(format_args!("{}", table::terminal(&sheet.header, &sheet.rows)), false);
     for (column, rms) in &sheet.rms {
-        println!("rms difference from {column}: {rms:.4}");
+        say!("rms difference from {column}: {rms:.4}");
     }
-    println!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
+    say!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
 }
 
 fn report_failures(results: &sweep::Results) -> ExitCode {
@@ -86,7 +87,7 @@ fn report_failures(results: &sweep::Results) -> ExitCode {
     match failed.first() {
         None => ExitCode::SUCCESS,
         Some(reason) => {
-            eprintln!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
+            tell!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
             ExitCode::from(HALTED)
         }
     }

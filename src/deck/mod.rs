@@ -4,6 +4,7 @@
 pub mod codes;
 pub mod diagnostic;
 pub mod expression;
+pub mod files;
 pub mod finding;
 mod findings;
 pub mod keywords;
@@ -13,6 +14,7 @@ pub mod names;
 pub mod number;
 mod parameters;
 mod parser;
+mod printable;
 mod render;
 pub mod source;
 pub mod syntax;
@@ -26,6 +28,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
 pub use parameters::is_unresolved;
+pub use printable::printable;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, Parameter, Unread, Word};
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Diagnostics};
+use super::files;
 use super::keywords::{self, Keyword, Lookup, Rule, Tier, Usage};
 use super::lexer::{self, Fields, Line, LineKind, Lines};
 use super::parameters::Parameters;
@@ -69,7 +70,7 @@ impl Parser {
 
     /// Reads the deck's own file.
     pub fn main_file(&mut self, path: &Path) {
-        match std::fs::read(path) {
+        match files::read(path) {
             Ok(bytes) => self.text(path, source::decode(&bytes), None),
             Err(e) => {
                 let what = Diagnostic::error("D001", format!("cannot read {}: {e}", path.display()));
@@ -328,7 +329,7 @@ impl Parser {
         let path = self.include_path(file);
         let finding = match self.refusal(&path, file) {
             Some(finding) => finding,
-            None => match std::fs::read(&path) {
+            None => match files::read(&path) {
                 Ok(bytes) => return self.text(&path, source::decode(&bytes), Some(file.span)),
                 Err(e) => unreadable(&path, file, &e),
             },

@@ -4,6 +4,7 @@
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
 
 use super::diagnostic::{Diagnostic, Label, Severity};
+use super::printable::printable;
 use super::source::{Sources, Span};
 
 /// More findings of one severity are only counted.
@@ -45,18 +46,20 @@ fn group<'a>(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Group<'a> {
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
-    let mut group = Group::with_title(level.primary_title(diagnostic.message.as_str()).id(diagnostic.code));
+    let mut group = Group::with_title(level.primary_title(printable(&diagnostic.message)).id(diagnostic.code));
     for window in windows(&diagnostic.labels, sources) {
         group = group.element(snippet(&window, &diagnostic.labels, sources));
     }
     for label in diagnostic.labels.iter().filter(|l| sources.file(l.span).is_none()) {
-        group = group.element(Level::NOTE.message(format!("{}: {}", sources.describe(label.span), label.text)));
+        group = group.element(
+            Level::NOTE.message(printable(&format!("{}: {}", sources.describe(label.span), label.text)).into_owned()),
+        );
     }
     for place in trail(diagnostic, sources) {
-        group = group.element(Level::NOTE.message(format!("included from {place}")));
+        group = group.element(Level::NOTE.message(printable(&format!("included from {place}")).into_owned()));
     }
     if let Some(help) = &diagnostic.help {
-        group = group.element(Level::HELP.message(help.as_str()));
+        group = group.element(Level::HELP.message(printable(help)));
     }
     group
 }
@@ -96,7 +99,7 @@ fn snippet<'a>(window: &Window, labels: &'a [Label], sources: &'a Sources) -> Sn
     let (start, end) = (boundary(text, start), boundary(text, end));
     let source = &text[start..end.max(start)];
     let annotations = window.labels.iter().map(|&i| annotation(i, &labels[i], source, start));
-    Snippet::source(source).line_start(window.first).path(name).annotations(annotations)
+    Snippet::source(source).line_start(window.first).path(printable(name)).annotations(annotations)
 }
 
 /// Where to cut a very long line: somewhat behind the last label.
@@ -110,7 +113,7 @@ fn annotation<'a>(index: usize, label: &'a Label, source: &str, offset: usize) -
     let start = boundary(source, (label.span.start as usize).saturating_sub(offset));
     let line_end = source[start..].find('\n').map_or(source.len(), |i| start + i);
     let end = boundary(source, (label.span.end as usize).saturating_sub(offset)).clamp(start, line_end);
-    kind.span(start..end).label(label.text.as_str())
+    kind.span(start..end).label(printable(&label.text))
 }
 
 /// The nearest position at or before `at` where the text may be cut.

@@ -11,7 +11,7 @@ use super::frequency::HighestFrequency;
 use super::group::{ElementGroup, Pass, Totals};
 use super::lengths::AskedLengths;
 use super::mass_scaling::Masses;
-use super::pattern::{self, Folded};
+use super::pattern::{self, Folded, Trembling};
 use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::removed::Removed;
@@ -261,6 +261,11 @@ impl Elements {
     /// The quadrilateral that is folded most into its hourglass pattern.
     pub fn most_folded(&self, nodes: &Nodes) -> Option<Folded> {
         pattern::strongest(&self.groups, nodes)
+    }
+
+    /// What moves in the hourglass pattern now.
+    pub fn trembling(&self, nodes: &Nodes) -> Trembling {
+        pattern::trembling(&self.groups, nodes)
     }
 
     /// What brings forces on plane sections to the rings of the nodes under area weighting.

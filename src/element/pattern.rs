@@ -31,21 +31,69 @@ pub fn strongest(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<Fold
 
 fn fold(corners: [usize; 4], nodes: &Nodes) -> f64 {
     let places = corners.map(|n| nodes[n].place());
-    let moved = |axis: usize| [0, 1, 2, 3].map(|i| places[i][axis] - nodes.start[corners[i]][axis]);
-    let (r, z) = (places.map(|p| p[0]), places.map(|p| p[1]));
-    let (all_r, all_z) = (sums(r), sums(z));
-    let g = Operators::of::<true>(all_r, all_z);
-    let shape = g.pattern([all_r[3], all_z[3]]).map(|part| part / g.volume);
-    let pattern = |u: [f64; 4]| {
+    let moved = [0, 1].map(|axis| [0, 1, 2, 3].map(|i| places[i][axis] - nodes.start[corners[i]][axis]));
+    within(places, moved) / section(places.map(|p| p[0]), places.map(|p| p[1])).sqrt()
+}
+
+/// How far a corner moves in the pattern, of what corners do along both axes.
+fn within(places: [[f64; 2]; 4], corners: [[f64; 4]; 2]) -> f64 {
+    let (r, z) = (sums(places.map(|p| p[0])), sums(places.map(|p| p[1])));
+    let g = Operators::of::<true>(r, z);
+    let shape = g.pattern([r[3], z[3]]).map(|part| part / g.volume);
+    let [along_r, along_z] = corners.map(|u| {
         let [_, first, second, pattern] = sums(u);
         0.25 * dot3(shape, [first, second, pattern])
-    };
-    pattern(moved(0)).hypot(pattern(moved(1))) / section(r, z).sqrt()
+    });
+    along_r.hypot(along_z)
+}
+
+/// What moves in the pattern now.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Trembling {
+    /// Kinetic energy in the pattern, over all quadrilaterals.
+    pub kinetic: f64,
+    /// The same of all that their corners do beside moving together.
+    pub relative: f64,
+    /// Group and element with the most of it.
+    pub most: (usize, usize),
+}
+
+/// Kinetic energy in the pattern, each corner with a quarter of its node's mass.
+pub fn trembling(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Trembling {
+    let (mut sum, mut largest) = (Trembling::default(), 0.0);
+    for (group, elements) in groups.iter().enumerate().filter(|(_, g)| g.is_solid()) {
+        for element in (0..elements.len()).filter(|&e| !elements.is_deleted(e)) {
+            let corners = elements.corners(element).map(|n| n as usize);
+            let [pattern, relative] = rates(corners, nodes);
+            // Triangles have none, and no number comes of some.
+            if !(pattern >= 0.0 && relative < f64::INFINITY) {
+                continue;
+            }
+            sum.kinetic += pattern;
+            sum.relative += relative;
+            if pattern > largest {
+                (largest, sum.most) = (pattern, (group, element));
+            }
+        }
+    }
+    sum
+}
+
+/// Kinetic energy of one element in the pattern, and of its corners beside their mean velocity.
+fn rates(corners: [usize; 4], nodes: &Nodes) -> [f64; 2] {
+    let quarter = 0.125 * corners.iter().map(|&n| 0.25 * nodes.mass[n]).sum::<f64>();
+    let velocity = [corners.map(|n| nodes[n].v_r), corners.map(|n| nodes[n].v_z)];
+    let beside = velocity.map(|v| {
+        let mean = 0.25 * v.iter().sum::<f64>();
+        v.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>()
+    });
+    let rate = within(corners.map(|n| nodes[n].place()), velocity);
+    [4.0 * quarter * rate * rate, quarter * (beside[0] + beside[1])]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::fold;
+    use super::{fold, rates};
     use crate::state::nodes::{Node, Nodes};
 
     fn moved(to: [[f64; 2]; 4]) -> f64 {
@@ -61,5 +109,19 @@ mod tests {
         // Turned by a right angle, stretched and sheared.
         assert!(moved([[5.0, 1.0], [5.5, 3.0], [3.5, 3.5], [3.0, 1.5]]) < 1e-15);
         assert!((moved([[1.1, 0.0], [1.9, 0.0], [2.1, 1.0], [0.9, 1.0]]) - 0.1).abs() < 1e-2);
+    }
+
+    #[test]
+    fn rates_of_a_pattern_are_told_from_those_of_strain() {
+        let square = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]];
+        let rates = |v: [f64; 4]| {
+            let node = |i: usize| Node { r: square[i][0], z: square[i][1], v_r: 7.0, v_z: 3.0 + v[i] };
+            rates([0, 1, 2, 3], &Nodes::new([0, 1, 2, 3].map(node).to_vec(), vec![4.0; 4]))
+        };
+        // Four corners of mass 1 at a speed of 2.
+        let [pattern, relative] = rates([2.0, -2.0, 2.0, -2.0]);
+        assert!((pattern - 8.0).abs() < 1e-12 && (relative - 8.0).abs() < 1e-12, "{pattern} {relative}");
+        let [pattern, relative] = rates([2.0, 2.0, -2.0, -2.0]);
+        assert!(pattern < 1e-25 && (relative - 8.0).abs() < 1e-12, "{pattern} {relative}");
     }
 }

@@ -113,10 +113,10 @@ impl Builder<'_> {
     }
 
     fn find_amplitude(&mut self, word: &Word) -> Option<usize> {
-        let found = self.model.amplitudes.iter().position(|a| a.name == upper(&word.text));
+        let name = upper(&word.text);
+        let found = self.model.amplitudes.iter().position(|a| a.name == name);
         if found.is_none() {
-            let names: Vec<String> = self.model.amplitudes.iter().map(|a| a.name.clone()).collect();
-            self.unknown("M112", "amplitude", word, &names);
+            self.unknown("M112", "amplitude", word, |b| b.model.amplitudes.iter().map(|a| a.name.clone()).collect());
         }
         found
     }

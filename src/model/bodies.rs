@@ -198,8 +198,7 @@ impl Builder<'_> {
                 return Some(name);
             }
         }
-        let names: Vec<String> = self.model.surfaces.keys().cloned().collect();
-        self.unknown("M114", "surface", word, &names);
+        self.unknown("M114", "surface", word, |b| b.model.surfaces.keys().cloned().collect());
         None
     }
 }

@@ -8,6 +8,9 @@ use crate::deck::keywords::Tier;
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 
+use indexmap::IndexMap;
+
+use super::budget::{Budget, Good};
 use super::coupling::Coupling;
 use super::degrees::Rotational;
 use super::lost::{Lost, is_skipped};
@@ -17,6 +20,9 @@ use super::types::{Inert, Material, Model};
 
 /// The most nodes, elements or members that one card may generate.
 pub(super) const MOST: usize = 20_000_000;
+
+/// Unknown names for which the nearest known ones are looked for.
+const SUGGESTIONS: usize = 20;
 
 /// A block that is open.
 #[derive(Debug)]
@@ -78,6 +84,12 @@ pub(super) struct Builder<'a> {
     pub clearances: Vec<(String, super::types::Clearance)>,
     /// Boundaries on degrees of freedom above 2 alone.
     pub rotational: Vec<Rotational>,
+    /// Place of each `*MATERIAL` of the deck among them, by its name in upper case.
+    pub material_places: IndexMap<String, usize>,
+    /// What the deck has asked for so far.
+    pub budget: Budget,
+    /// Unknown names for which others were suggested.
+    pub suggested: usize,
 }
 
 impl<'a> Builder<'a> {
@@ -118,6 +130,9 @@ impl<'a> Builder<'a> {
             interactions_used: Vec::new(),
             clearances: Vec::new(),
             rotational: Vec::new(),
+            material_places: super::names::material_places(deck),
+            budget: Budget::default(),
+            suggested: 0,
         }
     }
 
@@ -346,12 +361,18 @@ impl<'a> Builder<'a> {
     }
 
     /// Says that a name refers to nothing, with the nearest that exists.
-    pub fn unknown(&mut self, code: &'static str, what: &str, word: &Word, names: &[String]) {
+    pub fn unknown(&mut self, code: &'static str, what: &str, word: &Word, names: impl FnOnce(&Self) -> Vec<String>) {
         if self.lost.explains(what, word) {
             return;
         }
         let finding =
             Diagnostic::error(code, format!("there is no {what} `{}`", word.text)).at(word.span, "not defined");
+        // Of many that are unknown no more are read, and each look at all names takes its time.
+        if self.suggested == SUGGESTIONS {
+            return self.diagnostics.push(finding);
+        }
+        self.suggested += 1;
+        let names = &names(self)[..];
         let near = nearest(&word.text, names.iter().map(String::as_str)).map(str::to_owned);
         let finding = match near.filter(|_| !is_label(word)) {
             _ if what.starts_with("element set") && self.model.node_sets.contains_key(&upper(&word.text)) => {
@@ -365,13 +386,24 @@ impl<'a> Builder<'a> {
         self.diagnostics.push(finding);
     }
 
+    /// Whether the deck may have so many more; where it may not that is told once, with the card.
+    pub(super) fn affords(&mut self, good: Good, count: u128, span: Span) -> bool {
+        let mesh = [self.model.mesh.points.len(), self.model.mesh.elements.len()];
+        let Err(too_much) = self.budget.spend(good, count, mesh) else { return true };
+        if !std::mem::replace(&mut self.budget.told, true) {
+            self.diagnostics.push(Diagnostic::error("M125", too_much).at(span, "too many with this"));
+        }
+        self.lost.everything = true;
+        false
+    }
+
     /// Material index by name.
     pub fn material(&mut self, word: &Word) -> Option<usize> {
         let name = upper(&word.text);
-        let found = self.model.materials.iter().position(|m: &Material| m.name == name);
+        let place = self.material_places.get(&name).copied();
+        let found = place.filter(|&place| self.model.materials.get(place).is_some_and(|m: &Material| m.name == name));
         if found.is_none() {
-            let names: Vec<String> = self.model.materials.iter().map(|m| m.name.clone()).collect();
-            self.unknown("M111", "material", word, &names);
+            self.unknown("M111", "material", word, |b| b.model.materials.iter().map(|m| m.name.clone()).collect());
         }
         found
     }
@@ -394,8 +426,9 @@ impl<'a> Builder<'a> {
     /// The nodes a word stands for: a set or a label.
     pub fn node_members(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if let Some(set) = self.model.node_sets.get(&name) {
-                return Some(set.members.clone());
+            if let Some(count) = self.model.node_sets.get(&name).map(|set| set.members.len()) {
+                let affords = self.affords(Good::Members, count as u128, word.span);
+                return affords.then(|| self.model.node_sets[&name].members.clone());
             }
         }
         if let Some(node) = self.nodes.resolve(&self.scope, word) {
@@ -404,23 +437,24 @@ impl<'a> Builder<'a> {
         if let Some(members) = self.nodes_of_element_set(word) {
             return Some(members);
         }
-        let names: Vec<String> = self.model.node_sets.keys().cloned().collect();
-        self.unknown("M110", if is_label(word) { "node" } else { "node set or node" }, word, &names);
+        let what = if is_label(word) { "node" } else { "node set or node" };
+        self.unknown("M110", what, word, |b| b.model.node_sets.keys().cloned().collect());
         None
     }
 
     /// The elements a word stands for: a set or a label.
     pub fn element_members(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if let Some(set) = self.model.element_sets.get(&name) {
-                return Some(set.members.clone());
+            if let Some(count) = self.model.element_sets.get(&name).map(|set| set.members.len()) {
+                let affords = self.affords(Good::Members, count as u128, word.span);
+                return affords.then(|| self.model.element_sets[&name].members.clone());
             }
         }
         if let Some(element) = self.elements.resolve(&self.scope, word) {
             return Some(vec![element]);
         }
-        let names: Vec<String> = self.model.element_sets.keys().cloned().collect();
-        self.unknown("M110", if is_label(word) { "element" } else { "element set or element" }, word, &names);
+        let what = if is_label(word) { "element" } else { "element set or element" };
+        self.unknown("M110", what, word, |b| b.model.element_sets.keys().cloned().collect());
         None
     }
 }

@@ -59,10 +59,10 @@ impl Builder<'_> {
         let mut pairs = std::mem::take(&mut state.surface_contacts);
         let names: Vec<String> = pairs.iter().filter_map(|p| p.cpset.clone()).collect();
         for (word, _) in clearances.iter().filter(|c| !names.contains(&upper(&c.0.text))) {
-            self.unknown("M114", "set of contact pairs", word, &names);
+            self.unknown("M114", "set of contact pairs", word, |_| names.clone());
         }
         for (word, _) in factors.iter().filter(|f| !names.contains(&upper(&f.0.text))) {
-            self.unknown("M114", "set of contact pairs", word, &names);
+            self.unknown("M114", "set of contact pairs", word, |_| names.clone());
         }
         for pair in &mut pairs {
             let is_of = |word: &Word| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text));
@@ -87,7 +87,7 @@ impl Builder<'_> {
             }
         }
         for word in unknown {
-            self.unknown("M114", "clearance of contact", &word, &names);
+            self.unknown("M114", "clearance of contact", &word, |_| names.clone());
         }
     }
 }

@@ -48,7 +48,11 @@ pub const CODES: &[Code] = &[
         "Its nodes coincide, it has no area, it runs clockwise, it is concave, or it reaches across the axis.",
     ),
     code("M124", "label used twice", "Two elements have the same label."),
-    code("M125", "too many", "The card would generate more than 20 million items; that is taken for a slip."),
+    code(
+        "M125",
+        "too many",
+        "All cards together may ask for 20 million nodes, 20 million elements, and 20 million places in sets and lists with 40 more for each node and element; and for no more memory than the machine has. The card named is the one with which that is too much; nothing has been made of it.",
+    ),
     code("M126", "node off the plane or beyond the axis", "An axisymmetric model lies in the r-z plane with r >= 0."),
     code("M130", "side of a surface is missing", "RAX2 and SAX1 elements have two sides: write SPOS or SNEG."),
     code("M131", "no such side", "RAX2 and SAX1 have SPOS and SNEG, solids have S1 to S3 or S4."),

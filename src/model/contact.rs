@@ -183,7 +183,7 @@ impl Builder<'_> {
             }
         }
         let names: Vec<String> = self.model.rigid_surfaces.keys().cloned().collect();
-        self.unknown("M114", "analytical surface", word, &names);
+        self.unknown("M114", "analytical surface", word, |_| names.clone());
     }
 
     pub(super) fn contact_note(&mut self, card: &Card) {
@@ -255,7 +255,7 @@ impl Builder<'_> {
         let names: Vec<String> = self.model.interactions.iter().map(|i| i.name.clone()).collect();
         for word in std::mem::take(&mut self.interactions_used) {
             if !names.contains(&upper(&word.text)) {
-                self.unknown("M114", "surface interaction", &word, &names);
+                self.unknown("M114", "surface interaction", &word, |_| names.clone());
             }
         }
         let Model { interactions, steps, .. } = &mut self.model;

@@ -1,6 +1,7 @@
 //! Copies and maps of a mesh: `*NCOPY`, `*ELCOPY`, `*NMAP`.
 //! Never here: nodes and elements that are given one by one.
 
+use super::budget::Good;
 use super::builder::Builder;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
@@ -38,6 +39,9 @@ impl Builder<'_> {
         let Some(change) = self.change_of_labels(card, "CHANGE NUMBER") else { return };
         let Some(old) = self.required(card, "OLD SET").and_then(|w| self.nodes_in_order(w)) else { return };
         let Some(place) = self.copy_of_places(card) else { return };
+        if !self.affords(Good::Nodes, old.len() as u128, card.span) {
+            return;
+        }
         let mut made = Vec::with_capacity(old.len());
         for node in old {
             let Some(label) = self.label_of_index(node) else { continue };
@@ -131,6 +135,9 @@ impl Builder<'_> {
             return;
         };
         let Some(old) = self.required(card, "OLD SET").and_then(|w| self.element_members(w)) else { return };
+        if !self.affords(Good::Elements, old.len() as u128, card.span) {
+            return;
+        }
         let mut made = Vec::with_capacity(old.len());
         for element in old {
             let (kind, nodes) = {

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
-use super::builder::{Builder, MOST};
+use super::budget::Good;
+use super::builder::Builder;
 use super::names::qualified;
 use super::types::{Element, ElementKind};
 use crate::deck::names::nearest;
@@ -321,9 +322,16 @@ impl Builder<'_> {
             return None;
         };
         let total = i128::from(count) * i128::from(rows).saturating_mul(i128::from(layers));
-        if count < 1 || rows < 1 || layers < 1 || total > MOST as i128 {
-            let message = format!("cannot generate {count} x {rows} x {layers} elements");
-            self.diagnostics.push(Diagnostic::error("M125", message).at(line.span, "check the counts"));
+        if count < 1 || rows < 1 || layers < 1 {
+            self.out_of_range(line.span, format!("cannot generate {count} x {rows} x {layers} elements"));
+            return None;
+        }
+        let same = [(count, element_step), (rows, row_element_step), (layers, layer_element)];
+        if same.into_iter().any(|(times, step)| times > 1 && step == 0) {
+            self.out_of_range(line.span, "elements that are repeated need increments of their labels above zero");
+            return None;
+        }
+        if !self.affords(Good::Elements, total.unsigned_abs(), line.span) {
             return None;
         }
         let master_nodes = self.model.mesh.elements[model].nodes.clone();

@@ -171,7 +171,7 @@ impl Builder<'_> {
         let target = self.model.targets.iter().position(|t| t.name == upper(&word.text));
         if target.is_none() {
             let names: Vec<String> = self.model.targets.iter().map(|t| t.name.clone()).collect();
-            self.unknown("M113", "target", word, &names);
+            self.unknown("M113", "target", word, |_| names.clone());
         }
         let friction = card.value("FRICTION").map_or(Some(0.0), |w| w.number(&mut self.diagnostics))?;
         if friction < 0.0 {

@@ -1,6 +1,8 @@
 //! Materials: `*MATERIAL` and the cards below it, `*SOLID SECTION`.
 //! Never here: what a material does under load.
 
+use std::collections::HashSet;
+
 use super::builder::Builder;
 use super::names::upper;
 use super::types::{CavityExpansion, Element, ElementKind, Expansion, Material, Plastic, RateDependence, SolidSection};
@@ -374,15 +376,12 @@ impl Builder<'_> {
             return None;
         };
         // In a part the material follows later in the deck: it is looked up by name in the whole deck.
-        let known = self.deck.cards.iter().any(|c| {
-            c.keyword.name == "MATERIAL" && c.value("NAME").is_some_and(|n| upper(&n.text) == upper(&material.text))
-        });
+        let known = self.material_places.get(&upper(&material.text)).copied();
         let elements = self.element_members(set).unwrap_or_default();
-        if !known {
-            let names = self.material_names();
-            self.unknown("M111", "material", material, &names);
+        let Some(index) = known else {
+            self.unknown("M111", "material", material, |b| b.material_places.keys().cloned().collect());
             return None;
-        }
+        };
         self.claim("section", &elements, card.span);
         let mesh = &self.model.mesh;
         if let Some(&other) = elements.iter().find(|e| !fits(mesh.elements[**e].kind)) {
@@ -393,7 +392,6 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
             return None;
         }
-        let index = self.material_names().iter().position(|n| *n == upper(&material.text)).unwrap_or(0);
         Some((elements, index))
     }
 
@@ -416,16 +414,11 @@ impl Builder<'_> {
     pub(super) fn check_controls(&mut self) {
         let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "SECTION CONTROLS");
         let names: Vec<String> = cards.filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
+        let known: HashSet<&str> = names.iter().map(String::as_str).collect();
         for word in std::mem::take(&mut self.controls_used) {
-            if !names.contains(&upper(&word.text)) {
-                self.unknown("M116", "section controls", &word, &names);
+            if !known.contains(&*upper(&word.text)) {
+                self.unknown("M116", "section controls", &word, |_| names.clone());
             }
         }
-    }
-
-    /// Names of all materials of the deck, in order, whether read yet or not.
-    fn material_names(&self) -> Vec<String> {
-        let materials = self.deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
-        materials.filter_map(|c| c.value("NAME")).map(|n| upper(&n.text)).collect()
     }
 }

@@ -9,7 +9,7 @@ use super::mesh_data::{MeshFile, is_ours};
 use super::types::ElementKind;
 use super::vtk_file::read;
 use super::{gmsh_file, inp_file};
-use crate::deck::{Card, Diagnostic, Span};
+use crate::deck::{Card, Diagnostic, Span, files};
 
 /// What is said of a file that vtkio cannot read.
 const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no compression; appended raw data, LZMA and \
@@ -22,7 +22,7 @@ const RESAVE: &str = "save it as .vtu with inline (binary) data and zlib or no c
 fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let text =
-        || std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(|e| e.to_string());
+        || files::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).map_err(|e| e.to_string());
     match ending.as_deref() {
         Some("msh") => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, None)),
         Some("inp") => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, None)),

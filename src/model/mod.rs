@@ -4,6 +4,7 @@
 mod amplitudes;
 mod bodies;
 mod boundary;
+mod budget;
 mod builder;
 mod check;
 mod clearance;

@@ -46,3 +46,13 @@ pub fn upper(text: &str) -> String {
 pub fn qualified(scope: &str, name: &str) -> String {
     if scope.is_empty() { upper(name) } else { format!("{scope}.{}", upper(name)) }
 }
+
+/// Place of each material among those of the deck, by its name; the first of a name.
+pub(super) fn material_places(deck: &crate::deck::Deck) -> indexmap::IndexMap<String, usize> {
+    let materials = deck.cards.iter().filter(|c| c.keyword.name == "MATERIAL");
+    let mut places = indexmap::IndexMap::new();
+    for (place, name) in materials.filter_map(|c| c.value("NAME")).enumerate() {
+        places.entry(upper(&name.text)).or_insert(place);
+    }
+    places
+}

@@ -1,7 +1,8 @@
 //! Nodes: `*NODE`, `*NGEN`, `*NFILL`.
 //! Never here: elements.
 
-use super::builder::{Builder, MOST};
+use super::budget::Good;
+use super::builder::Builder;
 use super::copies::polar_point;
 use super::names::{qualified, upper};
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
@@ -147,12 +148,8 @@ impl Builder<'_> {
     }
 
     fn count(&mut self, count: i128, span: Span) -> Option<usize> {
-        if count > MOST as i128 {
-            let message = format!("this would generate {count} nodes");
-            self.diagnostics.push(Diagnostic::error("M125", message).at(span, "taken for a slip"));
-            return None;
-        }
-        Some(count.max(1) as usize)
+        let count = count.max(1);
+        self.affords(Good::Nodes, count.unsigned_abs(), span).then_some(count as usize)
     }
 
     /// Rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).

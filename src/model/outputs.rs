@@ -147,7 +147,7 @@ impl Builder<'_> {
             let names: Vec<String> = self.model.time_points.iter().map(|p| p.name.clone()).collect();
             let found = names.iter().position(|n| *n == upper(&word.text));
             if found.is_none() {
-                self.unknown("M117", "time points", word, &names);
+                self.unknown("M117", "time points", word, |_| names.clone());
             }
             return found.map(Interval::Points);
         }
@@ -349,7 +349,7 @@ impl Builder<'_> {
             let Some(key) = self.sections.get(&name).cloned() else {
                 let mut names: Vec<String> = self.sections.keys().cloned().collect();
                 names.sort();
-                self.unknown("M114", "integrated output section", word, &names);
+                self.unknown("M114", "integrated output section", word, |_| names.clone());
                 return None;
             };
             return Some(Region::Surface(key, name));

@@ -3,6 +3,7 @@
 
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
+use super::budget::Good;
 use super::builder::{Block, Builder};
 use super::names::upper;
 use crate::deck::{Card, Diagnostic};
@@ -86,9 +87,13 @@ impl<'a> Builder<'a> {
         let Some(cards) = self.parts.get(&upper(&part.text)).cloned() else {
             let mut names: Vec<String> = self.parts.keys().cloned().collect();
             names.sort();
-            self.unknown("M115", "part", part, &names);
+            self.unknown("M115", "part", part, |_| names.clone());
             return;
         };
+        let lines = cards.iter().map(|inner| inner.lines.len() as u128).sum();
+        if !self.affords(Good::Elements, lines, card.span) {
+            return;
+        }
         self.scope = upper(&name.text);
         self.instance = self.placement(card);
         for inner in super::order::ordered(&cards) {

@@ -1,7 +1,8 @@
 //! Sets: `*NSET`, `*ELSET`, GENERATE, sets of sets; the same name twice is a union.
 //! Never here: surfaces.
 
-use super::builder::{Builder, MOST};
+use super::budget::Good;
+use super::builder::Builder;
 use super::names::{qualified, upper};
 use super::types::Set;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
@@ -64,9 +65,7 @@ impl Builder<'_> {
             return;
         };
         let count = (i128::from(last) - i128::from(first)) / i128::from(step) + 1;
-        if count > MOST as i128 {
-            let message = format!("this would generate {count} members");
-            self.diagnostics.push(Diagnostic::error("M125", message).at(line.span, "taken for a slip"));
+        if !self.affords(Good::Members, count.max(0).unsigned_abs(), line.span) {
             return;
         }
         let labels = if nodes { &self.nodes } else { &self.elements };

@@ -10,6 +10,7 @@ use vtkio::Vtk;
 use vtkio::model::{Attribute, Attributes, CellType, DataSet, IOBuffer, VertexNumbers};
 
 use super::mesh_data::{MeshFile, is_ours};
+use crate::deck::files;
 
 /// Whether an array says that it is larger than its compressed bytes can hold: vtkio makes room for what it says. Zlib
 /// presses to no less than a 1032nd (RFC 1951: 258 bytes in two bits).
@@ -35,10 +36,13 @@ pub(crate) fn read(path: &Path) -> Result<MeshFile, String> {
 }
 
 fn parse(path: &Path) -> Result<MeshFile, String> {
-    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
+    let bytes = files::read(path).map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&bytes);
     if text.contains("<VTKFile") && !text.contains("</VTKFile>") {
         return Err("the file ends early".into());
+    }
+    if ["<PUnstructuredGrid", "<PPolyData"].iter().any(|list| text.contains(list)) {
+        return Err("it lists pieces in other files; save it as one".into());
     }
     if let Some(kind) = unknown_type(&text) {
         return Err(format!("an array has the type `{kind}`, which VTK does not know"));

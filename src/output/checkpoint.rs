@@ -10,14 +10,14 @@ use std::path::Path;
 use hmac_sha256::Hash;
 
 use super::write_durable;
-use crate::deck::Diagnostic;
+use crate::deck::{Diagnostic, files};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Ending of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte counts the layouts that there have been.
-const MAGIC: [u8; 8] = *b"REVOLVE\x01";
+const MAGIC: [u8; 8] = *b"REVOLVE\x02";
 const SUM: usize = 32;
 
 /// Whose state it is. Each part is a hash in hexadecimal, or the thing itself.
@@ -98,7 +98,7 @@ impl Checkpoint {
             let message = format!("the checkpoint {} is damaged: {why}", path.display());
             Diagnostic::error("K001", message).help("run without --resume to start anew")
         };
-        let bytes = match std::fs::read(path) {
+        let bytes = match files::read(path) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(damaged(&e.to_string())),

@@ -36,6 +36,16 @@ pub const CODES: &[Code] = &[
         text: "The content of the checkpoint has another shape than the plan of the deck. That should not happen with the same deck and version: please report it.",
     },
     Code {
+        code: "K007",
+        title: "a job is at work in the folder",
+        text: "Another process writes results into the folder; frames of both would mix. The message names its job and its number. The lock is `.revolve-lock` in the folder; the system lets go of it when the process ends, also when it is killed, so one that is left over locks nothing.",
+    },
+    Code {
+        code: "K008",
+        title: "no name for a job",
+        text: "A job has the name of its deck without the ending, and its files begin with it. A deck called `...inp` would name them `..`, which is the folder above.",
+    },
+    Code {
         code: "K101",
         title: "no checkpoint",
         text: "`--resume` found no `<job>.checkpoint` in the folder of the results, and the run starts at its beginning. A checkpoint is written if the deck has *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run; it is removed when the run is complete.",

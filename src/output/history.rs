@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::csv;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// History samples: one row a time.
@@ -30,7 +31,7 @@ impl History {
     pub fn csv(&self) -> String {
         let mut text = String::from("time");
         for column in &self.columns {
-            let _ = write!(text, ",{column}");
+            let _ = write!(text, ",{}", csv::field(column));
         }
         for (i, time) in self.times.iter().enumerate() {
             let _ = write!(text, "\n{time:?}");

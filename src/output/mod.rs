@@ -4,7 +4,9 @@
 pub mod checkpoint;
 pub mod codes;
 pub mod columns;
+pub mod csv;
 pub mod history;
+pub mod lock;
 pub mod pvd;
 pub mod vtu;
 pub mod whole;

@@ -19,13 +19,11 @@ pub struct FrameWriter {
 }
 
 impl FrameWriter {
-    /// Begins a series and removes what an earlier run of the job left.
+    /// Begins a series, in a folder that is there, and removes what an earlier run of the job left.
     ///
     /// # Errors
-    /// Where the folder cannot be made or cleared.
+    /// Where the folder cannot be cleared.
     pub fn new(job: Job) -> io::Result<Self> {
-        fs::create_dir_all(&job.folder)
-            .map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))?;
         // The lists first: none shall name a frame that is gone.
         for ending in [".pvd", ".json", "_history.csv", CHECKPOINT] {
             remove(&job.path(ending))?;

@@ -259,7 +259,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "R208",
         title: "an energy limit was passed",
-        text: "*ENERGY LIMIT, ACTION=HALT: the drift of ETOTAL or the share of ALLAE in ALLIE is above what the deck allows. The last good state is in the last frame.",
+        text: "The drift of ETOTAL is above 20 % of the largest energy for ten increments, which halts every run whose deck gives no *ENERGY LIMIT, ERROR; or it, or the share of ALLAE in ALLIE, is above what *ENERGY LIMIT, ACTION=HALT allows. The message says since when, where the mesh is folded most, the likely cause and the card that cures it. The last good state is in the last frame.",
     },
     Code {
         code: "R205",
@@ -269,7 +269,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "R207",
         title: "interrupted",
-        text: "SIGINT (Ctrl-C) or SIGTERM ended the run behind the increment it was in. Its state is in `<job>.checkpoint`, from which `revolve run --resume` goes on to the same bits; the last frame, the histories and the summary are written, too. A second signal ends the program at once.",
+        text: "SIGINT (Ctrl-C) or SIGTERM ended the run behind the increment it was in. Its state is in `<job>.checkpoint`, from which `revolve run --resume` goes on to the same bits; the last frame, the histories and the summary are written, too. A signal that comes half a second later or more ends the program at once; one that comes sooner is the same one, as `timeout` and terminals send it twice.",
     },
     Code {
         code: "R206",

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::data::{Column, Page, Run};
 use super::{frames, history, study, sweep};
+use crate::deck::files;
 
 /// Runs beyond these are left out.
 const RUNS: usize = 6;
@@ -79,7 +80,7 @@ fn file_names(folder: &Path) -> Result<Vec<String>, String> {
 }
 
 fn text(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+    files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 fn json(path: &Path) -> Result<Value, String> {

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::data::{Field, Meridian};
 use super::mesh::{Drawn, bounds, drawn};
+use crate::deck::files;
 use crate::kernel::stress::mises;
 use crate::model::mesh_data::MeshFile;
 use crate::model::vtk_file;
@@ -46,7 +47,7 @@ pub struct Raw {
 /// # Errors
 /// In words, where the list cannot be read.
 pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
-    let text = std::fs::read_to_string(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
+    let text = files::read_text(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
     let folder = pvd.parent().unwrap_or(Path::new(""));
     let entry = |tag: &str| {
         let time = attribute(tag, "timestep")?.parse().ok()?;
@@ -61,7 +62,7 @@ pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
 /// In words, where it cannot be read.
 pub fn read(time: f64, path: &Path) -> Result<Raw, String> {
     let wrong = |e: String| format!("{}: {e}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
+    let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
     let mesh = vtk_file::read(path).map_err(wrong)?;
     let mut scalars = Vec::new();
     for (name, values) in &mesh.point_arrays {

@@ -1,12 +1,13 @@
 //! Histories as charts: few lines each, thinned so that no peak is lost.
 //! Never here: which files there are.
 
-use std::fs::File;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 
 use indexmap::IndexMap;
 
+use crate::deck::files;
+use crate::output::csv;
 use crate::variables::{Part, Place};
 
 use super::data::{Chart, Column, Series};
@@ -33,10 +34,10 @@ pub struct History {
 /// # Errors
 /// In words, where the file cannot be read.
 pub fn names(path: &Path) -> Result<Vec<String>, String> {
-    let file = File::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut header = String::new();
     BufReader::new(file).read_line(&mut header).map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(header.trim_end().split(',').skip(1).map(str::to_owned).collect())
+    Ok(csv::fields(&header).into_iter().skip(1).collect())
 }
 
 /// Reads the chosen columns; rows that are cut off are left out.
@@ -46,7 +47,7 @@ pub fn names(path: &Path) -> Result<Vec<String>, String> {
 pub fn read(path: &Path, wanted: &[String]) -> Result<History, String> {
     let all = names(path)?;
     let places: Vec<usize> = wanted.iter().filter_map(|w| all.iter().position(|n| n == w)).collect();
-    let file = File::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut history = History::default();
     let mut columns = vec![Vec::new(); places.len()];
     for line in BufReader::new(file).lines().skip(1) {

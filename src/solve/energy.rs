@@ -84,6 +84,8 @@ pub struct Balance {
     tied: f64,
     largest: f64,
     departure: f64,
+    /// Departure at the last instant that was booked, absolute.
+    departure_now: f64,
     /// Of what deforms, and their sum at the start.
     solid: Energies,
     solid_initial: Option<f64>,
@@ -136,6 +138,7 @@ impl Balance {
             tied: 0.0,
             largest: kinetic,
             departure: 0.0,
+            departure_now: 0.0,
             solid: Energies::default(),
             solid_initial: None,
         }
@@ -162,6 +165,22 @@ impl Balance {
     pub fn exceeds(&self, [drift, artificial]: [f64; 2], small: f64) -> [bool; 2] {
         let (of_control, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
         [self.departure > drift * self.largest, internal > small * self.largest && of_control > artificial * internal]
+    }
+
+    /// Departure of the sum from its start now, over the largest energy met.
+    pub fn drift_now(&self) -> f64 {
+        if self.largest > 0.0 { self.departure_now / self.largest } else { 0.0 }
+    }
+
+    /// The largest energy met: kinetic, internal, or work of loads and motions.
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// Kinetic energy of what deforms.
+    #[inline(always)]
+    pub fn kinetic_of_solid(&self) -> f64 {
+        self.solid.kinetic
     }
 
     /// A new step with its forces, in which the motions of some bodies are prescribed.
@@ -210,7 +229,8 @@ impl Balance {
         if deforms {
             departure += self.book_nodes(&dofs.energies);
         }
-        self.departure = larger(self.departure, departure.abs());
+        self.departure_now = departure.abs();
+        self.departure = larger(self.departure, self.departure_now);
     }
 
     /// Books what deforms, after the bodies: what it passes on to them stays in the scene. Returns by how much its sum has
@@ -291,11 +311,12 @@ impl Persist for Balance {
             tied,
             largest,
             departure,
+            departure_now,
             solid,
             solid_initial,
         } = self;
         persist_fields!(archive; entries.as_mut_slice(), prescribed.as_mut_slice(), settled, kinetic, done, external);
-        persist_fields!(archive; tied, largest, departure, solid, solid_initial);
+        persist_fields!(archive; tied, largest, departure, departure_now, solid, solid_initial);
     }
 }
 

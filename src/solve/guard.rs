@@ -1,9 +1,10 @@
 //! What stops a run that has gone wrong: energies that are not finite, limits that the deck sets on them
-//! (`*ENERGY LIMIT`), increments that would never reach the end of the step; and what is told of it where it ends.
-//! Never here: how energies are booked, how an increment is chosen.
+//! (`*ENERGY LIMIT`) or every run has, increments that would never reach the end of the step.
+//! Never here: how energies are booked, how an increment is chosen, what is only told (`watch.rs`).
 
 use super::increment::shortened;
 use super::run::Run;
+use super::watch::SMALL;
 use crate::load::stiffness::Stiffness;
 use crate::model::IncrementControl;
 use crate::state::halt::Halt;
@@ -13,12 +14,13 @@ use crate::state::magnitude::Clock;
 /// increments, which only an element that collapses asks for.
 const FLOOR: f64 = 1e-10;
 
-/// Internal energy below this fraction of the largest energy is too small to compare artificial energy with.
-const SMALL: f64 = 0.01;
-
-/// What the end of a run warns of without being asked: drift of ETOTAL over the largest energy, ALLAE over ALLIE. The second
-/// is the rule of practice: above it hourglass control has its share in the answer.
-const SOUND: [f64; 2] = [0.01, 0.05];
+/// Increments of an analysis before which no drift halts: a load that is there at once makes some of nothing while there is next
+/// to no energy.
+const EARLY: u64 = 500;
+/// Drift of ETOTAL over the largest energy at which every run halts ...
+const LARGEST_DRIFT: f64 = 0.2;
+/// ... once so many increments in a row have found it.
+const LASTING: u64 = 10;
 
 /// What is passed first of what has not been told: which limit, the value reached and the limit.
 fn passed(values: [f64; 2], limits: [Option<f64>; 2], told: [bool; 2]) -> Option<(usize, f64, f64)> {
@@ -32,37 +34,11 @@ impl Run<'_> {
     /// Where they are not finite, or pass a limit that halts.
     #[inline(always)]
     pub(super) fn guard_energy(&mut self) -> Result<(), Halt> {
-        let unsound = self.balance.exceeds(SOUND, SMALL);
-        for (since, unsound) in self.unsound.iter_mut().zip(unsound) {
-            if unsound != since.is_some() {
-                *since = unsound.then_some(self.now.total_time);
-            }
-        }
-        if self.balance.is_finite() && self.step.energy_limit.is_none() { Ok(()) } else { self.look_at_energy() }
-    }
-
-    /// At the end: what is beyond sound bounds then, since when, and where the mesh is folded most.
-    pub(super) fn warn_of_energy(&mut self) {
-        let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
-        let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
-        let [drift, artificial] = [0, 1].map(|i| self.unsound[i].filter(|_| !of_deck[i] && !self.warned[i]));
-        if let Some(since) = drift {
-            self.outcome.warnings.push(format!(
-                "ETOTAL has drifted by {:.2} % of the largest energy, more than {} % since time {since:e}: energy was made or \
-                 lost{}",
-                100.0 * values[0],
-                100.0 * SOUND[0],
-                self.name_folded()
-            ));
-        }
-        if let Some(since) = artificial {
-            self.outcome.warnings.push(format!(
-                "ALLAE is {:.1} % of ALLIE, more than {} % since time {since:e}: hourglass control has its share in the \
-                 answer; a finer mesh, or another HOURGLASS of *SECTION CONTROLS, shows by how much{}",
-                100.0 * values[1],
-                100.0 * SOUND[1],
-                self.name_folded()
-            ));
+        let watched = self.watch.is_content(&self.balance, &self.now);
+        if watched && self.balance.is_finite() && self.step.energy_limit.is_none() {
+            Ok(())
+        } else {
+            self.look_at_energy()
         }
     }
 
@@ -101,12 +77,6 @@ impl Run<'_> {
         }
     }
 
-    fn name_folded(&self) -> String {
-        let Some(most) = self.elements.most_folded(&self.dofs.nodes) else { return String::new() };
-        let name = self.plan.element_name(most.group, most.element);
-        format!(". The mesh is folded most in element {name}, by {:.0} % of its size", 100.0 * most.fold)
-    }
-
     #[inline(never)]
     fn look_at_energy(&mut self) -> Result<(), Halt> {
         if !self.balance.is_finite() {
@@ -116,6 +86,14 @@ impl Run<'_> {
             );
             return Err(Halt { code: "R203", reason });
         }
+        self.hold_to_limits()?;
+        self.hold_to_balance()?;
+        self.watch();
+        Ok(())
+    }
+
+    /// Limits that the deck gives.
+    fn hold_to_limits(&mut self) -> Result<(), Halt> {
         let Some(limit) = &self.step.energy_limit else { return Ok(()) };
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
         let Some((which, value, allowed)) = passed(values, [limit.error, limit.artificial], self.warned) else {
@@ -132,6 +110,31 @@ impl Run<'_> {
         self.warned[which] = true;
         self.outcome.warnings.push(reason);
         Ok(())
+    }
+
+    /// The limit of every run, unless the deck gives one of its own. The first increments pass, for what is small cannot be
+    /// told from what is wrong, and coarse scenes are over by then; and an instant beyond it is none yet, for energies of
+    /// undamped vibration jump where increments do.
+    fn hold_to_balance(&mut self) -> Result<(), Halt> {
+        let drift = self.balance.drift_now();
+        self.watch.adrift = if drift > LARGEST_DRIFT { self.watch.adrift + 1 } else { 0 };
+        let own = self.step.energy_limit.is_some_and(|l| l.error.is_some());
+        let early = self.now.increment < EARLY;
+        if self.watch.adrift < LASTING || own || early || self.is_noise() {
+            return Ok(());
+        }
+        let reason = format!(
+            "ETOTAL has drifted by {:.1} % of the largest energy, more than {:.0} %, at increment {}, time {:e}{}: energy was \
+             made or lost{}. {}. *ENERGY LIMIT, ERROR in the step lets a run go on",
+            100.0 * drift,
+            100.0 * LARGEST_DRIFT,
+            self.now.increment,
+            self.now.total_time,
+            self.drifts_since(),
+            self.name_folded(),
+            self.likely_cause()
+        );
+        Err(Halt { code: "R208", reason })
     }
 
     /// Whether the elements let the step come to an end.

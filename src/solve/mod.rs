@@ -13,6 +13,7 @@ mod restart;
 mod routines;
 mod run;
 mod timing;
+mod watch;
 
 use std::time::Instant as Stopwatch;
 
@@ -96,6 +97,7 @@ pub fn run_with(
         }
     }
     run.warn_of_energy();
+    show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();
     let energy = run.energy();
     let Run { mut outcome, dofs, elements, constraints, thermal, timing, .. } = run;
@@ -103,6 +105,15 @@ pub fn run_with(
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
     Ok((outcome, State { dofs, elements, constraints, thermal }))
+}
+
+/// Shows the sink what is new among the warnings.
+#[inline(always)]
+fn show_warnings(run: &mut Run<'_>, sink: &mut dyn Sink) {
+    if run.watch.shown < run.outcome.warnings.len() {
+        run.outcome.warnings[run.watch.shown..].iter().for_each(|warning| sink.warning(warning));
+        run.watch.shown = run.outcome.warnings.len();
+    }
 }
 
 /// One step, from its beginning or from where a state was taken up. The recipe of an increment, as in ABAQUS Theory Guide 2.4.5
@@ -145,6 +156,7 @@ fn increments(
     }
     loop {
         run.evaluate()?;
+        show_warnings(run, sink);
         observing.show(run, sink)?;
         if run.is_over() {
             return run.end_routines();

@@ -43,6 +43,8 @@ pub trait Sink {
     /// # Errors
     /// If it cannot be kept; the run halts.
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError>;
+    /// What the run warns of, as soon as it does; all of it is in [`super::Outcome::warnings`] at the end.
+    fn warning(&mut self, _text: &str) {}
     /// Fraction of the step done, called now and then.
     fn progress(&mut self, _step: &str, _fraction: f64, _increment: u64) {}
     /// Whether states can be kept.

@@ -270,7 +270,7 @@ impl Persist for Run<'_> {
             told_complete,
             limiting,
             warned,
-            unsound,
+            watch,
             balance,
             threads: _,
             kinetic: _,
@@ -278,7 +278,7 @@ impl Persist for Run<'_> {
             outcome,
         } = self;
         persist_fields!(archive; dofs, now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told_complete, limiting, warned, unsound, balance);
+        persist_fields!(archive; complete, wish, told_complete, limiting, warned, watch, balance);
         archive.mark("loads");
         persist_all(loads, archive);
         archive.mark("constraints");

@@ -6,6 +6,7 @@ use super::energy::{Balance, Energy};
 use super::increment::{End, Increment, IncrementController, Scene};
 use super::outcome::{Outcome, Rest, StepSummary};
 use super::timing::Timing;
+use super::watch::Watch;
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
 use crate::element::elements::{Collapsed, Elements};
@@ -76,8 +77,8 @@ pub(super) struct Run<'a> {
     pub(super) balance: Balance,
     /// Which limits on energies have been told in this step.
     pub(super) warned: [bool; 2],
-    /// Since when the drift of ETOTAL and ALLAE have been beyond sound bounds, total time.
-    pub(super) unsound: [Option<f64>; 2],
+    /// What is watched over the run.
+    pub(super) watch: Watch,
     /// Whether other threads may take part.
     pub(super) threads: bool,
     /// Room for the kinetic energies of chunks of nodes.
@@ -116,7 +117,7 @@ impl<'a> Run<'a> {
             told_complete: false,
             limiting: None,
             warned: [false; 2],
-            unsound: [None; 2],
+            watch: Watch::default(),
             threads: rayon::current_num_threads() > 1,
             kinetic: central_difference::room_for_parts(&dofs.nodes),
             timing: Timing::new(plan.ledger.effects.len()),
@@ -212,6 +213,7 @@ impl<'a> Run<'a> {
         }
         self.balance.begin(&self.slots, &self.dofs.bodies);
         self.warned = [false; 2];
+        self.watch.begin_step();
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;

@@ -4,6 +4,8 @@
 use std::path::Path;
 
 use super::StudyError;
+use crate::deck::files;
+use crate::output::csv;
 
 /// A reference table: the first column is the swept parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,14 +23,14 @@ impl Reference {
     /// In words, with the line.
     pub fn read(path: &Path) -> Result<Reference, StudyError> {
         let wrong = |message: String| StudyError::Reference { path: path.to_owned(), message };
-        let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
+        let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
         Reference::parse(&text).map_err(wrong)
     }
 
     fn parse(text: &str) -> Result<Reference, String> {
         let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
         let (_, header) = lines.next().ok_or("the file is empty")?;
-        let columns: Vec<String> = header.split(',').skip(1).map(|c| c.trim().to_owned()).collect();
+        let columns: Vec<String> = csv::fields(header).iter().skip(1).map(|c| c.trim().to_owned()).collect();
         if columns.is_empty() {
             return Err("line 1: a parameter column and at least one reference column are needed".into());
         }

@@ -2,6 +2,7 @@
 //! Never here: what is in them.
 
 use crate::output::columns::lined_up;
+use crate::output::csv;
 
 /// Text with columns lined up, numbers to the right.
 pub fn terminal(header: &[String], rows: &[Vec<String>]) -> String {
@@ -10,9 +11,6 @@ pub fn terminal(header: &[String], rows: &[Vec<String>]) -> String {
 
 /// CSV; fields with commas or quotes are quoted.
 pub fn csv(header: &[String], rows: &[Vec<String>]) -> String {
-    let field = |f: &String| {
-        if f.contains([',', '"', '\n']) { format!("\"{}\"", f.replace('"', "\"\"")) } else { f.clone() }
-    };
-    let line = |row: &[String]| row.iter().map(field).collect::<Vec<_>>().join(",") + "\n";
+    let line = |row: &[String]| row.iter().map(|f| csv::field(f)).collect::<Vec<_>>().join(",") + "\n";
     line(header) + &rows.iter().map(|r| line(r)).collect::<String>()
 }

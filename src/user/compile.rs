@@ -10,7 +10,7 @@ use hmac_sha256::Hash;
 
 use super::source::{HEADER, Source, included};
 use super::{MAX_BLOCK, Misfit, Routines, library, prototype};
-use crate::deck::{Diagnostic, Diagnostics};
+use crate::deck::{Diagnostic, Diagnostics, files};
 use crate::output::whole::Scratch;
 
 /// Flags as ABAQUS's own compile command sets them for its compilers: long lines, no complaint about old Fortran nor
@@ -97,10 +97,11 @@ impl Compiled {
 /// # Errors
 /// All that is wrong with the files, in the compiler's words where they are the best.
 pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics> {
+    let files: Vec<PathBuf> = files.iter().map(|file| no_option(file)).collect();
     let mut faults = Diagnostics::default();
     let mut sources = Vec::new();
     let mut libraries = Vec::new();
-    for file in files {
+    for file in &files {
         match language(file).and_then(|l| readable(file).map(|()| l)) {
             Ok(Language::Ready) => libraries.push(file.clone()),
             Ok(language) => sources.push((file.as_path(), language)),
@@ -119,7 +120,12 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
         misfits = found;
     }
     let third_coordinate = notes.iter().any(|n| n.code == "U008");
-    Ok(Compiled { libraries, notes, third_coordinate, misfits, files: files.to_vec() })
+    Ok(Compiled { libraries, notes, third_coordinate, misfits, files })
+}
+
+/// A name that no compiler takes for an option.
+fn no_option(file: &Path) -> PathBuf {
+    if file.as_os_str().as_encoded_bytes().starts_with(b"-") { Path::new(".").join(file) } else { file.to_owned() }
 }
 
 fn language(file: &Path) -> Result<Language, String> {
@@ -133,7 +139,7 @@ fn language(file: &Path) -> Result<Language, String> {
 }
 
 fn readable(file: &Path) -> Result<(), String> {
-    std::fs::File::open(file).map(|_| ()).map_err(|e| format!("cannot read the user file `{}`: {e}", file.display()))
+    files::open(file).map(|_| ()).map_err(|e| format!("cannot read the user file `{}`: {e}", file.display()))
 }
 
 fn build(
@@ -260,7 +266,7 @@ fn key(sources: &[(&Path, Language)], tools: &Tools, checked: bool) -> String {
 
 /// A file and those it includes, each once; what cannot be read is the compiler's to tell.
 fn add_with_includes(file: &Path, seen: &mut BTreeSet<PathBuf>, add: &mut impl FnMut(&[u8])) {
-    let Ok(bytes) = std::fs::read(file) else { return };
+    let Ok(bytes) = files::read(file) else { return };
     if !seen.insert(file.to_owned()) {
         return;
     }
@@ -625,7 +631,7 @@ fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnosti
 }
 
 fn note_long_lines(file: &Path, notes: &mut Diagnostics) {
-    let Ok(bytes) = std::fs::read(file) else { return };
+    let Ok(bytes) = files::read(file) else { return };
     let text = String::from_utf8_lossy(&bytes);
     let long: Vec<usize> = text.lines().enumerate().filter(|(_, l)| has_code_past_72(l)).map(|(i, _)| i + 1).collect();
     if let Some(first) = long.first() {
@@ -636,7 +642,7 @@ fn note_long_lines(file: &Path, notes: &mut Diagnostics) {
 }
 
 fn note_third_coordinate(file: &Path, notes: &mut Diagnostics) {
-    let Ok(bytes) = std::fs::read(file) else { return };
+    let Ok(bytes) = files::read(file) else { return };
     let text = String::from_utf8_lossy(&bytes);
     if let Some(line) = text.lines().position(reads_third_coordinate) {
         let message = format!("{}:{}: this reads a third coordinate; there are two, r and z", file.display(), line + 1);

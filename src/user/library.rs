@@ -21,7 +21,7 @@ use super::{
     Routines, UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
     Wish,
 };
-use crate::deck::Diagnostic;
+use crate::deck::{Diagnostic, files};
 use crate::output::whole::Scratch;
 use crate::state::Instant;
 
@@ -309,7 +309,7 @@ fn nothing_to_call(strangers: &[&str], given: &[PathBuf]) -> Diagnostic {
 
 /// Subroutines and functions that a source defines, a few of them.
 fn subroutines(file: &Path) -> Vec<String> {
-    let text = std::fs::read(file).map(|bytes| String::from_utf8_lossy(&bytes).to_lowercase()).unwrap_or_default();
+    let text = files::read(file).map(|bytes| String::from_utf8_lossy(&bytes).to_lowercase()).unwrap_or_default();
     let name = |line: &str| {
         let rest = line.trim_start().strip_prefix("subroutine ")?.trim_start();
         let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();

@@ -5,6 +5,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::deck::{files, printable};
+
 /// A user file and those that it includes, as they are to be compiled.
 pub struct Source {
     /// Texts that differ from their files, by the name under which they are included; the file itself under an empty name.
@@ -20,7 +22,7 @@ impl Source {
     }
 
     fn take(&mut self, file: &Path, name: &str, known: &[String], depth: usize) {
-        let Ok(bytes) = std::fs::read(file) else { return };
+        let Ok(bytes) = files::read(file) else { return };
         let text = String::from_utf8_lossy(&bytes);
         let folder = file.parent().unwrap_or(Path::new(""));
         let new = ready(&text, file, folder, known);
@@ -30,7 +32,7 @@ impl Source {
             }
         }
         if new != text {
-            self.changed.insert(name.to_owned(), format!("# 1 \"{}\"\n{new}", file.display()));
+            self.changed.insert(name.to_owned(), marker(file) + &new);
         }
     }
 
@@ -50,7 +52,7 @@ impl Source {
         }
         let own = match self.changed.get("") {
             Some(text) => text.clone(),
-            None => format!("# 1 \"{}\"\n{}", file.display(), String::from_utf8_lossy(&std::fs::read(file)?)),
+            None => marker(file) + &String::from_utf8_lossy(&files::read(file)?),
         };
         let path = folder.join(file.file_name().unwrap_or_default());
         std::fs::write(&path, own)?;
@@ -148,6 +150,11 @@ fn logical(line: String) -> String {
         new.replace_range(at..at + length, instead);
     }
     new
+}
+
+/// What tells a compiler that the text below is that of a file.
+fn marker(file: &Path) -> String {
+    format!("# 1 \"{}\"\n", printable(&file.to_string_lossy()).replace(['\\', '"', '\n'], "_"))
 }
 
 /// The name under which an include is there: as it is written, beside the file in another case, among the known ones by its

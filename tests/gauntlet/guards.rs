@@ -1,6 +1,7 @@
 //! Guard rails: what cannot be answered halts with a place.
 
-use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+use revolve::solve::Instant;
+use revolve::user::{LoadFailure, LoadPoints, Moment, Routines, UserEvents, UserLoad, Wish};
 
 use crate::common::solid::{grid, material};
 use crate::scene::{Scene, text, with};
@@ -13,6 +14,12 @@ cases! { "Guard rails":
         "completed or located halt; the first increment takes less than 20 % of any element";
     an_increment_beyond_stability, "a fixed increment twice the stable one: energy of nothing",
         "*ENERGY LIMIT, ERROR, ACTION=HALT: halted (R208) with increment and time";
+    energy_of_nothing_halts_every_run, "an increment 1.8 times the stable one in a deck without a word on energies; a body that turns around within increments",
+        "halted (R208) with element, since when, cause and card, ALLKE below zero told before; *ENERGY LIMIT, ERROR=10 lets it go on, with a drift above 20 %";
+    an_increment_that_crawls, "an increment that leaves 1e9 to go: nothing is told for days",
+        "told once while the run goes on, with the increments to go; the same block at its stable increment is silent";
+    a_pattern_that_grows, "kinetic energy that goes into the hourglass pattern",
+        "told while the run goes on, with the element; a bar in one long wave is silent";
     too_much_hourglassing, "a coarse mesh that lives by its hourglass control",
         "*ENERGY LIMIT, ARTIFICIAL: one warning and the end of the run; with HALT, R208";
     forces_without_bound, "forces and velocities near the end of floating point: infinities that run on",
@@ -80,6 +87,86 @@ fn an_increment_beyond_stability() -> Verdict {
     let (code, reason) = halt(&block("*Initial Conditions, type=VELOCITY\n J1, 2, 1.e-3\n", &step));
     println!("{reason}");
     Verdict { figure: code.into(), holds: code == "R208" && says(&reason, &["energy drift", "increment", "time"]) }
+}
+
+/// A free block that flows, under 1.8 times the increment that its elements bear.
+fn beyond(more: &str) -> Scene {
+    let deck = grid(4, 4, false, |i, j| [i as f64, j as f64])
+        + &material(100.0, 0.3, 1.0, "*Plastic\n 1., 0.\n 1.1, 1.\n")
+        + "*Initial Conditions, type=VELOCITY\n J1, 2, 1.e-3\n*Step\n"
+        + "*Dynamic, Explicit, direct user control\n 0.095166, 190.332\n"
+        + more
+        + "*Bulk Viscosity\n 0., 0.\n*Boundary\n I0, 1, 1\n"
+        + END;
+    text(&deck, &Routines::none())
+}
+
+fn energy_of_nothing_halts_every_run() -> Verdict {
+    let (scene, told) = (beyond(""), beyond("*Energy Limit, error=10.\n"));
+    let (code, reason) = halt(&scene);
+    println!("{reason}\n{:?}\n{} {:?}", scene.outcome.warnings, told.outcome.energy.drift, told.outcome.halt);
+    let located =
+        says(&reason, &["element", "increment", "time", "since time", "DIRECT USER CONTROL", "*ENERGY LIMIT"]);
+    let negative = scene.outcome.warnings.iter().any(|w| w.starts_with("ALLKE is -"));
+    let goes_on = told.outcome.increments > scene.outcome.increments && told.outcome.energy.drift > 0.2;
+    Verdict { figure: code.into(), holds: code == "R208" && located && negative && goes_on && halt(&told).0 != "R208" }
+}
+
+/// Ends a run after some thousand increments.
+struct Enough;
+
+impl UserEvents for Enough {
+    fn moment(&mut self, _: Moment, now: &Instant, _: f64) -> Result<Wish, LoadFailure> {
+        Ok(if now.increment < 4096 { Wish::Continue } else { Wish::EndAnalysis })
+    }
+}
+
+fn an_increment_that_crawls() -> Verdict {
+    let run = |length: &str| {
+        // The run is ended from outside: its routine wants no more.
+        let step = format!("*Dynamic, Explicit, direct user control\n 1.e-9, {length}\n*Boundary\n I0, 1, 1\n");
+        let deck =
+            grid(2, 2, false, |i, j| [i as f64, j as f64]) + &material(100.0, 0.3, 1.0, "") + "*Step\n" + &step + END;
+        text(&deck, &Routines::none().with_events(Enough))
+    };
+    let told = |scene: &Scene| scene.outcome.warnings.iter().filter(|w| w.starts_with("the run crawls")).count();
+    let (slow, quick) = (run("1."), run("1.e-3"));
+    println!("{:?}", slow.outcome.warnings);
+    let named = slow
+        .outcome
+        .warnings
+        .iter()
+        .any(|w| says(w, &["1.0e9 increments to go", "increment", "time", "DIRECT USER CONTROL"]));
+    Verdict {
+        figure: format!("{} and {} times", told(&slow), told(&quick)),
+        holds: named && (told(&slow), told(&quick)) == (1, 0),
+    }
+}
+
+fn a_pattern_that_grows() -> Verdict {
+    // Next to no control, and a push at every other node that turns around each half period of nothing else: it only grows.
+    let body = |controls: &str, push: &str| {
+        let place = |i: usize, j: usize| [i as f64, j as f64];
+        let section = material(100.0, 0.3, 1.0, "").replacen("material=M", "material=M, controls=C", 1);
+        let deck = grid(6, 6, false, place)
+            + controls
+            + &section
+            + "*Step\n*Dynamic, Explicit\n , 40.\n*Boundary\n J0, 2, 2\n"
+            + push
+            + END;
+        text(&deck, &Routines::none())
+    };
+    let weak = "*Section Controls, name=C, hourglass=STIFFNESS\n 1.e-6,\n";
+    let alternating: String =
+        (0..49).map(|n| format!(" {}, 2, {}\n", n + 1, if (n % 7 + n / 7) % 2 == 0 { 0.01 } else { -0.01 })).collect();
+    let trembling = body(weak, &format!("*Cload\n{alternating}"));
+    let whole = body("*Section Controls, name=C, hourglass=ENHANCED\n 1.,\n", "*Dsload\n J1, P, 0.01\n");
+    let told = |scene: &Scene| {
+        scene.outcome.warnings.iter().any(|w| says(w, &["pattern grows", "element", "increment", "time"]))
+    };
+    println!("{:?}\n{:?}", trembling.outcome.warnings, whole.outcome.warnings);
+    let (one, other) = (told(&trembling), told(&whole));
+    Verdict { figure: if one { "told".into() } else { "silent".into() }, holds: one && !other }
 }
 
 fn too_much_hourglassing() -> Verdict {

@@ -7,6 +7,8 @@ mod command_line;
 mod composed;
 mod faults;
 mod fuzz;
+mod growth;
+mod hostile;
 mod memory;
 mod report;
 mod reproducibility;

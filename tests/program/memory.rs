@@ -162,7 +162,8 @@ fn nothing_allocates_inside_an_increment_of_erosion() {
     let (short, long) = (allocations(&deck("1e-6")), allocations(&deck("2e-5")));
     println!("erosion: {} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
     assert!(long.0 > 5 * short.0);
-    assert_eq!(long.1, short.1);
+    // The shorter one may warn of its energies at its end, in words.
+    assert!(long.1 <= short.1);
 }
 
 #[test]

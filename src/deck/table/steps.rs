@@ -104,7 +104,7 @@ pub const CARDS: &[Keyword] = &[
         (lines ["linear factor" read "0.06 without it", "quadratic factor" read "1.2 without it"]),
     ]),
     row!(extension "ENERGY LIMIT", "Warns or halts where the energy balance or hourglass control goes wrong", (once step), {
-        "ERROR" read "Largest drift of ETOTAL over the largest energy met",
+        "ERROR" read "Largest drift of ETOTAL over the largest energy met, in place of the 20 % at which every run halts",
         "ARTIFICIAL" read "Largest ALLAE over ALLIE, from the time that ALLIE is 1 % of the largest energy",
         "ACTION" read "WARN (default) once a step, or HALT",
     }, []),

@@ -1,0 +1,73 @@
+//! Files that are read whole: regular ones, as long as they say.
+//! Never here: what is in them, and what is said where one cannot be read.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _};
+use std::os::unix::fs::{FileTypeExt as _, OpenOptionsExt as _};
+use std::path::Path;
+
+/// Room beyond the length that a file tells: some tell none.
+const SLACK: u64 = 1 << 26;
+
+/// Opens a regular file. Pipes, devices, sockets and folders are refused without waiting for anybody.
+///
+/// # Errors
+/// That of the file system, or what the file is.
+pub fn open(path: &Path) -> io::Result<File> {
+    // A pipe is opened at once, written to or not, and found out then.
+    let file = OpenOptions::new().read(true).custom_flags(libc::O_NONBLOCK).open(path)?;
+    let kind = file.metadata()?.file_type();
+    let what = if kind.is_file() {
+        return Ok(file);
+    } else if kind.is_fifo() {
+        "a pipe"
+    } else if kind.is_dir() {
+        "a folder"
+    } else if kind.is_char_device() || kind.is_block_device() {
+        "a device"
+    } else {
+        "no file"
+    };
+    Err(io::Error::new(io::ErrorKind::InvalidInput, format!("it is {what}, and only regular files are read")))
+}
+
+/// The bytes of a regular file.
+///
+/// # Errors
+/// As [`open`]; where there is no memory for it, or no end of it.
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
+    let length = file.metadata()?.len();
+    let mut bytes = Vec::new();
+    let room = usize::try_from(length).ok().and_then(|length| bytes.try_reserve_exact(length).ok());
+    if room.is_none() {
+        return Err(io::Error::new(io::ErrorKind::OutOfMemory, format!("no memory for its {length} bytes")));
+    }
+    let most = length.saturating_add(SLACK);
+    if file.take(most).read_to_end(&mut bytes)? as u64 == most {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "it goes on behind the length that it tells"));
+    }
+    Ok(bytes)
+}
+
+/// The text of a regular file.
+///
+/// # Errors
+/// As [`read`]; where it is no UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    String::from_utf8(read(path)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    #[test]
+    fn what_is_no_regular_file_is_named() {
+        for (path, what) in [("/dev/zero", "a device"), ("/", "a folder")] {
+            let error = super::read(Path::new(path)).expect_err("no file").to_string();
+            assert!(error.contains(what), "{error}");
+        }
+        assert!(super::read_text(Path::new("Cargo.toml")).expect("a file").contains("revolve"));
+    }
+}

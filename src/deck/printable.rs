@@ -1,0 +1,30 @@
+//! Words of strangers, shown to people: what steers a terminal is written out.
+//! Never here: what is shown.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+
+/// The text with control characters (line ends and tabs apart) and those that turn the direction of writing as `\u{…}`.
+///
+/// ```
+/// assert_eq!(revolve::deck::printable("red\u{1b}[31m"), "red\\u{1b}[31m");
+/// ```
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(steers) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if steers(c) {
+            let _ = write!(shown, "{}", c.escape_unicode());
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+fn steers(c: char) -> bool {
+    let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{200e}' | '\u{200f}' | '\u{2028}' | '\u{2029}');
+    c.is_control() && c != '\n' && c != '\t' || turns
+}

@@ -1,0 +1,49 @@
+//! Fields of CSV, written and taken apart again (RFC 4180).
+//! Never here: what is in them.
+
+use std::borrow::Cow;
+
+use crate::deck::printable;
+
+/// A field as it is written: quoted where it holds what parts fields, control characters written out.
+pub fn field(text: &str) -> Cow<'_, str> {
+    let text = printable(text);
+    if text.contains([',', '"', '\n']) || text.starts_with(' ') || text.ends_with(' ') {
+        Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " ")))
+    } else {
+        text
+    }
+}
+
+/// The fields of a line, without their quotes.
+pub fn fields(line: &str) -> Vec<String> {
+    let mut fields = vec![String::new()];
+    let (mut quoted, mut rest) = (false, line.trim_end_matches(['\r', '\n']).chars().peekable());
+    while let Some(c) = rest.next() {
+        let last = fields.len() - 1;
+        match c {
+            '"' if quoted && rest.peek() == Some(&'"') => {
+                rest.next();
+                fields[last].push('"');
+            }
+            '"' if quoted || fields[last].trim().is_empty() => quoted = !quoted,
+            ',' if !quoted => fields.push(String::new()),
+            c => fields[last].push(c),
+        }
+    }
+    fields
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{field, fields};
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let names = ["time", "U2@R,E", "a \"b\"", " c", "d", ""];
+        let line = names.map(|n| field(n).into_owned()).join(",");
+        assert_eq!(line, "time,\"U2@R,E\",\"a \"\"b\"\"\",\" c\",d,");
+        assert_eq!(fields(&(line + "\r\n")), names);
+        assert_eq!(field("A\u{1b}[2J"), "A\\u{1b}[2J");
+    }
+}

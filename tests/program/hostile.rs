@@ -1,0 +1,281 @@
+//! What a bad day brings to the program: standard output that nobody takes, two jobs in one folder, names that are no names,
+//! files that are no files.
+//!
+//! Goal: no run is lost, nothing hangs, nothing is read without end, nothing steers a terminal. Source: what the same run does
+//! undisturbed. Tolerance: none. What hangs is ended by `timeout`, whose exit status is 124.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use revolve::output::lock::Lock;
+
+use crate::common::{self, project};
+
+/// A command that is ended if it hangs, within so much memory that reading without end is an error.
+fn limited(folder: &Path, words: &[&str]) -> Command {
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -v 4000000; exec timeout -k 5 100 \"$0\" \"$@\"", env!("CARGO_BIN_EXE_revolve")]);
+    command.args(words).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+fn output(folder: &Path, words: &[&str]) -> Output {
+    limited(folder, words).output().expect("the program runs")
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout)
+}
+
+/// A short deck with all that follows its nodes, and its path.
+fn ogive(folder: &Path) -> PathBuf {
+    let deck = folder.join("ogive.inp");
+    fs::copy(project("input/ogive.inp"), &deck).expect("a deck");
+    deck
+}
+
+#[test]
+fn standard_output_that_nobody_takes_costs_nothing() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = scratch.path();
+    ogive(folder);
+    let depth = "-1000*final(U2@REF)";
+    let commands: [(&[&str], &str, i32); 5] = [
+        (&["run", "ogive.inp", "--out", "run"], "run/ogive.json", 0),
+        (
+            &["sweep", "ogive.inp", "--set", "V=500,600", "--quantity", depth, "--out", "sweep"],
+            "sweep/ogive_sweep.csv",
+            0,
+        ),
+        (
+            &[
+                "study",
+                "ogive.inp",
+                "--refine",
+                "increment=1,0.5,0.25",
+                "--repeat",
+                "1",
+                "--quantity",
+                depth,
+                "--out",
+                "study",
+            ],
+            "study/ogive_study.csv",
+            0,
+        ),
+        (&["check", "ogive.inp"], "", 1),
+        (&["explain", "keywords"], "", 1),
+    ];
+    for (words, result, of_full) in commands {
+        let mut child = limited(folder, words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it runs");
+        drop(child.stdout.take());
+        let closed = child.wait_with_output().expect("a status");
+        assert_eq!(closed.status.code(), Some(0), "{words:?}: {}", told(&closed));
+        assert!(result.is_empty() || fs::remove_file(folder.join(result)).is_ok(), "{words:?}");
+
+        let device = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let full = limited(folder, words).stdout(device).stderr(Stdio::piped()).output().expect("it runs");
+        assert_eq!(full.status.code(), Some(of_full), "{words:?}: {}", told(&full));
+        assert_eq!(told(&full).matches("cannot write on standard output").count(), 1, "{}", told(&full));
+        assert!(result.is_empty() || folder.join(result).is_file(), "{words:?}");
+
+        let device = || fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let mute = limited(folder, words).stdout(device()).stderr(device()).status().expect("it runs");
+        assert_eq!(mute.code(), Some(of_full), "{words:?}");
+    }
+}
+
+#[test]
+fn a_second_job_in_a_folder_is_refused_by_name_and_process() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    ogive(scratch.path());
+    let words = ["run", "ogive.inp", "--out", "."];
+    let lock = Lock::take(scratch.path(), "first").expect("a lock");
+    let refused = output(scratch.path(), &words);
+    let holder = format!("job `first` of process {}", std::process::id());
+    assert!(refused.status.code() == Some(2) && told(&refused).contains(&holder), "{}", told(&refused));
+    assert!(!scratch.path().join("ogive.json").exists());
+    drop(lock);
+    // What a job that was killed leaves behind.
+    fs::write(scratch.path().join(".revolve-lock"), "1 ghost\n").expect("a file");
+    let run = output(scratch.path(), &words);
+    assert!(run.status.success(), "{}", told(&run));
+    assert!(!scratch.path().join(".revolve-lock").exists());
+}
+
+#[test]
+fn a_signal_that_comes_twice_is_one() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    fs::copy(project("input/taylor_copper.inp"), scratch.path().join("bar.inp")).expect("a deck");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .args(["run", "bar.inp", "--quiet", "--set", "nr=30", "--set", "nz=150", "--out", "out"])
+        .current_dir(scratch.path())
+        .spawn()
+        .expect("the program runs");
+    while !scratch.path().join("out/bar.pvd").exists() {
+        assert!(child.try_wait().expect("a status").is_none(), "over too soon");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let process = child.id().to_string();
+    let twice = format!("kill -TERM {process}; sleep 0.02; kill -TERM {process}; sleep 0.02; kill -INT {process}");
+    // It may be over before the last.
+    Command::new("sh").args(["-c", &twice]).stderr(Stdio::null()).status().expect("kill runs");
+    assert_eq!(child.wait().expect("a status").code(), Some(143));
+    assert!(scratch.path().join("out/bar.checkpoint").is_file());
+}
+
+#[test]
+fn names_are_escaped_for_what_reads_them() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let deck = fs::read_to_string(project("input/ogive.inp")).expect("a deck");
+    let name = "R,\u{1b}[31mE";
+    let deck =
+        deck.replace("nset=REF", &format!("nset=\"{name}\"")).replace("*Step", "*Heading\n \u{1b}]0;x\u{7}\n*Step");
+    fs::write(scratch.path().join("o\u{1b}[2J.inp"), deck).expect("a deck");
+    let run = output(scratch.path(), &["run", "o\u{1b}[2J.inp", "--out", "out"]);
+    println!("{}", told(&run));
+    assert!(!told(&run).contains('\u{1b}') && told(&run).contains("\\u{1b}"), "{}", told(&run));
+}
+
+#[test]
+fn a_column_with_a_comma_is_one_column() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let deck = fs::read_to_string(project("input/ogive.inp")).expect("a deck");
+    let own =
+        deck.replace("*End Step", "*Output, history, number interval=4\n*Node Output, nset=\"R,E\"\n U2\n*End Step");
+    let own = own.replacen("*Step", "*Nset, nset=\"R,E\"\n REF,\n*Step", 1);
+    fs::write(scratch.path().join("o.inp"), own).expect("a deck");
+    let run = output(scratch.path(), &["run", "o.inp", "--out", "out"]);
+    assert!(run.status.success(), "{}", told(&run));
+    let csv = fs::read_to_string(scratch.path().join("out/o_history.csv")).expect("a history");
+    let mut lines = csv.lines();
+    let header = revolve::output::csv::fields(lines.next().expect("a header"));
+    assert!(header.contains(&"U2@R,E".to_owned()), "{header:?}");
+    assert!(lines.all(|line| line.split(',').count() == header.len()));
+    let chart = output(scratch.path(), &["chart", "out", "--column", "U2@R,E"]);
+    assert!(chart.status.success(), "{}", told(&chart));
+}
+
+#[test]
+fn a_user_file_is_no_option_of_the_compiler() {
+    if !common::fortran("a user file whose name begins with a minus") {
+        return;
+    }
+    let scratch = tempfile::tempdir().expect("a folder");
+    let deck = ogive(scratch.path());
+    let text = fs::read_to_string(&deck).expect("a deck");
+    fs::write(&deck, text).expect("a deck");
+    let quiet = "      subroutine vexternaldb(lOp, i_Array, niArray, r_Array, nrArray)\n      include 'vaba_param.inc'\n      dimension i_Array(niArray), r_Array(nrArray)\n      return\n      end\n";
+    fs::write(scratch.path().join("-fplugin=x.f"), quiet).expect("a file");
+    let cache = scratch.path().join("cache");
+    let run = limited(scratch.path(), &["run", "ogive.inp", "--user=-fplugin=x.f", "--out", "out"])
+        .env("XDG_CACHE_HOME", &cache)
+        .output()
+        .expect("it runs");
+    assert!(run.status.success(), "{}", told(&run));
+}
+
+#[test]
+fn a_job_name_does_not_lead_out_of_its_folder() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let inner = scratch.path().join("a/b");
+    fs::create_dir_all(&inner).expect("a folder");
+    fs::copy(project("input/ogive.inp"), inner.join("...inp")).expect("a deck");
+    for words in [
+        &["run", "...inp"][..],
+        &["run", "...inp", "--out", "out"],
+        &["sweep", "...inp", "--set", "V=500", "--quantity", "final(U2@REF)"],
+        &["study", "...inp", "--refine", "increment=1,0.5", "--quantity", "final(U2@REF)"],
+    ] {
+        let refused = output(&inner, words);
+        assert!(refused.status.code() == Some(2) && told(&refused).contains("no name"), "{}", told(&refused));
+    }
+    let names: Vec<_> = fs::read_dir(&inner).expect("a folder").collect();
+    assert_eq!(names.len(), 1, "{names:?}");
+}
+
+/// Pipes, devices and folders in all places where a file is read.
+#[test]
+fn what_is_no_file_is_refused_wherever_one_is_read() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = scratch.path();
+    ogive(folder);
+    let made = output(folder, &["run", "ogive.inp", "--quiet", "--out", "whole"]);
+    assert!(made.status.success(), "{}", told(&made));
+    fs::create_dir(folder.join("folder")).expect("a folder");
+    for kind in ["pipe", "zero", "folder"] {
+        let place = |name: &str| {
+            let path = folder.join(name);
+            let _ = fs::remove_file(&path);
+            let _ = fs::remove_dir(&path);
+            match kind {
+                "pipe" => assert!(Command::new("mkfifo").arg(&path).status().expect("mkfifo runs").success()),
+                "zero" => std::os::unix::fs::symlink("/dev/zero", &path).expect("a link"),
+                _ => fs::create_dir(&path).expect("a folder"),
+            }
+        };
+        let refused = |words: &[&str]| {
+            let refused = output(folder, words);
+            let what = ["a pipe", "a device", "a folder", "not a file"].iter().any(|w| told(&refused).contains(w));
+            assert!(
+                refused.status.code() == Some(2) && what,
+                "{kind} {words:?}: {:?} {}",
+                refused.status,
+                told(&refused)
+            );
+        };
+        place("x.inp");
+        refused(&["run", "x.inp"]);
+        refused(&["check", "x.inp"]);
+        refused(&["sweep", "x.inp", "--set", "V=1", "--quantity", "final(U2@REF)"]);
+        fs::write(folder.join("include.inp"), "*Include, input=x.inp\n").expect("a deck");
+        refused(&["check", "include.inp"]);
+        for mesh in ["x.vtu", "x.msh", "x.inp"] {
+            place(mesh);
+            fs::write(folder.join("mesh.inp"), format!("*Mesh, input={mesh}\n")).expect("a deck");
+            refused(&["check", "mesh.inp"]);
+        }
+        for routine in ["x.f", "x.c", "x.so"] {
+            place(routine);
+            refused(&["check", "ogive.inp", "--user", routine]);
+        }
+        place("x.csv");
+        refused(&[
+            "sweep",
+            "ogive.inp",
+            "--set",
+            "V=500",
+            "--quantity",
+            "final(U2@REF)",
+            "--compare",
+            "x.csv",
+            "--out",
+            "s",
+        ]);
+        fs::create_dir_all(folder.join("kept")).expect("a folder");
+        place("kept/ogive.checkpoint");
+        refused(&["run", "ogive.inp", "--resume", "--out", "kept"]);
+        // A report tells what it cannot read, and shows the rest.
+        for ending in [".json", ".pvd", "_history.csv", "_0003.vtu", "_sweep.csv", "_study.json"] {
+            let results = folder.join("results");
+            let _ = fs::remove_dir_all(&results);
+            fs::create_dir(&results).expect("a folder");
+            for entry in fs::read_dir(folder.join("whole")).expect("results") {
+                let entry = entry.expect("an entry");
+                fs::copy(entry.path(), results.join(entry.file_name())).expect("a copy");
+            }
+            place(&format!("results/ogive{ending}"));
+            let page = output(folder, &["report", "results"]);
+            assert!(matches!(page.status.code(), Some(0 | 2)), "{kind} {ending}: {:?} {}", page.status, told(&page));
+        }
+        refused_report(folder, kind);
+    }
+}
+
+/// A folder of results that is none.
+fn refused_report(folder: &Path, kind: &str) {
+    let page = output(folder, &["report", "x.csv"]);
+    assert_eq!(page.status.code(), Some(2), "{kind}: {}", told(&page));
+    assert!(!page.stderr.is_empty());
+}
