@@ -234,7 +234,7 @@ pub struct Options<'a> {
     /// What the user's routines are ([`crate::user::compile::Compiled::identity`]); empty without any.
     pub user: String,
     /// Is told each warning as soon as there is one.
-    pub warn: Option<&'a dyn Fn(&str)>,
+    pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
 }
 
 /// Why a job does not begin.

@@ -18,6 +18,9 @@ use super::signals::watch_signals;
 use super::words::{say, tell};
 use super::{HALTED, REFUSED, UserFiles, accepted, pairs, print_findings, progress_bar};
 
+/// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
+const STACK: usize = 64 << 20;
+
 /// Run a deck and write frames, histories and a summary.
 #[derive(Args)]
 pub struct Run {
@@ -66,10 +69,9 @@ fn every(text: &str) -> Result<Every, String> {
 impl Run {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
-        if let Some(threads) = self.threads {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-            pool.build_global().map_err(|e| format!("cannot start {threads} threads: {e}"))?;
-        }
+        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK);
+        let pool = pool.num_threads(self.threads.map_or(0, Into::into));
+        pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let Some((routines, user)) = self.user.opened(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
         let mut prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, self.quiet) {
@@ -156,7 +158,9 @@ fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool
             bar.suspend(|| tell!("warning: {text}"));
         }
     };
-    let summary = job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut progress);
+    let work = || job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut progress);
+    // As one of the threads: from outside each pass over the elements would wait to be taken up.
+    let summary = if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() };
     bar.finish_and_clear();
     summary
 }

@@ -5,8 +5,7 @@
 use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
 use super::eroded::{Eroded, height};
-use crate::kernel::lanes::Corners;
-use crate::kernel::lanes::LANES;
+use crate::kernel::lanes::{Corners, LANES, column};
 use crate::kernel::stress;
 use crate::material::failure::{Failure, Seen};
 use crate::material::plasticity::Hardening;
@@ -79,35 +78,50 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
         dt: f64,
         scratch: &mut Workspace,
     ) {
+        let mut seen = Seen {
+            plastic: if H::PLASTIC { scratch.flow } else { [0.0; LANES] },
+            mean: [0.0; LANES],
+            mises: [0.0; LANES],
+            temperature: [0.0; LANES],
+            dt,
+            count: scratch.count,
+        };
+        let mut before = [0.0; LANES];
+        for l in 0..LANES {
+            let stress = column(&self.stress, l);
+            (seen.mean[l], seen.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
+        }
         for l in 0..scratch.count {
-            let before = failure.share(&self.failure, l);
-            if before == 0.0 {
+            before[l] = failure.share(&self.failure, l);
+            let temperature =
+                volumetric.temperature(&self.volumetric, l).or_else(|| hardening.temperature(&self.state, l));
+            seen.temperature[l] = temperature.unwrap_or(0.0);
+        }
+        let left = failure.degrade(&mut self.failure, &seen);
+        let per_shear = if constants.shear > 0.0 { 1.0 / (6.0 * constants.shear) } else { 0.0 };
+        for l in 0..scratch.count {
+            if before[l] == 0.0 {
                 self.stress.iter_mut().for_each(|s| s[l] = 0.0);
                 continue;
             }
-            let plastic = if H::PLASTIC { scratch.flow[l] } else { 0.0 };
-            let temperature =
-                volumetric.temperature(&self.volumetric, l).or_else(|| hardening.temperature(&self.state, l));
-            let stress = [0, 1, 2, 3].map(|i| self.stress[i][l]);
-            let (mean, mises) = (-stress::pressure(stress), stress::mises(stress));
-            let seen = Seen { plastic, mean, mises, temperature: temperature.unwrap_or(0.0), dt };
-            let left = failure.degrade(&mut self.failure, l, &seen);
-            let shift = [left.mean - mean, left.mean - mean, left.mean - mean, 0.0];
+            let (stress, mean, mises) = (column(&self.stress, l), seen.mean[l], seen.mises[l]);
+            let (left, bears) = (left.stress[l], left.mean[l]);
+            let shift = [bears - mean, bears - mean, bears - mean, 0.0];
             let (mut work, volume) = (0.0, scratch.volume[l]);
             for i in 0..4 {
-                let acts = left.stress * (stress[i] + shift[i]);
+                let acts = left * (stress[i] + shift[i]);
                 let booked = scratch.carried[i][l] + stress[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
-                work += twice * scratch.strain[i][l] * (before * scratch.carried[i][l] + acts - booked);
+                work += twice * scratch.strain[i][l] * (before[l] * scratch.carried[i][l] + acts - booked);
                 self.stress[i][l] = acts;
             }
             scratch.sums.internal[l] += 0.5 * volume * work;
             let bulk = if V::EOS { scratch.bulk[l] } else { constants.bulk };
-            let distortion = if constants.shear > 0.0 { mises * mises / (6.0 * constants.shear) } else { 0.0 };
-            let [had, has] = [(before, mean), (left.stress, left.mean)]
+            let distortion = mises * mises * per_shear;
+            let [had, has] = [(before[l], mean), (left, bears)]
                 .map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
-            scratch.sums.plastic[l] += volume * ((had - has) - (1.0 - left.stress) * mises * plastic);
-            scratch.deaths += usize::from(left.stress == 0.0);
+            scratch.sums.plastic[l] += volume * ((had - has) - (1.0 - left) * mises * seen.plastic[l]);
+            scratch.deaths += usize::from(left == 0.0);
         }
     }
 

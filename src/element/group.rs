@@ -26,7 +26,7 @@ use crate::user::AtPoints;
 use crate::variables::{Part, Variable};
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
-pub(super) const TASK: usize = 32;
+pub(super) const TASK: usize = 16;
 
 /// What an increment of a group came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -193,7 +193,7 @@ impl Clone for Box<dyn ElementGroup> {
 }
 
 /// Elements of a group from which on it pays to wake other threads every increment.
-pub(super) const PARALLEL: usize = 6000;
+pub(super) const PARALLEL: usize = 1000;
 
 /// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area.
 pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false> {

@@ -2,9 +2,9 @@
 //! Never here: yield stresses, forces.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
-use crate::kernel::lanes::LANES;
-use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::{LANES, Lanes};
 use crate::kernel::levels::Levels;
+use crate::kernel::transcendental::{exp, ln};
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Whether and how elements fail. An absent one is a type without state, and costs nothing.
@@ -23,8 +23,8 @@ pub trait Failure: Send + Sync + 'static {
     fn deletes(&self) -> bool {
         Self::FAILS
     }
-    /// What an increment leaves of the stress.
-    fn degrade(&self, state: &mut Self::State, lane: usize, seen: &Seen) -> Shares;
+    /// What an increment leaves of the stress of a block's elements, as many as are there; of those that are gone what was left.
+    fn degrade(&self, state: &mut Self::State, seen: &Seen) -> Shares;
     /// Volume of an element at the start.
     fn volume(&self, state: &Self::State, lane: usize) -> f64;
     /// Share of the stress that damage leaves; 0 of a deleted element.
@@ -50,35 +50,44 @@ pub enum Initiation {
     JohnsonCook,
 }
 
-/// What failure sees of an element at the end of an increment.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What failure sees of a block's elements at the end of an increment.
+#[derive(Clone, Debug)]
 pub struct Seen {
-    /// Increment of the equivalent plastic strain.
-    pub plastic: f64,
-    /// Mean stress of the undamaged material.
-    pub mean: f64,
-    /// Von Mises stress of the undamaged material.
-    pub mises: f64,
-    /// Temperature, 0 where it is not followed.
-    pub temperature: f64,
+    /// Increments of the equivalent plastic strain.
+    pub plastic: Lanes,
+    /// Mean stresses of the undamaged material.
+    pub mean: Lanes,
+    /// Von Mises stresses of the undamaged material.
+    pub mises: Lanes,
+    /// Temperatures, 0 where they are not followed.
+    pub temperature: Lanes,
     /// Length of the increment.
     pub dt: f64,
+    /// Elements of the block.
+    pub count: usize,
 }
 
 impl Seen {
+    /// Mean stress over von Mises stress; 0 without any.
+    #[inline(always)]
+    fn triaxiality(&self, l: usize) -> f64 {
+        if self.mises[l] > 0.0 { self.mean[l] / self.mises[l] } else { 0.0 }
+    }
+
     /// Rate of the equivalent plastic strain.
-    fn rate(&self) -> f64 {
-        if self.dt > 0.0 { self.plastic / self.dt } else { 0.0 }
+    #[inline(always)]
+    fn rate(&self, l: usize) -> f64 {
+        if self.dt > 0.0 { self.plastic[l] / self.dt } else { 0.0 }
     }
 }
 
-/// What an increment leaves of the stress.
+/// What an increment leaves of the stresses of a block's elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shares {
-    /// Factor on the stress of the undamaged material.
-    pub stress: f64,
-    /// Mean stress that the material bears, where tension is cut off.
-    pub mean: f64,
+    /// Factors on the stress of the undamaged material.
+    pub stress: Lanes,
+    /// Mean stresses that the material bears, where tension is cut off.
+    pub mean: Lanes,
 }
 
 /// Nothing fails.
@@ -99,8 +108,8 @@ impl Failure for NoDamage {
         None
     }
 
-    fn degrade(&self, (): &mut (), _lane: usize, seen: &Seen) -> Shares {
-        Shares { stress: 1.0, mean: seen.mean }
+    fn degrade(&self, (): &mut (), seen: &Seen) -> Shares {
+        Shares { stress: [1.0; LANES], mean: seen.mean }
     }
 
     fn share(&self, (): &(), _lane: usize) -> f64 {
@@ -132,22 +141,47 @@ pub enum FailureStrain {
 }
 
 impl FailureStrain {
-    /// The strain under a state.
-    pub fn at(&self, seen: &Seen) -> f64 {
-        let triaxiality = if seen.mises > 0.0 { seen.mean / seen.mises } else { 0.0 };
+    /// The strains under the states of a block.
+    #[inline(always)]
+    fn strains(&self, seen: &Seen) -> Lanes {
         match self {
-            FailureStrain::Constant(strain) => *strain,
-            FailureStrain::Ductile(levels) => levels.at(&[triaxiality, seen.rate(), seen.temperature]),
-            FailureStrain::Shear(levels) => levels.at(&[seen.rate(), -triaxiality, seen.temperature]),
+            FailureStrain::Constant(strain) => [*strain; LANES],
+            FailureStrain::Ductile(levels) => by_lane(seen, |x, rate, t| levels.at(&[x, rate, t])),
+            FailureStrain::Shear(levels) => by_lane(seen, |x, rate, t| levels.at(&[rate, -x, t])),
             FailureStrain::JohnsonCook { d, melt, transition, reference } => {
-                let rate = seen.rate() / reference;
-                let by_rate = if rate > 1.0 { 1.0 + d[3] * libm::log(rate) } else { 1.0 };
-                let theta = ((seen.temperature - transition) / (melt - transition)).clamp(0.0, 1.0);
-                let theta = if theta.is_nan() { 0.0 } else { theta };
-                (d[0] + d[1] * libm::exp(-d[2] * triaxiality)) * by_rate * (1.0 + d[4] * theta)
+                johnson_cook(d, [*melt, *transition, *reference], seen)
             }
         }
     }
+}
+
+/// Strains by triaxiality, rate and temperature, one element after the other.
+fn by_lane(seen: &Seen, strain: impl Fn(f64, f64, f64) -> f64) -> Lanes {
+    let mut strains = [f64::INFINITY; LANES];
+    for l in (0..seen.count).filter(|l| seen.plastic[*l] > 0.0) {
+        strains[l] = strain(seen.triaxiality(l), seen.rate(l), seen.temperature[l]);
+    }
+    strains
+}
+
+/// Johnson and Cook's strains, all lanes at once.
+#[inline(always)]
+fn johnson_cook(d: &[f64; 5], [melt, transition, reference]: [f64; 3], seen: &Seen) -> Lanes {
+    let (mut exponents, mut rates, mut strains) = ([0.0; LANES], [1.0; LANES], [0.0; LANES]);
+    for l in 0..LANES {
+        exponents[l] = -d[2] * seen.triaxiality(l);
+        let rate = seen.rate(l) / reference;
+        rates[l] = if rate > 1.0 { rate } else { 1.0 };
+    }
+    let (by_triaxiality, logarithms) = (exp(&exponents), ln(&rates));
+    let per = 1.0 / (melt - transition);
+    for l in 0..LANES {
+        let theta = (seen.temperature[l] - transition) * per;
+        let theta = if theta > 0.0 { theta } else { 0.0 };
+        let theta = if theta < 1.0 { theta } else { 1.0 };
+        strains[l] = (d[0] + d[1] * by_triaxiality[l]) * (1.0 + d[3] * logarithms[l]) * (1.0 + d[4] * theta);
+    }
+    strains
 }
 
 /// How damage grows once it has begun.
@@ -270,14 +304,36 @@ impl Failure for Failing {
         self.criteria.iter().zip(&state.begun).filter(|c| meant(c.0)).map(shown).reduce(f64::max)
     }
 
-    fn degrade(&self, state: &mut Damaged, l: usize, seen: &Seen) -> Shares {
-        let mut worst: f64 = 0.0;
-        for (c, criterion) in self.criteria.iter().enumerate() {
-            worst = worst.max(criterion.grow(state, c, l, seen));
+    #[inline(always)]
+    fn degrade(&self, state: &mut Damaged, seen: &Seen) -> Shares {
+        let mut left = Shares { stress: [1.0; LANES], mean: seen.mean };
+        let mut worst = [0.0; LANES];
+        // Where nothing flows no criterion goes on.
+        if seen.plastic[..seen.count].iter().any(|plastic| *plastic != 0.0) {
+            for (c, criterion) in self.criteria.iter().enumerate() {
+                criterion.grow(state, c, seen);
+            }
         }
-        let mut mean = seen.mean;
-        if let Some(cutoff) = self.cutoff.filter(|cutoff| mean > cutoff.stress) {
-            mean = cutoff.stress;
+        for damage in &state.damage[..self.criteria.len()] {
+            for l in 0..LANES {
+                worst[l] = if damage[l] > worst[l] { damage[l] } else { worst[l] };
+            }
+        }
+        let alive = state.alive;
+        for l in (0..seen.count).filter(|l| alive[*l]) {
+            self.settle(state, l, worst[l], &mut left.mean[l]);
+            left.stress[l] = self.share(state, l);
+        }
+        left
+    }
+}
+
+impl Failing {
+    /// What the greatest damage of an element leaves, and the cutoff of its mean stress.
+    fn settle(&self, state: &mut Damaged, l: usize, damage: f64, mean: &mut f64) {
+        let mut worst = damage;
+        if let Some(cutoff) = self.cutoff.filter(|cutoff| *mean > cutoff.stress) {
+            *mean = cutoff.stress;
             if cutoff.deletes {
                 worst = 1.0;
             }
@@ -289,40 +345,46 @@ impl Failure for Failing {
             state.alive[l] &= worst < 1.0 - 1e-6 - self.spared;
         }
         state.share[l] = 1.0 - worst;
-        Shares { stress: self.share(state, l), mean }
     }
 }
 
 impl Criterion {
-    /// Damage by this criterion.
-    fn grow(&self, state: &mut Damaged, c: usize, l: usize, seen: &Seen) -> f64 {
-        // Not a number is no reason to fail: it must be found.
-        if seen.plastic <= 0.0 || seen.plastic.is_nan() {
-            return state.damage[c][l];
-        }
-        let begun = state.begun[c][l] >= 1.0;
+    /// Lets the damage of elements that flow grow by this criterion. Not a number is no reason to fail: it must be found.
+    #[inline(always)]
+    fn grow(&self, state: &mut Damaged, c: usize, seen: &Seen) {
+        let strains = self.strain.strains(seen);
         let followed = self.evolution == Evolution::Absent;
-        if !begun || followed {
-            let strain = self.strain.at(seen);
-            state.begun[c][l] += if strain > 0.0 { seen.plastic / strain } else { 1.0 };
+        let mut more = [0.0; LANES];
+        for l in 0..LANES {
+            let part = if strains[l] > 0.0 { seen.plastic[l] / strains[l] } else { 1.0 };
+            let goes_on = (seen.plastic[l] > 0.0) & (followed | (state.begun[c][l] < 1.0));
+            more[l] = if goes_on { part } else { 0.0 };
         }
-        if state.begun[c][l] < 1.0 || followed {
-            return 0.0;
+        let alive = state.alive;
+        for l in (0..seen.count).filter(|l| seen.plastic[*l] > 0.0 && alive[*l]) {
+            let begun = state.begun[c][l] >= 1.0;
+            state.begun[c][l] += more[l];
+            if state.begun[c][l] >= 1.0 && !followed {
+                self.evolve(state, (c, l), begun, seen);
+            }
         }
+    }
+
+    /// Damage of an element that has begun, in an increment before this one or in it.
+    fn evolve(&self, state: &mut Damaged, (c, l): (usize, usize), begun: bool, seen: &Seen) {
         if !begun {
             state.at_failure[c][l] = match self.evolution {
                 Evolution::Sudden | Evolution::Absent => 0.0,
                 Evolution::Displacement(displacement) => displacement,
-                Evolution::Energy(energy) => 2.0 * energy / seen.mises,
+                Evolution::Energy(energy) => 2.0 * energy / seen.mises[l],
             };
         }
         let at_failure = state.at_failure[c][l];
-        let more = if at_failure > 0.0 { seen.plastic * state.length[l] / at_failure } else { 1.0 };
+        let more = if at_failure > 0.0 { seen.plastic[l] * state.length[l] / at_failure } else { 1.0 };
         // The increment in which damage begins counts from its end.
         if begun || at_failure == 0.0 {
             state.damage[c][l] = (state.damage[c][l] + more).min(1.0);
         }
-        state.damage[c][l]
     }
 }
 

@@ -88,7 +88,9 @@ mod tests {
     /// A square of n by n elements, row by row, and its elements with a stride that scatters them.
     fn square(n: usize) -> (Mesh, Vec<usize>) {
         let mut model = Model::default();
-        (0..(n + 1) * (n + 1)).for_each(|i| drop(model.node((i % (n + 1)) as f64, (i / (n + 1)) as f64)));
+        for i in 0..(n + 1) * (n + 1) {
+            model.node((i % (n + 1)) as f64, (i / (n + 1)) as f64);
+        }
         for e in 0..n * n {
             let first = e % n + e / n * (n + 1);
             model.element(ElementKind::Cax4r, &[first, first + 1, first + n + 2, first + n + 1]);

@@ -11,9 +11,9 @@ use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 
 /// Nodes from which on it pays to wake other threads every increment.
-const PARALLEL: usize = 6000;
+const PARALLEL: usize = 1000;
 /// Nodes that a thread takes at once: fixed, so that sums do not depend on the number of threads.
-const CHUNK: usize = 4096;
+const CHUNK: usize = 512;
 
 /// Accelerations of bodies from their forces; those of prescribed ones are still to be replaced.
 #[inline]

@@ -40,6 +40,17 @@ pub fn fortran(what: &str) -> bool {
     found
 }
 
+/// The first two components of a field over points, by the solver's nodes: points stand in the order of the mesh.
+pub fn at_nodes(prepared: &Prepared, values: &[f64]) -> Vec<[f64; 2]> {
+    let places = &prepared.plan.places.nodes;
+    let components = values.len() / places.len();
+    let mut list = vec![[f64::NAN; 2]; places.len()];
+    for (point, &node) in places.values().enumerate() {
+        list[node] = [values[components * point], values[components * point + 1]];
+    }
+    list
+}
+
 /// `--set` pairs.
 pub fn pairs(settings: &[(&str, &str)]) -> Vec<(String, String)> {
     settings.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect()

@@ -69,13 +69,15 @@ impl Scene {
         all.into_iter().find(|f| f.name == name).expect("a field").values.clone()
     }
 
+    /// A field `[r, z]` of the solver's nodes in the last frame.
+    pub fn at_nodes(&self, name: &str) -> Vec<[f64; 2]> {
+        common::at_nodes(&self.prepared, &self.field(name))
+    }
+
     /// Places of the nodes in the last frame.
     pub fn places(&self) -> Vec<[f64; 2]> {
         let start = &self.prepared.state.dofs.nodes.start;
-        let moved = self.field("U");
-        let components = moved.len() / start.len();
-        let at = |n: usize| [0, 1].map(|axis| start[n][axis] + moved[components * n + axis]);
-        (0..start.len()).map(at).collect()
+        start.iter().zip(self.at_nodes("U")).map(|(s, u)| [s[0] + u[0], s[1] + u[1]]).collect()
     }
 
     /// The solver's node of a label.

@@ -184,7 +184,7 @@ fn the_moduli_are_asked_for_when_the_analysis_begins() {
     let (outcome, _) = common::run(&text, &[], &routines);
     assert_eq!((outcome.halt, outcome.steps.len()), (None, 2));
     let told = told.0.lock().expect("a list");
-    let first = ["StartAnalysis of step 1", "StartStep of step 1", "136 points at time zero", "4 points at time zero"];
+    let first = ["StartAnalysis of step 1", "StartStep of step 1", "128 points at time zero", "12 points at time zero"];
     assert_eq!(told[..4], first);
     assert_eq!(told.iter().filter(|line| line.contains("time zero")).count(), 2);
 }

@@ -107,17 +107,16 @@ fn answer(scene: &Scene, deck: &str, label: impl Fn(usize) -> usize) -> Answer {
     let all = frame.point_fields.iter().chain(&frame.cell_fields);
     assert!(all.into_iter().all(|f| f.values.iter().all(|v| v.is_finite())), "a number that is not finite");
     let field = |name: &str| &frame.point_fields.iter().find(|f| f.name == name).expect("a field").values;
-    let (moved, speed) = (field("U"), field("V"));
-    let components = moved.len() / nodes.len();
+    let [moved, speed] = ["U", "V"].map(|name| common::at_nodes(&prepared, field(name)));
     let mut answer = Answer { fields: Vec::new(), momentum: [0.0; 2], drift: outcome.energy.drift };
     for n in 0..scene.count() {
         let at = node(n);
         for axis in 0..2 {
-            answer.fields.push(moved[components * at + axis]);
-            answer.fields.push(speed[components * at + axis]);
+            answer.fields.push(moved[at][axis]);
+            answer.fields.push(speed[at][axis]);
         }
         answer.momentum[0] += nodes.mass[at] * nodes[at].v_z;
-        answer.momentum[1] += nodes.mass[at] * speed[components * at + 1];
+        answer.momentum[1] += nodes.mass[at] * speed[at][1];
     }
     answer
 }

@@ -73,13 +73,13 @@ pub(crate) fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
     let frame = memory.frames.last().expect("a frame");
     let moved = &frame.point_fields.iter().find(|f| f.name == "U").expect("U").values;
     let stress = &frame.cell_fields.iter().find(|f| f.name == "S").expect("S").values;
-    let components = moved.len() / nodes.len();
+    let moved = common::at_nodes(&prepared, moved);
     let groups = prepared.state.elements.groups.iter();
     let mut cells = Cells { place: Vec::new(), density: Vec::new(), mean: Vec::new() };
     for (e, corners) in groups.flat_map(|group| (0..group.len()).map(|e| group.corners(e))).enumerate() {
         let corners = corners.map(|n| n as usize);
         let before = corners.map(|n| nodes.start[n]);
-        let now = corners.map(|n| [0, 1].map(|axis| nodes.start[n][axis] + moved[components * n + axis]));
+        let now = corners.map(|n| [0, 1].map(|axis| nodes.start[n][axis] + moved[n][axis]));
         let ratio = revolve::internals::quad::volume(before) / revolve::internals::quad::volume(now);
         cells.density.push(density * ratio);
         cells.place.push([0, 1].map(|axis| now.iter().map(|c| c[axis]).sum::<f64>() / 4.0));
