@@ -254,7 +254,7 @@ mod tests {
             let mut quiescent = Vec::new();
             for _ in 0..600 {
                 free.evaluate();
-                quiescent.push((0..6).filter(|t| free.elements.groups[0].is_quiescent(*t)).count());
+                quiescent.push((0..12).filter(|t| free.elements.groups[0].is_quiescent(*t)).count());
                 let dt = 0.9 * free.elements.stable_increment();
                 free.advance(dt);
             }
@@ -262,7 +262,7 @@ mod tests {
         };
         let (quiescent, awake) = (run(false), run(true));
         let last = *quiescent.1.last().expect("a count");
-        assert_eq!((quiescent.1[1], last, awake.1[1]), (5, 3, 0));
+        assert_eq!((quiescent.1[1], last, awake.1[1]), (11, 7, 0));
         assert_eq!(quiescent.0.energies, awake.0.energies);
         let bits = |dofs: &Dofs| -> Vec<u64> {
             let nodes = &dofs.nodes.as_slice()[..count];

@@ -83,7 +83,7 @@ fn layers_take_their_neighbours_place() {
 fn bar(plastic: &str, dynamic: &str, more: &str) -> String {
     grid(3, 6, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
         + &material(206e3, 0.3, 7.83e-9, plastic)
-        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Initial Conditions, type=VELOCITY\n J1, 2, -1.e5\n*Step\n"
+        + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Initial Conditions, type=VELOCITY\n ALL, 2, -1.e5\n*Step\n"
         + dynamic
         + more
         + "*Boundary\n J0, 2, 2\n*Output, history, number interval=10\n*Energy Output\n ALLKE, ALLPD, ALLIE\n*End Step\n"
