@@ -24,8 +24,9 @@ const SEEN: u64 = 10;
 /// Increments to go above which a step crawls: hours on any machine for what has more than a few elements.
 const CRAWL: f64 = 1e8;
 
-/// Increments between looks at what costs some of them; the first come sooner.
-const LOOK_EVERY: u64 = 512;
+/// Increments between looks at what costs some of them: at first few, then many. Odd, so that looks do not fall on the increments
+/// that are timed, which would count them too often.
+const LOOK_EVERY: [u64; 2] = [17, 511];
 
 /// A pattern is told once its kinetic energy is this share of all that moves within elements ...
 const PATTERN: f64 = 0.75;
@@ -80,7 +81,7 @@ impl Run<'_> {
     pub(super) fn watch(&mut self) {
         self.watch_kinetic();
         if self.now.increment >= self.watch.next_look {
-            self.watch.next_look = self.now.increment + self.now.increment.clamp(16, LOOK_EVERY);
+            self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern();
             self.watch_pace();
         }
