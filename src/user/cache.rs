@@ -177,7 +177,7 @@ fn own_file(path: &Path) -> io::Result<Vec<u8>> {
 
 /// What decides where a compiler looks, beside its arguments.
 pub fn surroundings() -> String {
-    let values = SEARCH.iter().map(|name| std::env::var_os(name));
+    let values = SEARCH.iter().map(std::env::var_os);
     format!("{:?} {:?}", std::env::current_dir().ok(), values.collect::<Vec<_>>())
 }
 

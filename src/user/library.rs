@@ -235,7 +235,7 @@ pub(super) fn open(
     given: &[PathBuf],
 ) -> Result<Routines, Diagnostic> {
     watch_the_process();
-    let libraries = files.iter().map(|f| open_copy(f)).collect::<Result<Vec<_>, _>>()?;
+    let libraries = files.iter().map(open_copy).collect::<Result<Vec<_>, _>>()?;
     let libraries: Arc<[Library]> = libraries.into();
     let strangers = STRANGERS.iter().copied().filter(|name| defines(&libraries, name)).collect();
     let mut routines = Routines { misfits: misfits.to_vec(), strangers, ..Routines::none() };
