@@ -273,10 +273,15 @@ pub fn find_checkpoint(
         notes.push(Diagnostic::warning("K103", message));
     }
     if prepared.has_routines {
-        let message = "what the user's routines keep to themselves (SAVE, COMMON, open files) starts anew";
-        notes.push(Diagnostic::note("K102", message));
+        notes.push(forgotten(true));
     }
     Ok((Some(checkpoint), notes))
+}
+
+/// What a checkpoint does not hold of routines; of one to go on from, or of those that are made.
+pub fn forgotten(goes_on: bool) -> Diagnostic {
+    let what = if goes_on { "starts anew" } else { "is not in checkpoints" };
+    Diagnostic::note("K102", format!("what the user's routines keep to themselves (SAVE, COMMON, open files) {what}"))
 }
 
 /// Histories are written with a frame if they are older than this: a killed process then loses little of them.
@@ -404,6 +409,12 @@ pub fn run_with<'a>(
     let kept = outcome.checkpoint_seconds;
     let history_failed = files.write_history().err();
     let mut summary = summarise(prepared, outcome, files.summary);
+    if prepared.has_routines {
+        let mut notes = Diagnostics::default();
+        options.every.iter().for_each(|_| notes.push(forgotten(false)));
+        options.from.iter().for_each(|_| notes.push(forgotten(true)));
+        summary.diagnostics.extend(notes.findings(&prepared.deck.sources));
+    }
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
     history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));

@@ -85,9 +85,7 @@ impl Run {
             Err(finding) => return Ok(refused(*finding)),
         };
         if self.checkpoint_every.is_some() && !user.is_empty() && !self.quiet {
-            let message =
-                "what the user's routines keep to themselves (SAVE, COMMON, open files) is not in checkpoints";
-            print_finding(Diagnostic::note("K102", message));
+            print_finding(job::forgotten(false));
         }
         let from = match self.checkpoint(&prepared, &job, &user) {
             Ok(from) => from,
@@ -115,6 +113,8 @@ impl Run {
         if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
             revolve::user::library::leave(HALTED);
         }
+        // The libraries stay until the process goes: a thread that a routine started may still run in one.
+        std::mem::forget((prepared, routines));
         Ok(end)
     }
 

@@ -1,17 +1,17 @@
-//! Fortran and C files to a shared library, kept in a cache by what went into it. Nothing is written beside the files.
-//! Never here: opening the library, calling it.
+//! Fortran and C files to a shared library. Nothing is written beside the files.
+//! Never here: where libraries are kept, opening a library, calling it.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::SystemTime;
 
-use hmac_sha256::Hash;
-
+use super::cache::{Built, Cache, Origin, surroundings};
 use super::source::{HEADER, Source, included};
 use super::{MAX_BLOCK, Misfit, Routines, library, prototype};
 use crate::deck::{Diagnostic, Diagnostics, files};
-use crate::output::whole::Scratch;
+use crate::output::checkpoint::hash;
 
 /// Flags as ABAQUS's own compile command sets them for its compilers: long lines, no complaint about old Fortran nor
 /// about DEC's (Cray pointers, structures, lines with D as comments), local arrays on the stack. No contraction, so that the same arithmetic gives the same bits as in Rust.
@@ -40,8 +40,8 @@ const CHECK_FLAGS: &[&str] = &["-fcheck=bounds,do,mem,pointer"];
 /// Shared libraries ready to be opened.
 #[derive(Debug)]
 pub struct Compiled {
-    /// Files, in the order in which they are searched for routines.
-    pub libraries: Vec<PathBuf>,
+    /// In the order in which they are searched for routines.
+    libraries: Vec<Ready>,
     /// What the user should know.
     pub notes: Diagnostics,
     /// Whether a source reads a third coordinate: calls are then watched for invalid operations.
@@ -50,6 +50,16 @@ pub struct Compiled {
     misfits: Vec<Misfit>,
     /// The user's files, for messages.
     files: Vec<PathBuf>,
+}
+
+/// A shared library in memory: what was looked at is what is loaded, whatever becomes of the file.
+#[derive(Debug)]
+pub(super) struct Ready {
+    /// What messages call it.
+    pub name: PathBuf,
+    /// The library itself.
+    pub bytes: Vec<u8>,
+    identity: String,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,18 +71,10 @@ enum Language {
 }
 
 impl Compiled {
-    /// What decides on the routines: of sources the key of the cache (texts, flags, compiler), of ready libraries a hash of
-    /// their bytes.
+    /// What decides on the routines: of sources a hash of all that they were made of (texts, flags, compiler, files that it
+    /// read), of ready libraries one of their bytes.
     pub fn identity(&self) -> String {
-        let folder = cache_folder();
-        let one = |library: &PathBuf| {
-            if library.parent() == Some(folder.as_path()) {
-                return library.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            }
-            // A file that cannot be read cannot be opened either, and is refused there.
-            crate::output::checkpoint::hash([std::fs::read(library).unwrap_or_default().as_slice()])
-        };
-        self.libraries.iter().map(one).collect::<Vec<_>>().join(" ")
+        self.libraries.iter().map(|library| library.identity.as_str()).collect::<Vec<_>>().join(" ")
     }
 
     /// Opens the libraries: routines with a state of their own, for one run.
@@ -102,9 +104,12 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     let mut sources = Vec::new();
     let mut libraries = Vec::new();
     for file in &files {
-        match language(file).and_then(|l| readable(file).map(|()| l)) {
-            Ok(Language::Ready) => libraries.push(file.clone()),
-            Ok(language) => sources.push((file.as_path(), language)),
+        match language(file).and_then(|l| readable(file, l)) {
+            Ok((Language::Ready, bytes)) => {
+                let identity = hash([bytes.as_slice()]);
+                libraries.push(Ready { name: file.clone(), bytes, identity });
+            }
+            Ok((language, _)) => sources.push((file.as_path(), language)),
             Err(message) => faults.push(Diagnostic::error("U001", message)),
         }
     }
@@ -115,8 +120,9 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     leave_to_includes(&mut sources, &mut notes);
     let mut misfits = Vec::new();
     if !sources.is_empty() {
-        let (library, found) = build(&sources, checked, &mut notes)?;
-        libraries.insert(0, library);
+        let Built { bytes, identity, misfits: found } = build(&sources, checked, &mut notes)?;
+        // Messages speak of the user's own file.
+        libraries.insert(0, Ready { name: sources[0].0.to_owned(), bytes, identity });
         misfits = found;
     }
     let third_coordinate = notes.iter().any(|n| n.code == "U008");
@@ -138,15 +144,14 @@ fn language(file: &Path) -> Result<Language, String> {
     }
 }
 
-fn readable(file: &Path) -> Result<(), String> {
-    files::open(file).map(|_| ()).map_err(|e| format!("cannot read the user file `{}`: {e}", file.display()))
+/// The bytes of a library, nothing of a source.
+fn readable(file: &Path, language: Language) -> Result<(Language, Vec<u8>), String> {
+    let bytes = if language == Language::Ready { files::read(file) } else { files::open(file).map(|_| Vec::new()) };
+    let told = |e| format!("cannot read the user file `{}`: {e}", file.display());
+    bytes.map(|bytes| (language, bytes)).map_err(told)
 }
 
-fn build(
-    sources: &[(&Path, Language)],
-    checked: bool,
-    notes: &mut Diagnostics,
-) -> Result<(PathBuf, Vec<Misfit>), Diagnostics> {
+fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) -> Result<Built, Diagnostics> {
     let fault = |code, message: String| {
         let mut faults = Diagnostics::default();
         faults.push(Diagnostic::error(code, message));
@@ -159,17 +164,18 @@ fn build(
         note_third_coordinate(file, notes);
     }
     let tools = Tools::find(sources).map_err(|e| fault("U002", e))?;
-    let folder = cache_folder();
-    let io = |e: std::io::Error| fault("U001", format!("cannot write into the cache {}: {e}", folder.display()));
-    std::fs::create_dir_all(&folder).map_err(io)?;
-    let library = folder.join(format!("{}.so", key(sources, &tools, checked)));
-    // What cannot be called stands beside the library, if anything does.
-    let beside = library.with_extension("json");
-    if library.exists() {
-        let told = std::fs::read(&beside).ok().and_then(|text| serde_json::from_slice(&text).ok());
-        return Ok((library, told.unwrap_or_default()));
+    let cache = Cache::find().unwrap_or_else(|why| {
+        let warning = Diagnostic::warning("U011", format!("{why}: the routines are compiled anew for this run"));
+        notes.push(warning.help("let it belong to you, and take the right to write from others: chmod go-w"));
+        Cache::none()
+    });
+    let content = content(sources, &tools, checked);
+    let key = key(sources, &content);
+    if let Some(built) = cache.get(&key) {
+        return Ok(built);
     }
-    let scratch = Scratch::within(&folder).map_err(io)?;
+    let io = |e: std::io::Error| fault("U001", format!("cannot write what the compiler needs: {e}"));
+    let scratch = cache.workshop().map_err(io)?;
     write_includes(scratch.path()).map_err(io)?;
     let mut builder = Builder {
         tools: &tools,
@@ -178,6 +184,7 @@ fn build(
         faults: Diagnostics::default(),
         misfits: Vec::new(),
         calls: Calls::default(),
+        origin: Some(Origin::of(sources.iter().map(|(file, _)| *file), SystemTime::now())),
     };
     let objects: Vec<PathBuf> =
         sources.iter().enumerate().filter_map(|(i, (file, language))| builder.object(i, file, *language)).collect();
@@ -185,11 +192,19 @@ fn build(
         return Err(builder.faults);
     }
     let linked = builder.link(objects)?;
-    if !builder.misfits.is_empty() {
-        std::fs::write(&beside, serde_json::to_vec(&builder.misfits).unwrap_or_default()).map_err(io)?;
+    let bytes = std::fs::read(linked).map_err(io)?;
+    let Builder { misfits, origin, .. } = builder;
+    let Some(origin) = origin else {
+        let identity = hash([content.as_bytes(), &bytes]);
+        return Ok(Built { bytes, identity, misfits });
+    };
+    let identity = hash(std::iter::once(content.as_bytes()).chain(origin.hashes().map(str::as_bytes)));
+    let built = Built { bytes, identity, misfits };
+    // What was missing may be installed tomorrow.
+    if built.misfits.iter().all(|misfit| misfit.code != "U005") {
+        cache.put(&key, &built, &origin);
     }
-    std::fs::rename(linked, &library).map_err(io)?;
-    Ok((library, builder.misfits))
+    Ok(built)
 }
 
 /// The compilers, and what they call themselves.
@@ -240,28 +255,35 @@ fn tool_version(tool: &OsString) -> Option<String> {
     Some(format!("{} {} {:?}", found.display(), metadata.len(), metadata.modified().ok()?))
 }
 
-fn cache_folder() -> PathBuf {
-    let under = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    let home = under("XDG_CACHE_HOME").or_else(|| under("HOME").map(|h| h.join(".cache")));
-    home.unwrap_or_else(std::env::temp_dir).join("revolve").join("user")
+/// Hash of what the library is made of as far as it is known before the compiler ran: sources, what their lines include,
+/// flags, compilers. Where they are does not matter.
+fn content(sources: &[(&Path, Language)], tools: &Tools, checked: bool) -> String {
+    let flags = format!("{FORTRAN_FLAGS:?} {C_FLAGS:?} {checked} {:?}", includes_text());
+    let mut pieces: Vec<Vec<u8>> =
+        [env!("CARGO_PKG_VERSION"), &tools.version, &flags].map(|text| text.as_bytes().to_vec()).into();
+    for (file, language) in sources {
+        pieces.push(format!("{language:?}").into_bytes());
+        add_with_includes(file, &mut BTreeSet::new(), &mut |bytes| pieces.push(bytes.to_vec()));
+    }
+    hash(pieces.iter().map(Vec::as_slice))
 }
 
-/// Hash of all that decides what the library is: sources, what they include, flags, compilers.
-fn key(sources: &[(&Path, Language)], tools: &Tools, checked: bool) -> String {
-    let mut hash = Hash::new();
-    let mut add = |bytes: &[u8]| {
-        hash.update((bytes.len() as u64).to_le_bytes());
-        hash.update(bytes);
-    };
-    add(env!("CARGO_PKG_VERSION").as_bytes());
-    add(tools.version.as_bytes());
-    add(format!("{FORTRAN_FLAGS:?} {C_FLAGS:?} {checked} {:?}", includes_text()).as_bytes());
+/// Under which a library is kept: its content, and where the compiler looks for the rest of it.
+fn key(sources: &[(&Path, Language)], content: &str) -> String {
+    let mut pieces = vec![content.as_bytes().to_vec(), surroundings().into_bytes()];
     for (file, language) in sources {
-        add(format!("{language:?}").as_bytes());
-        let mut seen = BTreeSet::new();
-        add_with_includes(file, &mut seen, &mut add);
+        pieces.push(std::path::absolute(file).unwrap_or_default().into_os_string().into_encoded_bytes());
+        if *language != Language::C {
+            // Includes that are found in another case, or in another folder, stand in it.
+            let changed = Source::read(file, &known_includes());
+            pieces.extend(changed.texts().map(|text| text.as_bytes().to_vec()));
+        }
     }
-    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+    hash(pieces.iter().map(Vec::as_slice))
+}
+
+fn known_includes() -> Vec<String> {
+    includes_text().into_iter().map(|(name, _)| name.to_owned()).collect()
 }
 
 /// A file and those it includes, each once; what cannot be read is the compiler's to tell.
@@ -418,6 +440,8 @@ struct Builder<'a> {
     faults: Diagnostics,
     misfits: Vec<Misfit>,
     calls: Calls,
+    /// What the compiler read; `None` once that cannot be followed.
+    origin: Option<Origin>,
 }
 
 impl Builder<'_> {
@@ -426,12 +450,16 @@ impl Builder<'_> {
         let object = self.scratch.join(format!("{index}.o"));
         match language {
             Language::C => {
-                let output = run(&self.tools.c, &self.arguments((file, file), &object, C_FLAGS, None));
-                self.judge(file, output).then_some(object)
+                let mut arguments = self.arguments((file, file), &object, C_FLAGS, None);
+                arguments.extend(rule_into(&object));
+                let output = run(&self.tools.c, &arguments);
+                let made = self.judge(file, output);
+                self.follow(file, &object);
+                made.then_some(object)
             }
             _ => {
-                let known: Vec<String> = includes_text().into_iter().map(|i| i.0.to_owned()).collect();
-                let written = Source::read(file, &known).write(file, &self.scratch.join(format!("source{index}")));
+                let written =
+                    Source::read(file, &known_includes()).write(file, &self.scratch.join(format!("source{index}")));
                 match written {
                     Ok(ready) => self.fortran((file, &ready), &object, language).then_some(object),
                     Err(error) => {
@@ -440,6 +468,17 @@ impl Builder<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Keeps account of what the compiler read for an object.
+    fn follow(&mut self, file: &Path, object: &Path) {
+        let followed = |origin: &mut Origin| {
+            let rule = std::fs::read_to_string(object.with_extension("d")).ok()?;
+            origin.add(&rule, folder_of(file), self.scratch)
+        };
+        if self.origin.as_mut().and_then(followed).is_none() {
+            self.origin = None;
         }
     }
 
@@ -453,8 +492,7 @@ impl Builder<'_> {
     ) -> Vec<OsString> {
         let mut list: Vec<OsString> = flags.iter().map(OsString::from).collect();
         list.extend(form.map(OsString::from));
-        let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        for include in [folder, self.scratch] {
+        for include in [folder_of(file), self.scratch] {
             list.push("-I".into());
             list.push(include.into());
         }
@@ -479,9 +517,11 @@ impl Builder<'_> {
         for form in forms {
             let mut arguments = self.arguments((file, ready), object, FORTRAN_FLAGS, Some(form));
             arguments.push("-fcallgraph-info".into());
+            arguments.extend(rule_into(object));
             let output = run(compiler, &arguments);
             if output.as_ref().is_ok_and(|o| o.status.success()) {
                 self.calls.read(&std::fs::read_to_string(object.with_extension("ci")).unwrap_or_default());
+                self.follow(file, object);
                 let arguments = self.arguments((file, ready), object, FORTRAN_FLAGS, Some(form));
                 let mut arguments: Vec<OsString> = arguments.into_iter().filter(|a| a != "-c").collect();
                 arguments.extend(["-fsyntax-only".into(), "-fc-prototypes-external".into()]);
@@ -591,6 +631,15 @@ impl Builder<'_> {
         }
         Err(std::mem::take(&mut self.faults))
     }
+}
+
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Has the compiler write which files it reads beside the object.
+fn rule_into(object: &Path) -> [OsString; 3] {
+    ["-MD".into(), "-MF".into(), object.with_extension("d").into()]
 }
 
 fn run(tool: &OsString, arguments: &[OsString]) -> std::io::Result<Output> {

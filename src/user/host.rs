@@ -4,6 +4,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 
 use serde::Serialize;
 
@@ -52,6 +53,8 @@ const MOST: usize = 200;
 /// An array that outlives a call: its bytes in words, so that numbers are where they may be, and its entries.
 type Array = (Box<[u64]>, i32);
 
+static OPENING: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
 thread_local! {
     static ARRAYS: RefCell<BTreeMap<(u8, i32), Array>> = const { RefCell::new(BTreeMap::new()) };
     static JOB: RefCell<JobInfo> = RefCell::default();
@@ -63,6 +66,18 @@ pub fn announce(job: JobInfo) {
     JOB.with_borrow_mut(|j| *j = job);
     ARRAYS.with_borrow_mut(BTreeMap::clear);
     MESSAGES.with_borrow_mut(Vec::clear);
+    let opening = OPENING.lock().map(|told| told.clone()).unwrap_or_default();
+    opening.into_iter().for_each(|text| tell(Level::Warning, text));
+}
+
+/// Keeps what libraries did when they were opened, on whatever thread that was: each job that is announced then says so.
+pub(super) fn tell_of_opening(text: String) {
+    if let Ok(mut told) = OPENING.lock()
+        && !told.contains(&text)
+        && told.len() < MOST
+    {
+        told.push(text);
+    }
 }
 
 /// The messages that routines gave since the job was announced.

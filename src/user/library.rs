@@ -1,5 +1,5 @@
 //! The door to compiled routines: opening shared libraries, calling what they define, and the host routines they call.
-//! The one file with `unsafe`. Never here: compiling; what a routine's answer means.
+//! Never here: compiling; what a routine leaves behind in the process; what a routine's answer means.
 #![allow(unsafe_code)]
 
 use std::any::Any;
@@ -9,11 +9,13 @@ use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Once, OnceLock};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
+use super::compile::Ready;
+use super::guard;
 use super::host::{self, Level};
 use super::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
@@ -226,14 +228,14 @@ type Vexternaldb = unsafe extern "C-unwind" fn(*const i32, *mut i32, *const i32,
 /// # Errors
 /// A library that cannot be loaded (with the loader's words), or none that defines a routine that can be called; `given` are
 /// the user's own files.
-pub fn open(
-    files: &[PathBuf],
+pub(super) fn open(
+    files: &[Ready],
     watch_invalid: bool,
     misfits: &[Misfit],
     given: &[PathBuf],
 ) -> Result<Routines, Diagnostic> {
     watch_the_process();
-    let libraries = files.iter().map(|f| open_copy(f)).collect::<Result<Vec<_>, _>>()?;
+    let libraries = files.iter().map(open_copy).collect::<Result<Vec<_>, _>>()?;
     let libraries: Arc<[Library]> = libraries.into();
     let strangers = STRANGERS.iter().copied().filter(|name| defines(&libraries, name)).collect();
     let mut routines = Routines { misfits: misfits.to_vec(), strangers, ..Routines::none() };
@@ -378,25 +380,43 @@ fn defines(libraries: &[Library], name: &str) -> bool {
 /// What a library calls and nothing defines, if there is such a thing.
 pub fn missing(file: &Path) -> Option<String> {
     // SAFETY: the user's library runs its initialisers here, as he asked for.
-    let error = unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) }.err()?;
+    let opened = unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) };
+    // What an initialiser changes is told when it runs for the run itself.
+    guard::restore(|_| {});
+    let error = opened.err()?;
     let words = loaders_words(&error, file, file);
     let symbol = words.split("undefined symbol: ").nth(1)?;
     Some(symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
 }
 
-/// The loader opens a file once; a copy is another file, with SAVE and COMMON of its own.
-fn open_copy(file: &Path) -> Result<Library, Diagnostic> {
-    static KEEPER: OnceLock<Option<Library>> = OnceLock::new();
+/// The loader opens a file once; each call writes another, with SAVE and COMMON of its own.
+fn open_copy(library: &Ready) -> Result<Library, Diagnostic> {
+    let file = &library.name;
     let fault = |why: String| Diagnostic::error("U005", format!("`{}` cannot be loaded: {why}", file.display()));
-    // SAFETY: the user's library runs its initialisers here, as he asked for.
-    let load = |path: &Path| unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) };
     let scratch = Scratch::within(&std::env::temp_dir()).map_err(|e| fault(e.to_string()))?;
     let copy = scratch.path().join("user.so");
-    std::fs::copy(file, &copy).map_err(|e| fault(e.to_string()))?;
-    let library = load(&copy).map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
-    // Keeps the Fortran runtime from going and coming with every run of a sweep.
-    KEEPER.get_or_init(|| load(file).ok());
-    Ok(library)
+    std::fs::write(&copy, &library.bytes).map_err(|e| fault(e.to_string()))?;
+    // SAFETY: the user's library runs its initialisers here, as he asked for.
+    let opened = unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) };
+    guard::restore(|what| host::tell_of_opening(format!("an initialiser of `{}` {what}", file.display())));
+    let opened = opened.map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
+    keep_runtimes();
+    Ok(opened)
+}
+
+/// Once they are there, the runtimes of Fortran and of its threads stay: they would go and come with every run of a sweep.
+fn keep_runtimes() {
+    for name in ["libgfortran.so.5", "libgfortran.so.4", "libgfortran.so.3", "libgomp.so.1"] {
+        // SAFETY: nothing is loaded that is not there, so no initialiser runs.
+        let kept = unsafe { Library::open(Some(name), RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_NODELETE) };
+        drop(kept);
+    }
+}
+
+/// The user as whom this process writes files.
+pub(super) fn user() -> u32 {
+    // SAFETY: asks for a number.
+    unsafe { libc::geteuid() }
 }
 
 /// The loader's words about a symbol that is not there, in plain ones.
@@ -523,6 +543,7 @@ fn enter(call: &Call<'_>, body: impl FnOnce()) -> Result<(), LoadFailure> {
     CALLED.store(true, Ordering::Relaxed);
     CURRENT.set(std::ptr::from_ref(call).cast());
     let returned = catch_unwind(AssertUnwindSafe(body));
+    guard::restore(|what| host::tell(Level::Warning, format!("{} {what}", call.routine)));
     CURRENT.set(std::ptr::null());
     returned.map_err(|payload| ended(call, payload))
 }
@@ -533,6 +554,11 @@ fn ended(call: &Call<'_>, payload: Box<dyn Any + Send>) -> LoadFailure {
         Ok(ended) => LoadFailure::new(format!("{} ended the analysis: {}", call.routine, ended.0)),
         Err(other) => resume_unwind(other),
     }
+}
+
+/// Whether this thread is inside a routine.
+pub(super) fn inside() -> bool {
+    !CURRENT.get().is_null()
 }
 
 /// Runs `ask` on the call under way on this thread, if there is one.
@@ -1009,6 +1035,7 @@ impl UserEvents for CompiledEvents {
 fn watch_the_process() {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {
+        guard::watch();
         // SAFETY: the handlers only read a thread's own pointer and write to standard error.
         unsafe {
             libc::atexit(at_exit);
@@ -1045,14 +1072,15 @@ pub fn leave(status: u8) -> ! {
             let flush = std::mem::transmute::<*mut libc::c_void, extern "C" fn(*const i32)>(flush);
             flush(std::ptr::null());
         }
-        libc::_exit(status.into())
+        guard::end(status.into())
     }
 }
 
 extern "C" fn at_exit() {
-    if last_words("ended the process") {
+    // A child that a routine made may end as it likes.
+    if guard::is_own_process() && last_words("ended the process") {
         // SAFETY: leaves without running what the routine interrupted.
-        unsafe { libc::_exit(1) }
+        unsafe { guard::end(1) }
     }
 }
 
@@ -1066,18 +1094,18 @@ extern "C" fn on_signal(signal: c_int) {
     // SAFETY: both calls are safe in a signal handler; the action is the default one again.
     unsafe {
         if last_words(what) || HURT.load(Ordering::Relaxed) {
-            libc::_exit(1);
+            guard::end(1);
         }
         if CALLED.load(Ordering::Relaxed) {
             libc::write(2, DAMAGED.as_ptr().cast(), DAMAGED.len());
-            libc::_exit(1);
+            guard::end(1);
         }
         libc::raise(signal);
     }
 }
 
 /// Says which call was under way; `false` if none was. Allocates nothing: a signal may come from inside the allocator.
-fn last_words(what: &str) -> bool {
+pub(super) fn last_words(what: &str) -> bool {
     struct Line([u8; 512], usize);
     impl std::fmt::Write for Line {
         fn write_str(&mut self, text: &str) -> std::fmt::Result {
@@ -1135,6 +1163,10 @@ macro_rules! exported {
 }
 
 exported! {
+    "chdir" => guard::chdir,
+    "fchdir" => guard::fchdir,
+    "_exit" => guard::leave,
+    "_Exit" => guard::leave,
     "xplb_exit_" => xplb_exit,
     "xplb_abqerr_" => xplb_abqerr,
     "vgetjobname_" => vgetjobname,

@@ -1,8 +1,10 @@
 //! User routines: the traits that Rust plug-ins implement, with the arguments of ABAQUS's subroutines, and the door to
 //! compiled Fortran and C. Never here: solver internals.
 
+mod cache;
 pub mod codes;
 pub mod compile;
+mod guard;
 pub mod host;
 pub mod library;
 mod prototype;

@@ -21,6 +21,11 @@ impl Source {
         source
     }
 
+    /// The texts that differ from their files.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.changed.values().map(String::as_str)
+    }
+
     fn take(&mut self, file: &Path, name: &str, known: &[String], depth: usize) {
         let Ok(bytes) = files::read(file) else { return };
         let text = String::from_utf8_lossy(&bytes);

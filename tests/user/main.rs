@@ -4,11 +4,13 @@
 mod common;
 
 mod built_in_twin;
+mod cache;
 mod deformable;
 mod fields;
 mod foundation;
 mod hardening;
 mod in_the_wild;
 mod load;
+mod manners;
 mod material;
 mod subroutines;

@@ -19,58 +19,70 @@ use revolve::user::compile::compile;
 use crate::common;
 use crate::common::routines::Cavity;
 
-fn fortran() -> bool {
+pub fn fortran() -> bool {
     common::fortran("user subroutines in Fortran")
 }
 
 /// A folder with the user's files; compiled libraries go below it, too.
-struct Desk(tempfile::TempDir);
+pub struct Desk(tempfile::TempDir);
 
 impl Desk {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Desk(tempfile::tempdir().expect("a folder"))
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    fn write(&self, name: &str, text: &str) -> PathBuf {
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
         std::fs::write(self.path(name), text).expect("a file");
         self.path(name)
     }
 
     /// `revolve run` on a deck with user files.
-    fn run(&self, deck: &Path, files: &[&Path], more: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
-        command.arg("run").arg(deck).args(["--quiet", "--out"]).arg(self.path("out"));
-        for file in files {
-            command.arg("--user").arg(file);
-        }
-        command.args(more).env("XDG_CACHE_HOME", self.path("cache")).current_dir(self.0.path());
+    pub fn run(&self, deck: &Path, files: &[&Path], more: &[&str]) -> Output {
+        self.run_with(&[], deck, files, more)
+    }
+
+    /// The same in an environment.
+    pub fn run_with(&self, variables: &[(&str, PathBuf)], deck: &Path, files: &[&Path], more: &[&str]) -> Output {
+        let mut command = self.command(deck, files);
+        command.arg("--quiet").args(more).envs(variables.iter().map(|(name, value)| (*name, value)));
         command.output().expect("the program runs")
     }
 
-    fn summary(&self, job: &str) -> serde_json::Value {
+    /// The command alone, which prints its notes.
+    pub fn command(&self, deck: &Path, files: &[&Path]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
+        command.arg("run").arg(deck).arg("--out").arg(self.path("out"));
+        for file in files {
+            command.arg("--user").arg(file);
+        }
+        command.env("XDG_CACHE_HOME", self.path("cache")).current_dir(self.0.path());
+        command
+    }
+
+    pub fn summary(&self, job: &str) -> serde_json::Value {
         let text = std::fs::read_to_string(self.path("out").join(format!("{job}.json"))).expect("a summary");
         serde_json::from_str(&text).expect("JSON")
     }
 
-    fn depth(&self, job: &str) -> f64 {
+    pub fn depth(&self, job: &str) -> f64 {
         self.summary(job)["history"]["U2@REF"]["final"].as_f64().expect("a depth")
     }
 }
 
-fn told(output: &Output) -> String {
+pub fn told(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-fn user_deck() -> PathBuf {
+pub fn user_deck() -> PathBuf {
     common::project("input/ogive_user.inp")
 }
 
 /// A VDLOAD in fixed form around these statements; `value` is filled where they do it.
-fn vdload(statements: &str) -> String {
+pub fn vdload(statements: &str) -> String {
     format!(
         "      subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude,\n     1 curCoords, velocity, dirCos, jltyp, \
          sname, value)\n      include 'vaba_param.inc'\n      dimension curCoords(nblock,ndim), velocity(nblock,ndim),\n     \
@@ -78,7 +90,7 @@ fn vdload(statements: &str) -> String {
     )
 }
 
-const FILL: &str = "      do k = 1, nblock\n        value(k) = 1.d8\n      end do\n";
+pub const FILL: &str = "      do k = 1, nblock\n        value(k) = 1.d8\n      end do\n";
 
 #[test]
 fn the_seed_papers_shots_through_fortran_have_the_depth_of_the_built_in_load() {
@@ -111,7 +123,8 @@ fn files_beside_the_source_are_not_touched_and_the_second_build_is_the_first() {
     let built = || {
         let output = desk.run(&user_deck(), &[&file], &[]);
         assert!(output.status.success(), "{}", told(&output));
-        std::fs::read_dir(desk.path("cache/revolve/user")).expect("a cache").count()
+        let files = std::fs::read_dir(desk.path("cache/revolve/user")).expect("a cache").filter_map(Result::ok);
+        files.filter(|entry| entry.path().extension().is_some_and(|e| e == "so")).count()
     };
     assert_eq!((built(), built()), (1, 1));
     let first = desk.depth("ogive_user");

@@ -1,0 +1,305 @@
+//! Where compiled libraries are kept between runs: a folder that nobody else may write, and beside each library what it was
+//! made of. What is not as it was is made anew.
+//! Never here: running a compiler, opening a library.
+
+use std::collections::BTreeSet;
+use std::fs::{DirBuilder, File, Metadata};
+use std::io::{self, Read as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
+
+use super::Misfit;
+use crate::deck::files;
+use crate::output::checkpoint::hash;
+use crate::output::whole::{Scratch, write_whole};
+
+/// Libraries that are kept; those used last.
+const KEPT: usize = 64;
+/// Variables that tell a compiler where to look.
+const SEARCH: &[&str] = &["CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX"];
+
+/// A library's bytes, and what is known of it.
+#[derive(Debug)]
+pub struct Built {
+    /// The shared library itself.
+    pub bytes: Vec<u8>,
+    /// Hash of what it was made of: texts, flags, compiler, files that the compiler read.
+    pub identity: String,
+    /// Routines in it that cannot be called.
+    pub misfits: Vec<Misfit>,
+}
+
+/// The files that a library was made of.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Origin {
+    /// Each with the hash of its bytes.
+    read: Vec<(PathBuf, String)>,
+    /// Files that were not there, and would be read in place of others.
+    absent: BTreeSet<PathBuf>,
+    /// When the compiler began: what changed since may have been read before or after it did.
+    #[serde(skip)]
+    begun: Option<(i64, i64)>,
+    /// Whether something did.
+    #[serde(skip)]
+    unsettled: bool,
+}
+
+/// What stands beside a library.
+#[derive(Serialize, Deserialize)]
+struct Entry {
+    library: String,
+    identity: String,
+    origin: Origin,
+    misfits: Vec<Misfit>,
+}
+
+/// The folder of kept libraries, if there is one that is private.
+pub struct Cache(Option<PathBuf>);
+
+impl Cache {
+    /// That of `XDG_CACHE_HOME` or of `HOME`; without both nothing is kept.
+    ///
+    /// # Errors
+    /// Why the folder is not used; the libraries are then made anew for every run.
+    pub fn find() -> Result<Cache, String> {
+        let under = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+        let home = under("XDG_CACHE_HOME").or_else(|| under("HOME").map(|h| h.join(".cache")));
+        let Some(folder) = home.map(|h| h.join("revolve").join("user")) else { return Ok(Cache(None)) };
+        let usable = || -> io::Result<bool> {
+            DirBuilder::new().recursive(true).mode(0o700).create(&folder)?;
+            // Whoever may rename the folder may put another in its place.
+            let parent = folder.parent().unwrap_or(Path::new("/"));
+            Ok(private(&folder.metadata()?) && private(&parent.metadata()?))
+        };
+        match usable() {
+            Ok(true) => Ok(Cache(Some(folder))),
+            Ok(false) => Err(format!("the cache {} could be written by another user", folder.display())),
+            Err(error) => Err(format!("the cache {} cannot be made: {error}", folder.display())),
+        }
+    }
+
+    /// No cache.
+    pub fn none() -> Cache {
+        Cache(None)
+    }
+
+    /// A folder to build in, which goes with what is in it.
+    ///
+    /// # Errors
+    /// That of the file system.
+    pub fn workshop(&self) -> io::Result<Scratch> {
+        match &self.0 {
+            Some(folder) => Scratch::within(folder),
+            None => Scratch::within(&std::env::temp_dir()),
+        }
+    }
+
+    /// The library of this key, if it is whole and all that it was made of is as it was.
+    pub fn get(&self, key: &str) -> Option<Built> {
+        let (library, beside) = self.places(key)?;
+        let entry: Entry = serde_json::from_slice(&own_file(&beside).ok()?).ok()?;
+        if !entry.origin.holds() {
+            return None;
+        }
+        let bytes = own_file(&library).ok()?;
+        if hash([bytes.as_slice()]) != entry.library {
+            return None;
+        }
+        // Used just now: the last to be pruned. One that cannot be marked is only built again sooner.
+        let _ = File::open(&beside).and_then(|file| file.set_modified(SystemTime::now()));
+        Some(Built { bytes, identity: entry.identity, misfits: entry.misfits })
+    }
+
+    /// Keeps a library; one that cannot be kept is built again.
+    pub fn put(&self, key: &str, built: &Built, origin: &Origin) {
+        let Some((library, beside)) = self.places(key).filter(|_| !origin.unsettled) else { return };
+        let entry = Entry {
+            library: hash([built.bytes.as_slice()]),
+            identity: built.identity.clone(),
+            origin: origin.clone(),
+            misfits: built.misfits.clone(),
+        };
+        let Ok(text) = serde_json::to_vec(&entry) else { return };
+        let _ = write_whole(&library, &built.bytes).and_then(|()| write_whole(&beside, &text));
+        self.prune();
+    }
+
+    /// Library and what stands beside it.
+    fn places(&self, key: &str) -> Option<(PathBuf, PathBuf)> {
+        let folder = self.0.as_ref()?;
+        Some((folder.join(format!("{key}.so")), folder.join(format!("{key}.json"))))
+    }
+
+    /// Takes away what was not used for longest, and libraries without a word beside them.
+    fn prune(&self) {
+        let Some(folder) = &self.0 else { return };
+        let names = |ending: &'static str| {
+            let files = std::fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok).map(|e| e.path());
+            files.filter(move |path| path.extension().is_some_and(|e| e == ending))
+        };
+        let age = |path: &PathBuf| path.metadata().and_then(|m| m.modified()).ok();
+        let mut entries: Vec<_> = names("json").map(|path| (age(&path), path)).collect();
+        entries.sort();
+        for (_, old) in &entries[..entries.len().saturating_sub(KEPT)] {
+            let _ = std::fs::remove_file(old);
+        }
+        // A library comes before its word: one that is new may be about to get it.
+        let settled = |path: &PathBuf| age(path).and_then(|t| t.elapsed().ok()).is_some_and(|t| t.as_secs() > 60);
+        for lone in names("so").filter(|path| !path.with_extension("json").exists() && settled(path)) {
+            let _ = std::fs::remove_file(lone);
+        }
+    }
+}
+
+/// Whether this user alone may write.
+fn private(metadata: &Metadata) -> bool {
+    may_trust(metadata.uid(), metadata.mode(), super::library::user())
+}
+
+fn may_trust(owner: u32, mode: u32, user: u32) -> bool {
+    owner == user && mode & 0o022 == 0
+}
+
+/// Bytes of a regular file that this user alone may write, no link.
+fn own_file(path: &Path) -> io::Result<Vec<u8>> {
+    let mut file = File::options().read(true).custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK).open(path)?;
+    let metadata = file.metadata()?;
+    if !metadata.is_file() || !private(&metadata) {
+        return Err(io::ErrorKind::PermissionDenied.into());
+    }
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// What decides where a compiler looks, beside its arguments.
+pub fn surroundings() -> String {
+    let values = SEARCH.iter().map(std::env::var_os);
+    format!("{:?} {:?}", std::env::current_dir().ok(), values.collect::<Vec<_>>())
+}
+
+impl Origin {
+    /// Of sources that a compiler is about to read.
+    pub fn of<'a>(sources: impl Iterator<Item = &'a Path>, now: SystemTime) -> Origin {
+        let begun = now.duration_since(UNIX_EPOCH).ok();
+        let begun = begun.map(|t| (t.as_secs() as i64, i64::from(t.subsec_nanos())));
+        let mut origin = Origin { begun, ..Origin::default() };
+        sources.for_each(|file| origin.settle(file));
+        origin
+    }
+
+    /// Notices a file that changed since the compiler began; its clock cannot be set back as that of its contents can.
+    fn settle(&mut self, path: &Path) {
+        let changed = path.metadata().ok().map(|m| (m.ctime(), m.ctime_nsec()));
+        self.unsettled |= changed.is_none() || changed >= self.begun;
+    }
+
+    /// Adds what a compiler says that it read (a rule as `-MD` writes it), but for what stands in `own`; `folder` is that of the
+    /// source. `None` if that cannot be followed: the library is not to be kept.
+    pub fn add(&mut self, rule: &str, folder: &Path, own: &Path) -> Option<()> {
+        let mut named = Vec::new();
+        for name in prerequisites(rule)? {
+            let path = std::path::absolute(name).ok()?;
+            if !path.starts_with(own) && self.read.iter().all(|(known, _)| *known != path) {
+                let bytes = files::read(&path).ok()?;
+                if !is_systems(&path) && looks_elsewhere(&bytes) {
+                    return None;
+                }
+                self.settle(&path);
+                self.read.push((path.clone(), hash([bytes.as_slice()])));
+                named.push(path);
+            }
+        }
+        self.absent.extend(rivals(&named, folder));
+        Some(())
+    }
+
+    /// Hashes of the files read, for the identity of what was made of them.
+    pub fn hashes(&self) -> impl Iterator<Item = &str> {
+        self.read.iter().map(|(_, hash)| hash.as_str())
+    }
+
+    /// Whether each file is as it was.
+    fn holds(&self) -> bool {
+        let same = |(path, was): &(PathBuf, String)| files::read(path).is_ok_and(|bytes| hash([&bytes[..]]) == *was);
+        self.read.iter().all(same) && !self.absent.iter().any(|path| path.exists())
+    }
+}
+
+/// Headers of the system: found by names of at most three parts.
+fn is_systems(path: &Path) -> bool {
+    path.starts_with("/usr") || path.starts_with("/lib")
+}
+
+/// Whether a text depends on files that a compiler does not list.
+fn looks_elsewhere(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(bytes);
+    ["__has_include", "incbin", "__has_embed", "#embed"].iter().any(|word| text.contains(word))
+}
+
+/// Files that are not there, and would be found before some of those read.
+fn rivals(read: &[PathBuf], folder: &Path) -> BTreeSet<PathBuf> {
+    let mut folders: BTreeSet<PathBuf> = read.iter().filter(|p| !is_systems(p)).filter_map(|p| parent(p)).collect();
+    folders.extend(std::path::absolute(folder));
+    folders.extend(std::env::current_dir());
+    for list in SEARCH.iter().filter_map(std::env::var_os) {
+        folders.extend(std::env::split_paths(&list).filter_map(|path| std::path::absolute(path).ok()));
+    }
+    let mut absent = BTreeSet::new();
+    for path in read {
+        let parts: Vec<_> = path.components().skip(1).collect();
+        let most = if is_systems(path) { 3 } else { parts.len() };
+        for count in 1..=most.min(parts.len()) {
+            let name: PathBuf = parts[parts.len() - count..].iter().collect();
+            absent.extend(folders.iter().map(|folder| folder.join(&name)).filter(|rival| !rival.exists()));
+        }
+    }
+    absent
+}
+
+fn parent(path: &Path) -> Option<PathBuf> {
+    path.parent().map(Path::to_owned)
+}
+
+/// The files behind the colon of a rule for `make`; a blank, `#` or backslash in a name has a backslash before it, `$` is
+/// doubled.
+fn prerequisites(rule: &str) -> Option<Vec<String>> {
+    let joined = rule.replace("\\\n", " ");
+    let (_, list) = joined.split_once(": ")?;
+    let mut names = vec![String::new()];
+    let mut letters = list.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let name = names.last_mut()?;
+        match (letter, letters.peek()) {
+            ('\\', Some(' ' | '#' | '\\')) | ('$', Some('$')) => name.extend(letters.next()),
+            (letter, _) if letter.is_whitespace() => names.push(String::new()),
+            (letter, _) => name.push(letter),
+        }
+    }
+    names.retain(|name| !name.is_empty());
+    Some(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{may_trust, prerequisites};
+
+    #[test]
+    fn rules_are_read_as_make_reads_them() {
+        let rule = "a.o a.o: a.f /usr/x.h \\\n b\\ c.inc m$$.mod \\#d\n";
+        assert_eq!(
+            prerequisites(rule).as_deref(),
+            Some(&["a.f", "/usr/x.h", "b c.inc", "m$.mod", "#d"].map(str::to_owned)[..])
+        );
+        assert_eq!(prerequisites("no rule"), None);
+    }
+
+    #[test]
+    fn a_folder_of_another_or_open_to_others_is_not_trusted() {
+        assert!(may_trust(7, 0o40700, 7) && may_trust(7, 0o40755, 7));
+        assert!(!may_trust(8, 0o40700, 7) && !may_trust(7, 0o40775, 7) && !may_trust(7, 0o41777, 7));
+    }
+}
