@@ -122,6 +122,15 @@ fn make_arithmetic_plain() {
     unsafe { core::arch::asm!("msr fpcr, {}", in(reg) 0_u64, options(nostack, preserves_flags)) };
 }
 
+/// Other processors are not looked at.
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn arithmetic_is_plain() -> bool {
+    true
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn make_arithmetic_plain() {}
+
 #[cfg(target_arch = "x86_64")]
 unsafe extern "C" {
     fn fesetround(mode: c_int) -> c_int;
