@@ -154,9 +154,14 @@ impl Cache {
     }
 }
 
+/// The user as whom this process writes files; `None` where the system does not show it.
+fn user() -> Option<u32> {
+    std::fs::metadata("/proc/self").map(|process| process.uid()).ok()
+}
+
 /// Whether this user alone may write.
 fn private(metadata: &Metadata) -> bool {
-    may_trust(metadata.uid(), metadata.mode(), super::library::user())
+    user().is_some_and(|user| may_trust(metadata.uid(), metadata.mode(), user))
 }
 
 fn may_trust(owner: u32, mode: u32, user: u32) -> bool {

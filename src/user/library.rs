@@ -413,12 +413,6 @@ fn keep_runtimes() {
     }
 }
 
-/// The user as whom this process writes files.
-pub(super) fn user() -> u32 {
-    // SAFETY: asks for a number.
-    unsafe { libc::geteuid() }
-}
-
 /// The loader's words about a symbol that is not there, in plain ones.
 fn undefined(words: String) -> String {
     match words.split("undefined symbol: ").nth(1) {
