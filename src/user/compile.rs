@@ -80,7 +80,7 @@ impl Compiled {
     /// Opens the libraries: routines with a state of their own, for one run.
     ///
     /// # Errors
-    /// As [`library::open`].
+    /// Where a library cannot be loaded, or a routine in it cannot be called.
     pub fn open(&self) -> Result<Routines, Diagnostic> {
         library::open(&self.libraries, self.third_coordinate, &self.misfits, &self.files)
     }
