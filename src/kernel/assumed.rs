@@ -76,8 +76,8 @@ impl Directions {
     }
 
     /// Trace of the fields' stiffness over the masses of the corners, by three over the volume and the modulus along a strain; for
-    /// the hourglass shape and the operators of [`hoop`], one over the masses, and n, the modulus beside a strain over that along it. Of strains e along and
-    /// h around the stiffness is (h + n e)^2 + (1 - n^2) e^2.
+    /// the hourglass pattern and the operators of [`hoop`] by base vectors, the [`sums`] of one over the masses, and n, the modulus
+    /// beside a strain over that along it. Of strains e along and h around the stiffness is (h + n e)^2 + (1 - n^2) e^2.
     #[inline(always)]
     pub fn trace(&self, (shape, [by_r, by_z]): ([f64; 3], [[f64; 4]; 2]), inverse: [f64; 4], ratio: f64) -> f64 {
         let shape = [0.0, shape[0], shape[1], shape[2]];
@@ -142,7 +142,7 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
 
 #[cfg(test)]
 mod tests {
-    use super::{Directions, Operators, UNIT, hoop, moduli, ring, stiffness, sums};
+    use super::{Directions, Operators, UNIT, at_corners, hoop, moduli, ring, stiffness, sums};
     use crate::kernel::quad::dot3;
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
@@ -183,6 +183,8 @@ mod tests {
         let around = directions.around(hoop(&g).map(|o| dot(o, r)));
         let along = directions.along([r, z].map(|x| dot3(shape, [x[1], x[2], x[3]])));
         assert!(around.iter().chain(&along).all(|strain| strain.abs() < 1e-12), "{around:?} {along:?}");
+        let corners = at_corners([0.0, shape[0], shape[1], shape[2]]);
+        assert!(dot(corners, [1.0; 4]).abs() < 1e-12);
     }
 
     #[test]
