@@ -142,12 +142,6 @@ pub fn section(r: [f64; 4], z: [f64; 4]) -> f64 {
     0.5 * ((r[2] - r[0]) * (z[3] - z[1]) - (r[3] - r[1]) * (z[2] - z[0]))
 }
 
-/// The operators of a quadrilateral under area weighting.
-#[inline(always)]
-pub fn plane_gradient(r: [f64; 4], z: [f64; 4]) -> Gradient {
-    Operators::of::<true>(sums(r), sums(z)).gradient()
-}
-
 /// Stiffness of a linear elastic element with mean quadrature, and of its hourglass control: force over length, for
 /// `[r, z]` of each corner in turn. With gradient operators B it is V B^T C B; hourglass stiffness as in Flanagan and
 /// Belytschko 1981, eqs. 25 to 45, `hourglass` times the shear modulus.
@@ -269,13 +263,14 @@ mod tests {
 
     #[test]
     fn plane_operators_are_those_of_the_section() {
-        let g = plane_gradient(R, Z);
+        let plane = |r, z| Operators::of::<true>(sums(r), sums(z)).gradient();
+        let g = plane(R, Z);
         let dot = |a: [f64; 4], b: [f64; 4]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let flat = [dot(g.r, R) - g.volume, dot(g.z, Z) - g.volume, dot(g.hoop, R) - g.volume];
         let none = [dot(g.r, Z), dot(g.z, R), dot(g.r, [1.0; 4]), dot(g.z, [1.0; 4])];
         assert!(flat.iter().chain(&none).all(|x| x.abs() < 1e-13 * g.volume), "{flat:?} {none:?}");
         // Pappus: the ring of the middle radius.
-        let square = plane_gradient([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.0, 1.0]);
+        let square = plane([1.0, 3.0, 3.0, 1.0], [0.0, 0.0, 1.0, 1.0]);
         assert!((UNIT * square.volume - 8.0 * PI).abs() < 1e-13);
     }
 
