@@ -16,10 +16,13 @@ use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, missing_frames};
+use crate::output::status::{Line, Status};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
-use crate::solve::{self, Control, Energy, Every, Instant, Outcome, Rest, Sink, SinkError, StepSummary, UnfitState};
+use crate::solve::{
+    self, Control, Energy, Every, Instant, Outcome, Progress, Rest, Sink, SinkError, StepSummary, UnfitState,
+};
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
 
@@ -155,6 +158,9 @@ pub struct Summary {
     pub digest: String,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// Elements that were deleted; absent where none was.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub deleted_elements: usize,
     /// What was simulated.
     pub ledger: Ledger,
     /// Notes and warnings on the deck.
@@ -172,6 +178,11 @@ pub struct Summary {
     /// Whether a signal ended it.
     #[serde(skip)]
     pub interrupted: bool,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// What a run took.
@@ -217,8 +228,8 @@ impl Sink for HistoryOnly {
     }
 }
 
-/// Called with the step's name, the fraction done and the increment.
-pub type Progress<'a> = dyn FnMut(&str, f64, u64) + 'a;
+/// Is told how far a run is, some times a second.
+pub type Follower<'a> = dyn FnMut(&Progress<'_>) + 'a;
 
 /// How a job runs, beside its deck.
 #[derive(Default)]
@@ -235,6 +246,18 @@ pub struct Options<'a> {
     pub user: String,
     /// Is told each warning as soon as there is one.
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
+    /// What becomes of the frames.
+    pub frames: Frames,
+}
+
+/// What becomes of the frames of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frames {
+    /// They are written.
+    #[default]
+    Written,
+    /// There are none: histories and the summary alone.
+    Absent,
 }
 
 /// Why a job does not begin.
@@ -287,14 +310,69 @@ pub fn forgotten(goes_on: bool) -> Diagnostic {
 /// Histories are written with a frame if they are older than this: a killed process then loses little of them.
 const STALE: Duration = Duration::from_secs(1);
 
+/// The status file gets a line this often, beside those of frames and steps.
+const STATUS_EVERY: Duration = Duration::from_secs(5);
+
+/// The status file over a run. Where it cannot be written the run goes on; the end tells.
+struct StatusLines {
+    file: Status,
+    begin: Stopwatch,
+    written: Option<Stopwatch>,
+    step: u32,
+    failed: Option<io::Error>,
+}
+
+impl StatusLines {
+    fn open(job: &Job, goes_on: bool) -> io::Result<Self> {
+        let (file, begin) = (Status::open(job, goes_on)?, Stopwatch::now());
+        Ok(StatusLines { file, begin, written: None, step: 0, failed: None })
+    }
+
+    fn tell(&mut self, progress: &Progress<'_>, frame: Option<&str>) {
+        let new = progress.now.step != self.step;
+        let due = new || frame.is_some() || progress.ends || self.written.is_none_or(|w| w.elapsed() >= STATUS_EVERY);
+        if due && self.failed.is_none() {
+            self.failed = self.write(progress, frame, new).err();
+        }
+    }
+
+    fn write(&mut self, progress: &Progress<'_>, frame: Option<&str>, new: bool) -> io::Result<()> {
+        let now = progress.now;
+        if new {
+            self.step = now.step;
+            self.file.step(now.step, progress.step)?;
+        }
+        self.written = Some(Stopwatch::now());
+        self.file.line(&Line {
+            increment: now.increment,
+            step_time: now.step_time,
+            total_time: now.total_time,
+            wall: self.begin.elapsed(),
+            stable: progress.increment,
+            element: progress.limiting,
+            kinetic: progress.energy.kinetic,
+            total: progress.energy.total,
+        })?;
+        frame.map_or(Ok(()), |name| self.file.note(&format!("          frame {name}")))
+    }
+
+    fn note(&mut self, text: &str) {
+        if self.failed.is_none() {
+            self.failed = self.file.note(text).err();
+        }
+    }
+}
+
 /// Writes frames as they come, and histories and states now and then.
 struct Files<'a> {
     job: &'a Job,
     frames: FrameWriter,
+    wanted: Frames,
+    status: StatusLines,
     history: History,
     summary: HistorySummary,
     identity: Identity,
-    progress: &'a mut Progress<'a>,
+    progress: &'a mut Follower<'a>,
     warn: &'a dyn Fn(&str),
     history_written: Stopwatch,
 }
@@ -316,7 +394,7 @@ fn persist_shown(times: &mut Vec<f64>, history: &mut History, summary: &mut Hist
 
 impl Sink for Files<'_> {
     fn wants_frames(&self) -> bool {
-        true
+        self.wanted == Frames::Written
     }
 
     fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
@@ -330,11 +408,14 @@ impl Sink for Files<'_> {
         Ok(())
     }
 
-    fn progress(&mut self, step: &str, fraction: f64, increment: u64) {
-        (self.progress)(step, fraction, increment);
+    fn progress(&mut self, progress: &Progress<'_>) {
+        let next = (progress.frame && self.wants_frames()).then(|| self.frames.next_name());
+        self.status.tell(progress, next.as_deref());
+        (self.progress)(progress);
     }
 
     fn warning(&mut self, text: &str) {
+        self.status.note(&format!("***WARNING: {text}"));
         (self.warn)(text);
     }
 
@@ -370,7 +451,7 @@ pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
 ///
 /// # Errors
 /// Where the folder cannot be written; a file that cannot be written later halts the run instead.
-pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Progress<'a>) -> Result<Summary, Refusal> {
+pub fn run_to_files<'a>(prepared: &Prepared, job: &'a Job, progress: &'a mut Follower<'a>) -> Result<Summary, Refusal> {
     run_with(prepared, job, Options::default(), progress)
 }
 
@@ -382,13 +463,14 @@ pub fn run_with<'a>(
     prepared: &Prepared,
     job: &'a Job,
     options: Options<'a>,
-    progress: &'a mut Progress<'a>,
+    progress: &'a mut Follower<'a>,
 ) -> Result<Summary, Refusal> {
     let identity = prepared.identity(&options.user);
     let _lock = lock(job)?;
     announce(prepared, job);
     let mut history = History { columns: column_names(&prepared.plan), ..History::default() };
     let mut summary = HistorySummary::default();
+    let goes_on = options.from.is_some();
     let frames = match &options.from {
         None => FrameWriter::new(job.clone()),
         Some(checkpoint) => {
@@ -399,16 +481,29 @@ pub fn run_with<'a>(
         }
     };
     let frames = frames.map_err(Refusal::Folder)?;
+    let status = StatusLines::open(job, goes_on).map_err(Refusal::Folder)?;
     let history_written = Stopwatch::now();
     let warn = options.warn.unwrap_or(&|_| {});
-    let mut files = Files { job, frames, history, summary, identity, progress, warn, history_written };
+    let mut files = Files {
+        job,
+        frames,
+        wanted: options.frames,
+        status,
+        history,
+        summary,
+        identity,
+        progress,
+        warn,
+        history_written,
+    };
     let kept = options.from.as_ref().map(|c| &c.state[..]);
     let control = Control { every: options.every, interrupt: options.interrupt, state: kept };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(unfit)?;
     let kept = outcome.checkpoint_seconds;
     let history_failed = files.write_history().err();
-    let mut summary = summarise(prepared, outcome, files.summary);
+    let Files { mut status, summary: columns, .. } = files;
+    let mut summary = summarise(prepared, outcome, columns);
     if prepared.has_routines {
         let mut notes = Diagnostics::default();
         options.every.iter().for_each(|_| notes.push(forgotten(false)));
@@ -418,6 +513,9 @@ pub fn run_with<'a>(
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
     history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
+    summary.reason.iter().for_each(|reason| status.note(&format!("***ERROR: {reason}")));
+    status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
+    status.failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
     finish_files(job, &mut summary);
     Ok(summary)
 }
@@ -490,6 +588,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         energy: outcome.energy,
         digest: outcome.digest,
         rests: outcome.rests,
+        deleted_elements: outcome.deleted,
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),

@@ -4,6 +4,8 @@
 pub mod chart;
 pub mod check;
 pub mod explain;
+mod outcome;
+mod progress;
 pub mod report;
 pub mod run;
 mod signals;
@@ -15,7 +17,6 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use revolve::deck::{Diagnostics, Sources};
 use revolve::job::Prepared;
 use revolve::user::Routines;
@@ -111,14 +112,4 @@ pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
 /// The exit status of what is only shown.
 fn shown() -> ExitCode {
     if words::arrived() { ExitCode::SUCCESS } else { ExitCode::from(HALTED) }
-}
-
-/// A bar on standard error; hidden where nobody watches.
-pub fn progress_bar(length: u64, quiet: bool) -> ProgressBar {
-    if quiet || !words::is_watched() {
-        return ProgressBar::hidden();
-    }
-    let style =
-        ProgressStyle::with_template("{bar:40} {percent} % {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length).with_style(style)
 }

@@ -6,17 +6,17 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use revolve::deck::{Diagnostic, Diagnostics, Sources, printable};
-use revolve::job::Instructions;
-use revolve::job::{self, Options, Prepared, Refusal, Summary};
+use revolve::deck::{Diagnostic, Diagnostics, Sources};
+use revolve::job::{self, Frames, Instructions, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
-use revolve::solve::Every;
+use revolve::solve::{Every, Progress};
 use revolve::user::host;
 
+use super::progress::RunBar;
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, pairs, print_findings, progress_bar};
+use super::{HALTED, REFUSED, UserFiles, accepted, outcome, pairs, print_findings};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -47,8 +47,14 @@ pub struct Run {
     /// bits on all.
     #[arg(long, value_name = "SET")]
     instructions: Option<Instructions>,
-    /// Print nothing but errors.
+    /// Write no frames: histories and the summary alone.
     #[arg(long)]
+    no_frames: bool,
+    /// Print where the time went, effect by effect.
+    #[arg(long)]
+    profile: bool,
+    /// Print nothing but errors.
+    #[arg(short, long)]
     quiet: bool,
 }
 
@@ -97,8 +103,9 @@ impl Run {
         let signal = watch_signals()?;
         // Only once: the state itself, which may be large, and not a copy.
         let state = Some(std::mem::take(&mut prepared.state));
+        let frames = if self.no_frames { Frames::Absent } else { Frames::Written };
         let options =
-            Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user, warn: None };
+            Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user, frames, warn: None };
         let summary = match run(&prepared, &job, options, self.quiet) {
             Ok(summary) => summary,
             Err(Refusal::Folder(e)) => return Err(e.into()),
@@ -106,7 +113,7 @@ impl Run {
         };
         print_messages(&summary.messages, self.quiet);
         if !self.quiet {
-            print_outcome(&summary, &job);
+            outcome::print(&summary, &job, frames, self.profile);
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, signal);
@@ -148,20 +155,18 @@ fn refused(finding: Diagnostic) -> ExitCode {
 }
 
 fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool) -> Result<Summary, Refusal> {
-    let bar = progress_bar(1000, quiet);
-    let mut progress = |step: &str, fraction: f64, increment: u64| {
-        bar.set_position((1000.0 * fraction) as u64);
-        bar.set_message(format!("{}, increment {increment}", printable(step)));
-    };
+    let mut bar = RunBar::new(quiet);
+    let above = bar.handle();
     let warn = |text: &str| {
         if !quiet {
-            bar.suspend(|| tell!("warning: {text}"));
+            above.suspend(|| tell!("warning: {text}"));
         }
     };
-    let work = || job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut progress);
+    let mut follow = |progress: &Progress<'_>| bar.follow(progress);
+    let work = || job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut follow);
     // As one of the threads: from outside each pass over the elements would wait to be taken up.
     let summary = if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() };
-    bar.finish_and_clear();
+    bar.finish();
     summary
 }
 
@@ -183,47 +188,4 @@ fn print_messages(messages: &[host::Message], quiet: bool) {
         let times = if message.times > 1 { format!(" ({} times)", message.times) } else { String::new() };
         tell!("{level} from the user's routine: {}{times}", message.text);
     }
-}
-
-/// History columns that are printed after a run.
-const SHOWN: usize = 24;
-
-fn print_outcome(summary: &Summary, job: &output::Job) {
-    if summary.ended_by_user {
-        say!("the user's routine ended the analysis");
-    }
-    for rest in &summary.rests {
-        say!("{} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
-    }
-    for (name, column) in summary.history.0.iter().take(SHOWN) {
-        say!("{name}: final {:.6e}, min {:.6e}, max {:.6e}", column.last, column.min, column.max);
-    }
-    if summary.history.0.len() > SHOWN {
-        say!("… and {} more columns in {}", summary.history.0.len() - SHOWN, job.path("_history.csv").display());
-    }
-    for step in summary.steps.iter().filter(|s| s.limiting_element.is_some()) {
-        let element = step.limiting_element.as_deref().unwrap_or_default();
-        let by = match step.global_estimates {
-            Some(count) => format!(", global estimate made {count} times"),
-            None => String::new(),
-        };
-        say!("{}: smallest increment {:.3e}, limited by element {element}{by}", step.name, step.smallest_increment);
-    }
-    say!("energy drift {:.1e} of the largest energy", summary.energy.drift);
-    if let Some(increment) = summary.timing.resumed_at {
-        say!("went on from increment {increment}");
-    }
-    if let Some(seconds) = summary.timing.checkpoint_seconds {
-        say!("checkpoints: {:.2} % of the time", 100.0 * seconds / summary.timing.seconds);
-    }
-    say!("digest {}", summary.digest);
-    for row in summary.ledger.effects.iter().filter(|r| r.share.is_some()) {
-        say!("{}: {:.0} % of the time", row.effect, 100.0 * row.share.unwrap_or(0.0));
-    }
-    say!(
-        "{} increments in {:.3} ms, results in {}",
-        summary.timing.increments,
-        1e3 * summary.timing.seconds,
-        job.path(".pvd").display()
-    );
 }

@@ -21,7 +21,7 @@ use revolve::user::compile::Compiled;
 use revolve::{deck, job, model, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, pairs, progress_bar};
+use super::{HALTED, REFUSED, UserFiles, accepted, pairs, progress};
 
 /// Refine a deck: observed order, error, and what accuracy costs.
 #[derive(Args)]
@@ -87,7 +87,7 @@ impl Study {
         drop(first);
         let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
-        let bar = progress_bar(runs as u64, self.quiet);
+        let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
         let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &measure, self.repeat as usize, &done);
         let job = job::default_job(&self.deck, self.out.clone()).map_err(|finding| finding.message)?;

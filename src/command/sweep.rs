@@ -13,7 +13,7 @@ use revolve::user::compile::Compiled;
 use revolve::{deck, job, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, progress_bar};
+use super::{HALTED, REFUSED, UserFiles, accepted, progress};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -61,7 +61,7 @@ impl Sweep {
             .num_threads(self.threads.unwrap_or(0))
             .build()
             .map_err(|e| e.to_string())?;
-        let bar = progress_bar(grid.count() as u64, self.quiet);
+        let bar = progress::over_runs(grid.count() as u64, self.quiet);
         let results = pool.install(|| sweep::run(&self.deck, &grid, &quantities, compiled.as_ref(), &|| bar.inc(1)));
         bar.finish_and_clear();
         let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());

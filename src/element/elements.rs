@@ -213,6 +213,11 @@ impl Elements {
         self.bound_frequency(&dofs.nodes);
     }
 
+    /// How many elements have been deleted.
+    pub fn deleted(&self) -> usize {
+        self.gone.0.len()
+    }
+
     /// Corner nodes of elements that have been deleted since the loads of the step were told last.
     pub fn newly_gone(&mut self) -> &[[u32; 4]] {
         let told = std::mem::replace(&mut self.gone.1, self.gone.0.len());

@@ -8,6 +8,7 @@ pub mod csv;
 pub mod history;
 pub mod lock;
 pub mod pvd;
+pub mod status;
 pub mod vtu;
 pub mod whole;
 

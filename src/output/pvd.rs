@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use super::checkpoint::CHECKPOINT;
+use super::status::STATUS;
 use super::vtu::{VtuWriter, escape};
 use super::whole::unfinished;
 use super::{Frame, Job, write_whole};
@@ -25,7 +26,7 @@ impl FrameWriter {
     /// Where the folder cannot be cleared.
     pub fn new(job: Job) -> io::Result<Self> {
         // The lists first: none shall name a frame that is gone.
-        for ending in [".pvd", ".json", "_history.csv", CHECKPOINT] {
+        for ending in [".pvd", ".json", "_history.csv", CHECKPOINT, STATUS] {
             remove(&job.path(ending))?;
         }
         let writer = FrameWriter { job, times: Vec::new(), vtu: VtuWriter::default() };
@@ -50,6 +51,11 @@ impl FrameWriter {
         &self.times
     }
 
+    /// Name of the file of the next frame.
+    pub fn next_name(&self) -> String {
+        format!("{}_{:04}.vtu", self.job.name, self.times.len())
+    }
+
     /// Removes frames from this one on, and what a killed process has not finished.
     fn clear_from(&self, first: usize) -> io::Result<()> {
         for entry in fs::read_dir(&self.job.folder)? {
@@ -72,7 +78,7 @@ impl FrameWriter {
     /// # Errors
     /// Where a file cannot be written.
     pub fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        write_whole(&self.job.path(&format!("_{:04}.vtu", self.times.len())), self.vtu.text(frame).as_bytes())?;
+        write_whole(&self.job.folder.join(self.next_name()), self.vtu.text(frame).as_bytes())?;
         self.times.push(frame.time);
         write_whole(&self.job.path(".pvd"), self.list().as_bytes())
     }

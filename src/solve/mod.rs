@@ -26,7 +26,7 @@ pub use energy::Energy;
 pub use frames::node_value;
 use increment::IncrementController;
 use observe::Observing;
-pub use observe::{Sink, SinkError};
+pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{Outcome, Rest, StepSummary};
 use restart::{At, Checkpointer, begin_step, take_up};
 pub use restart::{Control, Every};
@@ -99,6 +99,7 @@ pub fn run_with(
     run.warn_of_energy();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();
+    run.outcome.deleted = run.elements.deleted();
     let energy = run.energy();
     let Run { mut outcome, dofs, elements, constraints, thermal, timing, .. } = run;
     outcome.energy = energy;

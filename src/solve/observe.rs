@@ -1,10 +1,11 @@
 //! What is shown when: history rows and frames at the instants that are due. Looking never changes the motion.
 //! Never here: files.
 
-use std::time::Instant as Stopwatch;
+use std::time::{Duration, Instant as Stopwatch};
 
 use thiserror::Error;
 
+use super::energy::Energy;
 use super::frames::frame;
 use super::run::Run;
 use crate::output::Frame;
@@ -23,6 +24,27 @@ pub enum SinkError {
     /// Any other reason.
     #[error(transparent)]
     Other(#[from] Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Name of the step.
+    pub step: &'a str,
+    /// Fraction of the time of all steps that is behind.
+    pub fraction: f64,
+    /// Now.
+    pub now: Instant,
+    /// Length of the increment behind; 0 at the start.
+    pub increment: f64,
+    /// Name of the element that limits the increment; empty where none does.
+    pub limiting: &'a str,
+    /// Energies now.
+    pub energy: &'a Energy,
+    /// Whether a frame of this instant follows.
+    pub frame: bool,
+    /// Whether the step ends here.
+    pub ends: bool,
 }
 
 /// Takes what a run shows.
@@ -45,8 +67,8 @@ pub trait Sink {
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError>;
     /// What the run warns of, as soon as it does; all of it is in [`super::Outcome::warnings`] at the end.
     fn warning(&mut self, _text: &str) {}
-    /// Fraction of the step done, called now and then.
-    fn progress(&mut self, _step: &str, _fraction: f64, _increment: u64) {}
+    /// How far the run is: some times a second, and before each frame.
+    fn progress(&mut self, _progress: &Progress<'_>) {}
     /// Whether states can be kept.
     fn keeps(&self) -> bool {
         false
@@ -105,12 +127,44 @@ impl Rhythm {
     }
 }
 
+/// Looks at the clock are about this far apart, so that a look costs nothing beside the increments between.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// When progress is told: by the clock, at increments that are chosen to meet it.
+struct Pace {
+    looked: Stopwatch,
+    stride: u64,
+    next: u64,
+}
+
+impl Pace {
+    fn new() -> Pace {
+        Pace { looked: Stopwatch::now(), stride: 1, next: 0 }
+    }
+
+    /// Whether it is time; sets the next.
+    fn due(&mut self, increment: u64) -> bool {
+        if increment < self.next {
+            return false;
+        }
+        let passed = self.looked.elapsed();
+        self.looked = Stopwatch::now();
+        if passed < LOOK / 2 {
+            self.stride = self.stride.saturating_mul(2);
+        } else if passed > LOOK {
+            self.stride = (self.stride / 2).max(1);
+        }
+        self.next = increment.saturating_add(self.stride);
+        true
+    }
+}
+
 /// Output over a run.
 pub(super) struct Observing {
     field: Rhythm,
     history: Rhythm,
     row: Vec<f64>,
-    next_progress: u64,
+    pace: Pace,
     /// Nothing is due before these.
     next_time: f64,
     next_increment: u64,
@@ -125,7 +179,7 @@ impl Observing {
             field: Rhythm::default(),
             history: Rhythm::default(),
             row: vec![0.0; plan.columns.len()],
-            next_progress: 0,
+            pace: Pace::new(),
             next_time: 0.0,
             next_increment: 0,
             first: true,
@@ -155,20 +209,20 @@ impl Observing {
     fn show_due(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
         let (step, time, increment) = (run.step, run.now.step_time, run.now.increment);
         let edge = std::mem::take(&mut self.first) || run.is_over();
-        if increment >= self.next_progress {
-            self.next_progress = increment + 4096;
-            sink.progress(&step.name, time / step.duration, increment);
+        let frame = self.field.due(time, increment) || edge && !step.outputs.field.is_empty();
+        if self.pace.due(increment) || frame || edge {
+            tell_progress(run, frame, sink);
         }
         if self.history.due(time, increment) || edge && !step.outputs.history.is_empty() {
             self.history.advance(time, increment);
             self.show_row(run, sink)?;
         }
-        if self.field.due(time, increment) || edge && !step.outputs.field.is_empty() {
+        if frame {
             self.field.advance(time, increment);
             self.show_frame(run, sink)?;
         }
         self.next_time = self.field.next_time.min(self.history.next_time).min(step.duration);
-        self.next_increment = self.field.next_increment.min(self.history.next_increment).min(self.next_progress);
+        self.next_increment = self.field.next_increment.min(self.history.next_increment).min(self.pace.next);
         Ok(())
     }
 
@@ -206,6 +260,22 @@ impl Observing {
     }
 }
 
+/// Tells the sink how far the run is.
+fn tell_progress(run: &Run<'_>, frame: bool, sink: &mut dyn Sink) {
+    let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
+    let limiting = if run.elements.is_empty() { (0, 0) } else { run.limits() };
+    sink.progress(&Progress {
+        step: &run.step.name,
+        fraction: if total > 0.0 { (run.now.total_time / total).min(1.0) } else { 1.0 },
+        now: run.now,
+        increment: run.last_increment,
+        limiting: run.plan.element_name(limiting.0, limiting.1),
+        energy: &run.energy(),
+        frame,
+        ends: run.is_over(),
+    });
+}
+
 pub(super) fn unwritten(why: SinkError) -> Halt {
     Halt { code: "R205", reason: why.to_string() }
 }
@@ -219,7 +289,7 @@ impl Persist for Rhythm {
 
 impl Persist for Observing {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Observing { field, history, row: _, next_progress, next_time, next_increment, first, shown } = self;
-        persist_fields!(archive; field, history, next_progress, next_time, next_increment, first, shown);
+        let Observing { field, history, row: _, pace: _, next_time, next_increment, first, shown } = self;
+        persist_fields!(archive; field, history, next_time, next_increment, first, shown);
     }
 }

@@ -20,6 +20,8 @@ pub struct Outcome {
     pub energy: Energy,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// Elements that were deleted.
+    pub deleted: usize,
     /// What the run warns of.
     pub warnings: Vec<String>,
     /// Increments over all steps.

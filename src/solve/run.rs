@@ -370,7 +370,7 @@ impl<'a> Run<'a> {
     }
 
     /// Group and element that limit the increment.
-    fn limits(&self) -> (usize, usize) {
+    pub(super) fn limits(&self) -> (usize, usize) {
         let slower = |h: &&Heat| h.stable_increment() < self.elements.stable_increment();
         self.heat().filter(slower).map_or_else(|| self.elements.limiting(), Heat::limiting)
     }

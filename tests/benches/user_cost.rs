@@ -17,7 +17,7 @@ fn whole_job(deck: &str, settings: &[(&str, &str)], routines: &Routines) -> f64 
     let folder = tempfile::tempdir().expect("a folder");
     let prepared = job::prepare(&common::project(deck), &common::pairs(settings), routines);
     let job = Job { folder: folder.path().to_path_buf(), name: "job".into() };
-    let summary = job::run_to_files(&prepared, &job, &mut |_, _, _| {}).expect("files");
+    let summary = job::run_to_files(&prepared, &job, &mut |_| {}).expect("files");
     assert!(!summary.rests.is_empty(), "{deck}");
     summary.timing.seconds * 1e3
 }

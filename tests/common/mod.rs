@@ -103,6 +103,6 @@ pub fn run_ogive(folder: &Path, settings: &[(&str, &str)]) {
     let prepared = job::prepare(&project("input/ogive.inp"), &pairs(settings), &Routines::none());
     assert!(!prepared.diagnostics.has_errors());
     let job = Job { folder: folder.to_path_buf(), name: "ogive".into() };
-    let summary = job::run_to_files(&prepared, &job, &mut |_, _, _| {}).expect("files");
+    let summary = job::run_to_files(&prepared, &job, &mut |_| {}).expect("files");
     assert_eq!(summary.status, "completed");
 }

@@ -651,7 +651,7 @@ fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str)
     let prepared = prepared(deck, settings, &Routines::none());
     let (signal, job) = (AtomicUsize::new(15), Job { folder: folder.into(), name: "test".into() });
     let options = Options { interrupt: Some(&signal), user: user.into(), ..Options::default() };
-    let summary = job::run_with(&prepared, &job, options, &mut |_, _, _| {}).expect("a run");
+    let summary = job::run_with(&prepared, &job, options, &mut |_| {}).expect("a run");
     assert!(summary.interrupted && summary.reason.is_some_and(|r| r.starts_with("R207: interrupted by SIGTERM")));
     job
 }

@@ -1,0 +1,100 @@
+//! The end of a run in a few lines: the verdict first, then what it warns of, key results, what it took.
+//! Never here: anything that is not in the summary.
+
+use std::time::Duration;
+
+use revolve::job::{Frames, Summary};
+use revolve::output;
+use revolve::output::columns::lined_up;
+
+use super::progress::span;
+use super::words::{say, write};
+
+/// History columns that are printed after a run.
+const SHOWN: usize = 24;
+/// Width of the bars of a profile.
+const BAR: usize = 40;
+
+/// Prints it.
+pub fn print(summary: &Summary, job: &output::Job, frames: Frames, profile: bool) {
+    say!("{}", verdict(summary));
+    warnings(summary);
+    for rest in &summary.rests {
+        say!("  {} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
+    }
+    histories(summary, job);
+    increments(summary);
+    say!("energy drift {:.1e} of the largest energy", summary.energy.drift);
+    if summary.deleted_elements > 0 {
+        say!("{} elements were deleted", summary.deleted_elements);
+    }
+    if let Some(seconds) = summary.timing.checkpoint_seconds {
+        say!("checkpoints: {:.2} % of the time", 100.0 * seconds / summary.timing.seconds);
+    }
+    if profile {
+        print_profile(summary);
+    }
+    say!("digest {}", summary.digest);
+    let ending = if frames == Frames::Written { ".pvd" } else { "_history.csv" };
+    say!("results in {}", job.path(ending).display());
+}
+
+fn verdict(summary: &Summary) -> String {
+    let took = span(Duration::try_from_secs_f64(summary.timing.seconds).unwrap_or_default());
+    let how = if summary.ended_by_user { "ended by the user's routine" } else { summary.status };
+    let resumed = summary.timing.resumed_at.map_or(String::new(), |at| format!(", gone on from increment {at}"));
+    format!("{how}: {} increments in {took}{resumed}", summary.timing.increments)
+}
+
+fn warnings(summary: &Summary) {
+    if !summary.warnings.is_empty() {
+        let count = summary.warnings.len();
+        say!("{count} warning{} (above, and in the summary)", if count == 1 { "" } else { "s" });
+    }
+}
+
+fn histories(summary: &Summary, job: &output::Job) {
+    let columns = &summary.history.0;
+    if columns.is_empty() {
+        return;
+    }
+    let number = |value: f64| format!("{value:.6e}");
+    let row = |(name, column): (&String, &output::ColumnSummary)| {
+        vec![name.clone(), number(column.last), number(column.min), number(column.max)]
+    };
+    let rows: Vec<_> = columns.iter().take(SHOWN).map(row).collect();
+    write(format_args!("{}", lined_up(&["history", "final", "min", "max"], &rows, false)), false);
+    if columns.len() > SHOWN {
+        say!("  and {} more columns in {}", columns.len() - SHOWN, job.path("_history.csv").display());
+    }
+}
+
+fn increments(summary: &Summary) {
+    for step in &summary.steps {
+        let Some(element) = &step.limiting_element else { continue };
+        let by = step.global_estimates.map_or(String::new(), |count| format!(", global estimate made {count} times"));
+        say!("{}: smallest increment {:.3e}, limited by element {element}{by}", step.name, step.smallest_increment);
+    }
+}
+
+/// The rows of the ledger by their share of the time.
+fn print_profile(summary: &Summary) {
+    let mut rows: Vec<_> = summary.ledger.effects.iter().filter_map(|row| Some((row, row.share?))).collect();
+    rows.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let cells = |(row, share): &(&revolve::plan::ledger::Row, f64)| {
+        let seconds = Duration::try_from_secs_f64(share * summary.timing.seconds).unwrap_or_default();
+        let per = share * summary.timing.seconds / summary.timing.increments.max(1) as f64;
+        vec![
+            row.effect.clone(),
+            format!("{} {}", row.count, row.unit),
+            format!("{:.1} %", 100.0 * share),
+            span(seconds),
+            format!("{:.0}", 1e9 * per),
+            format!("{:.2}", 1e9 * per / row.count.max(1) as f64),
+            "#".repeat((BAR as f64 * share).round() as usize),
+        ]
+    };
+    let rows: Vec<_> = rows.iter().map(cells).collect();
+    let header = ["effect", "count", "share", "time", "ns/increment", "ns each", ""];
+    write(format_args!("{}", lined_up(&header, &rows, false)), false);
+}
