@@ -10,6 +10,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::deck::files::STANDARD_INPUT;
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::model::{self, Model, scene::Scene};
@@ -18,6 +19,7 @@ use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::status::{Line, Status};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
+use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
@@ -60,6 +62,16 @@ pub struct Prepared {
 /// Takes a deck file up to the plan.
 pub fn prepare(path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
     resolve(deck::read(path, overrides), routines)
+}
+
+/// The same, with what the deck amounts to; `None` where it is refused.
+pub fn examine(path: &Path, overrides: &Overrides, routines: &Routines) -> (Prepared, Option<Overview>) {
+    let mut model = None;
+    let keep = &mut |built: &mut Model| model = Some(built.clone());
+    let prepared = prepare_edited(deck::read(path, overrides), keep, routines);
+    let model = model.filter(|_| !prepared.diagnostics.has_errors());
+    let overview = model.map(|model| Overview::of(&model, &prepared.plan, &prepared.state));
+    (prepared, overview)
 }
 
 /// The same from text in memory; `name` stands for the file.
@@ -612,7 +624,8 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
 /// # Errors
 /// Where that name would lead out of the folder.
 pub fn default_job(deck: &Path, folder: Option<PathBuf>) -> Result<Job, Box<Diagnostic>> {
-    let name = deck.file_stem().map_or("job".into(), |s| s.to_string_lossy().into_owned());
+    let named = if deck == Path::new(STANDARD_INPUT) { None } else { deck.file_stem() };
+    let name = named.map_or("job".into(), |s| s.to_string_lossy().into_owned());
     if [".", ".."].contains(&name.as_str()) {
         let message = format!("a deck called {} has no name that its results could have", deck.display());
         return Err(Box::new(Diagnostic::error("K008", message).help("give the file a name before its ending")));

@@ -30,7 +30,7 @@
 //! ";
 //! let prepared = job::prepare_text("disc.inp", disc, &[], &Routines::none());
 //! assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
-//! assert!(prepared.plan.ledger.render().contains("disc.inp:16")); // The line that asks for the pressure.
+//! assert!(prepared.plan.ledger.render(true).contains("disc.inp:16")); // The line that asks for the pressure.
 //! let (outcome, history) = job::run_in_memory(&prepared);
 //! assert!(outcome.halt.is_none());
 //! // u = -p t^2 / (2 rho h)
@@ -67,6 +67,7 @@ mod material;
 mod mesh;
 pub mod model;
 pub mod output;
+pub mod overview;
 pub mod plan;
 #[cfg(feature = "cli")]
 pub mod report;

@@ -6,11 +6,11 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use command::words::tell;
-use command::{REFUSED, chart, check, explain, report, run, study, sweep};
+use command::{REFUSED, chart, check, explain, new, report, run, shell, study, sweep};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = true)]
+#[command(version, long_version = shell::version(), arg_required_else_help = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -25,6 +25,9 @@ enum Command {
     Sweep(sweep::Sweep),
     Report(report::Report),
     Chart(chart::Chart),
+    New(new::New),
+    Completions(shell::Completions),
+    Man(shell::Man),
 }
 
 fn main() -> ExitCode {
@@ -36,6 +39,9 @@ fn main() -> ExitCode {
         Command::Sweep(sweep) => sweep.execute(),
         Command::Report(report) => report.execute(),
         Command::Chart(chart) => chart.execute(),
+        Command::New(new) => new.execute(),
+        Command::Completions(completions) => completions.execute::<Arguments>(),
+        Command::Man(man) => man.execute::<Arguments>(),
     };
     match result {
         Ok(code) => code,

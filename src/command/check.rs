@@ -3,33 +3,83 @@
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Args;
-use revolve::job;
+use revolve::deck::Finding;
+use revolve::job::{self, Prepared};
+use revolve::overview::{self, Overview};
+use revolve::plan::ledger::Ledger;
+use serde::Serialize;
 
+use super::words::say;
 use super::{REFUSED, UserFiles, accepted, pairs, words};
 
-/// Check a deck: diagnostics and the ledger of what it would simulate.
+/// A run is looked at for so long to say what all of it will take.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Check a deck: diagnostics, what it amounts to, and the ledger of what it would simulate.
 #[derive(Args)]
 pub struct Check {
-    /// The input deck.
+    /// The input deck; `-` reads it from standard input.
     deck: PathBuf,
     /// Replace the value of a *PARAMETER: NAME=VALUE.
-    #[arg(long = "set", value_name = "NAME=VALUE")]
+    #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
+    /// Do not run the first moments, which tell what the whole run will take.
+    #[arg(long)]
+    no_look: bool,
+    /// Show the bytes of each effect.
+    #[arg(long)]
+    bytes: bool,
+    /// Print one JSON object: diagnostics, overview, ledger.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report<'a> {
+    accepted: bool,
+    diagnostics: Vec<Finding>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    overview: Option<&'a Overview>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ledger: Option<&'a Ledger>,
 }
 
 impl Check {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
-        let Some(routines) = self.user.routines(false) else { return Ok(ExitCode::from(REFUSED)) };
-        let prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
+        let Some(routines) = self.user.routines(self.json) else { return Ok(ExitCode::from(REFUSED)) };
+        let (prepared, mut overview) = job::examine(&self.deck, &pairs(&self.set)?, &routines);
+        if let Some(overview) = overview.as_mut().filter(|_| !self.no_look) {
+            overview.effort = overview::measure(&prepared.plan, &prepared.state, LOOK);
+        }
+        if self.json {
+            return print_json(&prepared, overview.as_ref());
+        }
         if !accepted(&prepared, false) {
             return Ok(ExitCode::from(REFUSED));
         }
-        words::write(format_args!("{}", prepared.plan.ledger.render()), false);
+        if let Some(overview) = &overview {
+            words::write(format_args!("{}", overview.render()), true);
+        }
+        words::write(format_args!("{}", prepared.plan.ledger.render(self.bytes)), false);
         Ok(super::shown())
     }
+}
+
+fn print_json(prepared: &Prepared, overview: Option<&Overview>) -> Result<ExitCode, Box<dyn Error>> {
+    let accepted = overview.is_some();
+    let report = Report {
+        accepted,
+        diagnostics: prepared.diagnostics.findings(&prepared.deck.sources),
+        overview,
+        ledger: accepted.then_some(&prepared.plan.ledger),
+    };
+    say!("{}", serde_json::to_string_pretty(&report)?);
+    Ok(if accepted { super::shown() } else { ExitCode::from(REFUSED) })
 }

@@ -4,14 +4,16 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use clap::Args;
-use revolve::explain::explain;
+use revolve::explain::{explain, nearest_word};
 
 use super::words::say;
 
-/// Explain a keyword, an output variable or a diagnostic code; `keywords` and `variables` print all of them.
+/// Explain a keyword, an output variable, an element type, a function of quantities, units, files or a diagnostic code; `keywords`
+/// and `variables` print all of them.
 #[derive(Args)]
 pub struct Explain {
-    /// Keyword, variable or code.
+    /// What is to be explained.
+    #[arg(required = true)]
     word: Vec<String>,
 }
 
@@ -24,11 +26,14 @@ impl Explain {
                 say!("{}", text.trim_end());
                 Ok(super::shown())
             }
-            None => Err(format!(
-                "`{word}` is no keyword, no output variable and no diagnostic code; `revolve explain keywords` and `revolve \
-                 explain variables` list them"
-            )
-            .into()),
+            None => {
+                let near = nearest_word(&word).map_or(String::new(), |near| format!("; did you mean {near}?"));
+                Err(format!(
+                    "`{word}` is no keyword, output variable, element type, function, topic or diagnostic code{near}\n`revolve \
+                     explain keywords` and `revolve explain variables` list them"
+                )
+                .into())
+            }
         }
     }
 }

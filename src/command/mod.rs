@@ -4,10 +4,12 @@
 pub mod chart;
 pub mod check;
 pub mod explain;
+pub mod new;
 mod outcome;
 mod progress;
 pub mod report;
 pub mod run;
+pub mod shell;
 mod signals;
 pub mod study;
 pub mod sweep;
@@ -33,7 +35,7 @@ pub const HALTED: u8 = 1;
 pub struct UserFiles {
     /// File with user subroutines (vdload, vuamp, vdisp, vumat, vuhard, vusdfld, vucharlength, vexternaldb): Fortran, C or a shared library; may be given
     /// several times.
-    #[arg(long = "user", value_name = "FILE")]
+    #[arg(short = 'u', long = "user", value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Build them with bounds checks: slower, and an index out of bounds is told.
     #[arg(long, requires = "files")]
@@ -93,7 +95,7 @@ fn print_findings(found: &Diagnostics, sources: &Sources) {
     if found.is_empty() {
         return;
     }
-    if words::is_watched() {
+    if words::is_coloured() {
         words::tell_styled(found.render_styled(sources).trim_end());
     } else {
         tell!("{}", found.render(sources).trim_end());

@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use revolve::job::{Frames, Summary};
 use revolve::output;
+use revolve::output::clock::span;
 use revolve::output::columns::lined_up;
 
-use super::progress::span;
 use super::words::{say, write};
 
 /// History columns that are printed after a run.

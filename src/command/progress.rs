@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use revolve::deck::printable;
+use revolve::output::clock::span;
 use revolve::solve::Progress;
 
 use super::words;
@@ -72,19 +73,6 @@ fn sentence(progress: &Progress<'_>, left: Option<Duration>) -> String {
     )
 }
 
-/// A time as people say it: `0.4 ms`, `0.3 s`, `12 s`, `3 min 05 s`, `2 h 07 min`.
-pub fn span(time: Duration) -> String {
-    let seconds = time.as_secs();
-    match seconds {
-        0 if time.as_micros() < 10_000 => format!("{:.1} ms", 1e3 * time.as_secs_f64()),
-        0 if time.as_millis() < 100 => format!("{} ms", time.as_millis()),
-        0..10 => format!("{:.1} s", time.as_secs_f64()),
-        10..100 => format!("{seconds} s"),
-        100..6000 => format!("{} min {:02} s", seconds / 60, seconds % 60),
-        _ => format!("{} h {:02} min", seconds / 3600, seconds / 60 % 60),
-    }
-}
-
 /// The time left by the pace of about the last half of the run: increments may shorten, and elements die.
 #[derive(Debug, Default)]
 pub struct TimeLeft {
@@ -112,14 +100,8 @@ impl TimeLeft {
 
 #[cfg(test)]
 mod tests {
-    use super::{TimeLeft, span};
+    use super::TimeLeft;
     use std::time::Duration;
-
-    #[test]
-    fn times_are_said_as_people_say_them() {
-        let said = [12, 950, 42_000, 185_000, 7_620_000].map(|ms| span(Duration::from_millis(ms)));
-        assert_eq!(said, ["12 ms", "0.9 s", "42 s", "3 min 05 s", "2 h 07 min"]);
-    }
 
     /// A run that halves its pace in the middle: what is left is told by the pace now, not by that of the beginning.
     #[test]

@@ -15,10 +15,10 @@ pub struct Report {
     /// Folder with results, such as out/<deck name>.
     folder: PathBuf,
     /// The page (default report.html in the folder).
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(short, long, value_name = "FILE.html")]
     out: Option<PathBuf>,
     /// Print nothing but errors.
-    #[arg(long)]
+    #[arg(short, long)]
     quiet: bool,
 }
 

@@ -27,12 +27,12 @@ pub struct Run {
     /// The input deck.
     deck: PathBuf,
     /// Replace the value of a *PARAMETER: NAME=VALUE.
-    #[arg(long = "set", value_name = "NAME=VALUE")]
+    #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
     /// Folder for the results (default out/<deck name>).
-    #[arg(long)]
+    #[arg(short, long)]
     out: Option<PathBuf>,
     /// Go on from the checkpoint in the folder of the results, to the same bits; without one start at the beginning.
     #[arg(long)]
@@ -41,7 +41,7 @@ pub struct Run {
     #[arg(long, value_name = "TIME|INCREMENTS", value_parser = every)]
     checkpoint_every: Option<Every>,
     /// Threads (default: all cores); results have the same bits on any number.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Instruction set for deformable elements: scalar, avx2 or avx512 (default: the machine's best); results have the same
     /// bits on all.
@@ -98,7 +98,7 @@ impl Run {
             Err(finding) => return Ok(refused(*finding)),
         };
         if !self.quiet {
-            say!("{}", prepared.plan.ledger.render());
+            say!("{}", prepared.plan.ledger.render(false));
         }
         let signal = watch_signals()?;
         // Only once: the state itself, which may be large, and not a copy.

@@ -46,18 +46,18 @@ pub struct Study {
     #[arg(long, conflicts_with_all = ["exact", "target"])]
     ablate: bool,
     /// Replace the value of a *PARAMETER: NAME=VALUE.
-    #[arg(long = "set", value_name = "NAME=VALUE")]
+    #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
     /// Folder for table, JSON and pictures (default out/<deck name>).
-    #[arg(long)]
+    #[arg(short, long)]
     out: Option<PathBuf>,
     /// How often each setting runs; its time is the median.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
     /// Print nothing but errors.
-    #[arg(long)]
+    #[arg(short, long)]
     quiet: bool,
 }
 

@@ -21,7 +21,7 @@ pub struct Sweep {
     /// The input deck.
     deck: PathBuf,
     /// NAME=v1,v2,… or NAME=start:stop:step or NAME=start:stop:#count; several make a grid.
-    #[arg(long = "set", value_name = "NAME=VALUES", required = true)]
+    #[arg(short, long = "set", value_name = "NAME=VALUES", required = true)]
     set: Vec<String>,
     /// Expression over history columns, such as "-1000*final(U2@REF)"; may be given several times.
     #[arg(long, required = true, allow_hyphen_values = true)]
@@ -32,13 +32,13 @@ pub struct Sweep {
     #[command(flatten)]
     user: UserFiles,
     /// Folder for table and picture (default out/<deck name>).
-    #[arg(long)]
+    #[arg(short, long)]
     out: Option<PathBuf>,
     /// Threads (default: all cores).
-    #[arg(long)]
+    #[arg(short, long)]
     threads: Option<usize>,
     /// Print nothing but errors.
-    #[arg(long)]
+    #[arg(short, long)]
     quiet: bool,
 }
 

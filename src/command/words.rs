@@ -58,6 +58,11 @@ pub fn is_watched() -> bool {
     io::stderr().is_terminal()
 }
 
+/// Whether standard error takes colours: a terminal, unless `NO_COLOR` asks for none (no-color.org).
+pub fn is_coloured() -> bool {
+    is_watched() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
 /// Whether all that was written on standard output has arrived, or its reader had enough.
 pub fn arrived() -> bool {
     STATE.load(Ordering::Relaxed) != FULL

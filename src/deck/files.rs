@@ -50,6 +50,19 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Stands for standard input in place of a path.
+pub const STANDARD_INPUT: &str = "-";
+
+/// The bytes of standard input, one more than `most` at most.
+///
+/// # Errors
+/// That of the system.
+pub fn read_standard_input(most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    io::stdin().lock().take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
 /// The text of a regular file.
 ///
 /// # Errors

@@ -18,9 +18,23 @@ pub struct Finding {
     /// `file:line`, where it has a place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
+    /// File, line and column of it, counted from 1.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub at: Option<At>,
     /// What would be right.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
+}
+
+/// A place in a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct At {
+    /// The file, as it was named.
+    pub file: String,
+    /// Line.
+    pub line: usize,
+    /// Column, in letters.
+    pub column: usize,
 }
 
 impl Diagnostics {
@@ -35,6 +49,10 @@ impl Diagnostics {
             code: d.code,
             message: d.message.clone(),
             place: d.labels.first().map(|label| sources.describe(label.span)),
+            at: d.labels.first().and_then(|label| {
+                let (line, column) = sources.line_column(label.span);
+                sources.name(label.span).map(|file| At { file: file.to_owned(), line, column })
+            }),
             help: d.help.clone(),
         };
         self.iter().map(finding).collect()

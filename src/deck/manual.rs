@@ -188,6 +188,11 @@ pub fn explain_keyword(name: &str) -> Option<String> {
     }
 }
 
+/// Names of all keywords.
+pub fn keyword_names() -> impl Iterator<Item = &'static str> {
+    keywords().map(|keyword| keyword.name)
+}
+
 /// Whether a word, with or without its star, is the whole name of a keyword.
 pub fn is_keyword(name: &str) -> bool {
     let wanted = fold(name.trim().trim_start_matches('*'));

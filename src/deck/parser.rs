@@ -70,7 +70,8 @@ impl Parser {
 
     /// Reads the deck's own file.
     pub fn main_file(&mut self, path: &Path) {
-        match files::read(path) {
+        let standard = path == Path::new(files::STANDARD_INPUT);
+        match if standard { files::read_standard_input(MOST_BYTES) } else { files::read(path) } {
             Ok(bytes) => self.text(path, source::decode(&bytes), None),
             Err(e) => {
                 let what = Diagnostic::error("D001", format!("cannot read {}: {e}", path.display()));

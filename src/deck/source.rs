@@ -134,6 +134,11 @@ impl Sources {
         }
     }
 
+    /// Name of the file of a span; `None` of what no deck asked for.
+    pub fn name(&self, span: Span) -> Option<&str> {
+        self.file(span).map(|file| file.name.as_str())
+    }
+
     /// The folder that relative file names in this span's file refer to.
     pub fn folder(&self, span: Span) -> &Path {
         self.file(span).and_then(|f| f.path.parent()).unwrap_or(Path::new(""))

@@ -163,6 +163,7 @@ impl<'a> Builder<'a> {
     fn understand(&mut self, card: &'a Card) {
         match card.keyword.name {
             "HEADING" => self.heading(card),
+            "UNITS" => self.units(card),
             "NODE" => self.node(card),
             "NGEN" => self.ngen(card),
             "NFILL" => self.nfill(card),

@@ -84,7 +84,7 @@ impl Reader {
                 let name = owned(&keyword).ok_or(format!("*{keyword} has no {keyword}="))?;
                 Reading::Set(name, keyword == "NSET", value("GENERATE").is_some())
             }
-            "HEADING" => Reading::Nothing,
+            "HEADING" | "UNITS" => Reading::Nothing,
             _ => {
                 if !self.mesh.unread.contains(&keyword) {
                     self.mesh.unread.push(keyword);

@@ -54,6 +54,7 @@ mod steps;
 mod surface_contact;
 mod surfaces;
 pub mod types;
+mod units;
 mod user_material;
 #[cfg(feature = "mesh-files")]
 pub(crate) mod vtk_file;
@@ -62,6 +63,7 @@ pub(crate) mod vtk_file;
 mod vtk_file;
 
 pub use types::*;
+pub use units::{SYSTEMS, System, Units};
 
 use crate::deck::{Deck, Diagnostics};
 

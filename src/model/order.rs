@@ -72,7 +72,8 @@ fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>) {
 /// Nodes and what generates them, elements, sets of sets and of elements, surfaces, everything else.
 fn rank(card: &Card) -> u8 {
     match card.keyword.name {
-        "HEADING" | "PART" | "INSTANCE" | "NODE" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "SYSTEM" | "MESH" => 0,
+        "HEADING" | "UNITS" | "PART" | "INSTANCE" | "NODE" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "SYSTEM"
+        | "MESH" => 0,
         "NSET" if !card.has("ELSET") => 0,
         "ELEMENT" | "ELGEN" | "ELCOPY" | "ELSET" => 1,
         "NSET" => 2,

@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
+use super::units::Units;
 use crate::deck::{Sources, Span, Word};
 pub use crate::kernel::interaction::{Friction, GapHeat, Law, Overclosure};
 pub use crate::kernel::profile::{Profile, Segment};
@@ -43,6 +44,8 @@ pub struct Model {
     pub last_card: Option<Span>,
     /// The `*HEADING` text.
     pub title: String,
+    /// Names of units; `None` where the deck gives none.
+    pub units: Option<Units>,
     /// Nodes and elements, parts and instances flattened.
     pub mesh: Mesh,
     /// Node sets by upper-case name (qualified `INSTANCE.SET` where they belong to an instance); members ascending.

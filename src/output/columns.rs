@@ -16,3 +16,40 @@ pub fn lined_up<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], to_the_right:
     let line = |cells: &Vec<&str>| cells.iter().zip(&widths).map(cell).collect::<String>().trim_end().to_owned() + "\n";
     lines.iter().map(line).collect()
 }
+
+/// The same, columns on the left, with the last one broken between words so that lines have so many letters where they can.
+pub fn wrapped(header: &[&str], rows: &[Vec<String>], width: usize) -> String {
+    const LEAST: usize = 24;
+    let before = header.len().saturating_sub(1);
+    let letters = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count());
+        cells.chain([header[column].chars().count()]).max().unwrap_or(0) + 2
+    };
+    let room = width.saturating_sub((0..before).map(letters).sum::<usize>() + 1).max(LEAST);
+    let lines = rows.iter().flat_map(|row| {
+        let parts = broken(row.last().map_or("", String::as_str), room);
+        parts.into_iter().enumerate().map(|(i, part)| {
+            let blank = |cell: &String| if i == 0 { cell.clone() } else { String::new() };
+            row.iter().take(before).map(blank).chain([part]).collect()
+        })
+    });
+    lined_up(header, &lines.collect::<Vec<_>>(), false)
+}
+
+/// A text in lines of so many letters at most, broken between words; a longer word stays whole.
+fn broken(text: &str, room: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let Some(line) = lines.last_mut() else { break };
+        let length = line.chars().count();
+        if length > 0 && length + 1 + word.chars().count() > room {
+            lines.push(word.to_owned());
+        } else {
+            if length > 0 {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines
+}

@@ -2,6 +2,7 @@
 //! Never here: decisions about physics.
 
 pub mod checkpoint;
+pub mod clock;
 pub mod codes;
 pub mod columns;
 pub mod csv;

@@ -90,7 +90,11 @@ impl Compiler<'_> {
                 let (set, name) = (&sides.name, &pair.sides[analytical.side].name);
                 let kind = if gives_way { "gives way" } else { "kinematic" };
                 let (effect, detail) = match surface.profile.height() {
-                    Some(z) => ("contact with a plane", format!("{set} on {name}, z = {z}, {kind}{friction}")),
+                    Some(z) => {
+                        let front = if surface.profile.nearest([0.0, z + 1.0], 0.0).gap > 0.0 { "+z" } else { "-z" };
+                        let detail = format!("{set} on {name}, z = {z}, which faces {front}, {kind}{friction}");
+                        ("contact with a plane", detail)
+                    }
                     None => {
                         let segments = surface.profile.segments.len();
                         ("contact with a surface", format!("{set} on {name}, {segments} segments, {kind}{friction}"))

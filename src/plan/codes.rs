@@ -227,6 +227,11 @@ pub const CODES: &[Code] = &[
         text: "Masses are lumped at nodes. A free rigid body that weighs less than the nodes in front of it takes on their velocity when it hits them, and nearly all that it had is lost at once, whatever the increment: first order in the size of the elements.",
     },
     Code {
+        code: "P119",
+        title: "units of no solid",
+        text: "Density and Young's modulus say how fast sound is. In none of the usual consistent systems (m, kg, s; mm, t, s; mm, kg, ms; mm, g, ms; mm, kg, s; cm, g, us; cm, g, s; in, lbf s2/in, s), or not in that of *UNITS, are both those of a solid: 20 m/s to 25 km/s, in what is denser than 3000 kg/m3 above 500 m/s. A density in kg/m3 beside a modulus in MPa is the usual case.",
+    },
+    Code {
         code: "P118",
         title: "a rigid surface finer than what meets it",
         text: "What deforms meets a surface with gaps weighted over its faces. A rounding of a rigid surface within one face is seen as a corner, and late by up to a third of the face.",

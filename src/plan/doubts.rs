@@ -6,7 +6,10 @@ use std::collections::HashSet;
 
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
-use crate::model::{Element, ElementKind, IncrementControl, InitialCondition, InitialKind, Model, SolidSection, Step};
+use crate::model::{
+    Element, ElementKind, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step, System,
+    Units,
+};
 
 /// Velocities above so many times the speed of sound are taken for a slip in the units.
 const TOO_FAST: f64 = 3.0;
@@ -19,6 +22,7 @@ impl<'m> Compiler<'m> {
         if state.elements.is_empty() {
             return;
         }
+        self.of_no_units();
         self.too_fast();
         if let Some((time, element)) = self.crossing() {
             self.given_increments(time, element);
@@ -36,6 +40,31 @@ impl<'m> Compiler<'m> {
         let material = self.model.materials.get(section.material)?;
         let ([e, nu], density) = (material.elastic?, material.density?);
         Some((e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * density)).sqrt())
+    }
+
+    /// Density and modulus that are those of no solid in any system of units, or not in the deck's own.
+    fn of_no_units(&mut self) {
+        let own = self.model.units.as_ref().and_then(Units::system);
+        let mut told = HashSet::new();
+        let mut findings = Vec::new();
+        for section in &self.model.sections {
+            let Some(material) = self.model.materials.get(section.material) else { continue };
+            let (Some([modulus, _]), Some(density)) = (material.elastic, material.density) else { continue };
+            let fits = |system: &System| system.fits(density, modulus);
+            if own.map_or_else(|| SYSTEMS.iter().any(fits), fits) || !told.insert(section.material) {
+                continue;
+            }
+            let speed = (modulus / density).sqrt();
+            let whose = own.map_or_else(|| "no usual units".into(), |s| format!("other units than {}", s.words()));
+            let message = format!(
+                "density {density:e} and Young's modulus {modulus:e} of `{}`, in which sound goes {speed:.3e} lengths a time, are \
+                 those of a solid in {whose}",
+                material.name
+            );
+            let finding = Diagnostic::warning("P119", message).at(material.span, "this material");
+            findings.push(finding.help(remedy(density, modulus)));
+        }
+        findings.into_iter().for_each(|finding| self.warn(finding));
     }
 
     fn velocities(&self) -> impl Iterator<Item = (&InitialCondition, u8, f64)> {
@@ -159,6 +188,20 @@ impl<'m> Compiler<'m> {
 
 fn corners(element: &Element, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     element.nodes.iter().map(|&n| points[n]).collect()
+}
+
+/// What would fit: the modulus in the systems of the density, or the density in those of the modulus.
+fn remedy(density: f64, modulus: f64) -> String {
+    const STEEL: [f64; 2] = [7850.0, 2.1e11];
+    let like = |system: &System| {
+        let [length, mass, time] = system.factors;
+        [STEEL[0] * length.powi(3) / mass, STEEL[1] * length * time * time / mass]
+    };
+    let near = |a: f64, b: f64| (0.05..20.0).contains(&(a / b));
+    let systems = SYSTEMS.iter().filter(|s| near(density, like(s)[0]) || near(modulus, like(s)[1]));
+    let said: Vec<String> =
+        systems.map(|s| format!("{}: steel has {:.3e} and {:.3e}", s.words(), like(s)[0], like(s)[1])).collect();
+    if said.is_empty() { "do the units of density and modulus fit?".into() } else { said.join("; ") }
 }
 
 /// The shortest side.

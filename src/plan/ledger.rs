@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use crate::output::columns::lined_up;
+use crate::output::columns::wrapped;
 
 /// One row.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -69,35 +69,38 @@ impl Ledger {
         }
     }
 
-    /// The ledger as text; the last column only after a run.
-    pub fn render(&self) -> String {
-        let timed = self.effects.iter().any(|r| r.share.is_some());
-        let mut header = vec!["effect", "count", "asked by", "bytes", "detail"];
-        if timed {
-            header.push("time");
+    /// The ledger as text of 80 columns; files by their last name, as paths are in the summary. `bytes` adds those of each effect.
+    pub fn render(&self, bytes: bool) -> String {
+        let mut header = vec!["effect", "count", "asked by"];
+        if bytes {
+            header.push("bytes");
         }
-        let rows: Vec<_> = self.effects.iter().map(|row| row.cells(timed)).collect();
-        let mut text = lined_up(&header, &rows, false);
+        header.push("detail");
+        let rows: Vec<_> = self.effects.iter().map(|row| row.cells(bytes)).collect();
+        let mut text = wrapped(&header, &rows, WIDTH);
         for unused in &self.unused {
-            text += &format!("not used: {} ({}): {}\n", unused.what, unused.asked_by, unused.why);
+            text += &format!("not used: {} ({}): {}\n", unused.what, last_name(&unused.asked_by), unused.why);
         }
         text
     }
 }
 
+/// Columns of a terminal that nobody has widened.
+const WIDTH: usize = 80;
+
 impl Row {
-    fn cells(&self, timed: bool) -> Vec<String> {
-        let bytes: usize = self.arrays.iter().map(|a| a.1).sum();
-        let mut cells = vec![
-            self.effect.clone(),
-            format!("{} {}", self.count, self.unit),
-            self.asked_by.join(", "),
-            bytes.to_string(),
-            self.detail.clone(),
-        ];
-        if timed {
-            cells.push(self.share.map_or(String::new(), |s| format!("{:.0} %", 100.0 * s)));
+    fn cells(&self, bytes: bool) -> Vec<String> {
+        let places: Vec<&str> = self.asked_by.iter().map(|place| last_name(place)).collect();
+        let mut cells = vec![self.effect.clone(), format!("{} {}", self.count, self.unit), places.join(", ")];
+        if bytes {
+            cells.push(self.arrays.iter().map(|a| a.1).sum::<usize>().to_string());
         }
+        cells.push(self.detail.clone());
         cells
     }
+}
+
+/// `file:line` without folders.
+fn last_name(place: &str) -> &str {
+    place.rsplit('/').next().unwrap_or(place)
 }

@@ -23,7 +23,7 @@ impl Compiler<'_> {
         for boundary in step.boundaries.iter().filter(|b| b.kind != model::Motion::Temperature) {
             let dofs = self.dofs(boundary, &mut taken, &mut nodes);
             if !dofs.is_empty() {
-                motions.extend(self.motion(boundary, dofs, asking));
+                motions.extend(self.motion(boundary, &self.ways(boundary, step), dofs, asking));
             }
         }
         motions.extend(self.axis(step, &nodes));
@@ -71,9 +71,20 @@ impl Compiler<'_> {
         dofs
     }
 
+    /// All ways along which the line of a boundary prescribes the same: ENCASTRE is more than one.
+    fn ways(&self, boundary: &Boundary, step: &Step) -> String {
+        let turns = |b: &Boundary| b.dof == 6 && b.nodes.iter().any(|n| self.places.rotations.contains_key(n));
+        let of_line = |b: &&Boundary| b.span == boundary.span && b.set == boundary.set && b.kind == boundary.kind;
+        let all = step.boundaries.iter().filter(of_line).filter(|b| b.dof <= 2 || turns(b));
+        let mut ways: Vec<&str> = all.map(along).collect();
+        ways.dedup();
+        ways.join(" and ")
+    }
+
     fn motion(
         &mut self,
         boundary: &Boundary,
+        ways: &str,
         dofs: Vec<(Dof, usize)>,
         asking: &mut Vec<UserMotion>,
     ) -> Option<Box<dyn Constraint>> {
@@ -81,7 +92,10 @@ impl Compiler<'_> {
             return self.user_motion(boundary, dofs, asking);
         }
         let (kind, value) = prescribed(boundary);
-        let detail = format!("{}: {kind:?} {value} along {}", boundary.set, along(boundary)).to_lowercase();
+        let detail = match (kind, value) {
+            (Prescribed::Displacement, 0.0) => format!("{}: held along {ways}", boundary.set),
+            _ => format!("{}: {} {value} along {ways}", boundary.set, format!("{kind:?}").to_lowercase()),
+        };
         let id = self.cause(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
         let magnitude = self.magnitude(value, boundary.amplitude);
         let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();

@@ -72,6 +72,11 @@ fn members(family: &Family) -> String {
     family.members.iter().map(|v| v.name()).collect::<Vec<_>>().join(", ")
 }
 
+/// Names of all output variables.
+pub fn variable_names() -> impl Iterator<Item = &'static str> {
+    Variable::ALL.iter().map(|variable| variable.name())
+}
+
 /// What is said of a variable, in any case; `None` where there is none of that name.
 pub fn explain_variable(word: &str) -> Option<String> {
     match Asked::parse(&word.trim().to_ascii_uppercase())? {

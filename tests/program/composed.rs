@@ -76,7 +76,7 @@ fn composed_and_written_are_one_scene() {
     let rows = |p: &Prepared| p.plan.ledger.effects.iter().map(|r| (r.effect.clone(), r.count)).collect::<Vec<_>>();
     assert_eq!(rows(&scene), rows(&prepared(DECK, &[], &Routines::none())));
     let asked = |r: &revolve::plan::ledger::Row| r.asked_by.iter().all(|place| place.starts_with("composed in Rust"));
-    assert!(scene.plan.ledger.effects.iter().all(asked), "{}", scene.plan.ledger.render());
+    assert!(scene.plan.ledger.effects.iter().all(asked), "{}", scene.plan.ledger.render(true));
 }
 
 /// A scene is told from others by all that it holds, and from itself by nothing.

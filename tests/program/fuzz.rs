@@ -199,7 +199,7 @@ fn decks() {
         let prepared = job::prepare_text(&path.to_string_lossy(), &text, &[], &Routines::none());
         let said = prepared.diagnostics.render(&prepared.deck.sources);
         assert!(!prepared.diagnostics.has_errors() || !said.is_empty());
-        let _ = prepared.plan.ledger.render();
+        let _ = prepared.plan.ledger.render(true);
     });
 }
 

@@ -7,6 +7,9 @@ use crate::deck::keywords::Keyword;
 /// The rows.
 pub const CARDS: &[Keyword] = &[
     row!("HEADING", "Title of the analysis", (), {}, [(text "title" read "Any number of lines")]),
+    row!(extension "UNITS", "Names the units in reports, pictures and tables; nothing is converted", (once), {}, [
+        (lines ["length" read "As m, mm or cm", "mass" read "As kg, t or g", "time" read "As s, ms or us", "temperature" read "K if not given"]),
+    ]),
     row!("INCLUDE", "Reads another file in place of this line", (), {
         "INPUT" read "File, relative to the file that includes it",
         "PASSWORD" refused "encrypted input cannot be read",

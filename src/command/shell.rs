@@ -1,0 +1,72 @@
+//! What a shell wants of the program: completions, a manual page, its version.
+//! Never here: what commands do.
+
+use std::error::Error;
+use std::process::ExitCode;
+use std::sync::LazyLock;
+
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+use revolve::job::Instructions;
+
+use super::words;
+
+/// Print completions for a shell; `source <(revolve completions bash)` uses them at once.
+#[derive(Args)]
+pub struct Completions {
+    /// The shell.
+    shell: Shell,
+}
+
+/// Print the manual page; `revolve man | man -l -` shows it.
+#[derive(Args)]
+pub struct Man {}
+
+impl Completions {
+    /// Carries it out.
+    pub fn execute<A: CommandFactory>(self) -> Result<ExitCode, Box<dyn Error>> {
+        let mut bytes = Vec::new();
+        clap_complete::generate(self.shell, &mut A::command(), "revolve", &mut bytes);
+        words::write(format_args!("{}", String::from_utf8(bytes)?), false);
+        Ok(super::shown())
+    }
+}
+
+impl Man {
+    /// Carries it out: the page of the program, and those of its commands behind it.
+    pub fn execute<A: CommandFactory>(self) -> Result<ExitCode, Box<dyn Error>> {
+        let mut program = A::command();
+        program.build();
+        let mut bytes = Vec::new();
+        clap_mangen::Man::new(program.clone()).render(&mut bytes)?;
+        for command in program.get_subcommands().filter(|c| c.get_name() != "help") {
+            let page = clap_mangen::Man::new(command.clone());
+            page.render_name_section(&mut bytes)?;
+            page.render_synopsis_section(&mut bytes)?;
+            page.render_options_section(&mut bytes)?;
+        }
+        words::write(format_args!("{}", String::from_utf8(bytes)?), false);
+        Ok(super::shown())
+    }
+}
+
+/// Version, commit where the build was told one (`REVOLVE_COMMIT`), features, and what the machine has.
+pub fn version() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(long_version);
+    &TEXT
+}
+
+fn long_version() -> String {
+    let commit = option_env!("REVOLVE_COMMIT").map_or(String::new(), |commit| format!(" ({commit})"));
+    let features = [("dense", cfg!(feature = "dense")), ("mesh-files", cfg!(feature = "mesh-files"))];
+    let features: Vec<&str> = features.iter().filter(|f| f.1).map(|f| f.0).collect();
+    let has = |set: &Instructions| set.arch().is_some();
+    let sets = [("avx512", Instructions::Avx512), ("avx2", Instructions::Avx2), ("scalar", Instructions::Scalar)];
+    let best = sets.iter().find(|(_, set)| has(set)).map_or("scalar", |(name, _)| name);
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    format!(
+        "{}{commit}\nfeatures: {}\nthis machine: {threads} threads, instructions {best}",
+        env!("CARGO_PKG_VERSION"),
+        features.join(", ")
+    )
+}

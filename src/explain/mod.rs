@@ -1,0 +1,45 @@
+//! `revolve explain`: keywords, output variables, diagnostic codes, and topics that no table has.
+//! Never here: the tables themselves.
+
+mod topics;
+
+use crate::deck::{self, Code, manual, names::nearest};
+use crate::{model, output, plan, user};
+use topics::TOPICS;
+
+/// What is to be said of a word, if it is a keyword, an output variable, a code, an element type, a function of quantities, a topic,
+/// `keywords` or `variables`. Of a word that is a variable's name a keyword is meant only if it is the whole of the keyword's.
+pub fn explain(word: &str) -> Option<String> {
+    match word.trim().to_ascii_lowercase().as_str() {
+        "keywords" => return Some(manual::keyword_manual()),
+        "variables" => return Some(crate::variables::manual::variable_manual()),
+        _ => {}
+    }
+    if let Some(code) = codes().find(|c| c.code.eq_ignore_ascii_case(word.trim())) {
+        return Some(format!("{}: {}\n\n{}\n", code.code, code.title, code.text));
+    }
+    let variable = crate::variables::manual::explain_variable(word);
+    let keyword = manual::explain_keyword(word).filter(|_| variable.is_none() || manual::is_keyword(word));
+    let asked = word.trim().trim_end_matches("()");
+    let topic = TOPICS.iter().find(|topic| topic.words.iter().any(|w| w.eq_ignore_ascii_case(asked)));
+    let topic = topic.map(|topic| topic.text.to_owned());
+    let texts: Vec<String> = keyword.into_iter().chain(variable).chain(topic).collect();
+    (!texts.is_empty()).then(|| texts.join("\n"))
+}
+
+/// The word that is nearest to one that nothing is known of.
+pub fn nearest_word(word: &str) -> Option<&'static str> {
+    let topics = TOPICS.iter().flat_map(|topic| topic.words.iter().copied());
+    let all = manual::keyword_names().chain(crate::variables::manual::variable_names()).chain(topics);
+    nearest(word.trim().trim_start_matches('*'), all)
+}
+
+/// All diagnostic codes of all rooms.
+pub fn codes() -> impl Iterator<Item = &'static Code> {
+    deck::CODES
+        .iter()
+        .chain(model::codes::CODES)
+        .chain(plan::codes::CODES)
+        .chain(user::codes::CODES)
+        .chain(output::codes::CODES)
+}

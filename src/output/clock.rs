@@ -1,0 +1,30 @@
+//! Times on the clock in words.
+//! Never here: times of the deck.
+
+use std::time::Duration;
+
+/// A time as people say it: `0.4 ms`, `0.3 s`, `12 s`, `3 min 05 s`, `2 h 07 min`, `12 days`.
+pub fn span(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match seconds {
+        0 if time.as_micros() < 10_000 => format!("{:.1} ms", 1e3 * time.as_secs_f64()),
+        0 if time.as_millis() < 100 => format!("{} ms", time.as_millis()),
+        0..10 => format!("{:.1} s", time.as_secs_f64()),
+        10..100 => format!("{seconds} s"),
+        100..6000 => format!("{} min {:02} s", seconds / 60, seconds % 60),
+        6000..360_000 => format!("{} h {:02} min", seconds / 3600, seconds / 60 % 60),
+        _ => format!("{} days", seconds / 86_400),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::span;
+    use std::time::Duration;
+
+    #[test]
+    fn times_are_said_as_people_say_them() {
+        let said = [2, 12, 950, 42_000, 185_000, 7_620_000, 864_000_000].map(|ms| span(Duration::from_millis(ms)));
+        assert_eq!(said, ["2.0 ms", "12 ms", "0.9 s", "42 s", "3 min 05 s", "2 h 07 min", "10 days"]);
+    }
+}

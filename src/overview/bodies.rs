@@ -1,0 +1,140 @@
+//! Bodies at the start: elements, mass, place, velocity.
+//! Never here: materials, what the run takes.
+
+use indexmap::IndexMap;
+use serde::Serialize;
+
+use crate::model::{ElementKind, Model};
+use crate::plan::{Plan, State};
+use crate::state::BodyState;
+
+/// A section of what deforms, or a rigid body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Part {
+    /// Material of the section, or name of the rigid body.
+    pub name: String,
+    /// Whether it is a rigid body.
+    pub rigid: bool,
+    /// Elements by type.
+    pub elements: IndexMap<String, usize>,
+    /// Mass; of a full ring.
+    pub mass: f64,
+    /// Smallest and largest r and z.
+    pub extent: [[f64; 2]; 2],
+    /// z of the centre of mass, which lies on the axis; absent without mass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub centre: Option<f64>,
+    /// Mean velocity along z by mass, and the largest velocity.
+    pub velocity: [f64; 2],
+}
+
+/// All parts, in the order of the deck.
+pub(super) fn parts(model: &Model, plan: &Plan, state: &State) -> Vec<Part> {
+    let solids = model.sections.iter().map(|s| (s.material, &s.elements));
+    let shells = model.shell_sections.iter().map(|s| (s.material, &s.elements));
+    let sections = solids.chain(shells).filter_map(|(material, elements)| {
+        let name = model.materials.get(material).map_or(String::new(), |m| m.name.clone());
+        deformable(name, elements, model, plan, state)
+    });
+    sections.chain(plan.bodies.iter().map(|body| rigid(body, model))).collect()
+}
+
+/// Sums over the nodes of a part.
+struct Sums {
+    mass: f64,
+    moment: f64,
+    momentum: f64,
+    fastest: f64,
+    extent: [[f64; 2]; 2],
+}
+
+impl Sums {
+    fn new() -> Sums {
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        Sums { mass: 0.0, moment: 0.0, momentum: 0.0, fastest: 0.0, extent: [none; 2] }
+    }
+
+    fn add(&mut self, mass: f64, place: [f64; 2], velocity: [f64; 2]) {
+        self.mass += mass;
+        self.moment += mass * place[1];
+        self.momentum += mass * velocity[1];
+        self.fastest = self.fastest.max(velocity[0].hypot(velocity[1]));
+        for (range, x) in self.extent.iter_mut().zip(place) {
+            *range = [range[0].min(x), range[1].max(x)];
+        }
+    }
+
+    fn part(self, name: String, rigid: bool, elements: IndexMap<String, usize>) -> Part {
+        let per = |sum: f64| (self.mass > 0.0).then(|| sum / self.mass);
+        let (centre, mean) = (per(self.moment), per(self.momentum).unwrap_or(0.0));
+        Part { name, rigid, elements, mass: self.mass, extent: self.extent, centre, velocity: [mean, self.fastest] }
+    }
+}
+
+fn types<'a>(elements: impl Iterator<Item = &'a usize>, model: &Model) -> IndexMap<String, usize> {
+    let mut counts = IndexMap::new();
+    for &element in elements {
+        *counts.entry(type_name(model.mesh.elements[element].kind).to_owned()).or_insert(0) += 1;
+    }
+    counts
+}
+
+fn type_name(kind: ElementKind) -> &'static str {
+    match kind {
+        ElementKind::Rax2 => "RAX2",
+        ElementKind::Sax1 => "SAX1",
+        ElementKind::Cax3 => "CAX3",
+        ElementKind::Cax4r => "CAX4R",
+        ElementKind::Cax3t => "CAX3T",
+        ElementKind::Cax4rt => "CAX4RT",
+        ElementKind::Mass => "MASS",
+        ElementKind::SpringA => "SPRINGA",
+        ElementKind::Spring1 => "SPRING1",
+        ElementKind::DashpotA => "DASHPOTA",
+        ElementKind::Dashpot1 => "DASHPOT1",
+    }
+}
+
+/// Elements of a section that deform; `None` where a rigid body has them all.
+fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, state: &State) -> Option<Part> {
+    let free: Vec<usize> = elements.iter().copied().filter(|e| plan.places.elements.contains_key(e)).collect();
+    let mut sums = Sums::new();
+    let nodes = state.dofs.nodes.as_slice();
+    for element in &free {
+        let (group, index) = plan.places.elements[element];
+        let (corners, masses) =
+            (state.elements.groups[group].corners(index), state.elements.groups[group].corner_masses(index));
+        // Of a shell the last two are rotations.
+        let ends = if model.mesh.elements[*element].kind == ElementKind::Sax1 { 2 } else { 4 };
+        for (corner, mass) in corners.iter().zip(masses).take(ends) {
+            let node = &nodes[*corner as usize];
+            sums.add(mass, node.place(), [node.v_r, node.v_z]);
+        }
+    }
+    (!free.is_empty()).then(|| sums.part(name, false, types(free.iter(), model)))
+}
+
+fn rigid(body: &crate::plan::Body, model: &Model) -> Part {
+    let mut sums = Sums::new();
+    for &node in &body.nodes {
+        sums.add(0.0, model.mesh.points[node], [0.0, body.initial_velocity]);
+    }
+    for &(node, mass) in &body.lumped_mass {
+        sums.add(mass, model.mesh.points[node], [0.0, body.initial_velocity]);
+    }
+    sums.part(body.name.clone(), true, types(body.elements.iter(), model))
+}
+
+/// Mass of all that moves.
+pub(super) fn mass(plan: &Plan, state: &State) -> f64 {
+    let turning = plan.places.rotations.values().map(|&n| state.dofs.nodes.mass[n]).sum::<f64>();
+    let bodies: f64 = plan.bodies.iter().map(crate::plan::Body::mass).sum();
+    state.dofs.nodes.mass.iter().sum::<f64>() - turning + bodies
+}
+
+/// Kinetic energy at the start.
+pub(super) fn kinetic_energy(state: &State) -> f64 {
+    let nodes = state.dofs.nodes.as_slice().iter().zip(&state.dofs.nodes.mass);
+    let of_nodes: f64 = nodes.map(|(node, mass)| 0.5 * mass * (node.v_r * node.v_r + node.v_z * node.v_z)).sum();
+    of_nodes + state.dofs.bodies.iter().map(BodyState::kinetic).sum::<f64>()
+}

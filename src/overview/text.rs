@@ -1,0 +1,148 @@
+//! The overview as text.
+//! Never here: numbers that are not in it.
+
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use super::{Effort, Overview, Part};
+use crate::output::columns::lined_up;
+
+/// Powers of length, mass, time and temperature.
+const LENGTH: [i32; 4] = [1, 0, 0, 0];
+const MASS: [i32; 4] = [0, 1, 0, 0];
+const TIME: [i32; 4] = [0, 0, 1, 0];
+const TEMPERATURE: [i32; 4] = [0, 0, 0, 1];
+const VELOCITY: [i32; 4] = [1, 0, -1, 0];
+const DENSITY: [i32; 4] = [-3, 1, 0, 0];
+const ENERGY: [i32; 4] = [2, 1, -2, 0];
+
+/// A number in four digits, without an exponent where it is near 1.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (1e-2..1e5).contains(&size) {
+        let digits = if size < 1.0 { 4 } else { 3 - (size.log10().floor() as i32).clamp(0, 3) };
+        let text = format!("{value:.*}", digits.max(0) as usize);
+        return if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text };
+    }
+    format!("{value:.3e}")
+}
+
+pub(super) fn render(overview: &Overview) -> String {
+    let unit = |powers: [i32; 4]| {
+        let name = overview.units.as_ref().map_or(String::new(), |units| units.name(powers));
+        if name.is_empty() { name } else { format!(" {name}") }
+    };
+    let mut text = parts(overview, &unit);
+    let (mass, energy) = (short(overview.mass), short(overview.kinetic_energy));
+    let _ =
+        writeln!(text, "mass {mass}{}, kinetic energy {energy}{} at the start (full rings)", unit(MASS), unit(ENERGY));
+    for waves in &overview.waves {
+        let _ = writeln!(
+            text,
+            "{}: density {}{}, waves {} and shear waves {}{}",
+            waves.material,
+            short(waves.density),
+            unit(DENSITY),
+            short(waves.longitudinal),
+            short(waves.shear),
+            unit(VELOCITY)
+        );
+    }
+    if let Some([low, high]) = overview.temperatures {
+        let range = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
+        let _ = writeln!(text, "temperatures at the start {range}{}", unit(TEMPERATURE));
+    }
+    let steps: Vec<String> =
+        overview.steps.iter().map(|s| format!("{} {}{}", s.name, short(s.duration), unit(TIME))).collect();
+    let _ = writeln!(text, "steps: {}", steps.join(", "));
+    text + &overview.effort.as_ref().map_or(String::new(), |e| effort(e, &unit(TIME)))
+}
+
+fn parts(overview: &Overview, unit: &dyn Fn([i32; 4]) -> String) -> String {
+    let header = |name: &str, powers| format!("{name}{}", unit(powers));
+    let header = [
+        "part".into(),
+        "elements".into(),
+        header("mass", MASS),
+        header("r", LENGTH),
+        header("z", LENGTH),
+        "centre z".into(),
+        header("velocity", VELOCITY),
+    ];
+    let rows: Vec<_> = overview.parts.iter().map(row).collect();
+    lined_up(&header, &rows, false)
+}
+
+fn row(part: &Part) -> Vec<String> {
+    let elements: Vec<String> = part.elements.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    let range = |[low, high]: [f64; 2]| format!("{} to {}", short(low), short(high));
+    let [mean, fastest] = part.velocity;
+    let velocity = match fastest {
+        0.0 => "at rest".into(),
+        _ if (fastest - mean.abs()).abs() <= 1e-9 * fastest => format!("v_z {}", short(mean)),
+        _ => format!("mean v_z {}, up to {}", short(mean), short(fastest)),
+    };
+    vec![
+        if part.rigid { format!("{} (rigid)", part.name) } else { part.name.clone() },
+        if elements.is_empty() { "none".into() } else { elements.join(" ") },
+        short(part.mass),
+        range(part.extent[0]),
+        range(part.extent[1]),
+        part.centre.map_or(String::new(), short),
+        velocity,
+    ]
+}
+
+fn effort(effort: &Effort, unit: &str) -> String {
+    if let Some(halt) = &effort.halt {
+        return format!("the run would halt within its first moments: {halt}\n");
+    }
+    let limited = match effort.limiting_element.as_str() {
+        "" => String::new(),
+        element => format!(" (element {element})"),
+    };
+    // Elements that are squeezed shorten the increment.
+    let least = if effort.looked_at < 1.0 { "at least " } else { "" };
+    let time = span(effort.seconds);
+    let looked = if effort.looked_at < 1.0 {
+        format!("by its first {}", percent(effort.looked_at))
+    } else {
+        "all of it was run".to_owned()
+    };
+    let increment = short(effort.increment);
+    format!(
+        "increment {increment}{unit}{limited}: {least}{:.0} increments, {least}{time} on this machine without output ({looked})\n",
+        round(effort.increments)
+    )
+}
+
+fn percent(fraction: f64) -> String {
+    if fraction < 1e-3 { "0.1 %".into() } else { format!("{:.1} %", 100.0 * fraction) }
+}
+
+/// Two digits of what is foreseen.
+fn round(count: f64) -> f64 {
+    if count < 100.0 {
+        return count;
+    }
+    let step = 10f64.powi(count.log10().floor() as i32 - 1);
+    (count / step).round() * step
+}
+
+/// A time as people say it.
+fn span(seconds: f64) -> String {
+    let time = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+    crate::output::clock::span(time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{round, short};
+
+    #[test]
+    fn numbers_are_as_short_as_people_write_them() {
+        let texts = [0.0, 1.5, -227.0, 7850.0, 3.24e-2, 2.1e11, 1e-9, 99_999.0].map(short);
+        assert_eq!(texts, ["0", "1.5", "-227", "7850", "0.0324", "2.100e11", "1.000e-9", "99999"]);
+        assert_eq!([round(8469.0), round(12.0), round(1.23e7)], [8500.0, 12.0, 1.2e7]);
+    }
+}
