@@ -92,10 +92,12 @@ fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
     }
-    let (outcome, history) = job::run_in_memory(&prepared);
+    let quantity = Quantity::parse(quantity)?;
+    let mut recorder = quantity.recorder(&prepared.plan);
+    let (outcome, state) = job::run_into(&prepared, &mut recorder);
     match outcome.halt {
         Some(halt) => Err(format!("{deck} at {velocity}: {halt}").into()),
-        None => Ok(Quantity::parse(quantity)?.evaluate(&history)?),
+        None => Ok(quantity.number(&recorder, Some(&state))?),
     }
 }
 

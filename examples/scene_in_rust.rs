@@ -51,6 +51,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let exact = -0.5 * PEAK * duration / (DENSITY * speed);
     println!("displacement of the tip: {:.6e} m, closed form {exact:.6e} m", history.0["U2@TIP"].last);
-    print!("{}", prepared.plan.ledger.render());
+    print!("{}", prepared.plan.ledger.render(false));
     Ok(())
 }

@@ -170,6 +170,9 @@ pub struct Summary {
     pub digest: String,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// Bodies that are still on their way in a target, or behind it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unfinished: Vec<String>,
     /// Elements that were deleted; absent where none was.
     #[serde(skip_serializing_if = "is_zero")]
     pub deleted_elements: usize,
@@ -260,6 +263,8 @@ pub struct Options<'a> {
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
     /// What becomes of the frames.
     pub frames: Frames,
+    /// Is shown each row of the histories, beside their file.
+    pub rows: Option<&'a (dyn Fn(f64, &[f64]) + Sync)>,
 }
 
 /// What becomes of the frames of a run.
@@ -386,6 +391,7 @@ struct Files<'a> {
     identity: Identity,
     progress: &'a mut Follower<'a>,
     warn: &'a dyn Fn(&str),
+    rows: Option<&'a (dyn Fn(f64, &[f64]) + Sync)>,
     history_written: Stopwatch,
 }
 
@@ -416,6 +422,9 @@ impl Sink for Files<'_> {
 
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.history.push(time, values);
+        if let Some(rows) = self.rows {
+            rows(time, values);
+        }
         self.summary.observe(&self.history.columns, time, values);
         Ok(())
     }
@@ -506,6 +515,7 @@ pub fn run_with<'a>(
         identity,
         progress,
         warn,
+        rows: options.rows,
         history_written,
     };
     let kept = options.from.as_ref().map(|c| &c.state[..]);
@@ -600,6 +610,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         energy: outcome.energy,
         digest: outcome.digest,
         rests: outcome.rests,
+        unfinished: outcome.unfinished,
         deleted_elements: outcome.deleted,
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),

@@ -115,3 +115,15 @@ pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
 fn shown() -> ExitCode {
     if words::arrived() { ExitCode::SUCCESS } else { ExitCode::from(HALTED) }
 }
+
+/// Tells of runs whose values are not what they seem, each with what it ran with.
+fn tell_doubts(runs: &[(String, &[String])]) {
+    const SHOWN: usize = 12;
+    let doubtful: Vec<_> = runs.iter().filter(|(_, doubts)| !doubts.is_empty()).collect();
+    for (given, doubts) in doubtful.iter().take(SHOWN) {
+        doubts.iter().for_each(|doubt| tell!("warning: {given}: {doubt}"));
+    }
+    if doubtful.len() > SHOWN {
+        tell!("warning: … and so of {} more runs", doubtful.len() - SHOWN);
+    }
+}

@@ -22,6 +22,7 @@ pub fn print(summary: &Summary, job: &output::Job, frames: Frames, profile: bool
     for rest in &summary.rests {
         say!("  {} came to rest at time {:.6e}, displacement {:.6e}", rest.body, rest.time, rest.displacement);
     }
+    summary.unfinished.iter().for_each(|how| say!("  {how}"));
     histories(summary, job);
     increments(summary);
     say!("energy drift {:.1e} of the largest energy", summary.energy.drift);

@@ -3,15 +3,19 @@
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::Args;
+use indexmap::IndexMap;
 use revolve::deck::{Diagnostic, Diagnostics, Sources};
 use revolve::job::{self, Frames, Instructions, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
 use revolve::solve::{Every, Progress};
+use revolve::study::quantity::{Quantity, Recorder};
 use revolve::user::host;
+use serde::Serialize;
 
 use super::progress::RunBar;
 use super::signals::watch_signals;
@@ -47,6 +51,12 @@ pub struct Run {
     /// bits on all.
     #[arg(long, value_name = "SET")]
     instructions: Option<Instructions>,
+    /// Print an expression over history columns, such as "-1000*final(U2@REF)"; may be given several times.
+    #[arg(long, allow_hyphen_values = true)]
+    quantity: Vec<String>,
+    /// Print the summary as one JSON object, and nothing else.
+    #[arg(long)]
+    json: bool,
     /// Write no frames: histories and the summary alone.
     #[arg(long)]
     no_frames: bool,
@@ -78,10 +88,15 @@ impl Run {
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK);
         let pool = pool.num_threads(self.threads.map_or(0, Into::into));
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
-        let Some((routines, user)) = self.user.opened(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
+        let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
+        let Some((routines, user)) = self.user.opened(self.is_silent()) else { return Ok(ExitCode::from(REFUSED)) };
         let mut prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
-        if !accepted(&prepared, self.quiet) {
+        if !accepted(&prepared, self.is_silent()) {
             return Ok(ExitCode::from(REFUSED));
+        }
+        for quantity in &quantities {
+            quantity.stands_alone()?;
+            quantity.check(&prepared.plan)?;
         }
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
@@ -90,30 +105,46 @@ impl Run {
             Ok(job) => job,
             Err(finding) => return Ok(refused(*finding)),
         };
-        if self.checkpoint_every.is_some() && !user.is_empty() && !self.quiet {
+        if self.checkpoint_every.is_some() && !user.is_empty() && !self.is_silent() {
             print_finding(job::forgotten(false));
         }
         let from = match self.checkpoint(&prepared, &job, &user) {
             Ok(from) => from,
             Err(finding) => return Ok(refused(*finding)),
         };
-        if !self.quiet {
+        if !self.is_silent() {
             say!("{}", prepared.plan.ledger.render(false));
         }
         let signal = watch_signals()?;
         // Only once: the state itself, which may be large, and not a copy.
         let state = Some(std::mem::take(&mut prepared.state));
+        let recorder = Mutex::new(Recorder::of(&quantities, &prepared.plan));
+        let rows = |time: f64, row: &[f64]| recorder.lock().unwrap_or_else(PoisonError::into_inner).keep_row(time, row);
         let frames = if self.no_frames { Frames::Absent } else { Frames::Written };
-        let options =
-            Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user, frames, warn: None };
-        let summary = match run(&prepared, &job, options, self.quiet) {
+        let options = Options {
+            every: self.checkpoint_every,
+            interrupt: Some(&*signal),
+            from,
+            state,
+            user,
+            frames,
+            warn: None,
+            rows: Some(&rows),
+        };
+        let summary = match run(&prepared, &job, options, self.is_silent()) {
             Ok(summary) => summary,
             Err(Refusal::Folder(e)) => return Err(e.into()),
             Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
         };
-        print_messages(&summary.messages, self.quiet);
-        if !self.quiet {
+        print_messages(&summary.messages, self.is_silent());
+        if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
+        }
+        let values = values(&quantities, &recorder.into_inner().unwrap_or_else(PoisonError::into_inner));
+        if self.json {
+            print_json(&summary, &values)?;
+        } else {
+            values.iter().for_each(|(text, value)| print_value(text, value));
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, signal);
@@ -123,6 +154,11 @@ impl Run {
         // The libraries stay until the process goes: a thread that a routine started may still run in one.
         std::mem::forget((prepared, routines));
         Ok(end)
+    }
+
+    /// Whether nothing but what was asked for is printed.
+    fn is_silent(&self) -> bool {
+        self.quiet || self.json
     }
 
     /// The checkpoint to go on from, if there is one and it is asked for; notes are printed.
@@ -136,11 +172,41 @@ impl Run {
             return Ok(None);
         }
         let (checkpoint, notes) = job::find_checkpoint(prepared, job, user)?;
-        if !self.quiet {
+        if !self.is_silent() {
             print_findings(&notes, &prepared.deck.sources);
         }
         Ok(checkpoint)
     }
+}
+
+/// Quantities with their values, or why there is none.
+type Values = IndexMap<String, Result<f64, String>>;
+
+fn values(quantities: &[Quantity], recorder: &Recorder) -> Values {
+    let value = |q: &Quantity| (q.text.clone(), q.number(recorder, None).map_err(|e| e.to_string()));
+    quantities.iter().map(value).collect()
+}
+
+fn print_value(text: &str, value: &Result<f64, String>) {
+    match value {
+        Ok(value) => say!("{text} = {value:?}"),
+        Err(why) => tell!("error: {why}"),
+    }
+}
+
+/// The summary with the quantities behind it.
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    quantities: IndexMap<&'a str, Option<f64>>,
+}
+
+fn print_json(summary: &Summary, values: &Values) -> Result<(), Box<dyn Error>> {
+    let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
+    say!("{}", serde_json::to_string_pretty(&Report { summary, quantities })?);
+    Ok(())
 }
 
 fn print_finding(finding: Diagnostic) {

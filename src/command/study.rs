@@ -11,9 +11,9 @@ use revolve::study::StudyError;
 use revolve::study::bench::Bench;
 use revolve::study::chart::{Chart, Scale};
 use revolve::study::effects::{self, Effects};
-use revolve::study::measure::Measure;
+use revolve::study::quantity::Quantity;
 use revolve::study::record::{self, Timing};
-use revolve::study::refinement::{self, Study as Results};
+use revolve::study::refinement::{self, Row, Study as Results};
 use revolve::study::settings::{self, Axis};
 use revolve::study::table;
 use revolve::study::target::{self, Met, Target};
@@ -21,7 +21,7 @@ use revolve::user::compile::Compiled;
 use revolve::{deck, job, model, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, pairs, progress};
+use super::{HALTED, REFUSED, UserFiles, accepted, pairs, progress, tell_doubts};
 
 /// Refine a deck: observed order, error, and what accuracy costs.
 #[derive(Args)]
@@ -64,9 +64,9 @@ pub struct Study {
 impl Study {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
-        let measure = Measure::parse(&self.quantity)?;
-        let exact = self.exact(&measure)?;
-        if self.ablate && measure.compares_fields() {
+        let quantity = Quantity::parse(&self.quantity)?;
+        let exact = self.exact(&quantity)?;
+        if self.ablate && quantity.compares_fields() {
             return Err("--ablate: effects are left out of a number; give the norm an expression".into());
         }
         let target = self.target.as_deref().map(Target::parse).transpose()?;
@@ -83,18 +83,18 @@ impl Study {
         check_axes(&axes, exact)?;
         let model = model::build(&first.deck).0;
         settings::check(&axes, &model)?;
-        measure.check(&first.plan)?;
+        quantity.check(&first.plan)?;
         drop(first);
         let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
-        let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &measure, self.repeat as usize, &done);
+        let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
         let job = job::default_job(&self.deck, self.out.clone()).map_err(|finding| finding.message)?;
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();
-            return write_effects(&job, &measure, &effects, self.quiet);
+            return write_effects(&job, &quantity, &effects, self.quiet);
         }
         let begin = Stopwatch::now();
         let (results, met) = match target {
@@ -106,19 +106,20 @@ impl Study {
         };
         bar.finish_and_clear();
         let timing = Timing { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
-        write(&job, &measure, exact, &results, met.clone(), timing)?;
+        write(&job, &quantity, exact, &results, met.clone(), timing)?;
         if !self.quiet {
             print(&results, met.as_ref(), timing, &job);
         }
+        tell_doubts(&doubts(&axes, &results));
         Ok(verdict(&results, met.as_ref()))
     }
 
     /// The exact value; of a norm against an expression it is zero.
-    fn exact(&self, measure: &Measure) -> Result<Option<f64>, Box<dyn Error>> {
+    fn exact(&self, quantity: &Quantity) -> Result<Option<f64>, Box<dyn Error>> {
         let Some(text) = &self.exact else {
-            return Ok((measure.is_norm() && !measure.compares_fields()).then_some(0.0));
+            return Ok((quantity.is_norm() && !quantity.compares_fields()).then_some(0.0));
         };
-        if measure.compares_fields() {
+        if quantity.compares_fields() {
             return Err(
                 "--exact: a norm against the finest level has no exact value; give the norm an expression".into()
             );
@@ -142,7 +143,7 @@ fn check_axes(axes: &[Axis], exact: Option<f64>) -> Result<(), Box<dyn Error>> {
 /// Table and JSON of effects left out.
 fn write_effects(
     job: &output::Job,
-    measure: &Measure,
+    quantity: &Quantity,
     effects: &Effects,
     quiet: bool,
 ) -> Result<ExitCode, Box<dyn Error>> {
@@ -151,7 +152,7 @@ fn write_effects(
         |ending: &str, text: &str| output::write_whole(&job.path(ending), text.as_bytes()).map_err(|e| e.to_string());
     let (header, rows) = effects.sheet(true);
     write("_study.csv", &table::csv(&header, &rows))?;
-    let record = record::ablation(&measure.text, effects);
+    let record = record::ablation(&quantity.text, effects);
     write("_study.json", &(serde_json::to_string_pretty(&record).map_err(|e| e.to_string())? + "\n"))?;
     if !quiet {
         let (header, rows) = effects.sheet(false);
@@ -169,7 +170,7 @@ fn make_folder(job: &output::Job) -> Result<(), String> {
 /// Files of a study.
 fn write(
     job: &output::Job,
-    measure: &Measure,
+    quantity: &Quantity,
     exact: Option<f64>,
     results: &Results,
     met: Option<Met>,
@@ -179,10 +180,10 @@ fn write(
     let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
     let (header, rows) = record::sheet(results, true);
     write("_study.csv", table::csv(&header, &rows).as_bytes())?;
-    let record = record::record(&measure.text, exact, results, met, timing);
+    let record = record::record(&quantity.text, exact, results, met, timing);
     let text = serde_json::to_string_pretty(&record).map_err(|e| e.to_string())? + "\n";
     write("_study.json", text.as_bytes())?;
-    let title = format!("{}: {}", job.name, measure.text);
+    let title = format!("{}: {}", job.name, quantity.text);
     draw(job, "_study", &record::price_chart(results, &title))?;
     draw(job, "_study_order", &record::order_chart(results, &title))
 }
@@ -214,6 +215,17 @@ fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job
         job.path("_study.csv").display(),
         job.path("_study.png").display()
     );
+}
+
+/// Each setting, and what is to be known of its run.
+fn doubts<'a>(axes: &[Axis], results: &'a Results) -> Vec<(String, &'a [String])> {
+    let given = |values: &[String]| {
+        let given: Vec<String> =
+            axes.iter().zip(values).map(|(axis, value)| format!("{} = {value}", axis.name)).collect();
+        given.join(", ")
+    };
+    let of_row = |row: &'a Row| Some((given(&row.values), &row.run.as_ref().ok()?.doubts[..]));
+    results.rows.iter().filter_map(of_row).collect()
 }
 
 fn verdict(results: &Results, met: Option<&Met>) -> ExitCode {

@@ -13,7 +13,7 @@ use revolve::user::compile::Compiled;
 use revolve::{deck, job, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, progress};
+use super::{HALTED, REFUSED, UserFiles, accepted, progress, tell_doubts};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -57,6 +57,10 @@ impl Sweep {
         if !accepted(&first, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
         }
+        for quantity in &quantities {
+            quantity.stands_alone()?;
+            quantity.check(&first.plan)?;
+        }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(0))
             .build()
@@ -70,6 +74,7 @@ impl Sweep {
         if !self.quiet {
             print_sweep(&sheet, &job);
         }
+        tell_doubts(&doubts(&grid, &results));
         Ok(report_failures(&results))
     }
 }
@@ -80,6 +85,16 @@ fn print_sweep(sheet: &sweep::Sheet, job: &output::Job) {
         say!("rms difference from {column}: {rms:.4}");
     }
     say!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
+}
+
+/// Each run's parameters, and what is to be known of its values.
+fn doubts<'a>(grid: &Grid, results: &'a sweep::Results) -> Vec<(String, &'a [String])> {
+    let names = grid.names();
+    let given = |parameters: &[String]| {
+        let given: Vec<String> = names.iter().zip(parameters).map(|(n, p)| format!("{n} = {p}")).collect();
+        given.join(", ")
+    };
+    results.parameters.iter().zip(&results.doubts).map(|(p, doubts)| (given(p), &doubts[..])).collect()
 }
 
 fn report_failures(results: &sweep::Results) -> ExitCode {

@@ -75,6 +75,15 @@ impl View<'_> {
     }
 }
 
+/// How a rigid body is at the end of a run that has not come to rest in a target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unfinished {
+    /// It still moves in it.
+    Moving,
+    /// It has left it through its back.
+    Through,
+}
+
 /// A load. Forces on nodes come first: those of tied nodes count among the forces on their bodies, which resistances meet.
 pub trait Load: Persist + Send + Sync {
     /// Its row of the ledger.
@@ -115,6 +124,11 @@ pub trait Load: Persist + Send + Sync {
     /// friction. Called behind [`Load::on_nodes`].
     fn dissipated(&self, _behind: &LastIncrement<'_>) -> [f64; 2] {
         [0.0; 2]
+    }
+
+    /// Rigid bodies that have not come to their end in what resists them: a depth that is read now is not their last.
+    fn unfinished(&self, _dofs: &Dofs) -> Vec<(usize, Unfinished)> {
+        Vec::new()
     }
 
     /// Elements with these corner nodes are no more: what acts on their faces ends.

@@ -97,6 +97,7 @@ pub fn run_with(
         }
     }
     run.warn_of_energy();
+    run.tell_unfinished();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();
     run.outcome.deleted = run.elements.deleted();

@@ -20,6 +20,8 @@ pub struct Outcome {
     pub energy: Energy,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// Bodies that are still on their way in a target, or behind it: a depth read now is not their last.
+    pub unfinished: Vec<String>,
     /// Elements that were deleted.
     pub deleted: usize,
     /// What the run warns of.

@@ -16,7 +16,7 @@ use crate::heat::Thermal;
 use crate::heat::field::Heat;
 use crate::kernel::amplitude::Track;
 use crate::load::user_amplitude::UserAmplitude;
-use crate::load::{Account, LastIncrement, Load, Slot, VelocityUse, View};
+use crate::load::{Account, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepPlan};
 use crate::state::dofs::Dofs;
@@ -588,6 +588,21 @@ impl<'a> Run<'a> {
         }
         self.behind = 0.0;
         self.show_own_velocity();
+    }
+
+    /// At the end: what resists says which bodies have not come to theirs.
+    pub(super) fn tell_unfinished(&mut self) {
+        for (index, how) in self.loads.iter().flat_map(|load| load.unfinished(&self.dofs)) {
+            let (name, velocity) = (&self.plan.bodies[index].name, self.dofs.bodies[index].velocity);
+            self.outcome.unfinished.push(match how {
+                Unfinished::Moving => {
+                    format!("{name} still moves in the target, v_z = {velocity:.4e}: a depth read now is not its last")
+                }
+                Unfinished::Through => {
+                    format!("{name} has left the target through its back, v_z = {velocity:.4e}: it has no depth")
+                }
+            });
+        }
     }
 
     /// Where central differences start, loads see the velocity itself.

@@ -6,7 +6,7 @@ use std::time::Instant as Stopwatch;
 use serde::Serialize;
 
 use super::StudyError;
-use super::measure::{Found, Measure};
+use super::quantity::{Found, Quantity};
 use super::settings::{Axis, Edit, Knob, edit};
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, Overrides};
@@ -20,7 +20,7 @@ pub struct Bench<'a> {
     source: &'a Source<'a>,
     overrides: Vec<(String, String)>,
     user: Option<&'a Compiled>,
-    measure: &'a Measure,
+    measure: &'a Quantity,
     repeat: usize,
     done: &'a dyn Fn(),
     spent: f64,
@@ -31,6 +31,8 @@ pub struct Bench<'a> {
 pub struct Run {
     /// What was found.
     pub found: Found,
+    /// What is to be known of it: warnings, and bodies that are still on their way.
+    pub doubts: Vec<String>,
     /// Elements and facets.
     pub elements: usize,
     /// Increments.
@@ -74,7 +76,7 @@ impl<'a> Bench<'a> {
         source: &'a Source<'a>,
         overrides: &Overrides,
         user: Option<&'a Compiled>,
-        measure: &'a Measure,
+        measure: &'a Quantity,
         repeat: usize,
         done: &'a dyn Fn(),
     ) -> Self {
@@ -82,7 +84,7 @@ impl<'a> Bench<'a> {
     }
 
     /// The quantity.
-    pub fn measure(&self) -> &Measure {
+    pub fn measure(&self) -> &Quantity {
         self.measure
     }
 
@@ -149,7 +151,8 @@ impl<'a> Bench<'a> {
         let found = self.measure.evaluate(&recorder, &state)?;
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
         let seconds = Spread { median: outcome.seconds, ..Spread::default() };
-        Ok(Run { found, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
+        let doubts = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
+        Ok(Run { found, doubts, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
     }
 }
 

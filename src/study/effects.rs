@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::StudyError;
 use super::ablation::{self, Ablation};
 use super::bench::{Bench, Run, Spread};
-use super::measure::Found;
+use super::quantity::Found;
 use super::refinement::{self, Study};
 use super::settings::{Axis, Edit, Knob};
 use crate::model::Model;

@@ -11,7 +11,7 @@ pub mod effects;
 mod error;
 pub mod field;
 pub mod grid;
-pub mod measure;
+mod histories;
 pub mod price;
 pub mod quantity;
 pub mod record;

@@ -1,72 +1,301 @@
-//! `--quantity`: an expression over what the history columns came to, such as `-1000*final(U2@REF)`.
-//! Never here: the evaluator (`deck::expression`).
+//! Quantities of runs, sweeps and studies: expressions over histories and over norms of fields at the end of the run, such as
+//! `-1000*final(U2@REF)`.
+//! Never here: the evaluator (`deck::expression`), what repeats runs.
 
 use super::StudyError;
-use crate::deck::expression::{Argument, Expression, ExpressionError};
-use crate::deck::names::nearest;
+use super::field::{Field, FieldName};
+use super::histories::{FUNCTIONS, parse, value};
+use crate::deck::expression::{Argument, Expression};
 use crate::output::HistorySummary;
+use crate::plan::{Plan, State};
+use crate::solve::{Sink, SinkError};
 
-/// Functions of a history column.
-pub(super) const FUNCTIONS: &[&str] = &["final", "min", "max", "time_min", "time_max"];
+/// Functions beside those of what columns came to.
+const MORE: [&str; 3] = ["at", "mean", "norm"];
 
 /// A quantity that has been parsed.
 #[derive(Clone, Debug)]
 pub struct Quantity {
     /// As written.
     pub text: String,
-    expression: Expression,
+    kind: Kind,
+    /// Whether rows are looked at, and not only what they came to.
+    rows: bool,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// A number of each run.
+    Number(Expression),
+    /// `norm(VARIABLE)` alone: a field of each run, compared with the finest.
+    Field(FieldName),
+}
+
+/// What one run gives.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Found {
+    /// A number.
+    Number(f64),
+    /// A field, to be compared with the finest.
+    Field(Box<Field>),
 }
 
 impl Quantity {
-    /// Parses an expression. `final(C)`, `min(C)`, `max(C)`, `time_min(C)` and `time_max(C)` take a column name.
+    /// Parses an expression of `final(C)`, `min(C)`, `max(C)`, `time_min(C)`, `time_max(C)`, `at(C, t)`,
+    /// `mean(C, t1, t2)` over history columns and `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`, `z`
+    /// (now), `r0`, `z0` (at the start) and `t`. `norm(VARIABLE)` alone compares with the finest level.
     ///
     /// # Errors
-    /// [`StudyError::Quantity`], with the place in the expression.
+    /// In words, with the place in the expression.
     pub fn parse(text: &str) -> Result<Quantity, StudyError> {
-        let expression = parse(text, FUNCTIONS)?;
-        Ok(Quantity { text: text.to_owned(), expression })
+        let functions: Vec<&str> = FUNCTIONS.iter().copied().chain(MORE).collect();
+        let expression = parse(text, &functions)?;
+        let alone = text.trim().strip_prefix("norm(").and_then(|t| t.strip_suffix(')'));
+        if let Some(variable) = alone.filter(|a| !a.contains([',', '('])) {
+            let field = FieldName::parse(variable).map_err(|e| StudyError::quantity(text, e))?;
+            return Ok(Quantity { text: text.to_owned(), kind: Kind::Field(field), rows: false });
+        }
+        for (function, argument) in expression.raw_arguments() {
+            check(function, argument).map_err(|e| StudyError::quantity(text, e))?;
+        }
+        let rows = expression.raw_arguments().any(|(f, _)| f == "at" || f == "mean");
+        Ok(Quantity { text: text.to_owned(), kind: Kind::Number(expression), rows })
     }
 
-    /// The value for a run's histories.
+    /// Whether it compares fields with the finest level.
+    pub fn compares_fields(&self) -> bool {
+        matches!(self.kind, Kind::Field(_))
+    }
+
+    /// Whether it is a relative error already: a norm, and nothing else.
+    pub fn is_norm(&self) -> bool {
+        let Kind::Number(expression) = &self.kind else { return true };
+        let mut arguments = expression.raw_arguments();
+        let alone = format!("norm({})", arguments.next().map_or("", |a| a.1));
+        arguments.next().is_none() && self.text.split_whitespace().eq(alone.split_whitespace())
+    }
+
+    /// A sink that keeps what this quantity looks at.
+    pub fn recorder(&self, plan: &Plan) -> Recorder {
+        Recorder::of(std::slice::from_ref(self), plan)
+    }
+
+    /// Refuses what compares with the finest mesh: only a study has one.
     ///
     /// # Errors
-    /// [`StudyError::Quantity`]: a column that does not exist, with the nearest that does.
-    pub fn evaluate(&self, history: &HistorySummary) -> Result<f64, StudyError> {
-        let call = |function: &str, arguments: &[Argument]| {
-            let [Argument::Raw(column)] = arguments else { return None };
-            Some(value(history, function, column))
-        };
-        self.expression.evaluate(&|_| None, &call).map_err(|e| StudyError::quantity(&self.text, e.message))
+    /// In words.
+    pub fn stands_alone(&self) -> Result<(), StudyError> {
+        let message = "it compares with the finest level of a study; give the norm an expression: norm(VAR, EXPR)";
+        if self.compares_fields() { Err(StudyError::quantity(&self.text, message.into())) } else { Ok(()) }
     }
-}
 
-/// The expression of a quantity.
-pub(super) fn parse(text: &str, functions: &[&str]) -> Result<Expression, StudyError> {
-    let wrong =
-        |e: ExpressionError| StudyError::Quantity { text: text.to_owned(), at: Some(e.start + 1), message: e.message };
-    Expression::parse_with(text, functions).map_err(wrong)
-}
+    /// Refuses what no run of such a plan can give: columns that do not exist, norms where nothing deforms.
+    ///
+    /// # Errors
+    /// In words, with the nearest name that exists.
+    pub fn check(&self, plan: &Plan) -> Result<(), StudyError> {
+        let wrong = |message: String| StudyError::quantity(&self.text, message);
+        let nothing = "a norm is taken over what deforms, and nothing here does";
+        let Kind::Number(expression) = &self.kind else {
+            return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
+        };
+        let mut recorder = self.recorder(plan);
+        let zeros = vec![0.0; recorder.columns.len()];
+        recorder.keep_row(0.0, &zeros);
+        for (function, argument) in expression.raw_arguments() {
+            let column = argument.split(',').next().unwrap_or_default().trim();
+            match function {
+                "norm" if plan.places.elements.is_empty() => return Err(wrong(nothing.into())),
+                "norm" => {}
+                _ => drop(recorder.column(column).map_err(wrong)?),
+            }
+        }
+        if expression.raw_arguments().next().is_none() {
+            return Err(wrong("it depends on no run: final(COLUMN), at(COLUMN, t), norm(VARIABLE, EXPR), …".into()));
+        }
+        Ok(())
+    }
 
-pub(super) fn value(history: &HistorySummary, function: &str, column: &str) -> Result<f64, String> {
-    let summary = history.0.iter().find(|(name, _)| name.eq_ignore_ascii_case(column)).map(|(_, s)| s);
-    let Some(summary) = summary else { return Err(missing(history, column)) };
-    Ok(match function {
-        "final" => summary.last,
-        "min" => summary.min,
-        "max" => summary.max,
-        "time_min" => summary.time_min,
-        _ => summary.time_max,
-    })
-}
-
-fn missing(history: &HistorySummary, column: &str) -> String {
-    let names: Vec<&str> = history.0.keys().map(String::as_str).collect();
-    match nearest(column, names.iter().copied()) {
-        Some(near) => format!("there is no history column {column}; did you mean {near}?"),
-        None => {
-            format!("there is no history column {column}; the deck's *OUTPUT, HISTORY asks for {}", names.join(", "))
+    /// The value of a run.
+    ///
+    /// # Errors
+    /// In words: what does not exist, with the nearest that does; a value that is not finite.
+    pub fn evaluate(&self, recorder: &Recorder, state: &State) -> Result<Found, StudyError> {
+        let wrong = |message: String| StudyError::quantity(&self.text, message);
+        match &self.kind {
+            Kind::Field(name) => {
+                Field::of(state, *name, recorder.time).map(|f| Found::Field(Box::new(f))).map_err(wrong)
+            }
+            Kind::Number(_) => self.number(recorder, Some(state)).map(Found::Number),
         }
     }
+
+    /// The number of a run; without its state no norm can be taken.
+    ///
+    /// # Errors
+    /// As [`Quantity::evaluate`].
+    pub fn number(&self, recorder: &Recorder, state: Option<&State>) -> Result<f64, StudyError> {
+        let wrong = |message: String| StudyError::quantity(&self.text, message);
+        self.stands_alone()?;
+        let Kind::Number(expression) = &self.kind else { return Err(wrong("it is no number".into())) };
+        let call = |function: &str, arguments: &[Argument]| {
+            let [Argument::Raw(argument)] = arguments else { return None };
+            Some(match function {
+                "at" => at(recorder, argument),
+                "mean" => mean(recorder, argument),
+                "norm" => match state {
+                    Some(state) => norm(recorder, state, argument),
+                    None => Err("a norm is taken by sweep and study".into()),
+                },
+                _ => value(&recorder.summary, function, argument),
+            })
+        };
+        let number = expression.evaluate(&|_| None, &call).map_err(|e| wrong(e.message))?;
+        if number.is_finite() { Ok(number) } else { Err(wrong(format!("the value is {number}"))) }
+    }
+}
+
+/// Keeps what histories came to, and their rows where they are looked at.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    columns: Vec<String>,
+    summary: HistorySummary,
+    keeps_rows: bool,
+    times: Vec<f64>,
+    rows: Vec<f64>,
+    time: f64,
+}
+
+impl Recorder {
+    /// Keeps what all of these quantities look at.
+    pub fn of(quantities: &[Quantity], plan: &Plan) -> Recorder {
+        let columns = plan.columns.iter().map(|c| c.name.clone()).collect();
+        Recorder { columns, keeps_rows: quantities.iter().any(|q| q.rows), ..Recorder::default() }
+    }
+
+    /// Tells the total time at the end of the run.
+    pub fn end(&mut self, time: f64) {
+        self.time = time;
+    }
+
+    /// Keeps a row of the histories.
+    pub fn keep_row(&mut self, time: f64, values: &[f64]) {
+        self.summary.observe(&self.columns, time, values);
+        if self.keeps_rows {
+            self.times.push(time);
+            self.rows.extend_from_slice(values);
+        }
+    }
+
+    fn cell(&self, i: usize, column: usize) -> f64 {
+        self.rows[i * self.columns.len() + column]
+    }
+
+    fn column(&self, name: &str) -> Result<usize, String> {
+        // The summary knows how to tell what is missing.
+        value(&self.summary, "final", name)?;
+        self.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
+    }
+
+    /// A column at a time between two rows, by a straight line.
+    fn between(&self, column: usize, time: f64) -> Result<f64, String> {
+        let after = self.times.partition_point(|t| *t < time);
+        let last = self.times.last().copied().unwrap_or(0.0);
+        if after == self.times.len() && time <= last * (1.0 + 1e-9) && after > 0 {
+            return Ok(self.cell(after - 1, column));
+        }
+        if after == self.times.len() || after == 0 && self.times[0] > time {
+            return Err(format!("no history row reaches the time {time:e}; the last is at {last:e}"));
+        }
+        if after == 0 || self.times[after] == time {
+            return Ok(self.cell(after, column));
+        }
+        let (a, b) = (self.times[after - 1], self.times[after]);
+        let (u, v) = (self.cell(after - 1, column), self.cell(after, column));
+        Ok(u + (v - u) * (time - a) / (b - a))
+    }
+}
+
+impl Sink for Recorder {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
+        self.keep_row(time, values);
+        Ok(())
+    }
+}
+
+/// What can be said of an argument before any run.
+fn check(function: &str, argument: &str) -> Result<(), String> {
+    match function {
+        "at" => parts::<1>(function, argument).map(|_| ()),
+        "mean" => parts::<2>(function, argument).map(|_| ()),
+        "norm" => norm_parts(argument).map(|_| ()),
+        _ => Ok(()),
+    }
+}
+
+/// A column and `N` numbers.
+fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a str, [f64; N]), String> {
+    let form = if N == 1 { "at(COLUMN, time)" } else { "mean(COLUMN, from, to)" };
+    let words: Vec<&str> = argument.split(',').map(str::trim).collect();
+    let wrong = || format!("{function}({argument}): the form is {form}");
+    let (column, rest) = words.split_first().filter(|w| w.1.len() == N).ok_or_else(wrong)?;
+    let mut numbers = [0.0; N];
+    for (number, text) in numbers.iter_mut().zip(rest) {
+        let expression = Expression::parse(text).map_err(|_| wrong())?;
+        *number = expression.evaluate(&|_| None, &|_, _| None).map_err(|_| wrong())?;
+    }
+    Ok((column, numbers))
+}
+
+fn at(recorder: &Recorder, argument: &str) -> Result<f64, String> {
+    let (column, [time]) = parts::<1>("at", argument)?;
+    recorder.between(recorder.column(column)?, time)
+}
+
+/// Mean over time, by the trapezoid of the rows.
+fn mean(recorder: &Recorder, argument: &str) -> Result<f64, String> {
+    let (column, [from, to]) = parts::<2>("mean", argument)?;
+    let column = recorder.column(column)?;
+    let mut before = (from, recorder.between(column, from)?);
+    let end = (to, recorder.between(column, to)?);
+    let inside = (0..recorder.times.len()).filter(|&i| recorder.times[i] > from && recorder.times[i] < to);
+    let mut sum = 0.0;
+    for (time, value) in inside.map(|i| (recorder.times[i], recorder.cell(i, column))).chain([end]) {
+        sum += 0.5 * (value + before.1) * (time - before.0);
+        before = (time, value);
+    }
+    if to > from { Ok(sum / (to - from)) } else { Err(format!("mean({argument}): the times must rise")) }
+}
+
+fn norm_parts(argument: &str) -> Result<(FieldName, Expression), String> {
+    let Some((variable, exact)) = argument.split_once(',') else {
+        return Err(format!(
+            "norm({argument}) compares with the finest level and must stand alone; norm({argument}, EXPR in r, z, t) \
+             compares with an expression"
+        ));
+    };
+    let exact = Expression::parse(exact.trim()).map_err(|e| format!("norm({argument}): {}", e.message))?;
+    let known = ["r", "z", "r0", "z0", "t", "pi"];
+    if let Some(name) = exact.names().find(|n| !known.contains(n)) {
+        return Err(format!("norm({argument}): `{name}` is not known; r, z, r0, z0 and t are"));
+    }
+    Ok((FieldName::parse(variable)?, exact))
+}
+
+fn norm(recorder: &Recorder, state: &State, argument: &str) -> Result<f64, String> {
+    let (name, exact) = norm_parts(argument)?;
+    let field = Field::of(state, name, recorder.time)?;
+    field.relative_norm(|point| {
+        let known = |name: &str| match name {
+            "r" => Some(point.now[0]),
+            "z" => Some(point.now[1]),
+            "r0" => Some(point.start[0]),
+            "z0" => Some(point.start[1]),
+            "t" => Some(recorder.time),
+            _ => None,
+        };
+        exact.evaluate(&known, &|_, _| None).map_err(|e| e.message)
+    })
 }
 
 #[cfg(test)]
@@ -74,13 +303,39 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantities_read_columns() {
-        let mut history = HistorySummary::default();
-        let columns = ["U2@REF".to_owned()];
-        for (t, u) in [(0.0, 0.0), (1.0, -0.06), (2.0, -0.05)] {
-            history.observe(&columns, t, &[u]);
+    fn histories_are_read_between_rows() {
+        let mut recorder = Recorder { columns: vec!["U2@REF".into()], keeps_rows: true, ..Recorder::default() };
+        for (t, u) in [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)] {
+            recorder.row(t, &[u]).expect("kept");
         }
-        let value = |text: &str| Quantity::parse(text).and_then(|q| q.evaluate(&history));
+        assert_eq!(at(&recorder, "u2@ref, 0.5"), Ok(1.0));
+        assert_eq!(at(&recorder, "U2@REF, 1+1"), Ok(0.0));
+        assert_eq!(mean(&recorder, "U2@REF, 0, 2"), Ok(1.0));
+        assert_eq!(mean(&recorder, "U2@REF, 0.5, 1.5"), Ok(1.5));
+        for wrong in ["U2@REF, 3", "U2@REF", "U2@RFE, 1", "U2@REF, x"] {
+            assert!(at(&recorder, wrong).is_err(), "{wrong}");
+        }
+        assert!(mean(&recorder, "U2@REF, 1, 1").is_err());
+    }
+
+    #[test]
+    fn faults_are_told_before_any_run() {
+        for wrong in
+            ["final(", "at(C)", "mean(C, 1)", "norm(NOISE)", "norm(S22, x)", "2*norm(S22)", "norm(S22, 1+)", ""]
+        {
+            assert!(Quantity::parse(wrong).is_err(), "{wrong}");
+        }
+        assert!(Quantity::parse("norm(S22)").is_ok_and(|m| m.compares_fields()));
+        assert!(Quantity::parse("2*norm(V2, sin(pi*(z - t)))").is_ok_and(|m| !m.compares_fields()));
+    }
+
+    #[test]
+    fn quantities_read_columns() {
+        let mut recorder = Recorder { columns: vec!["U2@REF".into()], ..Recorder::default() };
+        for (t, u) in [(0.0, 0.0), (1.0, -0.06), (2.0, -0.05)] {
+            recorder.keep_row(t, &[u]);
+        }
+        let value = |text: &str| Quantity::parse(text).and_then(|q| q.number(&recorder, None));
         assert_eq!(value("-1000*final(U2@REF)"), Ok(50.0));
         assert_eq!(value("time_min(u2@ref) + max(U2@REF)"), Ok(1.0));
         assert!(value("final(U2@RFE)").is_err_and(|e| e.to_string().contains("did you mean U2@REF")));

@@ -3,7 +3,7 @@
 
 use super::StudyError;
 use super::bench::{Bench, Run};
-use super::measure::Found;
+use super::quantity::Found;
 use super::richardson::{Estimate, Level, estimate, order_of_errors};
 use super::settings::Axis;
 

@@ -9,17 +9,19 @@ use super::StudyError;
 use super::chart::{Chart, Series};
 use super::compare::{Reference, rms};
 use super::grid::Grid;
-use super::quantity::Quantity;
+use super::quantity::{Quantity, Recorder};
 use crate::job;
 use crate::user::compile::Compiled;
 
 /// The results of a sweep, in the grid's order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Results {
     /// Values of the parameters of each run, as given.
     pub parameters: Vec<Vec<String>>,
     /// Value of each quantity of each run, or why there is none.
     pub values: Vec<Result<Vec<f64>, StudyError>>,
+    /// What is to be known of each run's values: its warnings, and bodies that are still on their way.
+    pub doubts: Vec<Vec<String>>,
 }
 
 /// Runs every combination. The results do not depend on the number of threads: runs share nothing, and the user's
@@ -46,32 +48,41 @@ pub fn run(
         .into_par_iter()
         .map(|index| {
             let combination = grid.combination(index);
-            let value = one(deck, &combination, quantities, user);
+            let result = one(deck, &combination, quantities, user);
             done();
-            (combination.into_iter().map(|p| p.1).collect(), value)
+            let (value, doubts) = result.map_or_else(|e| (Err(e), Vec::new()), |(value, doubts)| (Ok(value), doubts));
+            (combination.into_iter().map(|p| p.1).collect(), value, doubts)
         })
         .collect();
-    let (parameters, values) = runs.into_iter().unzip();
-    Results { parameters, values }
+    let mut results = Results::default();
+    for (parameters, value, doubts) in runs {
+        results.parameters.push(parameters);
+        results.values.push(value);
+        results.doubts.push(doubts);
+    }
+    results
 }
 
-/// One run: the quantities, or the first thing that was wrong.
+/// One run: the quantities and what is to be known of them, or the first thing that was wrong.
 fn one(
     deck: &Path,
     overrides: &job::Overrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
-) -> Result<Vec<f64>, StudyError> {
+) -> Result<(Vec<f64>, Vec<String>), StudyError> {
     let routines = Compiled::open_any(user)?;
     let prepared = job::prepare(deck, overrides, &routines);
     if prepared.diagnostics.has_errors() {
         return Err(StudyError::refused(&prepared));
     }
-    let (outcome, history) = job::run_in_memory(&prepared);
+    let mut recorder = Recorder::of(quantities, &prepared.plan);
+    let (outcome, state) = job::run_into(&prepared, &mut recorder);
+    recorder.end(outcome.steps.iter().map(|s| s.time).sum());
     if let Some(halt) = outcome.halt {
         return Err(StudyError::Halted(halt));
     }
-    quantities.iter().map(|q| q.evaluate(&history)).collect()
+    let values = quantities.iter().map(|q| q.number(&recorder, Some(&state))).collect::<Result<_, _>>()?;
+    Ok((values, outcome.unfinished.into_iter().chain(outcome.warnings).collect()))
 }
 
 /// What keeps a reference table from standing beside a sweep: none of its rows has a value of the first parameter.

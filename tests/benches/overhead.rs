@@ -7,7 +7,7 @@ use std::time::Instant;
 use revolve::deck;
 use revolve::job::{self, Overrides};
 use revolve::study::bench::Bench;
-use revolve::study::measure::Measure;
+use revolve::study::quantity::Quantity;
 use revolve::study::{record, refinement, settings};
 use revolve::user::Routines;
 
@@ -16,7 +16,7 @@ const DECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/input/ogive.inp");
 /// Seconds of a study over seconds of its runs.
 fn study() -> f64 {
     let source = |overrides: &Overrides| deck::read(DECK.as_ref(), overrides);
-    let measure = Measure::parse("final(U2@REF)").expect("a quantity");
+    let measure = Quantity::parse("final(U2@REF)").expect("a quantity");
     let axes = settings::axes(&["n=20,40,80,160".to_owned()], &["n".to_owned()]).expect("levels");
     let begin = Instant::now();
     let mut bench = Bench::new(&source, &[], None, &measure, 10, &|| {});

@@ -5,7 +5,7 @@
 //! Source: the answers of `study_cases.rs`, closed forms all.
 
 use revolve::study::bench::Bench;
-use revolve::study::measure::Measure;
+use revolve::study::quantity::Quantity;
 use revolve::study::refinement::{self, Study};
 use revolve::study::richardson::Behaviour;
 use revolve::study::settings;
@@ -15,7 +15,7 @@ use crate::study_cases::{self as cases, Case};
 
 /// A case refined; with its exact value told, or not.
 fn study(case: &Case, told: bool) -> Study {
-    let measure = Measure::parse(&case.quantity).expect("a quantity");
+    let measure = Quantity::parse(&case.quantity).expect("a quantity");
     let axes = settings::axes(&[case.refine.to_owned()], &["n".to_owned()]).expect("levels");
     let mut bench = Bench::new(&*case.deck, &[], None, &measure, 1, &|| {});
     let study = refinement::grid(&mut bench, &axes, told.then_some(case.exact)).expect("a study");
@@ -91,7 +91,7 @@ fn a_target_is_met_and_not_overpaid() {
         let first = study(&case, true);
         let errors: Vec<f64> = first.rows.iter().map(|r| true_error(&case, r.value.expect("a value"))).collect();
         let aim = 0.2 * errors[0];
-        let measure = Measure::parse(&case.quantity).expect("a quantity");
+        let measure = Quantity::parse(&case.quantity).expect("a quantity");
         let axes = settings::axes(&[case.refine.to_owned()], &["n".to_owned()]).expect("levels");
         let mut bench = Bench::new(&*case.deck, &[], None, &measure, 1, &|| {});
         let wanted = Target { value: aim, relative: true };
@@ -107,7 +107,7 @@ fn a_target_is_met_and_not_overpaid() {
             let value = axes[0].value(coarser);
             let value = if axes[0].counts() { format!("{}", value.floor()) } else { format!("{value:e}") };
             let run = bench.at(&axes, &[value], None).expect("a run");
-            if let revolve::study::measure::Found::Number(found) = run.found
+            if let revolve::study::quantity::Found::Number(found) = run.found
                 && true_error(&case, found) <= aim
             {
                 least = least.min(run.element_cycles());

@@ -11,7 +11,7 @@ use revolve::job::Overrides;
 use revolve::model;
 use revolve::study::bench::Bench;
 use revolve::study::effects::{self, Effect, Effects};
-use revolve::study::measure::Measure;
+use revolve::study::quantity::Quantity;
 use revolve::study::refinement;
 use revolve::study::settings;
 
@@ -20,7 +20,7 @@ use crate::common::solid::{grid, material};
 
 fn left_out(text: &str, refine: &str, quantity: &str) -> Effects {
     let source = |overrides: &Overrides| deck::read_text("case.inp", text, overrides);
-    let measure = Measure::parse(quantity).expect("a quantity");
+    let measure = Quantity::parse(quantity).expect("a quantity");
     let (read, _) = source(&[]);
     let parameters: Vec<String> = read.parameters.iter().map(|p| p.0.clone()).collect();
     let axes = settings::axes(&[refine.to_owned()], &parameters).expect("levels");
@@ -238,7 +238,7 @@ fn norms_of_shells() {
                 *Step\n*Dynamic, Explicit\n , 1.e-4\n*Boundary\n A, XSYMM\n B, ENCASTRE\n*Dload\n SHELL, P, 1.e5\n\
                 *Output, history, number interval=20\n*Node Output, nset=A\n U2\n*End Step\n";
     let source = |overrides: &Overrides| deck::read_text("case.inp", text, overrides);
-    let measure = Measure::parse("norm(U2)").expect("a quantity");
+    let measure = Quantity::parse("norm(U2)").expect("a quantity");
     let axes = settings::axes(&["n=8,16,32".to_owned()], &["n".to_owned(), "last".to_owned()]).expect("levels");
     let mut bench = Bench::new(&source, &[], None, &measure, 1, &|| {});
     let study = refinement::grid(&mut bench, &axes, None).expect("a study");

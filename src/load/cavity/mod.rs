@@ -6,7 +6,7 @@ mod nose;
 mod skin;
 mod stack;
 
-use super::{Account, LastIncrement, Load, Slot, VelocityUse, View};
+use super::{Account, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::Surface;
 use crate::state::EffectId;
@@ -54,6 +54,11 @@ impl Load for CavityExpansion {
             accounts.iter().map(move |&account| Slot { body, account })
         };
         self.noses.iter().flat_map(of_nose).collect()
+    }
+
+    fn unfinished(&self, dofs: &Dofs) -> Vec<(usize, Unfinished)> {
+        let of_nose = |nose: &Nose| Some((nose.body, nose.unfinished(&self.stack, &dofs.bodies[nose.body])?));
+        self.noses.iter().filter_map(of_nose).collect()
     }
 
     fn acts_on_nodes(&self) -> bool {

@@ -5,6 +5,7 @@
 use super::stack::{Stack, is_level};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
+use crate::load::Unfinished;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::Patch;
 use crate::state::BodyState;
@@ -132,6 +133,19 @@ impl Nose {
         let sign = direction.signum();
         let (distance, jump) = self.reach(stack, body.displacement, sign);
         Limit { time: time_to_travel(distance, velocity.abs(), acceleration * sign), jump }
+    }
+
+    /// Whether the body still moves in the stack, or has left it at the side that it moves to.
+    pub(super) fn unfinished(&self, stack: &Stack, body: &BodyState) -> Option<Unfinished> {
+        let direction = body.velocity.signum();
+        if body.velocity == 0.0 || body.prescribed || self.front(direction).facets.is_empty() {
+            return None;
+        }
+        let [low, high] = self.front(direction).range.map(|z| z + body.displacement);
+        let (first, last) = (stack.planes[0], stack.planes[stack.planes.len() - 1]);
+        let through = if direction > 0.0 { low >= last } else { high <= first };
+        let inside = high > first && low < last;
+        if through { Some(Unfinished::Through) } else { inside.then_some(Unfinished::Moving) }
     }
 
     /// Adds what frames show.
