@@ -13,12 +13,12 @@ use thiserror::Error;
 use crate::deck::files::STANDARD_INPUT;
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
-use crate::model::{self, Model, scene::Scene};
+use crate::model::{self, Model, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, missing_frames};
 use crate::output::status::{Line, Status};
-use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
+use crate::output::{Frame, History, HistorySummary, Job, Points, write_summary, write_whole};
 use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
@@ -53,6 +53,8 @@ pub struct Prepared {
     pub title: String,
     /// What no mesh shows.
     scene: Scene,
+    /// Names of the units.
+    units: Option<Units>,
     /// Whether routines of the user take part.
     has_routines: bool,
     /// What tells a model that is composed in Rust from others.
@@ -140,7 +142,8 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
     diagnostics.append(found);
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.title.clone(), Scene::of(model), routines.any());
-    Prepared { title, scene, deck, plan, state, diagnostics, has_routines, composed: None }
+    let units = model.units.clone();
+    Prepared { title, scene, units, deck, plan, state, diagnostics, has_routines, composed: None }
 }
 
 /// What `<job>.json` holds. The keys are stable.
@@ -184,6 +187,9 @@ pub struct Summary {
     /// Targets that are not meshed and analytical planes, for pictures.
     #[serde(skip_serializing_if = "Scene::is_empty")]
     pub scene: Scene,
+    /// Names of the units, where the deck gives them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
     /// What it took.
     pub timing: Timing,
     /// The deck and its parameters.
@@ -270,9 +276,11 @@ pub struct Options<'a> {
 /// What becomes of the frames of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Frames {
-    /// They are written.
+    /// They are written, with the points where they are.
     #[default]
     Written,
+    /// They are written, with the points where they were at the start.
+    OnReference,
     /// There are none: histories and the summary alone.
     Absent,
 }
@@ -412,7 +420,7 @@ fn persist_shown(times: &mut Vec<f64>, history: &mut History, summary: &mut Hist
 
 impl Sink for Files<'_> {
     fn wants_frames(&self) -> bool {
-        self.wanted == Frames::Written
+        self.wanted != Frames::Absent
     }
 
     fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
@@ -492,13 +500,14 @@ pub fn run_with<'a>(
     let mut history = History { columns: column_names(&prepared.plan), ..History::default() };
     let mut summary = HistorySummary::default();
     let goes_on = options.from.is_some();
+    let points = if options.frames == Frames::OnReference { Points::Reference } else { Points::Current };
     let frames = match &options.from {
-        None => FrameWriter::new(job.clone()),
+        None => FrameWriter::new(job.clone(), points),
         Some(checkpoint) => {
             let (mut times, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
             persist_shown(&mut times, &mut history, &mut summary, &mut archive);
             archive.finish().map_err(unfit)?;
-            FrameWriter::go_on(job.clone(), times)
+            FrameWriter::go_on(job.clone(), times, points)
         }
     };
     let frames = frames.map_err(Refusal::Folder)?;
@@ -615,6 +624,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),
+        units: prepared.units.clone(),
         timing: Timing {
             increments: outcome.increments,
             seconds: outcome.seconds,

@@ -36,7 +36,7 @@ pub fn print(summary: &Summary, job: &output::Job, frames: Frames, profile: bool
         print_profile(summary);
     }
     say!("digest {}", summary.digest);
-    let ending = if frames == Frames::Written { ".pvd" } else { "_history.csv" };
+    let ending = if frames == Frames::Absent { "_history.csv" } else { ".pvd" };
     say!("results in {}", job.path(ending).display());
 }
 

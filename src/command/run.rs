@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use indexmap::IndexMap;
 use revolve::deck::{Diagnostic, Diagnostics, Sources};
 use revolve::job::{self, Frames, Instructions, Options, Prepared, Refusal, Summary};
@@ -57,6 +57,10 @@ pub struct Run {
     /// Print the summary as one JSON object, and nothing else.
     #[arg(long)]
     json: bool,
+    /// Where frames have their points: where they are, or where they were at the start with U beside them, so that Warp By Vector
+    /// shows the motion at any scale.
+    #[arg(long, value_enum, default_value = "current", conflicts_with = "no_frames")]
+    points: PointsAt,
     /// Write no frames: histories and the summary alone.
     #[arg(long)]
     no_frames: bool,
@@ -66,6 +70,15 @@ pub struct Run {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
+}
+
+/// Where frames have their points.
+#[derive(Clone, Copy, ValueEnum)]
+enum PointsAt {
+    /// Where they are.
+    Current,
+    /// Where they were at the start.
+    Reference,
 }
 
 /// Seconds, minutes, hours or increments.
@@ -120,7 +133,7 @@ impl Run {
         let state = Some(std::mem::take(&mut prepared.state));
         let recorder = Mutex::new(Recorder::of(&quantities, &prepared.plan));
         let rows = |time: f64, row: &[f64]| recorder.lock().unwrap_or_else(PoisonError::into_inner).keep_row(time, row);
-        let frames = if self.no_frames { Frames::Absent } else { Frames::Written };
+        let frames = self.frames();
         let options = Options {
             every: self.checkpoint_every,
             interrupt: Some(&*signal),
@@ -154,6 +167,15 @@ impl Run {
         // The libraries stay until the process goes: a thread that a routine started may still run in one.
         std::mem::forget((prepared, routines));
         Ok(end)
+    }
+
+    /// What becomes of frames.
+    fn frames(&self) -> Frames {
+        match self.points {
+            _ if self.no_frames => Frames::Absent,
+            PointsAt::Current => Frames::Written,
+            PointsAt::Reference => Frames::OnReference,
+        }
     }
 
     /// Whether nothing but what was asked for is printed.

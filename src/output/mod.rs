@@ -51,6 +51,38 @@ pub struct Frame {
     pub point_fields: Vec<Field>,
     /// Arrays over cells.
     pub cell_fields: Vec<Field>,
+    /// Coordinates `[r, z]` at the start.
+    pub start: Vec<[f64; 2]>,
+    /// What stays as it is over points.
+    pub point_labels: Vec<Label>,
+    /// What stays as it is over cells.
+    pub cell_labels: Vec<Label>,
+}
+
+/// Whole numbers over points or cells by which they are found: the deck's numbers, materials, members of sets.
+#[derive(Clone, Debug)]
+pub struct Label {
+    /// `NODE`, `ELEMENT`, `MATERIAL`, `NSET …` or `ELSET …`.
+    pub name: String,
+    /// One a point or cell.
+    pub values: Vec<i32>,
+}
+
+impl Label {
+    /// Whether an array of this name is one of labels.
+    pub fn is_name(name: &str) -> bool {
+        ["NODE", "ELEMENT", "MATERIAL"].contains(&name) || name.starts_with("NSET ") || name.starts_with("ELSET ")
+    }
+}
+
+/// Where the points of frames are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Points {
+    /// Where they are now.
+    #[default]
+    Current,
+    /// Where they were at the start, with U beside them: what warps by it shows the motion, at any scale.
+    Reference,
 }
 
 /// Where the files of a job go.

@@ -9,7 +9,7 @@ use super::checkpoint::CHECKPOINT;
 use super::status::STATUS;
 use super::vtu::{VtuWriter, escape};
 use super::whole::unfinished;
-use super::{Frame, Job, write_whole};
+use super::{Frame, Job, Points, write_whole};
 
 /// Writes frames one after the other; the list is whole after each.
 #[derive(Debug)]
@@ -24,12 +24,12 @@ impl FrameWriter {
     ///
     /// # Errors
     /// Where the folder cannot be cleared.
-    pub fn new(job: Job) -> io::Result<Self> {
+    pub fn new(job: Job, points: Points) -> io::Result<Self> {
         // The lists first: none shall name a frame that is gone.
         for ending in [".pvd", ".json", "_history.csv", CHECKPOINT, STATUS] {
             remove(&job.path(ending))?;
         }
-        let writer = FrameWriter { job, times: Vec::new(), vtu: VtuWriter::default() };
+        let writer = FrameWriter { job, times: Vec::new(), vtu: VtuWriter::new(points) };
         writer.clear_from(0)?;
         Ok(writer)
     }
@@ -38,8 +38,8 @@ impl FrameWriter {
     ///
     /// # Errors
     /// Where the folder cannot be cleared.
-    pub fn go_on(job: Job, times: Vec<f64>) -> io::Result<Self> {
-        let writer = FrameWriter { job, times, vtu: VtuWriter::default() };
+    pub fn go_on(job: Job, times: Vec<f64>, points: Points) -> io::Result<Self> {
+        let writer = FrameWriter { job, times, vtu: VtuWriter::new(points) };
         remove(&writer.job.path(".json"))?;
         write_whole(&writer.job.path(".pvd"), writer.list().as_bytes())?;
         writer.clear_from(writer.times.len())?;

@@ -7,7 +7,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Compress, Compression, FlushCompress};
 
-use super::{Field, Frame};
+use super::{Field, Frame, Label, Points};
 
 /// Bytes of a block before compression: setting the compressor up again costs as much as compressing some tens of KiB.
 const BLOCK: usize = 1 << 20;
@@ -20,20 +20,29 @@ const HIDDEN: u8 = 32;
 /// frame.
 #[derive(Debug)]
 pub struct VtuWriter {
+    points: Points,
     compressor: Compress,
     text: String,
     bytes: Vec<u8>,
     packed: Vec<u8>,
 }
 
+/// Name of the field data that tells of points at the start.
+pub const REFERENCE: &str = "ReferencePoints";
+
 impl Default for VtuWriter {
     fn default() -> Self {
-        let compressor = Compress::new(Compression::fast(), true);
-        VtuWriter { compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }
+        VtuWriter::new(Points::default())
     }
 }
 
 impl VtuWriter {
+    /// Writes points where they are now or where they were.
+    pub fn new(points: Points) -> Self {
+        let compressor = Compress::new(Compression::fast(), true);
+        VtuWriter { points, compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }
+    }
+
     /// The text of a frame. r becomes x, z becomes y.
     pub fn text(&mut self, frame: &Frame) -> &str {
         self.text.clear();
@@ -42,13 +51,18 @@ impl VtuWriter {
              header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>",
         );
         self.array("Float64", "TimeValue", " NumberOfTuples=\"1\"", frame.time.to_le_bytes());
+        let reference = self.points == Points::Reference;
+        if reference {
+            self.array("UInt8", REFERENCE, " NumberOfTuples=\"1\"", [1]);
+        }
         let (points, cells) = (frame.points.len(), frame.cells.len());
         self.line("</FieldData>");
         let _ = writeln!(self.text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
-        self.section("PointData", &frame.point_fields);
+        self.point_data(frame);
         self.cell_data(frame);
         self.line("<Points>");
-        let places = frame.points.iter().flat_map(|p| [p[0], p[1], 0.0]);
+        let places = if reference { &frame.start } else { &frame.points };
+        let places = places.iter().flat_map(|p| [p[0], p[1], 0.0]);
         self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
         self.line("</Points>");
         self.topology(&frame.cells);
@@ -61,12 +75,17 @@ impl VtuWriter {
         self.text.push('\n');
     }
 
-    fn section(&mut self, name: &str, fields: &[Field]) {
-        let _ = writeln!(self.text, "<{name}>");
-        for field in fields {
-            self.field(field);
+    /// Arrays over points; on points at the start there is U in any case.
+    fn point_data(&mut self, frame: &Frame) {
+        self.line("<PointData>");
+        frame.point_fields.iter().for_each(|field| self.field(field));
+        if self.points == Points::Reference && frame.point_fields.iter().all(|field| field.name != "U") {
+            let moved = frame.points.iter().zip(&frame.start).flat_map(|(p, q)| [p[0] - q[0], p[1] - q[1]]);
+            let component_names = vec!["U1".into(), "U2".into()];
+            self.field(&Field { name: "U".into(), components: 2, component_names, values: moved.collect() });
         }
-        let _ = writeln!(self.text, "</{name}>");
+        frame.point_labels.iter().for_each(|label| self.label(label));
+        self.line("</PointData>");
     }
 
     /// Arrays over cells. Those of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`), so that ParaView
@@ -74,16 +93,29 @@ impl VtuWriter {
     fn cell_data(&mut self, frame: &Frame) {
         self.line("<CellData>");
         frame.cell_fields.iter().for_each(|field| self.field(field));
+        frame.cell_labels.iter().for_each(|label| self.label(label));
         if !frame.deleted.is_empty() {
             self.array("UInt8", BLANKING, "", frame.deleted.iter().map(|gone| if *gone { HIDDEN } else { 0 }));
         }
         self.line("</CellData>");
     }
 
-    /// One array; vectors in the plane get a third component, as VTK's filters expect.
+    fn label(&mut self, label: &Label) {
+        self.array("Int32", &escape(&label.name), "", label.values.iter().flat_map(|v| v.to_le_bytes()));
+    }
+
+    /// One array. Vectors in the plane get a third component, symmetric tensors (rr, zz, hoop, rz) the two that they do not have
+    /// in a body of revolution, so that VTK's filters know both: XX, YY, ZZ, XY, YZ, XZ.
     fn field(&mut self, field: &Field) {
-        let padded = field.components == 2;
-        let components = if padded { 3 } else { field.components };
+        let tensor = field.components == 4 && field.component_names.last().is_some_and(|name| name.ends_with("12"));
+        let padded = field.components == 2 || tensor;
+        let components = if tensor {
+            6
+        } else if padded {
+            3
+        } else {
+            field.components
+        };
         let mut attributes = String::new();
         if components > 1 {
             let _ = write!(attributes, " NumberOfComponents=\"{components}\"");
@@ -91,12 +123,18 @@ impl VtuWriter {
         for (i, name) in field.component_names.iter().enumerate() {
             let _ = write!(attributes, " ComponentName{i}=\"{}\"", escape(name));
         }
-        if padded && field.component_names.len() == 2 {
+        if field.component_names.len() == 2 {
             let _ = write!(attributes, " ComponentName2=\"{}3\"", escape(&field.name));
+        }
+        if tensor {
+            let name = escape(&field.name);
+            let _ = write!(attributes, " ComponentName4=\"{name}23\" ComponentName5=\"{name}13\"");
         }
         let name = escape(&field.name);
         if padded {
-            let values = field.values.chunks_exact(2).flat_map(|v| [v[0], v[1], 0.0]);
+            let more = components - field.components;
+            let values = field.values.chunks_exact(field.components);
+            let values = values.flat_map(|v| v.iter().copied().chain(std::iter::repeat_n(0.0, more)));
             self.array("Float64", &name, &attributes, values.flat_map(f64::to_le_bytes));
         } else {
             self.array("Float64", &name, &attributes, field.values.iter().flat_map(|v| v.to_le_bytes()));

@@ -17,6 +17,7 @@ mod fields;
 mod general_contact;
 mod heat;
 mod heat_ties;
+mod labels;
 pub mod ledger;
 mod links;
 mod loads;
@@ -56,6 +57,7 @@ pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 pub use bodies::Body;
+pub use labels::Labels;
 use ledger::{Ledger, Unused};
 pub use outputs::{Column, FrameField, Outputs, Schedule, Section, Source};
 pub use solid::SolidPlaces;
@@ -88,6 +90,8 @@ pub struct Plan {
     pub routines: Routines,
     /// Rows of the ledger that belong to the integrator.
     pub rows: Rows,
+    /// By what nodes and elements are found in frames.
+    pub labels: Labels,
 }
 
 /// Rows of the ledger for what no card asks for by name.
@@ -238,14 +242,28 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
     let Compiler { ledger, bodies, places, amplitudes, told, sections, diagnostics: found, .. } = compiler;
+    let labels = Labels::of(model);
     diagnostics.append(found);
     // Notes on a plan that cannot run would only bury what is wrong with it.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
     let (mesh, routines) = (model.mesh.clone(), routines.clone());
-    let mut plan =
-        Plan { ledger, mesh, bodies, places, steps, columns, sections, fields, amplitudes, told, routines, rows };
+    let mut plan = Plan {
+        ledger,
+        mesh,
+        bodies,
+        places,
+        steps,
+        columns,
+        sections,
+        fields,
+        amplitudes,
+        told,
+        routines,
+        rows,
+        labels,
+    };
     bytes::book(&mut plan, &state);
     (plan, state, diagnostics)
 }

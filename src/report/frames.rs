@@ -11,9 +11,9 @@ use super::data::{Field, Meridian};
 use super::mesh::{Drawn, bounds, drawn};
 use crate::deck::files;
 use crate::kernel::stress::mises;
-use crate::model::mesh_data::MeshFile;
 use crate::model::vtk_file;
-use crate::output::vtu::BLANKING;
+use crate::output::Label;
+use crate::output::vtu::{BLANKING, REFERENCE};
 use crate::variables::Variable;
 
 /// The most frames of a page.
@@ -65,19 +65,21 @@ pub fn read(time: f64, path: &Path) -> Result<Raw, String> {
     let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
     let mesh = vtk_file::read(path).map_err(wrong)?;
     let mut scalars = Vec::new();
-    for (name, values) in &mesh.point_arrays {
+    for (name, values) in mesh.point_arrays.iter().filter(|array| !Label::is_name(&array.0)) {
         scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
     }
     let mut deleted = Vec::new();
-    for (name, values) in &mesh.cell_arrays {
+    for (name, values) in mesh.cell_arrays.iter().filter(|array| !Label::is_name(&array.0)) {
         if name == BLANKING {
             deleted = values.iter().map(|v| *v != 0.0).collect();
             continue;
         }
         scalars.extend(split(name, values, mesh.cells.len(), &text).into_iter().map(|(n, v)| (n, true, v)));
     }
-    let MeshFile { points, cells, .. } = mesh;
-    Ok(Raw { time, points: points.iter().map(|p| [p[0], p[1]]).collect(), cells, deleted, scalars })
+    let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && text.contains(REFERENCE));
+    let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
+    let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
+    Ok(Raw { time, points: places, cells: mesh.cells, deleted, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
@@ -107,8 +109,11 @@ fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, V
         return vec![(format!("|{name}|"), magnitude), (first, component(0)), (second, component(1))];
     }
     let mut scalars: Vec<_> = names.into_iter().enumerate().map(|(i, n)| (n, component(i))).collect();
-    if name == Variable::Stress.name() && parts == 4 {
-        scalars.insert(0, ("S_MISES".into(), values.as_chunks().0.iter().copied().map(mises).collect()));
+    // The last two of a symmetric tensor vanish in a body of revolution.
+    scalars.truncate(if parts == 6 { 4 } else { parts });
+    if name == Variable::Stress.name() && parts == 6 {
+        let stresses = values.as_chunks::<6>().0.iter();
+        scalars.insert(0, ("S_MISES".into(), stresses.map(|s| mises([s[0], s[1], s[2], s[3]])).collect()));
     }
     scalars
 }

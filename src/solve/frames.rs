@@ -155,7 +155,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     for (&node, &place) in &run.plan.places.nodes {
         point_of_node[node] = frame.points.len();
         frame.points.push(run.dofs.nodes[place].place());
-        of_point.push(Owner::Node(place, run.plan.places.rotations.get(&node).copied()));
+        of_point.push((Owner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
     for (b, body) in run.plan.bodies.iter().enumerate() {
@@ -163,7 +163,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.dofs.bodies[b].displacement]);
-            of_point.push(Owner::Body(b, node));
+            of_point.push((Owner::Body(b, node), node));
         }
         elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
     }
@@ -185,6 +185,9 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
         list.push(array(field, values));
     }
     frame.cell_fields.extend(facet_fields(run, &elements));
+    let nodes: Vec<usize> = of_point.iter().map(|point| point.1).collect();
+    frame.start = nodes.iter().map(|&n| mesh.points[n]).collect();
+    (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &nodes, &elements);
     frame
 }
 
@@ -204,7 +207,7 @@ fn array(field: &FrameField, values: Vec<f64>) -> Field {
 }
 
 /// A variable of nodes over points. A rigid body's reaction is that of its reference node.
-fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[Owner]) -> Vec<f64> {
+fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[(Owner, usize)]) -> Vec<f64> {
     let value = |owner: &Owner, part: Part| match *owner {
         Owner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
         Owner::Body(b, node) => run.body_value(b, node, part),
@@ -214,7 +217,7 @@ fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[Owner]) -> Vec<f64> {
         Owner::Node(n, _) => run.node_value(n, part),
     };
     let value = &value;
-    of_point.iter().flat_map(|owner| field.parts.iter().map(move |part| value(owner, *part))).collect()
+    of_point.iter().flat_map(|(owner, _)| field.parts.iter().map(move |part| value(owner, *part))).collect()
 }
 
 /// A variable of elements over cells: those of deformable elements (group and element) come first. Cells that do not have

@@ -19,3 +19,4 @@ mod study_cases;
 mod study_effects;
 mod tidy;
 mod vtk;
+mod watching;

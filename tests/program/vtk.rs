@@ -54,6 +54,35 @@ fn vtkio_reads_a_frame_with_all_its_arrays() {
     let vtkio::model::DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("an unstructured grid") };
     let vtkio::model::Piece::Inline(piece) = &pieces[0] else { panic!("an inline piece") };
     assert_eq!(piece.cells.types.len(), 20);
-    assert_eq!(piece.data.point.len(), 2, "U and V");
-    assert_eq!(piece.data.cell.len(), 3, "PRESSURE, NORMAL_VELOCITY, LAYER");
+    let names =
+        |arrays: &[vtkio::model::Attribute]| -> Vec<String> { arrays.iter().map(|a| a.name().to_owned()).collect() };
+    assert_eq!(names(&piece.data.point), ["U", "V", "NODE", "NSET REF"]);
+    assert_eq!(names(&piece.data.cell)[..5], ["PRESSURE", "NORMAL_VELOCITY", "LAYER", "ELEMENT", "MATERIAL"]);
+}
+
+/// A rod through a plate that fails: points at the start, warped by U, are the points of the deformed body; deleted elements are
+/// not shown; tensors are such as VTK knows.
+#[test]
+fn the_vtk_library_warps_hides_and_knows_tensors() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    for (name, points) in [("now", "current"), ("start", "reference")] {
+        let output = common::revolve(&["run", "input/rod_plate.inp", "-q", "-o", &out(name), "--points", points]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/warp_vtk.py");
+    let series = |name: &str| format!("{}/rod_plate.pvd", out(name));
+    let output = Command::new(python).args([script, &series("now"), &series("start")]).output().expect("python runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let number = |key: &str| found[key].as_f64().expect("a number");
+    assert!(number("moved") > 1.0 && number("apart") < 1e-12 * number("moved"), "{found}");
+    assert!(number("deleted") >= 1.0);
+    assert_eq!(number("shown"), number("cells") - number("deleted"), "{found}");
+    assert_eq!(found["stress"], serde_json::json!(["S11", "S22", "S33", "S12", "S23", "S13"]));
+    assert_eq!(found["materials"], serde_json::json!([1, 2]));
+    let elements: Vec<i64> = found["elements"].as_array().expect("numbers").iter().filter_map(|n| n.as_i64()).collect();
+    let different: std::collections::BTreeSet<_> = elements.iter().collect();
+    assert_eq!(different.len(), 280, "the deck's numbers");
 }

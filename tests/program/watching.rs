@@ -1,0 +1,226 @@
+//! What stands before, around and behind a run: what a deck amounts to, how far a run is, its end, files to start from.
+
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use crate::common::{project, revolve};
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn checked(arguments: &[&str]) -> serde_json::Value {
+    let output = revolve(&[&["check", "--json", "--no-look"], arguments].concat());
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", text(&output.stderr)))
+}
+
+fn number(value: &serde_json::Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn near(value: &serde_json::Value, expected: f64) {
+    assert!((number(value) / expected - 1.0).abs() < 1e-12, "{value} and not {expected}");
+}
+
+/// A cylinder: mass, centre, energy and waves by hand; and what holds at its foot.
+#[test]
+fn check_says_what_a_deck_amounts_to() {
+    let found = checked(&["input/taylor_copper.inp"]);
+    let (density, radius, length, speed): (f64, f64, f64, f64) = (8930.0, 3.2e-3, 32.4e-3, 227.0);
+    let overview = &found["overview"];
+    let part = &overview["parts"][0];
+    let mass = density * std::f64::consts::PI * radius * radius * length;
+    near(&part["mass"], mass);
+    near(&overview["mass"], mass);
+    near(&part["centre"], 0.5 * length);
+    near(&part["extent"][0][1], radius);
+    assert_eq!(part["elements"]["CAX4R"], 500);
+    assert_eq!(part["velocity"], serde_json::json!([-speed, speed]));
+    let (modulus, ratio) = (117e9, 0.35);
+    let wave = (modulus * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio) * density)).sqrt();
+    near(&overview["waves"][0]["longitudinal"], wave);
+    near(&overview["waves"][0]["shear"], (modulus / (2.0 * (1.0 + ratio)) / density).sqrt());
+    // The foot stands still from the start, and what is lumped there has no energy.
+    let energy = 0.5 * mass * speed * speed;
+    let part = number(&overview["kinetic_energy"]) / energy;
+    assert!((0.98..=1.0 + 1e-12).contains(&part), "{part}");
+}
+
+/// The look: a run that is over within it is told whole; of others the increment and its element.
+#[test]
+fn check_says_what_a_run_will_take() {
+    let effort = |deck: &str| {
+        let output = revolve(&["check", "--json", deck]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        found["overview"]["effort"].clone()
+    };
+    let whole = effort("input/ogive.inp");
+    assert_eq!(number(&whole["looked_at"]), 1.0);
+    let output = revolve(&["run", "input/ogive.inp", "--json", "--no-frames", "-o", &scratch("look")]);
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(number(&whole["increments"]), number(&summary["timing"]["increments"]));
+    let part = effort("input/taylor_copper.inp");
+    assert!(number(&part["increment"]) > 1e-9 && number(&part["increment"]) < 1e-7, "{part}");
+    assert!(part["limiting_element"].as_str().is_some_and(|e| e.parse::<u32>().is_ok()), "{part}");
+}
+
+fn scratch(name: &str) -> String {
+    project(&format!("target/tmp/watching/{name}")).to_str().expect("a name").to_owned()
+}
+
+/// Density and modulus of different systems: told by `check` with what would fit; not where they fit.
+#[test]
+fn units_of_no_solid_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = std::fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
+    let codes = |change: [&str; 2]| {
+        assert!(deck.contains(change[0]), "{change:?}");
+        let path = folder.path().join("deck.inp");
+        std::fs::write(&path, deck.replacen(change[0], change[1], 1)).expect("a deck");
+        let found = checked(&[path.to_str().expect("a name")]);
+        let codes: Vec<String> = found["diagnostics"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|d| d["code"].as_str().unwrap_or_default().to_owned())
+            .collect();
+        (codes, found["diagnostics"].clone())
+    };
+    let (told, found) = codes(["117.e9", "117.e3"]);
+    assert!(told.contains(&"P119".into()), "{found}");
+    let finding = found.as_array().and_then(|l| l.iter().find(|d| d["code"] == "P119")).expect("a finding").clone();
+    assert!(finding["line"].is_u64() && finding["column"].is_u64() && finding["file"].is_string(), "{finding}");
+    assert!(finding["help"].as_str().is_some_and(|h| h.contains("m, kg, s") && h.contains("2.1")), "{finding}");
+    assert!(!codes(["*Parameter", "*Units\n m, kg, s\n*Parameter"]).0.contains(&"P119".into()));
+    assert!(codes(["*Parameter", "*Units\n mm, t, s\n*Parameter"]).0.contains(&"P119".into()));
+}
+
+#[test]
+fn a_run_keeps_a_status_file() {
+    let out = scratch("status");
+    let output =
+        revolve(&["run", "input/taylor_copper.inp", "-o", &out, "--profile", "--quantity", "at(U2@TIP, 4e-5)"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let status = std::fs::read_to_string(format!("{out}/taylor_copper.sta")).expect("a status file");
+    let rows: Vec<Vec<&str>> = status
+        .lines()
+        .map(|line| line.split_whitespace().collect::<Vec<_>>())
+        .filter(|words| words.len() == 8 && words[0].parse::<u64>().is_ok())
+        .collect();
+    assert!(rows.len() >= 21, "a line a frame at least: {status}");
+    let increments: Vec<u64> = rows.iter().map(|row| row[0].parse().expect("a number")).collect();
+    assert!(increments.is_sorted(), "{increments:?}");
+    let times: Vec<f64> = rows.iter().map(|row| row[2].parse().expect("a time")).collect();
+    assert_eq!((times[0], *times.last().expect("a time")), (0.0, 8e-5));
+    assert!(status.ends_with("THE ANALYSIS HAS COMPLETED\n"), "{status}");
+    let printed = text(&output.stdout);
+    assert!(printed.contains("completed: ") && printed.contains("ns/increment"), "{printed}");
+    let value: f64 = printed
+        .lines()
+        .find_map(|line| line.strip_prefix("at(U2@TIP, 4e-5) = "))
+        .and_then(|value| value.parse().ok())
+        .expect("a value");
+    assert!((-0.0108..-0.006).contains(&value), "{value}");
+    // The same expression, the same number, from a sweep.
+    let swept =
+        revolve(&["sweep", "input/taylor_copper.inp", "-s", "nr=10", "-o", &out, "--quantity", "at(U2@TIP, 4e-5)"]);
+    let table = text(&swept.stdout);
+    assert!(table.contains(&format!("{:.7}", value)[..9]), "{table} {value}");
+}
+
+#[test]
+fn a_run_without_frames_has_the_same_end() {
+    let (with, without) = (scratch("frames"), scratch("no-frames"));
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        let output = revolve(&[&["run", "input/ogive.inp", "--json"], arguments].concat());
+        serde_json::from_slice(&output.stdout).expect("JSON and nothing else")
+    };
+    let (a, b) = (json(&["-o", &with]), json(&["-o", &without, "--no-frames"]));
+    assert_eq!(a["digest"], b["digest"]);
+    let names = |folder: &str| -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect()
+    };
+    assert!(names(&with).iter().any(|n| n.ends_with(".vtu")));
+    assert!(names(&without).iter().all(|n| !n.ends_with(".vtu") && !n.ends_with(".pvd")), "{:?}", names(&without));
+}
+
+/// A shot that is cut short, and one through the back: both are told where a depth is read.
+#[test]
+fn depths_on_the_way_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let deck = std::fs::read_to_string(project("input/ogive.inp")).expect("a deck");
+    let path = folder.path().join("ogive.inp");
+    std::fs::write(&path, deck.replace(" , 1.e-3", " , 1.e-4")).expect("a deck");
+    let (short, out) = (path.to_str().expect("a name"), scratch("depths"));
+    let run = revolve(&["run", short, "-o", &out]);
+    assert!(text(&run.stdout).contains("NOSE still moves in the target"), "{}", text(&run.stdout));
+    let arguments = ["-o", &out, "--quantity", "-1000*final(U2@REF)"];
+    let sweep = revolve(&[&["sweep", "input/ogive.inp", "-s", "V=569,2000"], &arguments[..]].concat());
+    let told = text(&sweep.stderr);
+    assert!(told.contains("V = 2000: NOSE has left the target through its back"), "{told}");
+    assert!(!told.contains("V = 569"), "{told}");
+    let study = revolve(&[&["study", short, "--refine", "n=5,10,20"], &arguments[..]].concat());
+    assert!(text(&study.stderr).contains("n = 20: NOSE still moves"), "{}", text(&study.stderr));
+}
+
+#[test]
+fn a_deck_comes_from_standard_input() {
+    let deck = std::fs::read(project("input/ogive.inp")).expect("a deck");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .args(["run", "-", "-q", "--no-frames", "-o", &scratch("stdin")])
+        .stdin(Stdio::piped())
+        .spawn()
+        .expect("the program");
+    child.stdin.take().expect("a pipe").write_all(&deck).expect("a reader");
+    assert!(child.wait().expect("an end").success());
+    assert!(std::path::Path::new(&scratch("stdin")).join("job.json").is_file());
+}
+
+/// Each deck to start from is accepted as it is written, with its routine beside it; nothing that is there is overwritten.
+#[test]
+fn decks_to_start_from_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    for template in ["taylor", "ogive", "plate"] {
+        let output = revolve(&["new", template, "-o", out]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let deck =
+            text(&output.stdout).lines().find_map(|l| l.trim().strip_prefix("revolve check ").map(str::to_owned));
+        let output = revolve(&["check", "--no-look", &deck.expect("a deck")]);
+        assert!(output.status.success(), "{template}: {}", text(&output.stderr));
+    }
+    let again = revolve(&["new", "taylor", "-o", out]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(revolve(&["new", "vdload", "-o", out]).status.success());
+    assert!(folder.path().join("vdload_cavity.f").is_file());
+}
+
+#[test]
+fn words_of_the_field_are_explained() {
+    for (word, said) in [
+        ("CAX4R", "quadrilateral"),
+        ("c3d8r", "axisymmetric"),
+        ("final", "last value"),
+        ("units", "steel"),
+        ("paraview", ".pvd"),
+        ("*Solid Section", "MATERIAL"),
+        ("P119", "no solid"),
+        ("S", "Stress"),
+    ] {
+        let output = revolve(&["explain", word]);
+        assert!(output.status.success() && text(&output.stdout).contains(said), "{word}: {}", text(&output.stdout));
+    }
+    let unknown = revolve(&["explain", "CAX4RR"]);
+    assert!(text(&unknown.stderr).contains("did you mean CAX4R"), "{}", text(&unknown.stderr));
+}
+
+#[test]
+fn shells_find_completions_and_a_manual_page() {
+    let completions = text(&revolve(&["completions", "bash"]).stdout);
+    assert!(completions.contains("--checkpoint-every") && completions.contains("complete -F"));
+    let page = text(&revolve(&["man"]).stdout);
+    assert!(page.contains(".TH revolve") && page.contains("checkpoint"), "{page}");
+    let version = text(&revolve(&["--version"]).stdout);
+    assert!(version.contains("features: ") && version.contains("instructions "), "{version}");
+}

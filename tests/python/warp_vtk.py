@@ -1,0 +1,45 @@
+"""Warps the last frame of a series by U with the real VTK library, takes the eigenvalues of S, and prints what came of it as JSON."""
+import json
+import os
+import sys
+import xml.etree.ElementTree as ElementTree
+
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkFiltersGeneral import vtkWarpVector
+from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+
+def last(pvd):
+    """The reader of the last frame."""
+    entry = list(ElementTree.parse(pvd).getroot().iter("DataSet"))[-1]
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(os.path.join(os.path.dirname(pvd), entry.get("file")))
+    reader.Update()
+    return reader
+
+
+current, reference = last(sys.argv[1]), last(sys.argv[2])
+warp = vtkWarpVector()
+warp.SetInputConnection(reference.GetOutputPort())
+warp.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, "U")
+warp.Update()
+there = vtk_to_numpy(current.GetOutput().GetPoints().GetData())
+warped = vtk_to_numpy(warp.GetOutput().GetPoints().GetData())
+skin = vtkGeometryFilter()
+skin.SetInputConnection(current.GetOutputPort())
+skin.Update()
+cells = current.GetOutput().GetCellData()
+print(json.dumps({
+    "moved": float(abs(there - vtk_to_numpy(reference.GetOutput().GetPoints().GetData())).max()),
+    "apart": float(abs(there - warped).max()),
+    "cells": current.GetOutput().GetNumberOfCells(),
+    "shown": skin.GetOutput().GetNumberOfCells(),
+    "deleted": int((vtk_to_numpy(cells.GetArray("STATUS")) == 0).sum()) if cells.HasArray("STATUS") else 0,
+    "stress": [cells.GetArray("S").GetComponentName(i) for i in range(cells.GetArray("S").GetNumberOfComponents())],
+    "elements": vtk_to_numpy(cells.GetArray("ELEMENT")).tolist(),
+    "materials": sorted(set(vtk_to_numpy(cells.GetArray("MATERIAL")).tolist())),
+    "arrays": [current.GetOutput().GetPointData().GetArrayName(i)
+               for i in range(current.GetOutput().GetPointData().GetNumberOfArrays())],
+}))
