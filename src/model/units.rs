@@ -2,13 +2,13 @@
 //! look.
 //! Never here: conversion; the program computes in the deck's units, whatever they are.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::builder::Builder;
 use crate::deck::{Card, Diagnostic};
 
 /// Names of the units of a deck.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Units {
     /// Length.
     pub length: String,

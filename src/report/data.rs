@@ -49,6 +49,12 @@ pub struct Chart {
     pub x_label: String,
     /// Name of the vertical axis.
     pub y_label: String,
+    /// Units of both; empty where they are not known.
+    #[serde(skip_serializing_if = "unknown")]
+    pub units: [String; 2],
+    /// What is drawn, in words.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub words: String,
     /// Logarithmic axes.
     pub logarithmic: bool,
     /// What is drawn.
@@ -131,6 +137,14 @@ pub struct Meridian {
     pub fields: Vec<Field>,
     /// Targets and planes, from the summary.
     pub scene: Value,
+    /// The deck's number of the element of each cell; 0 where it has none.
+    pub elements: Vec<i32>,
+    /// Units of length and time; empty where they are not known.
+    pub units: [String; 2],
+}
+
+fn unknown(units: &[String; 2]) -> bool {
+    units.iter().all(String::is_empty)
 }
 
 /// A scalar over points or cells in every frame.
@@ -144,6 +158,9 @@ pub struct Field {
     pub low: f64,
     /// Largest value over all frames.
     pub high: f64,
+    /// Unit; empty where it is not known.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unit: String,
     /// Values scaled from low to high, frame after frame.
     pub values: String,
 }

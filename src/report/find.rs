@@ -7,6 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::data::{Column, Page, Run};
+use super::units::Names;
 use super::{frames, history, study, sweep};
 use crate::deck::files;
 
@@ -111,12 +112,19 @@ fn run(folder: &Path, name: &str) -> Result<Run, String> {
     if file(".pvd").is_file() {
         let series = frames::series(&file(".pvd"))?;
         let scene = run.summary.get("scene").cloned().unwrap_or_default();
-        run.meridian = frames::pack(&series, &scene, &mut run.notes)?;
+        run.meridian = frames::pack(&series, &scene, &Names::of(&run.summary), &mut run.notes)?;
     }
     if run.meridian.is_none() {
         run.notes.push("there are no frames: the deck asks for no field output".into());
     }
     Ok(run)
+}
+
+/// Names of units of the run that a history file belongs to.
+pub(super) fn units(history: &Path) -> Names {
+    let name = history.file_name().and_then(|n| n.to_str()?.strip_suffix("_history.csv"));
+    let summary = name.and_then(|name| json(&history.with_file_name(format!("{name}.json"))).ok());
+    Names::of(&summary.unwrap_or_default())
 }
 
 fn column(name: &str, values: &Value) -> Column {
@@ -128,8 +136,10 @@ fn histories(path: &Path, run: &mut Run) -> Result<(), String> {
     let choice = history::choose(&history::names(path)?, &run.columns);
     let wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
     let history = history::read(path, &wanted)?;
+    let units = Names::of(&run.summary);
     if history.times.len() > 1 {
-        run.charts = choice.charts.iter().map(|(title, columns)| history::chart(title, columns, &history)).collect();
+        run.charts =
+            choice.charts.iter().map(|(title, columns)| history::chart(title, columns, &history, &units)).collect();
     }
     if choice.left_out > 0 {
         run.notes.push(format!(

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::data::{Field, Meridian};
 use super::mesh::{Drawn, bounds, drawn};
+use super::units::Names;
 use crate::deck::files;
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
@@ -38,6 +39,8 @@ pub struct Raw {
     pub cells: Vec<Vec<usize>>,
     /// Whether each cell is one of a deleted element; empty where none is.
     pub deleted: Vec<bool>,
+    /// The deck's number of each cell's element; empty where the file has none.
+    pub elements: Vec<i32>,
     /// Scalars: name, whether on cells, values.
     pub scalars: Vec<(String, bool, Vec<f64>)>,
 }
@@ -79,7 +82,9 @@ pub fn read(time: f64, path: &Path) -> Result<Raw, String> {
     let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && text.contains(REFERENCE));
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
-    Ok(Raw { time, points: places, cells: mesh.cells, deleted, scalars })
+    let numbers = mesh.cell_arrays.iter().find(|(name, _)| name == "ELEMENT");
+    let elements = numbers.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect());
+    Ok(Raw { time, points: places, cells: mesh.cells, deleted, elements, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
@@ -111,8 +116,8 @@ fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, V
     let mut scalars: Vec<_> = names.into_iter().enumerate().map(|(i, n)| (n, component(i))).collect();
     // The last two of a symmetric tensor vanish in a body of revolution.
     scalars.truncate(if parts == 6 { 4 } else { parts });
-    if name == Variable::Stress.name() && parts == 6 {
-        let stresses = values.as_chunks::<6>().0.iter();
+    if name == Variable::Stress.name() && scalars.len() == 4 {
+        let stresses = values.chunks_exact(parts);
         scalars.insert(0, ("S_MISES".into(), stresses.map(|s| mises([s[0], s[1], s[2], s[3]])).collect()));
     }
     scalars
@@ -135,7 +140,12 @@ fn rank(name: &str) -> usize {
 ///
 /// # Errors
 /// In words, where no frame can be read.
-pub fn pack(files: &[(f64, PathBuf)], scene: &Value, notes: &mut Vec<String>) -> Result<Option<Meridian>, String> {
+pub fn pack(
+    files: &[(f64, PathBuf)],
+    scene: &Value,
+    units: &Names,
+    notes: &mut Vec<String>,
+) -> Result<Option<Meridian>, String> {
     let Some(((time, path), _)) = files.split_first() else { return Ok(None) };
     let first = read(*time, path)?;
     let mesh = drawn(&first.points, &first.cells, CELLS);
@@ -161,7 +171,12 @@ pub fn pack(files: &[(f64, PathBuf)], scene: &Value, notes: &mut Vec<String>) ->
         }
         frames.push(Thin::of(&frame, &mesh, &fields));
     }
-    Ok(Some(meridian(&frames, &mesh, &fields, scene)))
+    let mut meridian = meridian(&frames, &mesh, &fields, scene);
+    let number = |&cell: &usize| first.elements.get(cell).copied().unwrap_or(0);
+    meridian.elements = mesh.cells.iter().map(number).collect();
+    meridian.units = units.length_and_time();
+    meridian.fields.iter_mut().for_each(|field| field.unit = units.of_column(&field.name));
+    Ok(Some(meridian))
 }
 
 /// Indices into the scalars of a frame.
@@ -235,6 +250,7 @@ fn meridian(frames: &[Thin], mesh: &Drawn, fields: &[(String, bool)], scene: &Va
         corners: base64(corners),
         fields: packed,
         scene: scene.clone(),
+        ..Meridian::default()
     }
 }
 
@@ -266,7 +282,7 @@ fn field(name: &str, on_cells: bool, frames: &[Vec<f64>]) -> Option<Field> {
         (low, high) = (0.0, 1.0);
     }
     let values = base64(frames.iter().flatten().map(|v| scale(*v, low, high)));
-    (low <= high).then(|| Field { name: name.to_owned(), on_cells, low, high, values })
+    (low <= high).then(|| Field { name: name.to_owned(), on_cells, low, high, unit: String::new(), values })
 }
 
 /// A number between two others as one of 65535 steps.

@@ -12,6 +12,7 @@ use crate::variables::{Part, Place};
 
 use super::data::{Chart, Column, Series};
 use super::shorten;
+use super::units::Names;
 
 /// Lines of one chart.
 const LINES: usize = 8;
@@ -129,7 +130,7 @@ fn keep_liveliest(members: &mut Vec<String>, summary: &[Column]) {
 }
 
 /// A chart over time.
-pub fn chart(title: &str, columns: &[String], history: &History) -> Chart {
+pub fn chart(title: &str, columns: &[String], history: &History, units: &Names) -> Chart {
     let line = |name: &String| {
         let values = history.columns.get(name)?;
         let (x, y) = thin(&history.times, values);
@@ -137,7 +138,9 @@ pub fn chart(title: &str, columns: &[String], history: &History) -> Chart {
     };
     let series = columns.iter().filter_map(line).collect();
     let y_label = if title == "Energy" { "energy" } else { title };
-    Chart { title: title.into(), x_label: "time".into(), y_label: y_label.into(), logarithmic: false, series }
+    let words = Part::parse(title).map_or(String::new(), |part| part.variable.row().words.to_owned());
+    let (x_label, y_label) = ("time".into(), y_label.into());
+    Chart { title: title.into(), x_label, y_label, units: units.over_time(title), words, logarithmic: false, series }
 }
 
 /// Smallest and largest value of each of a few hundred intervals, the ends always.

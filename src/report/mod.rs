@@ -14,6 +14,7 @@ mod mesh;
 pub mod picture;
 mod study;
 mod sweep;
+mod units;
 
 use std::path::Path;
 

@@ -90,7 +90,9 @@ function notes(list) {
 }
 
 // ---- charts ----
-const WIDTH = 520, HEIGHT = 290, LEFT = 66, RIGHT = 24, TOP = 8, BOTTOM = 42;
+// On a narrow page fewer units make the same width, so that letters stay as large as they are.
+const NARROW = innerWidth < 560;
+const WIDTH = NARROW ? 340 : 520, HEIGHT = NARROW ? 250 : 290, LEFT = 78, RIGHT = 24, TOP = 8, BOTTOM = 42;
 /** A chart with a tooltip; `setTime` moves a mark along a time axis. */
 function drawChart(chart) {
   const log = chart.logarithmic, value = v => log ? Math.log10(v) : v;
@@ -106,7 +108,7 @@ function drawChart(chart) {
   const py = v => HEIGHT - BOTTOM - (value(v) - y0) / (y1 - y0) * (HEIGHT - TOP - BOTTOM);
   const back = v => log ? 10 ** v : v;
   const svg = make('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: 'img', tabindex: 0, 'aria-label': `${chart.title}: ${chart.y_label} over ${chart.x_label}` });
-  const ys = log ? decades(y0, y1) : ticks(y0, y1, 5), xs = log ? decades(x0, x1) : ticks(x0, x1, 5);
+  const ys = log ? decades(y0, y1) : ticks(y0, y1, 5), xs = log ? decades(x0, x1) : ticks(x0, x1, NARROW ? 3 : 5);
   const yLabels = labels(ys.map(back)), xLabels = labels(xs.map(back));
   for (const [i, t] of ys.entries()) {
     const y = py(back(t));
@@ -119,14 +121,19 @@ function drawChart(chart) {
     svg.append(make('text', { x, y: HEIGHT - BOTTOM + 17, 'text-anchor': 'middle' }, xLabels[i]));
   }
   svg.append(make('line', { class: 'axis', x1: LEFT, x2: WIDTH - RIGHT, y1: HEIGHT - BOTTOM, y2: HEIGHT - BOTTOM }));
-  svg.append(make('text', { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 7, 'text-anchor': 'middle' }, chart.x_label));
+  const [xUnit, yUnit] = chart.units || ['', ''];
+  svg.append(make('text', { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 7, 'text-anchor': 'middle' }, withUnit(chart.x_label, xUnit)));
+  const middle = (TOP + HEIGHT - BOTTOM) / 2;
+  svg.append(make('text', { class: 'y-label', x: 12, y: middle, 'text-anchor': 'middle', transform: `rotate(-90 12 ${middle})` }, withUnit(chart.y_label, yUnit)));
   for (const s of series) {
+    s.group = make('g', {});
+    svg.append(s.group);
     const points = s.x.map((x, i) => [px(x), py(s.y[i])]).filter(p => p.every(Number.isFinite));
     if (s.joined && points.length > 1) {
-      svg.append(make('path', { class: 'series', fill: 'none', stroke: s.colour, 'stroke-width': 2, 'stroke-linejoin': 'round', 'stroke-dasharray': s.dashes, d: 'M' + points.map(p => p.map(v => v.toFixed(1)).join(' ')).join('L') }));
+      s.group.append(make('path', { class: 'series', fill: 'none', stroke: s.colour, 'stroke-width': 2, 'stroke-linejoin': 'round', 'stroke-dasharray': s.dashes, d: 'M' + points.map(p => p.map(v => v.toFixed(1)).join(' ')).join('L') }));
     }
     if (!s.joined || points.length <= 25) {
-      for (const [x, y] of points) svg.append(make('circle', { class: 'point', cx: x, cy: y, r: s.joined ? 3 : 4.5, fill: s.colour }));
+      for (const [x, y] of points) s.group.append(make('circle', { class: 'point', cx: x, cy: y, r: s.joined ? 3 : 4.5, fill: s.colour }));
     }
   }
   const now = make('line', { class: 'now', y1: TOP, y2: HEIGHT - BOTTOM, visibility: 'hidden' });
@@ -135,13 +142,68 @@ function drawChart(chart) {
   const tip = make('div', { class: 'tip', hidden: '' });
   const plot = make('div', { class: 'plot' }, svg, tip);
   follow(svg, tip, cursor, series, chart, px, x => back(x0 + (x - LEFT) / (WIDTH - LEFT - RIGHT) * (x1 - x0)));
-  const legend = make('div', { class: 'legend' }, ...series.map(s => make('span', {}, make('i', s.joined ? { style: { borderColor: s.colour, borderTopStyle: s.dashes ? 'dashed' : 'solid' } } : { class: 'dot', style: { background: s.colour } }), s.name)));
+  const legend = make('div', { class: 'legend' }, ...series.map(s => {
+    const mark = make('i', s.joined ? { style: { borderColor: s.colour, borderTopStyle: s.dashes ? 'dashed' : 'solid' } } : { class: 'dot', style: { background: s.colour } });
+    const entry = make('button', { type: 'button', 'aria-pressed': 'true', title: 'show or hide' }, mark, s.name);
+    entry.addEventListener('click', () => {
+      s.hidden = !s.hidden;
+      entry.setAttribute('aria-pressed', String(!s.hidden));
+      s.group.setAttribute('visibility', s.hidden ? 'hidden' : 'visible');
+    });
+    return entry;
+  }));
+  const takeAway = make('span', { class: 'take' },
+    download('CSV', () => new Blob([csvOf(chart)], { type: 'text/csv' }), `${fileName(chart.title)}.csv`),
+    download('PNG', () => pngOf(svg), `${fileName(chart.title)}.png`));
   const setTime = time => {
     const x = px(time);
     if (chart.x_label !== 'time' || !(x >= LEFT - 1 && x <= WIDTH - RIGHT + 1)) return now.setAttribute('visibility', 'hidden');
     now.setAttribute('x1', x); now.setAttribute('x2', x); now.setAttribute('visibility', 'visible');
   };
-  return { node: make('figure', { class: 'card', style: { margin: '0' } }, make('h3', {}, chart.title), legend, plot), setTime };
+  const title = make('h3', { title: chart.words }, chart.title, make('small', {}, chart.words ? ` ${chart.words}` : ''));
+  return { node: make('figure', { class: 'card', style: { margin: '0' } }, make('div', { class: 'title' }, title, takeAway), legend, plot), setTime };
+}
+const withUnit = (label, unit) => unit ? `${label}, ${unit}` : label;
+const fileName = title => title.replace(/[^\w.-]+/g, '_') || 'chart';
+/** A button that saves what `make` gives, a blob or the promise of one. */
+function download(word, contents, name) {
+  const button = make('button', { type: 'button', title: `save as ${word}` }, word);
+  button.addEventListener('click', async () => {
+    const link = make('a', { download: name, href: URL.createObjectURL(await contents()) });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  });
+  return button;
+}
+/** The points of a chart as a table: one abscissa, a column for each line. */
+function csvOf(chart) {
+  const quoted = text => /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  const all = [...new Set(chart.series.flatMap(s => s.x))].sort((a, b) => a - b);
+  const columns = chart.series.map(s => new Map(s.x.map((x, i) => [x, s.y[i]])));
+  const rows = all.map(x => [x, ...columns.map(c => c.get(x) ?? '')].join(','));
+  return [[chart.x_label, ...chart.series.map(s => s.name)].map(quoted).join(','), ...rows].join('\n') + '\n';
+}
+/** A chart as it is drawn, twice as large, with the colours of the page. */
+function pngOf(svg) {
+  const copy = svg.cloneNode(true), scale = 2;
+  const from = [svg, ...svg.querySelectorAll('*')], to = [copy, ...copy.querySelectorAll('*')];
+  from.forEach((node, i) => {
+    const style = getComputedStyle(node);
+    for (const key of ['fill', 'stroke', 'stroke-width', 'stroke-dasharray', 'font-size', 'visibility', 'opacity']) to[i].style[key] = style.getPropertyValue(key);
+    if (node.tagName === 'text') to[i].style.fontFamily = 'sans-serif';
+  });
+  copy.setAttribute('width', WIDTH * scale); copy.setAttribute('height', HEIGHT * scale);
+  const image = new Image();
+  return new Promise((resolve, reject) => {
+    image.onload = () => {
+      const canvas = make('canvas', { width: WIDTH * scale, height: HEIGHT * scale }), g = canvas.getContext('2d');
+      g.fillStyle = ink('--card'); g.fillRect(0, 0, canvas.width, canvas.height);
+      g.drawImage(image, 0, 0, canvas.width, canvas.height);
+      canvas.toBlob(resolve, 'image/png');
+    };
+    image.onerror = reject;
+    image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+  });
 }
 /** The tooltip follows the pointer, or the arrow keys where the chart has the focus. */
 function follow(svg, tip, cursor, series, chart, px, toValue) {
@@ -153,7 +215,7 @@ function follow(svg, tip, cursor, series, chart, px, toValue) {
     const x = stops[at], place = px(x);
     cursor.setAttribute('x1', place); cursor.setAttribute('x2', place); cursor.setAttribute('visibility', 'visible');
     tip.replaceChildren(make('div', {}, make('b', {}, `${chart.x_label} ${show(x, 6)}`)));
-    for (const s of series) {
+    for (const s of series.filter(s => !s.hidden)) {
       const i = nearest(s.x, x);
       if (!s.x.length || Math.abs(px(s.x[i]) - place) > (s.joined ? 8 : 1)) continue;
       const words = s.words && s.words[i] ? `: ${s.words[i]}` : '';
@@ -195,7 +257,7 @@ function drawMeridian(m, onTime) {
   const view = make('select', { 'aria-label': 'view' }, make('option', { value: 'all' }, 'whole path'), make('option', { value: 'near' }, 'close to the body'));
   const own = make('input', { type: 'checkbox' }), edges = make('input', { type: 'checkbox' });
   const bar = make('i', { style: { background: `linear-gradient(to right, ${Array.from({ length: 9 }, (_, i) => COLOURS[Math.round(i * 255 / 8)]).join(',')})` } });
-  const lowText = make('span', {}), highText = make('span', {}), scale = make('div', { class: 'scale' }, lowText, bar, highText);
+  const name = make('b', {}), marks = make('div', { class: 'marks' }), scale = make('div', { class: 'scale' }, name, make('div', { class: 'colours' }, bar, marks));
   const tip = make('div', { class: 'tip', hidden: '' });
   const state = { frame: frames - 1, field: fields.length ? 0 : -1 };
   chooser.value = state.field;
@@ -224,7 +286,8 @@ function drawMeridian(m, onTime) {
   while (first && state.frame > 0 && flat(state.frame)) state.frame--;
   if (first && flat(state.frame)) state.frame = frames - 1;
   slider.value = state.frame;
-  let project = () => [0, 0], seen = [];
+  const [lengthUnit, timeUnit] = m.units || ['', ''];
+  let project = () => [0, 0], back = () => [0, 0], seen = [];
   const draw = () => {
     const width = canvas.clientWidth || 900, ratio = devicePixelRatio || 1, frame = state.frame;
     const [a, b, r] = window_(frame), long = b - a > 2 * r;
@@ -237,6 +300,7 @@ function drawMeridian(m, onTime) {
     const g = canvas.getContext('2d');
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     project = long ? (rr, z) => [left + (z - a) * unit, py0 + (r - rr) * unit] : (rr, z) => [left + (rr + r) * unit, py0 + (b - z) * unit];
+    back = long ? (x, y) => [r - (y - py0) / unit, a + (x - left) / unit] : (x, y) => [(x - left) / unit - r, b - (y - py0) / unit];
     const box = [left, py0, spanX * unit, spanY * unit];
     g.save();
     g.beginPath(); g.rect(...box); g.clip();
@@ -247,11 +311,15 @@ function drawMeridian(m, onTime) {
     drawBodies(g, chains, p => point(frame, p), project);
     seen = drawCells(g, m, corners, field, status, frame, p => point(frame, p), project, range(field, frame), edges.checked);
     g.restore();
-    drawTicks(g, box, long, [a, b, r], project);
-    clock.value = `frame ${frame + 1} of ${frames}, time ${show(m.times[frame], 6)}`;
+    drawTicks(g, box, long, [a, b, r], project, lengthUnit);
+    clock.value = `frame ${frame + 1} of ${frames}, time ${show(m.times[frame], 6)}${timeUnit ? ` ${timeUnit}` : ''}`;
     const [low, high] = range(field, frame);
     scale.hidden = !field;
-    lowText.textContent = field ? show(low) : ''; highText.textContent = field ? `${show(high)}  ${field.name}` : '';
+    if (field) {
+      name.textContent = withUnit(field.name, field.unit);
+      const values = high > low ? [0, 1, 2, 3, 4].map(i => low + (high - low) * i / 4) : [low];
+      marks.replaceChildren(...values.map(v => make('span', {}, show(v, 4))));
+    }
     onTime(m.times[frame]);
   };
   const range = (field, frame) => {
@@ -280,9 +348,12 @@ function drawMeridian(m, onTime) {
   canvas.addEventListener('pointermove', e => {
     const box = canvas.getBoundingClientRect(), x = e.clientX - box.left, y = e.clientY - box.top, field = fields[state.field];
     const hit = seen.find(c => inside(c.shape, x, y));
-    tip.hidden = !hit || !field;
+    tip.hidden = !hit;
     if (tip.hidden) return;
-    tip.textContent = hit.value === null ? `${field.name}: none` : `${field.name} ${show(hit.value)}`;
+    const [r, z] = back(x, y), element = (m.elements || [])[hit.cell];
+    const said = field ? `${field.name} ${show(hit.value)}${hit.value !== null && field.unit ? ` ${field.unit}` : ''}` : null;
+    const lines = [said, element ? `element ${element}` : null, `r ${show(Math.abs(r), 4)}, z ${show(z, 4)}${lengthUnit ? ` ${lengthUnit}` : ''}`];
+    tip.replaceChildren(...lines.filter(Boolean).map(line => make('div', {}, line)));
     tip.style.left = `${x + 14}px`; tip.style.top = `${y + 14}px`;
   });
   canvas.addEventListener('pointerleave', () => { tip.hidden = true; });
@@ -403,7 +474,7 @@ function drawCells(g, m, corners, field, status, frame, point, project, [low, hi
         // Neighbours meet without a hairline between them.
         g.strokeStyle = edges ? line : paint; g.lineWidth = edges ? 0.5 : 0.7; g.stroke();
       }
-      seen.push({ shape, value });
+      seen.push({ shape, value, cell: c });
     }
   }
   return seen;
@@ -429,7 +500,7 @@ function inside(shape, x, y) {
   }
   return within;
 }
-function drawTicks(g, [x, y, w, h], long, [a, b, r], project) {
+function drawTicks(g, [x, y, w, h], long, [a, b, r], project, unit) {
   g.strokeStyle = ink('--line'); g.lineWidth = 1; g.strokeRect(x, y, w, h);
   g.fillStyle = ink('--soft'); g.font = '11.5px system-ui, sans-serif';
   const zs = ticks(a, b, Math.max(2, Math.round((long ? w : h) / 110))), rs = ticks(-r, r, Math.max(2, Math.round((long ? h : w) / 45)));
@@ -439,7 +510,7 @@ function drawTicks(g, [x, y, w, h], long, [a, b, r], project) {
   zs.forEach((z, i) => { const p = project(0, z); long ? below(p[0], zLabels[i]) : beside(p[1], zLabels[i]); });
   rs.forEach((v, i) => { const p = project(v, a); long ? beside(p[1], rLabels[i]) : below(p[0], rLabels[i]); });
   g.textAlign = 'center';
-  g.fillText(long ? 'z' : 'r', x + w / 2, y + h + 34);
+  g.fillText(withUnit(long ? 'z' : 'r', unit), x + w / 2, y + h + 34);
   g.fillText(long ? 'r' : 'z', Math.max(8, x - 56), y + h / 2);
 }
 
@@ -468,11 +539,15 @@ function drawRun(run) {
 function outcome(run, s) {
   const facts = [];
   for (const rest of s.rests || []) facts.push([`${rest.body} at rest`, `time ${show(rest.time)}, displacement ${show(rest.displacement)}`]);
-  if (s.energy) facts.push(['energy drift', show(s.energy.drift, 2)]);
-  for (const [name, value] of Object.entries((s.deck && s.deck.parameters) || {}).slice(0, 40)) facts.push([name, show(value)]);
+  for (const c of run.columns.filter(c => c.name.includes('@')).slice(0, 6)) facts.push([c.name, show(c.final, 6)]);
+  if (s.energy) facts.push(['energy drift', `${show(100 * s.energy.drift, 2)} %`]);
+  if (s.deleted_elements) facts.push(['deleted elements', s.deleted_elements]);
+  const parameters = Object.entries((s.deck && s.deck.parameters) || {}).slice(0, 40).map(([name, value]) => [name, show(value)]);
   const digest = s.digest ? `. Digest of the final state ${s.digest.slice(0, 16)}…` : '';
   const files = s.deck && s.deck.files ? make('p', { class: 'soft', title: s.digest }, `Deck ${s.deck.files.join(', ')}${digest}`) : null;
-  return facts.length || files ? card('', factList(facts), files) : '';
+  const given = parameters.length ? make('details', {}, make('summary', {}, `Parameters of the deck (${parameters.length})`), factList(parameters)) : null;
+  const ways = (s.unfinished || []).map(way => make('p', { class: 'warning' }, way));
+  return facts.length || files ? card('Results', factList(facts), ...ways, given, files) : '';
 }
 function energies(s) {
   if (!s.energy) return null;

@@ -86,7 +86,8 @@ fn missing(what: &str, wanted: &str, names: &[String]) -> String {
 
 fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> {
     let history = history::read(path, columns)?;
-    let thinned = history::chart("", columns, &history);
+    let units = find::units(path);
+    let thinned = history::chart("", columns, &history, &units);
     let line =
         |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), joined: true };
     let series: Vec<Series> = thinned.series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
@@ -101,7 +102,9 @@ fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> 
     } else {
         String::new()
     };
-    Ok(Chart { title: title.into(), x_label: "time".into(), y_label, series })
+    let [time, unit] = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
+    let named = |label: &str, unit: &str| if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") };
+    Ok(Chart { title: title.into(), x_label: named("time", &time), y_label: named(&y_label, &unit), series })
 }
 
 /// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.

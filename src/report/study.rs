@@ -136,6 +136,7 @@ fn price(list: &[Map<String, Value>], best: &[bool]) -> Option<Chart> {
         y_label: "error".into(),
         logarithmic: true,
         series,
+        ..Chart::default()
     })
 }
 

@@ -79,6 +79,7 @@ fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
             y_label: header[quantity].clone(),
             logarithmic: false,
             series,
+            ..Chart::default()
         }
     };
     let charts = columns.quantities.iter().take(MOST).enumerate().map(chart);

@@ -6,6 +6,7 @@
 //! Source of names and meanings: Abaqus Analysis User's Guide, "Abaqus/Explicit output variable identifiers".
 
 pub mod asked;
+pub mod dimension;
 pub mod manual;
 
 use crate::kernel::stress;
