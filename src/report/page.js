@@ -632,7 +632,17 @@ function selfTest() {
     svg.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight' }));
     return svg.nextSibling.textContent;
   });
+  const sizes = [...document.querySelectorAll('.plot svg text')].map(t => parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.clientWidth / WIDTH);
+  const entry = document.querySelector('.legend button');
+  entry?.click();
+  const shown = run => run.charts.flatMap(c => [...c.node.querySelectorAll('svg g')]).filter(g => g.getAttribute('visibility') === 'hidden').length;
+  const switched = [...runs, ...tables].reduce((sum, run) => sum + shown(run), 0);
+  entry?.click();
+  const first = [...data.runs, ...data.sweeps].flatMap(r => r.charts)[0];
   const result = {
+    width: innerWidth, overflow: document.documentElement.scrollWidth - innerWidth, smallest_text: sizes.length ? Math.min(...sizes) : null, switched,
+    csv: first ? csvOf(first).trim().split('\n').map(line => line.split(',').length) : [],
+    y_labels: [...document.querySelectorAll('.y-label')].map(t => t.textContent),
     charts: document.querySelectorAll('.plot svg').length, lines: document.querySelectorAll('path.series').length, points: document.querySelectorAll('circle.point').length,
     tables: document.querySelectorAll('table').length, tips: tips.filter(t => t.length > 4).length, meridians, faults,
     requests: performance.getEntriesByType('resource').map(e => e.name), not_a_number: page.innerHTML.includes('NaN'),

@@ -237,10 +237,15 @@ fn browser() -> Option<PathBuf> {
 
 /// What the page's own test wrote into it.
 fn self_test(browser: &Path, page: &Path) -> Value {
+    self_test_at(browser, page, 1400)
+}
+
+/// The same on a screen of so many points.
+fn self_test_at(browser: &Path, page: &Path, width: u32) -> Value {
     let profile = tempfile::tempdir().expect("a folder");
     let output = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"])
-        .arg("--window-size=1200,900")
+        .arg(format!("--window-size={width},900"))
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .arg("--dump-dom")
         .arg(format!("file://{}#selftest", page.display()))
@@ -299,4 +304,28 @@ fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
         meridians[1]["different_fields"],
         meridians[1]["fields"].as_array().map_or(json!(0), |f| json!(f.len()))
     );
+}
+
+/// On a telephone and on a desk, with units: nothing is cut off or too small to read, lines can be switched off and taken away.
+#[test]
+fn the_page_is_readable_on_any_screen_and_names_units() {
+    let (folder, out) = folder();
+    let deck = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
+    let path = folder.path().join("bar.inp");
+    std::fs::write(&path, deck.replacen("*Parameter", "*Units\n m, kg, s\n*Parameter", 1)).expect("a deck");
+    let deck = path.to_str().expect("a name");
+    assert!(run(deck, &out, &["nr=4", "nz=20"]).status.success());
+    assert!(revolve(&["report", &out]).status.success());
+    let Some(browser) = browser() else { return };
+    for width in [420, 1400] {
+        let result = self_test_at(&browser, &folder.path().join("report.html"), width);
+        assert_eq!(result["faults"], json!([]), "{width}");
+        assert!(result["overflow"].as_i64().is_some_and(|o| o <= 0), "{width}: {result}");
+        assert!(result["smallest_text"].as_f64().is_some_and(|s| s >= 10.5), "{width}: {}", result["smallest_text"]);
+        assert_eq!(result["switched"], 1, "one line is switched off");
+        let fields: Vec<u64> = result["csv"].as_array().expect("lines").iter().filter_map(Value::as_u64).collect();
+        assert!(fields.len() > 20 && fields.iter().all(|n| *n == fields[0]), "{fields:?}");
+        let labels = result["y_labels"].to_string();
+        assert!(labels.contains("energy, J") && labels.contains("U2, m\""), "{labels}");
+    }
 }
