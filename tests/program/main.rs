@@ -18,5 +18,6 @@ mod study;
 mod study_cases;
 mod study_effects;
 mod tidy;
+mod tutorial;
 mod vtk;
 mod watching;
