@@ -476,6 +476,40 @@ pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
     solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
+/// Shows a sink of the caller's what a run shows, and keeps the histories.
+struct Keeping<'a> {
+    history: History,
+    summary: HistorySummary,
+    sink: &'a mut dyn Sink,
+}
+
+impl Sink for Keeping<'_> {
+    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
+        self.history.push(time, values);
+        self.summary.observe(&self.history.columns, time, values);
+        self.sink.row(time, values)
+    }
+}
+
+/// The same, with summary and histories in the folder of a job; frames there are none.
+///
+/// # Errors
+/// Where a file cannot be written.
+pub fn run_and_keep(prepared: &Prepared, job: &Job, sink: &mut dyn Sink) -> io::Result<(Outcome, State)> {
+    let unmade =
+        |e: io::Error| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display()));
+    std::fs::create_dir_all(&job.folder).map_err(unmade)?;
+    let history = History { columns: column_names(&prepared.plan), ..History::default() };
+    let mut keeping = Keeping { history, summary: HistorySummary::default(), sink };
+    let (outcome, state) = solve::run(&prepared.plan, prepared.state.clone(), &mut keeping);
+    let Keeping { history, summary, .. } = keeping;
+    write_whole(&job.path("_history.csv"), history.csv().as_bytes())?;
+    // Several runs at once share the messages of routines: whose they are is not known.
+    let summary = Summary { messages: Vec::new(), ..summarise(prepared, outcome.clone(), summary) };
+    write_summary(job, &summary)?;
+    Ok((outcome, state))
+}
+
 /// Runs a prepared deck and writes its files.
 ///
 /// # Errors

@@ -56,6 +56,9 @@ pub struct Study {
     /// How often each setting runs; its time is the median.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
+    /// Print the record of the study, which is `<job>_study.json`, and nothing else.
+    #[arg(long, conflicts_with = "ablate")]
+    json: bool,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -71,10 +74,10 @@ impl Study {
         }
         let target = self.target.as_deref().map(Target::parse).transpose()?;
         let overrides = pairs(&self.set)?;
-        let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
+        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(ExitCode::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &overrides, &routines);
-        if !accepted(&first, self.quiet) {
+        if !accepted(&first, self.quiet || self.json) {
             return Ok(ExitCode::from(REFUSED));
         }
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
@@ -106,8 +109,10 @@ impl Study {
         };
         bar.finish_and_clear();
         let timing = Timing { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
-        write(&job, &quantity, exact, &results, met.clone(), timing)?;
-        if !self.quiet {
+        let record = write(&job, &quantity, exact, &results, met.clone(), timing)?;
+        if self.json {
+            say!("{}", record.trim_end());
+        } else if !self.quiet {
             print(&results, met.as_ref(), timing, &job);
         }
         tell_doubts(&doubts(&axes, &results));
@@ -167,7 +172,7 @@ fn make_folder(job: &output::Job) -> Result<(), String> {
     std::fs::create_dir_all(&job.folder).map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))
 }
 
-/// Files of a study.
+/// Files of a study; gives its record.
 fn write(
     job: &output::Job,
     quantity: &Quantity,
@@ -175,7 +180,7 @@ fn write(
     results: &Results,
     met: Option<Met>,
     timing: Timing,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<String, Box<dyn Error>> {
     make_folder(job)?;
     let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
     let (header, rows) = record::sheet(results, true);
@@ -185,7 +190,8 @@ fn write(
     write("_study.json", text.as_bytes())?;
     let title = format!("{}: {}", job.name, quantity.text);
     draw(job, "_study", &record::price_chart(results, &title))?;
-    draw(job, "_study_order", &record::order_chart(results, &title))
+    draw(job, "_study_order", &record::order_chart(results, &title))?;
+    Ok(text)
 }
 
 /// A chart as SVG and PNG, where there is something to draw.

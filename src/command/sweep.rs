@@ -5,12 +5,15 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use indexmap::IndexMap;
+use revolve::deck::files;
 use revolve::study::compare::Reference;
 use revolve::study::grid::Grid;
 use revolve::study::quantity::Quantity;
 use revolve::study::{sweep, table};
 use revolve::user::compile::Compiled;
 use revolve::{deck, job, output};
+use serde::Serialize;
 
 use super::words::{self, say, tell};
 use super::{HALTED, REFUSED, UserFiles, accepted, progress, tell_doubts};
@@ -21,8 +24,15 @@ pub struct Sweep {
     /// The input deck.
     deck: PathBuf,
     /// NAME=v1,v2,… or NAME=start:stop:step or NAME=start:stop:#count; several make a grid.
-    #[arg(short, long = "set", value_name = "NAME=VALUES", required = true)]
+    #[arg(short, long = "set", value_name = "NAME=VALUES", required_unless_present = "samples")]
     set: Vec<String>,
+    /// CSV file with a parameter a column and a run a row: any design of experiments. `--set` then gives other parameters one
+    /// value each.
+    #[arg(long, value_name = "FILE")]
+    samples: Option<PathBuf>,
+    /// Keep the results of each run: summary and histories in a folder of its own, `<out>/<deck>_00001` and so on.
+    #[arg(long)]
+    keep: bool,
     /// Expression over history columns, such as "-1000*final(U2@REF)"; may be given several times.
     #[arg(long, required = true, allow_hyphen_values = true)]
     quantity: Vec<String>,
@@ -37,6 +47,9 @@ pub struct Sweep {
     /// Threads (default: all cores).
     #[arg(short, long)]
     threads: Option<usize>,
+    /// Print one JSON object: parameters and values of each run, or why there are none.
+    #[arg(long)]
+    json: bool,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -45,16 +58,22 @@ pub struct Sweep {
 impl Sweep {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
-        let grid = Grid::parse(&self.set)?;
+        let grid = match &self.samples {
+            None => Grid::parse(&self.set)?,
+            Some(path) => {
+                let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
+                Grid::samples(path, &text, &self.set)?
+            }
+        };
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let reference = self.compare.as_deref().map(Reference::read).transpose()?;
         if let (Some(path), Some(reference)) = (&self.compare, &reference) {
             sweep::comparable(&grid, path, reference)?;
         }
-        let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
+        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(ExitCode::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &grid.combination(0), &routines);
-        if !accepted(&first, self.quiet) {
+        if !accepted(&first, self.quiet || self.json) {
             return Ok(ExitCode::from(REFUSED));
         }
         for quantity in &quantities {
@@ -66,12 +85,17 @@ impl Sweep {
             .build()
             .map_err(|e| e.to_string())?;
         let bar = progress::over_runs(grid.count() as u64, self.quiet);
-        let results = pool.install(|| sweep::run(&self.deck, &grid, &quantities, compiled.as_ref(), &|| bar.inc(1)));
+        let job = job::default_job(&self.deck, self.out).map_err(|finding| finding.message)?;
+        let kept = self.keep.then_some(&job);
+        let done = || bar.inc(1);
+        let results =
+            pool.install(|| sweep::run_keeping(&self.deck, &grid, &quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
         let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());
-        let job = job::default_job(&self.deck, self.out).map_err(|finding| finding.message)?;
         write_sweep(&job, &first.deck, &grid, &quantities, &results, reference.as_ref(), &sheet)?;
-        if !self.quiet {
+        if self.json {
+            print_json(&grid, &quantities, &results, &sheet)?;
+        } else if !self.quiet {
             print_sweep(&sheet, &job);
         }
         tell_doubts(&doubts(&grid, &results));
@@ -79,7 +103,46 @@ impl Sweep {
     }
 }
 
+/// A run of a sweep as `--json` prints it.
+#[derive(Serialize)]
+struct Run<'a> {
+    parameters: IndexMap<&'a str, &'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    values: Option<IndexMap<&'a str, f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    doubts: &'a [String],
+}
+
+fn print_json(
+    grid: &Grid,
+    quantities: &[Quantity],
+    results: &sweep::Results,
+    sheet: &sweep::Sheet,
+) -> Result<(), Box<dyn Error>> {
+    let names = grid.names();
+    let all = results.parameters.iter().zip(&results.values).zip(&results.doubts);
+    let runs: Vec<Run<'_>> = all
+        .map(|((parameters, values), doubts)| Run {
+            parameters: names.iter().copied().zip(parameters.iter().map(String::as_str)).collect(),
+            values: values
+                .as_ref()
+                .ok()
+                .map(|v| quantities.iter().map(|q| q.text.as_str()).zip(v.iter().copied()).collect()),
+            error: values.as_ref().err().map(ToString::to_string),
+            doubts,
+        })
+        .collect();
+    let rms: IndexMap<&str, f64> = sheet.rms.iter().map(|(column, rms)| (column.as_str(), *rms)).collect();
+    say!("{}", serde_json::to_string_pretty(&serde_json::json!({ "runs": runs, "rms": rms }))?);
+    Ok(())
+}
+
 fn print_sweep(sheet: &sweep::Sheet, job: &output::Job) {
+    if sheet.rows.is_empty() {
+        return;
+    }
     words::write(format_args!("{}", table::terminal(&sheet.header, &sheet.rows)), false);
     for (column, rms) in &sheet.rms {
         say!("rms difference from {column}: {rms:.4}");
@@ -121,10 +184,11 @@ fn write_sweep(
         .map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))?;
     let title = deck.sources.files().first().map_or("sweep", |f| f.name.as_str());
     let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
-    write("_sweep.csv", table::csv(&sheet.header, &sheet.rows).as_bytes())?;
+    // A table without a row takes no good one's place.
     if sheet.rows.is_empty() {
         return Ok(());
     }
+    write("_sweep.csv", table::csv(&sheet.header, &sheet.rows).as_bytes())?;
     let chart = sweep::chart(title, grid, quantities, results, reference);
     write("_sweep.svg", chart.svg()?.as_bytes())?;
     Ok(write("_sweep.png", &chart.png()?)?)

@@ -14,9 +14,46 @@ pub fn pressure([rr, zz, hoop, _]: [f64; 4]) -> f64 {
     -(rr + zz + hoop) / 3.0
 }
 
+/// Principal stresses, ascending: those of the plane of r and z, and the hoop stress.
+pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
+    let (centre, radius) = (0.5 * (rr + zz), (0.25 * (rr - zz) * (rr - zz) + rz * rz).sqrt());
+    let mut all = [centre - radius, centre + radius, hoop];
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Tresca equivalent stress: the largest difference of principal stresses.
+pub fn tresca(stress: [f64; 4]) -> f64 {
+    let [low, _, high] = principal(stress);
+    high - low
+}
+
+/// Triaxiality: mean stress over the Mises stress; 0 without any stress.
+pub fn triaxiality(stress: [f64; 4]) -> f64 {
+    let (mean, mises) = (-pressure(stress), mises(stress));
+    if mean == 0.0 { 0.0 } else { mean / mises }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{mises, pressure};
+    use super::{mises, pressure, principal, tresca, triaxiality};
+
+    /// Uniaxial tension, pure shear, uniaxial compression along the hoop, and a plane state against the invariants.
+    #[test]
+    fn principal_stresses_and_what_follows_from_them() {
+        assert_eq!(principal([300.0, 0.0, 0.0, 0.0]), [0.0, 0.0, 300.0]);
+        assert_eq!(principal([0.0, 0.0, 0.0, 100.0]), [-100.0, 0.0, 100.0]);
+        assert_eq!((tresca([0.0, 0.0, 0.0, 100.0]), tresca([0.0, 0.0, -70.0, 0.0])), (200.0, 70.0));
+        let one = |stress, expected: f64| assert!((triaxiality(stress) - expected).abs() < 1e-15, "{expected}");
+        one([0.0, 300.0, 0.0, 0.0], 1.0 / 3.0);
+        one([-300.0, -300.0, 0.0, 0.0], -2.0 / 3.0);
+        one([0.0; 4], 0.0);
+        let stress: [f64; 4] = [120.0, -35.0, 60.0, 44.0];
+        let [a, b, c] = principal(stress);
+        assert!((a + b + c + 3.0 * pressure(stress)).abs() < 1e-12);
+        let from_principal = (0.5 * ((a - b).powi(2) + (b - c).powi(2) + (c - a).powi(2))).sqrt();
+        assert!((from_principal / mises(stress) - 1.0).abs() < 1e-14);
+    }
 
     #[test]
     fn tension_and_shear() {

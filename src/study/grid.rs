@@ -1,15 +1,29 @@
 //! The values a sweep runs through: lists and ranges per parameter, several make a grid.
 //! Never here: runs.
 
+use std::path::Path;
+
 use super::StudyError;
+use crate::output::csv;
 
 /// The most combinations of one sweep.
 const MOST: usize = 10_000_000;
 
-/// Parameters with the values each takes; the last varies fastest.
+/// Parameters with the values each takes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
     axes: Vec<(String, Vec<String>)>,
+    order: Order,
+}
+
+/// How values of several parameters meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Order {
+    /// Each with each; the last parameter varies fastest.
+    #[default]
+    Product,
+    /// Side by side: the rows of a table of samples.
+    Rows,
 }
 
 impl Grid {
@@ -19,6 +33,52 @@ impl Grid {
     /// In words, for a form that is none of these or an absurd number of combinations.
     pub fn parse(settings: &[String]) -> Result<Grid, StudyError> {
         Grid::read(settings).map_err(StudyError::Setting)
+    }
+
+    /// From the text of a CSV file of samples, a parameter a column under its name and a run a row; `settings` give the other
+    /// parameters one value each.
+    ///
+    /// # Errors
+    /// In words, with the line; a parameter that is given twice; several values in a setting.
+    pub fn samples(path: &Path, text: &str, settings: &[String]) -> Result<Grid, StudyError> {
+        let wrong = |message: String| StudyError::Reference { path: path.to_owned(), message };
+        let mut grid = Grid::rows(text).map_err(wrong)?;
+        let count = grid.count();
+        for (name, values) in Grid::parse(settings)?.axes {
+            if values.len() > 1 {
+                let message = format!("--set {name} has {} values; beside --samples it has one", values.len());
+                return Err(StudyError::Setting(message));
+            }
+            if grid.axes.iter().any(|axis| axis.0 == name) {
+                return Err(StudyError::Setting(format!("{name} is given by --set and by --samples")));
+            }
+            grid.axes.push((name, vec![values[0].clone(); count]));
+        }
+        Ok(grid)
+    }
+
+    fn rows(text: &str) -> Result<Grid, String> {
+        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+        let (_, header) = lines.next().ok_or("the file is empty")?;
+        let names = csv::fields(header).into_iter().map(|name| name.trim().to_owned());
+        let mut axes: Vec<(String, Vec<String>)> = names.map(|name| (name, Vec::new())).collect();
+        for (i, (name, _)) in axes.iter().enumerate() {
+            if name.is_empty() || axes[..i].iter().any(|axis| axis.0 == *name) {
+                return Err(format!("line 1: column {} has no name of its own: `{name}`", i + 1));
+            }
+        }
+        for (i, line) in lines {
+            let values = csv::fields(line);
+            if values.len() != axes.len() || values.iter().any(|v| v.trim().is_empty()) {
+                return Err(format!("line {}: {} values, but the header has {}", i + 1, values.len(), axes.len()));
+            }
+            axes.iter_mut().zip(values).for_each(|(axis, value)| axis.1.push(value.trim().to_owned()));
+        }
+        match axes[0].1.len() {
+            0 => Err("there are no rows under the header".into()),
+            count if count > MOST => Err(format!("more than {MOST} rows")),
+            _ => Ok(Grid { axes, order: Order::Rows }),
+        }
     }
 
     /// The same in words, of the option that a sweep has.
@@ -50,11 +110,17 @@ impl Grid {
 
     /// How many combinations there are.
     pub fn count(&self) -> usize {
-        self.axes.iter().map(|a| a.1.len()).product()
+        match self.order {
+            Order::Product => self.axes.iter().map(|a| a.1.len()).product(),
+            Order::Rows => self.axes.first().map_or(0, |a| a.1.len()),
+        }
     }
 
     /// The combination with that index as `--set` pairs.
     pub fn combination(&self, index: usize) -> Vec<(String, String)> {
+        if self.order == Order::Rows {
+            return self.axes.iter().map(|(name, values)| (name.clone(), values[index].clone())).collect();
+        }
         let mut rest = index;
         let mut pairs: Vec<_> = self
             .axes
@@ -115,6 +181,21 @@ mod tests {
         for wrong in ["V", "V=", "=1", "V=1:2", "V=2:1:1", "V=0:1:0", "V=0:1e99:1", "V=1,,2"] {
             assert!(values(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn samples_stand_side_by_side() {
+        let read = |text: &str, settings: &[String]| Grid::samples("doe.csv".as_ref(), text, settings);
+        let grid = read("V, mu\n569, 0.1\n\n# the last\n821,0.2\n", &["n=10".into()]).expect("a grid");
+        assert_eq!((grid.count(), grid.names()), (2, vec!["V", "mu", "n"]));
+        let pair = |i: usize| grid.combination(i).into_iter().map(|p| p.1).collect::<Vec<_>>().join(" ");
+        assert_eq!([pair(0), pair(1)], ["569 0.1 10", "821 0.2 10"]);
+        for (text, setting) in
+            [("", "n=1"), ("V\n", "n=1"), ("V,V\n1,2\n", "n=1"), ("V,W\n1\n", "n=1"), ("V\n1\n", "n=1,2")]
+        {
+            assert!(read(text, &[setting.to_owned()]).is_err(), "{text}");
+        }
+        assert!(read("V\n1\n", &["V=1".into()]).is_err_and(|e| e.to_string().contains("--samples")));
     }
 
     #[test]

@@ -11,6 +11,7 @@ use super::compare::{Reference, rms};
 use super::grid::Grid;
 use super::quantity::{Quantity, Recorder};
 use crate::job;
+use crate::output::Job;
 use crate::user::compile::Compiled;
 
 /// The results of a sweep, in the grid's order.
@@ -44,11 +45,24 @@ pub fn run(
     user: Option<&Compiled>,
     done: &(dyn Fn() + Sync),
 ) -> Results {
+    run_keeping(deck, grid, quantities, user, None, done)
+}
+
+/// The same; with a job, summary and histories of each run are written in a folder of its own beside it.
+pub fn run_keeping(
+    deck: &Path,
+    grid: &Grid,
+    quantities: &[Quantity],
+    user: Option<&Compiled>,
+    kept: Option<&Job>,
+    done: &(dyn Fn() + Sync),
+) -> Results {
     let runs: Vec<_> = (0..grid.count())
         .into_par_iter()
         .map(|index| {
             let combination = grid.combination(index);
-            let result = one(deck, &combination, quantities, user);
+            let job = kept.map(|job| Job { folder: job.path(&format!("_{:05}", index + 1)), name: job.name.clone() });
+            let result = one(deck, &combination, quantities, user, job.as_ref());
             done();
             let (value, doubts) = result.map_or_else(|e| (Err(e), Vec::new()), |(value, doubts)| (Ok(value), doubts));
             (combination.into_iter().map(|p| p.1).collect(), value, doubts)
@@ -69,6 +83,7 @@ fn one(
     overrides: &job::Overrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
+    kept: Option<&Job>,
 ) -> Result<(Vec<f64>, Vec<String>), StudyError> {
     let routines = Compiled::open_any(user)?;
     let prepared = job::prepare(deck, overrides, &routines);
@@ -76,7 +91,12 @@ fn one(
         return Err(StudyError::refused(&prepared));
     }
     let mut recorder = Recorder::of(quantities, &prepared.plan);
-    let (outcome, state) = job::run_into(&prepared, &mut recorder);
+    let (outcome, state) = match kept {
+        None => job::run_into(&prepared, &mut recorder),
+        Some(job) => {
+            job::run_and_keep(&prepared, job, &mut recorder).map_err(|e| StudyError::Setting(e.to_string()))?
+        }
+    };
     recorder.end(outcome.steps.iter().map(|s| s.time).sum());
     if let Some(halt) = outcome.halt {
         return Err(StudyError::Halted(halt));

@@ -52,6 +52,8 @@ impl Variable {
             | Variable::Stress
             | Variable::Mises
             | Variable::Pressure
+            | Variable::PrincipalStress
+            | Variable::Tresca
             | Variable::BottomStress
             | Variable::TopStress
             | Variable::BottomMises

@@ -131,6 +131,11 @@ variables! {
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
     Pressure: point("PRESS", &[], "Equivalent pressure stress, positive in compression")
         .preselected(Preselected::Deforming).by(|e, _| Some(stress::pressure(tensor(e, Variable::Stress)?))),
+    PrincipalStress: point("SP", &["SP1", "SP2", "SP3"], "Principal stresses, ascending").by(|e, i| Some(stress::principal(tensor(e, Variable::Stress)?)[i])),
+    Tresca: point("TRESC", &[], "Tresca equivalent stress: the difference of the outer principal stresses")
+        .by(|e, _| Some(stress::tresca(tensor(e, Variable::Stress)?))),
+    Triaxiality: point("TRIAX", &[], "Stress triaxiality: minus PRESS over MISES; 0 without stress")
+        .by(|e, _| Some(stress::triaxiality(tensor(e, Variable::Stress)?))),
     PlasticStrain: point("PEEQ", &[], "Equivalent plastic strain").preselected(Preselected::Deforming),
     Temperature: point("TEMP", &[], "Temperature, where the material follows it"),
     HeatFlux: point("HFL", &["HFL1", "HFL2"], "Heat flux along r and z, where temperatures are solved for").conducting(),

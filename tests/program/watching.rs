@@ -164,6 +164,30 @@ fn depths_on_the_way_are_told() {
     assert!(text(&study.stderr).contains("n = 20: NOSE still moves"), "{}", text(&study.stderr));
 }
 
+/// Any design of experiments: its rows in their order, a failing one named, the results of each kept.
+#[test]
+fn samples_run_row_by_row_and_keep_their_results() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (design, out) = (folder.path().join("doe.csv"), folder.path().join("out"));
+    std::fs::write(&design, "V, CRH\n821, 3\n569, 2\n700, 0\n").expect("a design");
+    let (design, out) = (design.to_str().expect("a name"), out.to_str().expect("a name"));
+    let arguments = ["sweep", "input/ogive.inp", "--samples", design, "-s", "n=10", "-o", out, "--keep", "--json"];
+    let output = revolve(&[&arguments[..], &["--quantity", "-1000*final(U2@REF)"]].concat());
+    assert_eq!(output.status.code(), Some(1), "one row gives no result: {}", text(&output.stderr));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let runs = found["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 3);
+    assert_eq!(runs[1]["parameters"], serde_json::json!({"V": "569", "CRH": "2", "n": "10"}));
+    let depth = |i: usize| number(&runs[i]["values"]["-1000*final(U2@REF)"]);
+    assert!(depth(0) > depth(1) && depth(1) > 40.0, "{found}");
+    assert!(runs[2]["error"].is_string() && runs[2]["values"].is_null(), "{found}");
+    for run in ["ogive_00001", "ogive_00002"] {
+        let summary = std::fs::read_to_string(format!("{out}/{run}/ogive.json")).expect("a summary");
+        assert!(summary.contains("\"completed\""));
+        assert!(std::fs::metadata(format!("{out}/{run}/ogive_history.csv")).is_ok_and(|m| m.len() > 100));
+    }
+}
+
 #[test]
 fn a_deck_comes_from_standard_input() {
     let deck = std::fs::read(project("input/ogive.inp")).expect("a deck");
