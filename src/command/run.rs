@@ -8,10 +8,10 @@ use std::time::Duration;
 use clap::Args;
 use revolve::deck::{Diagnostic, Diagnostics, Sources, printable};
 use revolve::job::Instructions;
-use revolve::job::{self, Options, Prepared, Refusal, Summary};
+use revolve::job::{self, Demand, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
-use revolve::solve::Every;
+use revolve::solve::{Every, LOST};
 use revolve::user::host;
 
 use super::signals::watch_signals;
@@ -37,6 +37,10 @@ pub struct Run {
     /// Go on from the checkpoint in the folder of the results, to the same bits; without one start at the beginning.
     #[arg(long)]
     resume: bool,
+    /// As --resume, also from a checkpoint that does not hold all that the user's routines keep to themselves: that is then as
+    /// in a run that starts anew.
+    #[arg(long)]
+    resume_anyway: bool,
     /// Keep the state every so often: 10s, 5m or 1h on the clock, or a number of increments.
     #[arg(long, value_name = "TIME|INCREMENTS", value_parser = every)]
     checkpoint_every: Option<Every>,
@@ -84,9 +88,6 @@ impl Run {
             Ok(job) => job,
             Err(finding) => return Ok(refused(*finding)),
         };
-        if self.checkpoint_every.is_some() && !user.is_empty() && !self.quiet {
-            print_finding(job::forgotten(false));
-        }
         let from = match self.checkpoint(&prepared, &job, &user) {
             Ok(from) => from,
             Err(finding) => return Ok(refused(*finding)),
@@ -125,13 +126,16 @@ impl Run {
         job: &output::Job,
         user: &str,
     ) -> Result<Option<Checkpoint>, Box<Diagnostic>> {
-        if !self.resume {
+        if !self.resume && !self.resume_anyway {
             return Ok(None);
         }
-        let (checkpoint, notes) = job::find_checkpoint(prepared, job, user)?;
-        if !self.quiet {
-            print_findings(&notes, &prepared.deck.sources);
+        let demand = if self.resume_anyway { Demand::Anything } else { Demand::Whole };
+        let (checkpoint, mut notes) = job::find_checkpoint(prepared, job, user, demand)?;
+        if self.quiet {
+            // What is lost is said in any case.
+            notes.retain(|note| note.code == "K102");
         }
+        print_findings(&notes, &prepared.deck.sources);
         Ok(checkpoint)
     }
 }
@@ -172,7 +176,10 @@ fn print_end(summary: &Summary, job: &output::Job, signal: usize) -> ExitCode {
     if !summary.interrupted {
         return ExitCode::from(HALTED);
     }
-    tell!("go on with --resume");
+    match &summary.lost[..] {
+        [] => tell!("go on with --resume"),
+        lost => tell!("{LOST}: {}\n--resume-anyway goes on without it", lost.join("; ")),
+    }
     ExitCode::from(128 + signal as u8)
 }
 

@@ -29,7 +29,7 @@ use observe::Observing;
 pub use observe::{Sink, SinkError};
 pub use outcome::{Outcome, Rest, StepSummary};
 use restart::{At, Checkpointer, begin_step, take_up};
-pub use restart::{Control, Every};
+pub use restart::{Control, Every, LOST, lost};
 use run::Run;
 
 /// Runs a plan from a state at its start to its end, showing every due instant to `sink`.
@@ -77,6 +77,9 @@ pub fn run_with(
         return Ok((Outcome::default(), state));
     }
     let mut run = Run::new(plan, state);
+    if sink.keeps() {
+        plan.routines.memory.begin();
+    }
     let mut observing = Observing::new(plan);
     let (mut first, mut control) = (0, None);
     if let Some(kept) = asked.state {

@@ -62,10 +62,15 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Where the run goes on from a state that was kept: the analysis starts for the routine, in the middle.
+    /// Where the run goes on from a state that was kept: the analysis starts for the routine, in the middle. What it then does
+    /// to its own memory is taken back: that is as it was when the state was kept.
     pub(super) fn resume_routines(&mut self) -> Result<(), Halt> {
-        let wish = self.wish;
-        self.tell(Moment::StartAnalysis, 0.0)?;
+        let (wish, kept) = (self.wish, std::mem::take(&mut self.taken_up));
+        if self.user.events.is_some() {
+            self.tell(Moment::StartAnalysis, 0.0)?;
+            let taken_up = self.plan.routines.memory.take_up(&kept);
+            taken_up.map_err(|why| Halt { code: "R201", reason: why.reason })?;
+        }
         self.wish = wish;
         Ok(())
     }

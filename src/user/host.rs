@@ -90,6 +90,17 @@ pub fn persist_messages(archive: &mut Archive<'_>) {
     MESSAGES.with_borrow_mut(|list| list.persist(archive));
 }
 
+/// Visits the arrays that routines of this thread have made.
+pub fn persist_arrays(archive: &mut Archive<'_>) {
+    let place = |(key, array): (&(u8, i32), &Array)| (*key, (array.0.to_vec(), array.1));
+    let mut list: Vec<_> = ARRAYS.with_borrow(|arrays| arrays.iter().map(place).collect());
+    list.persist(archive);
+    if archive.reads() {
+        let arrays = list.into_iter().map(|(key, (words, count))| (key, (words.into_boxed_slice(), count)));
+        ARRAYS.with_borrow_mut(|all| *all = arrays.collect());
+    }
+}
+
 impl Persist for Message {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Message { level, text, times } = self;

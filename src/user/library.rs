@@ -17,6 +17,7 @@ use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use super::compile::Ready;
 use super::guard;
 use super::host::{self, Level};
+use super::memory::{Memory, Part, bases};
 use super::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
     LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, PointValues, ROUTINES,
@@ -235,10 +236,12 @@ pub(super) fn open(
     given: &[PathBuf],
 ) -> Result<Routines, Diagnostic> {
     watch_the_process();
-    let libraries = files.iter().map(open_copy).collect::<Result<Vec<_>, _>>()?;
+    let opened = files.iter().map(open_copy).collect::<Result<Vec<_>, _>>()?;
+    let (libraries, parts): (Vec<Library>, Vec<Vec<Part>>) = opened.into_iter().unzip();
     let libraries: Arc<[Library]> = libraries.into();
+    let memory = Arc::new(Memory::of(parts.into_iter().flatten().collect(), libraries.clone()));
     let strangers = STRANGERS.iter().copied().filter(|name| defines(&libraries, name)).collect();
-    let mut routines = Routines { misfits: misfits.to_vec(), strangers, ..Routines::none() };
+    let mut routines = Routines { misfits: misfits.to_vec(), strangers, memory, ..Routines::none() };
     let mut known = false;
     let fits = |name: &str| misfits.iter().all(|m| m.routine != name);
     // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
@@ -389,19 +392,20 @@ pub fn missing(file: &Path) -> Option<String> {
     Some(symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
 }
 
-/// The loader opens a file once; each call writes another, with SAVE and COMMON of its own.
-fn open_copy(library: &Ready) -> Result<Library, Diagnostic> {
+/// The loader opens a file once; each call writes another, with SAVE and COMMON of its own: the library, and its memory.
+fn open_copy(library: &Ready) -> Result<(Library, Vec<Part>), Diagnostic> {
     let file = &library.name;
     let fault = |why: String| Diagnostic::error("U005", format!("`{}` cannot be loaded: {why}", file.display()));
     let scratch = Scratch::within(&std::env::temp_dir()).map_err(|e| fault(e.to_string()))?;
     let copy = scratch.path().join("user.so");
     std::fs::write(&copy, &library.bytes).map_err(|e| fault(e.to_string()))?;
+    let before = bases();
     // SAFETY: the user's library runs its initialisers here, as he asked for.
     let opened = unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) };
     guard::restore(|what| host::tell_of_opening(format!("an initialiser of `{}` {what}", file.display())));
     let opened = opened.map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
     keep_runtimes();
-    Ok(opened)
+    Ok((opened, Part::of(&copy, file, &library.bytes, &before)))
 }
 
 /// Once they are there, the runtimes of Fortran and of its threads stay: they would go and come with every run of a sweep.

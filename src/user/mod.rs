@@ -7,13 +7,16 @@ pub mod compile;
 mod guard;
 pub mod host;
 pub mod library;
+mod memory;
 mod prototype;
 mod source;
+mod symbols;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::state::Instant;
 use crate::state::halt::Halt;
+pub(crate) use memory::{Kept, Memory};
 
 /// Points a routine is shown in one call at most: `maxblk` of `vaba_param.inc`. Larger surfaces come in blocks.
 pub const MAX_BLOCK: usize = 512;
@@ -559,6 +562,8 @@ pub struct Routines {
     pub misfits: Vec<Misfit>,
     /// What they hold beside these: routines of ABAQUS that nothing here calls.
     pub strangers: Vec<&'static str>,
+    /// What compiled routines keep to themselves.
+    pub(crate) memory: Arc<Memory>,
 }
 
 /// The routines of a job while a run holds them.

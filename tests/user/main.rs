@@ -13,4 +13,5 @@ mod in_the_wild;
 mod load;
 mod manners;
 mod material;
+mod memory;
 mod subroutines;

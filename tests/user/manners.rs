@@ -132,18 +132,3 @@ fn initialisers_run_once_for_a_run() {
     let messages = desk.summary("ogive_user")["messages"].to_string();
     assert!(messages.contains("initialiser of") && messages.contains("rounding mode"), "{messages}");
 }
-
-/// What a checkpoint does not hold is in the summary, whatever is printed.
-#[test]
-fn lost_variables_are_told_in_the_summary() {
-    let desk = Desk::new();
-    let file = load(&desk, "keeps", "if (*tt > 1e-4 && !getenv(\"GO\")) exit(0);");
-    let noted = || desk.summary("ogive_user")["diagnostics"].to_string();
-    let output = desk.run(&user_deck(), &[&file], &["--checkpoint-every", "5"]);
-    assert_eq!(output.status.code(), Some(1), "{}", told(&output));
-    let go = [("GO", PathBuf::from("1"))];
-    let output = desk.run_with(&go, &user_deck(), &[&file], &["--resume", "--checkpoint-every", "5"]);
-    assert!(output.status.success(), "{}", told(&output));
-    assert!(noted().contains("K102") && noted().contains("is not in checkpoints"), "{}", noted());
-    assert!(noted().contains("starts anew"), "{}", noted());
-}
