@@ -31,8 +31,7 @@ impl Case {
     fn new(name: &'static str, deck: &Path, more: &[&str], scratch: &Path) -> Case {
         let mut arguments = vec!["run".to_owned(), deck.to_str().expect("a name").to_owned(), "--quiet".into()];
         arguments.extend(more.iter().map(|a| (*a).to_owned()));
-        let mut case =
-            Case { name, arguments, cache: scratch.join("cache"), seconds: 0.0, results: BTreeMap::new() };
+        let mut case = Case { name, arguments, cache: scratch.join("cache"), seconds: 0.0, results: BTreeMap::new() };
         let folder = scratch.join(format!("whole-{name}"));
         let begin = Instant::now();
         let status = case.start(&folder, &[]).wait().expect("a status");
