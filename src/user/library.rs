@@ -559,6 +559,11 @@ pub(super) fn inside() -> bool {
     !CURRENT.get().is_null()
 }
 
+/// The routine that this thread is inside of.
+pub(super) fn routine() -> Option<&'static str> {
+    current(|call| call.map(|call| call.routine))
+}
+
 /// Runs `ask` on the call under way on this thread, if there is one.
 fn current<R>(ask: impl FnOnce(Option<&Call<'_>>) -> R) -> R {
     let pointer = CURRENT.get();
@@ -1163,6 +1168,12 @@ macro_rules! exported {
 exported! {
     "chdir" => guard::chdir,
     "fchdir" => guard::fchdir,
+    "sigaction" => guard::sigaction,
+    "signal" => guard::signal,
+    "bsd_signal" => guard::signal,
+    "sysv_signal" => guard::sysv_signal,
+    "__sysv_signal" => guard::sysv_signal,
+    "pthread_create" => guard::pthread_create,
     "_exit" => guard::leave,
     "_Exit" => guard::leave,
     "xplb_exit_" => xplb_exit,

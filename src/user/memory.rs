@@ -11,6 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use libloading::os::unix::Library;
 
+use super::guard;
+use super::host::{self, Level};
 use super::symbols::Symbols;
 use crate::output::checkpoint::hash;
 use crate::state::archive::{Archive, Persist, UnfitState, persist_fields};
@@ -154,7 +156,20 @@ impl Memory {
     /// A run begins on this thread: what is open now is not the routines'.
     pub fn begin(&self) {
         if !self.parts.is_empty() {
+            guard::forget_threads();
             *self.open.lock().unwrap_or_else(PoisonError::into_inner) = open_files();
+        }
+    }
+
+    /// The run on this thread is over: says what its routines left running.
+    pub fn end(&self) {
+        for (routine, count) in guard::threads_running() {
+            let threads =
+                if count == 1 { "a thread that still runs".into() } else { format!("{count} threads that still run") };
+            host::tell(
+                Level::Warning,
+                format!("{routine} started {threads}: the run is over, and does not wait for it"),
+            );
         }
     }
 
@@ -179,7 +194,9 @@ impl Memory {
         let before = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let files = open_files().into_iter().filter(|file| !before.contains(file));
         let files = files.map(|(_, path)| format!("the file {} is open", path.display())).collect();
-        let lost = [self.hidden.clone(), shortened(bound), shortened(files)].concat();
+        let threads = guard::threads_running().into_iter();
+        let threads = threads.map(|(routine, _)| format!("a thread that {routine} started still runs")).collect();
+        let lost = [self.hidden.clone(), shortened(bound), shortened(files), threads].concat();
         Kept { memory, lost }
     }
 
