@@ -11,7 +11,7 @@ use crate::plan::StepPlan;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, UnfitState, persist_all, persist_fields};
 use crate::state::halt::Halt;
-use crate::user::{Kept, Moment, Wish, host};
+use crate::user::{Kept, Moment, Wish};
 
 /// How often the state is kept, beside what the deck's `*RESTART, WRITE` asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -318,7 +318,6 @@ impl Persist for Run<'_> {
         }
         archive.mark("routines");
         persist_fields!(archive; told.as_mut_slice(), amplitudes.as_mut_slice(), motions.as_mut_slice());
-        host::persist_arrays(archive);
         elements.persist(archive);
         if let Some(thermal) = thermal {
             thermal.persist(archive);

@@ -17,6 +17,8 @@ thread_local! {
     /// Whether there is one, or this is a child.
     static TOUCHED: Cell<bool> = const { Cell::new(false) };
     static CHILD: Cell<bool> = const { Cell::new(false) };
+    /// Whether initialisers of a library may be at work.
+    static OPENING: Cell<bool> = const { Cell::new(false) };
     /// What was done about signals before a routine changed it.
     static HANDLERS: RefCell<Vec<(c_int, libc::sigaction)>> = const { RefCell::new(Vec::new()) };
     /// Threads that routines started in the run of this thread, each with its number and the routine.
@@ -45,12 +47,25 @@ unsafe extern "C" fn forked() {
     }
 }
 
+/// Opens a library, whose initialisers are watched as routines are.
+pub fn opening<R>(open: impl FnOnce() -> R) -> R {
+    OPENING.set(true);
+    let opened = open();
+    OPENING.set(false);
+    opened
+}
+
+/// Whether what this thread does is a user's doing.
+fn is_users() -> bool {
+    super::library::inside() || OPENING.get()
+}
+
 /// Sets right what a routine that was left changed, and tells each change; ends a child that came back in its place.
 #[inline]
 pub fn restore(tell: impl Fn(&str)) {
     if !arithmetic_is_plain() {
         make_arithmetic_plain();
-        tell("left another rounding mode, or treatment of small numbers, behind: it is set back after the call");
+        tell("left another rounding mode, or treatment of small numbers, behind: it is set back");
     }
     if TOUCHED.get() {
         leave_child();
@@ -59,7 +74,7 @@ pub fn restore(tell: impl Fn(&str)) {
         let Some(folder) = FOLDER.take() else { return };
         // SAFETY: a folder that is open; by the system's own number, for the name is watched.
         if unsafe { libc::syscall(libc::SYS_fchdir, folder.as_raw_fd()) } == 0 {
-            tell("changed the working folder of the process: it is set back after the call");
+            tell("changed the working folder of the process: it is set back");
         } else {
             tell("changed the working folder of the process, and it cannot be set back");
         }
@@ -144,7 +159,7 @@ unsafe extern "C" {
 
 /// Remembers the working folder before a routine leaves it.
 fn note_folder() {
-    if super::library::inside() && FOLDER.with_borrow(Option::is_none) {
+    if is_users() && FOLDER.with_borrow(Option::is_none) {
         FOLDER.set(File::options().read(true).custom_flags(libc::O_PATH | libc::O_DIRECTORY).open(".").ok());
         TOUCHED.set(true);
     }
@@ -185,13 +200,13 @@ fn set_back(signal: c_int, before: &libc::sigaction, tell: &impl Fn(&str)) {
     if (now.sa_sigaction, now.sa_flags) != (before.sa_sigaction, before.sa_flags) {
         // SAFETY: what was in force before the routine.
         unsafe { __sigaction(signal, before, std::ptr::null_mut()) };
-        tell(&format!("changed what the process does about signal {signal}: it is set back after the call"));
+        tell(&format!("changed what the process does about signal {signal}: it is set back"));
     }
 }
 
 /// `sigaction` of the C library for all of the process.
 pub unsafe extern "C" fn sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int {
-    if super::library::inside() && !new.is_null() {
+    if is_users() && !new.is_null() {
         HANDLERS.with_borrow_mut(|list| {
             if list.iter().all(|(known, _)| *known != signal) {
                 list.push((signal, action(signal)));

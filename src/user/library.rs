@@ -383,7 +383,7 @@ fn defines(libraries: &[Library], name: &str) -> bool {
 /// What a library calls and nothing defines, if there is such a thing.
 pub fn missing(file: &Path) -> Option<String> {
     // SAFETY: the user's library runs its initialisers here, as he asked for.
-    let opened = unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) };
+    let opened = guard::opening(|| unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) });
     // What an initialiser changes is told when it runs for the run itself.
     guard::restore(|_| {});
     let error = opened.err()?;
@@ -401,7 +401,7 @@ fn open_copy(library: &Ready) -> Result<(Library, Vec<Part>), Diagnostic> {
     std::fs::write(&copy, &library.bytes).map_err(|e| fault(e.to_string()))?;
     let before = bases();
     // SAFETY: the user's library runs its initialisers here, as he asked for.
-    let opened = unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) };
+    let opened = guard::opening(|| unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) });
     guard::restore(|what| host::tell_of_opening(format!("an initialiser of `{}` {what}", file.display())));
     let opened = opened.map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
     keep_runtimes();
@@ -517,6 +517,8 @@ struct Call<'a> {
     name: &'a str,
     now: Instant,
     sensors: (&'a [String], &'a [f64]),
+    /// User's numbers of the elements whose points are shown.
+    elements: &'a [i32],
     /// What the points of the call hold.
     points: Option<(usize, &'a dyn PointValues)>,
 }
@@ -524,7 +526,12 @@ struct Call<'a> {
 impl<'a> Call<'a> {
     /// Without sensors and points.
     fn new(routine: &'static str, name: &'a str, now: Instant) -> Self {
-        Call { routine, name, now, sensors: (&[], &[]), points: None }
+        Call { routine, name, now, sensors: (&[], &[]), elements: &[], points: None }
+    }
+
+    /// At points of elements.
+    fn at(self, elements: &'a [i32]) -> Self {
+        Call { elements, ..self }
     }
 }
 
@@ -791,7 +798,7 @@ impl UserMaterial for CompiledMaterial {
         block[4..4 + call.count].copy_from_slice(call.elements);
         info[6..6 + call.count].copy_from_slice(call.elements);
         dt[0] = call.dt;
-        let context = Call::new("vumat", call.name, call.now);
+        let context = Call::new("vumat", call.name, call.now).at(call.elements);
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -849,7 +856,7 @@ impl UserHardening for CompiledHardening {
         let [count, variables, fields, properties] =
             [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
         let (one, anneal) = (1_i32, 0_i32);
-        let context = Call::new("vuhard", call.name, call.now);
+        let context = Call::new("vuhard", call.name, call.now).at(call.elements);
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -903,7 +910,7 @@ impl UserFields for CompiledFields {
         let (direct, shear, one) = (3_i32, 1_i32, 1_i32);
         set_identities(&mut self.directions, call.count);
         let points = Some((call.count, call.values));
-        let context = Call { points, ..Call::new("vusdfld", call.name, call.now) };
+        let context = Call { points, ..Call::new("vusdfld", call.name, call.now).at(call.elements) };
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -962,7 +969,7 @@ impl UserLengths for CompiledLengths {
         // The shape: 2 is a triangle, 3 a quadrilateral.
         let kind = [corners - 1, 0, 0];
         set_identities(&mut self.directions, call.count);
-        enter(&Call::new("vucharlength", call.name, call.now), || {
+        enter(&Call::new("vucharlength", call.name, call.now).at(call.elements), || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
                 (self.call)(
@@ -1122,11 +1129,15 @@ pub(super) fn last_words(what: &str) -> bool {
         let Some(call) = call else { return false };
         let mut line = Line([0; 512], 0);
         let on = if call.name.is_empty() { "" } else { " for " };
+        let _ = write!(line, "error: {}{on}{}", call.routine, call.name);
+        if let [first, .., last] | [first @ last] = call.elements {
+            let _ = write!(line, ", elements {first} to {last},");
+        }
         let _ = writeln!(
             line,
-            "error: {}{on}{} {what}: step {}, increment {}, total time {:e}. The frames written before are complete; \
+            " {what}: step {}, increment {}, total time {:e}. The frames written before are complete; \
              --check-user finds indices out of bounds.",
-            call.routine, call.name, call.now.step, call.now.increment, call.now.total_time
+            call.now.step, call.now.increment, call.now.total_time
         );
         // SAFETY: the buffer is as long as said.
         unsafe { libc::write(2, line.0.as_ptr().cast(), line.1) };

@@ -190,6 +190,7 @@ impl Memory {
             bound.extend(part.of_threads());
             persist_fields!(&mut archive; &mut part.layout.clone(), &mut changes);
         }
+        host::persist_arrays(&mut archive);
         let memory = bound.is_empty().then_some(bytes);
         let before = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let files = open_files().into_iter().filter(|file| !before.contains(file));
@@ -216,6 +217,7 @@ impl Memory {
             }
             list.push(changes);
         }
+        host::persist_arrays(&mut archive);
         archive.finish()?;
         self.parts.iter().zip(&list).for_each(|(part, changes)| part.set(changes));
         Ok(())

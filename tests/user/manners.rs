@@ -193,7 +193,8 @@ fn initialisers_run_once_for_a_run() {
     let desk = Desk::new();
     let file = load(&desk, "begins", "");
     let mut text = std::fs::read_to_string(&file).expect("a source");
-    text += "__attribute__((constructor)) static void begin(void) { mark(); fesetround(FE_UPWARD); }\n";
+    text += "__attribute__((constructor)) static void begin(void) { mark(); fesetround(FE_UPWARD); signal(SIGTERM, SIG_IGN); \
+             chdir(\"/\"); }\n";
     std::fs::write(&file, text).expect("a source");
     for expected in [2, 3, 4] {
         let output = desk.run(&user_deck(), &[&file], &[]);
@@ -201,5 +202,7 @@ fn initialisers_run_once_for_a_run() {
         assert_eq!(std::fs::read(desk.path("calls")).expect("marks").len(), expected);
     }
     let messages = desk.summary("ogive_user")["messages"].to_string();
-    assert!(messages.contains("initialiser of") && messages.contains("rounding mode"), "{messages}");
+    for word in ["initialiser of", "rounding mode", "signal 15:", "working folder"] {
+        assert!(messages.contains(word), "{word}: {messages}");
+    }
 }
