@@ -41,7 +41,7 @@ pub fn is_own_process() -> bool {
 }
 
 unsafe extern "C" fn forked() {
-    if super::library::inside() {
+    if super::call::inside() {
         CHILD.set(true);
         TOUCHED.set(true);
     }
@@ -57,7 +57,7 @@ pub fn opening<R>(open: impl FnOnce() -> R) -> R {
 
 /// Whether what this thread does is a user's doing.
 fn is_users() -> bool {
-    super::library::inside() || OPENING.get()
+    super::call::inside() || OPENING.get()
 }
 
 /// Sets right what a routine that was left changed, and tells each change; ends a child that came back in its place.
@@ -279,7 +279,7 @@ pub unsafe extern "C" fn pthread_create(
         std::mem::transmute::<*mut c_void, Option<Create>>(libc::dlsym(libc::RTLD_NEXT, c"pthread_create".as_ptr()))
     };
     let Some(real) = real else { return libc::EAGAIN };
-    let routine = super::library::routine().filter(|_| !is_of_runtime(body));
+    let routine = super::call::routine().filter(|_| !is_of_runtime(body));
     let before = routine.map(|_| threads()).unwrap_or_default();
     // SAFETY: what the caller promises the C library.
     let failed = unsafe { real(thread, attributes, body, argument) };
@@ -303,7 +303,7 @@ fn is_of_runtime(body: Body) -> bool {
 
 /// `_exit` of the C library: inside a routine it is no success.
 pub extern "C" fn leave(status: c_int) -> ! {
-    let failed = is_own_process() && super::library::last_words("left the process without a word (_exit)");
+    let failed = is_own_process() && super::call::last_words("left the process without a word (_exit)");
     // SAFETY: ends the process, as the caller wants.
     unsafe { end(if failed { 1 } else { status }) }
 }

@@ -3,7 +3,6 @@
 #![allow(unsafe_code)]
 
 use std::any::Any;
-use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_int};
 use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -14,15 +13,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
+use super::call::{self, Call, current, last_words};
 use super::compile::Ready;
 use super::guard;
 use super::host::{self, Level};
 use super::memory::{Memory, Part, bases};
 use super::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
-    LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, PointValues, ROUTINES,
-    Routines, UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
-    Wish,
+    LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, ROUTINES, Routines,
+    UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, Wish,
 };
 use crate::deck::{Diagnostic, files};
 use crate::output::whole::Scratch;
@@ -510,35 +509,6 @@ fn pad<const N: usize>(text: &str) -> [u8; N] {
 
 // ------------------------------------------------------------------------------------------------------- the door
 
-/// The call that is under way.
-struct Call<'a> {
-    routine: &'static str,
-    /// Surface, set or amplitude.
-    name: &'a str,
-    now: Instant,
-    sensors: (&'a [String], &'a [f64]),
-    /// User's numbers of the elements whose points are shown.
-    elements: &'a [i32],
-    /// What the points of the call hold.
-    points: Option<(usize, &'a dyn PointValues)>,
-}
-
-impl<'a> Call<'a> {
-    /// Without sensors and points.
-    fn new(routine: &'static str, name: &'a str, now: Instant) -> Self {
-        Call { routine, name, now, sensors: (&[], &[]), elements: &[], points: None }
-    }
-
-    /// At points of elements.
-    fn at(self, elements: &'a [i32]) -> Self {
-        Call { elements, ..self }
-    }
-}
-
-thread_local! {
-    static CURRENT: Cell<*const Call<'static>> = const { Cell::new(std::ptr::null()) };
-}
-
 /// What the routine threw to end the analysis.
 struct Ended(String);
 
@@ -546,10 +516,10 @@ struct Ended(String);
 #[inline]
 fn enter(call: &Call<'_>, body: impl FnOnce()) -> Result<(), LoadFailure> {
     CALLED.store(true, Ordering::Relaxed);
-    CURRENT.set(std::ptr::from_ref(call).cast());
+    call.begin();
     let returned = catch_unwind(AssertUnwindSafe(body));
     guard::restore(|what| host::tell(Level::Warning, format!("{} {what}", call.routine)));
-    CURRENT.set(std::ptr::null());
+    call::end();
     returned.map_err(|payload| ended(call, payload))
 }
 
@@ -561,25 +531,8 @@ fn ended(call: &Call<'_>, payload: Box<dyn Any + Send>) -> LoadFailure {
     }
 }
 
-/// Whether this thread is inside a routine.
-pub(super) fn inside() -> bool {
-    !CURRENT.get().is_null()
-}
-
-/// The routine that this thread is inside of.
-pub(super) fn routine() -> Option<&'static str> {
-    current(|call| call.map(|call| call.routine))
-}
-
-/// Runs `ask` on the call under way on this thread, if there is one.
-fn current<R>(ask: impl FnOnce(Option<&Call<'_>>) -> R) -> R {
-    let pointer = CURRENT.get();
-    // SAFETY: `enter` sets the pointer to a call that outlives the routine, and takes it back when the routine is left.
-    ask(unsafe { pointer.as_ref() })
-}
-
 fn end(why: String) -> ! {
-    if CURRENT.get().is_null() {
+    if !call::inside() {
         // Not inside a routine that was called from here: nobody could catch it.
         eprintln!("error: {why}");
         std::process::exit(1);
@@ -1112,37 +1065,6 @@ extern "C" fn on_signal(signal: c_int) {
         }
         libc::raise(signal);
     }
-}
-
-/// Says which call was under way; `false` if none was. Allocates nothing: a signal may come from inside the allocator.
-pub(super) fn last_words(what: &str) -> bool {
-    struct Line([u8; 512], usize);
-    impl std::fmt::Write for Line {
-        fn write_str(&mut self, text: &str) -> std::fmt::Result {
-            let count = text.len().min(self.0.len() - self.1);
-            self.0[self.1..self.1 + count].copy_from_slice(&text.as_bytes()[..count]);
-            self.1 += count;
-            Ok(())
-        }
-    }
-    current(|call| {
-        let Some(call) = call else { return false };
-        let mut line = Line([0; 512], 0);
-        let on = if call.name.is_empty() { "" } else { " for " };
-        let _ = write!(line, "error: {}{on}{}", call.routine, call.name);
-        if let [first, .., last] | [first @ last] = call.elements {
-            let _ = write!(line, ", elements {first} to {last},");
-        }
-        let _ = writeln!(
-            line,
-            " {what}: step {}, increment {}, total time {:e}. The frames written before are complete; \
-             --check-user finds indices out of bounds.",
-            call.now.step, call.now.increment, call.now.total_time
-        );
-        // SAFETY: the buffer is as long as said.
-        unsafe { libc::write(2, line.0.as_ptr().cast(), line.1) };
-        true
-    })
 }
 
 // ------------------------------------------------------------------------------------ host routines for the library

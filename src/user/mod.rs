@@ -2,6 +2,7 @@
 //! compiled Fortran and C. Never here: solver internals.
 
 mod cache;
+mod call;
 pub mod codes;
 pub mod compile;
 mod guard;
