@@ -308,7 +308,7 @@ fn forgotten(prepared: &Prepared, from: Option<&Checkpoint>, left: &[String]) ->
             notes.push(Diagnostic::warning("K102", format!("{LOST}: {}{what}", lost.join("; "))));
         }
     }
-    if prepared.has_routines && !prepared.plan.routines.memory.is_known() && from.is_some() {
+    if prepared.has_routines && prepared.plan.routines.memory.is_none() && from.is_some() {
         notes.push(Diagnostic::note("K102", "what routines in Rust keep to themselves starts anew"));
     }
     notes

@@ -16,7 +16,7 @@ use revolve::user::host;
 
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, pairs, print_findings, progress_bar};
+use super::{HALTED, Home, REFUSED, UserFiles, accepted, pairs, print_findings, progress_bar};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -31,6 +31,9 @@ pub struct Run {
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
+    /// Run the user's routines in a process of their own: whatever they do to it, the run ends in order. So far vdload alone.
+    #[arg(long, requires = "files")]
+    isolate: bool,
     /// Folder for the results (default out/<deck name>).
     #[arg(long)]
     out: Option<PathBuf>,
@@ -73,10 +76,12 @@ fn every(text: &str) -> Result<Every, String> {
 impl Run {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+        // Before there are threads: routines may get a process of their own.
+        let home = if self.isolate { Home::Own } else { Home::Here };
+        let Some((routines, user)) = self.user.opened(self.quiet, home) else { return Ok(ExitCode::from(REFUSED)) };
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK);
         let pool = pool.num_threads(self.threads.map_or(0, Into::into));
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
-        let Some((routines, user)) = self.user.opened(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
         let mut prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, self.quiet) {
             return Ok(ExitCode::from(REFUSED));

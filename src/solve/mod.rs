@@ -77,7 +77,7 @@ pub fn run_with(
         return Ok((Outcome::default(), state));
     }
     let mut run = Run::new(plan, state);
-    plan.routines.memory.begin();
+    plan.routines.memory.iter().for_each(|memory| memory.begin());
     let mut observing = Observing::new(plan);
     let (mut first, mut control) = (0, None);
     if let Some(kept) = asked.state {
@@ -97,7 +97,7 @@ pub fn run_with(
             break;
         }
     }
-    plan.routines.memory.end();
+    plan.routines.memory.iter().for_each(|memory| memory.end());
     run.warn_of_energy();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();

@@ -241,7 +241,8 @@ impl At<'_, '_> {
     /// The state behind its head.
     fn write(&mut self, bytes: &mut Vec<u8>) {
         let mut archive = Archive::writer(bytes);
-        let mut head = Head { step: self.run.now.step as usize - 1, routines: self.run.plan.routines.memory.keep() };
+        let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.keep()).unwrap_or_default();
+        let mut head = Head { step: self.run.now.step as usize - 1, routines };
         head.persist(&mut archive);
         self.run.outcome.lost = head.routines.lost;
         self.visit(&mut archive);
@@ -403,7 +404,9 @@ pub(super) fn take_up(
     let mut control = begin_step(run, index, observing);
     At { run, observing, control: &mut control }.visit(&mut archive);
     archive.finish()?;
-    run.plan.routines.memory.take_up(&routines)?;
+    if let Some(memory) = &run.plan.routines.memory {
+        memory.take_up(&routines)?;
+    }
     run.taken_up = routines;
     Ok((index, control))
 }

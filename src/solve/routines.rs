@@ -66,10 +66,9 @@ impl Run<'_> {
     /// to its own memory is taken back: that is as it was when the state was kept.
     pub(super) fn resume_routines(&mut self) -> Result<(), Halt> {
         let (wish, kept) = (self.wish, std::mem::take(&mut self.taken_up));
-        if self.user.events.is_some() {
-            self.tell(Moment::StartAnalysis, 0.0)?;
-            let taken_up = self.plan.routines.memory.take_up(&kept);
-            taken_up.map_err(|why| Halt { code: "R201", reason: why.reason })?;
+        self.tell(Moment::StartAnalysis, 0.0)?;
+        if let (Some(memory), Some(_)) = (&self.plan.routines.memory, &self.user.events) {
+            memory.take_up(&kept).map_err(|why| Halt { code: "R201", reason: why.reason })?;
         }
         self.wish = wish;
         Ok(())

@@ -9,7 +9,7 @@ use std::time::SystemTime;
 
 use super::cache::{Built, Cache, Origin, surroundings};
 use super::source::{HEADER, Source, candidates, included};
-use super::{MAX_BLOCK, Misfit, Routines, library, prototype};
+use super::{MAX_BLOCK, Misfit, Routines, isolate, library, prototype};
 use crate::deck::{Diagnostic, Diagnostics, files};
 use crate::output::checkpoint::hash;
 
@@ -83,6 +83,14 @@ impl Compiled {
     /// Where a library cannot be loaded, or a routine in it cannot be called.
     pub fn open(&self) -> Result<Routines, Diagnostic> {
         library::open(&self.libraries, self.third_coordinate, &self.misfits, &self.files)
+    }
+
+    /// The same in a process of their own, made of this one, which must have no other threads yet.
+    ///
+    /// # Errors
+    /// As [`Compiled::open`]; routines that cannot be called over there are refused (U012).
+    pub fn open_isolated(&self) -> Result<Routines, Diagnostic> {
+        isolate::open(|| self.open())
     }
 
     /// The same where there may be no files: then there are no routines.

@@ -308,6 +308,19 @@ pub extern "C" fn leave(status: c_int) -> ! {
     unsafe { end(if failed { 1 } else { status }) }
 }
 
+/// Writes what Fortran and C keep of their output.
+pub fn flush() {
+    // SAFETY: flushes all units of the Fortran runtime, if the process has one, and all streams of C.
+    unsafe {
+        let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
+        if !flush.is_null() {
+            let flush = std::mem::transmute::<*mut c_void, extern "C" fn(*const i32)>(flush);
+            flush(std::ptr::null());
+        }
+        libc::fflush(std::ptr::null_mut());
+    }
+}
+
 /// Ends the process at once, not by way of what is watched.
 ///
 /// # Safety

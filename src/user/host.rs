@@ -90,6 +90,22 @@ pub fn persist_messages(archive: &mut Archive<'_>) {
     MESSAGES.with_borrow_mut(|list| list.persist(archive));
 }
 
+/// Adds messages that routines gave in another process.
+pub(super) fn add_messages(messages: Vec<Message>) {
+    for message in messages {
+        for _ in 0..message.times {
+            tell(message.level, message.text.clone());
+        }
+    }
+}
+
+impl Persist for JobInfo {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let JobInfo { name, folder, nodes, elements } = self;
+        persist_fields!(archive; name, folder, nodes, elements);
+    }
+}
+
 /// Visits the arrays that routines of this thread have made.
 pub fn persist_arrays(archive: &mut Archive<'_>) {
     let place = |(key, array): (&(u8, i32), &Array)| (*key, (array.0.to_vec(), array.1));

@@ -17,7 +17,7 @@ use super::call::{self, Call, current, last_words};
 use super::compile::Ready;
 use super::guard;
 use super::host::{self, Level};
-use super::memory::{Memory, Part, bases};
+use super::memory::{Memory, Part, Recall, bases};
 use super::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
     LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, ROUTINES, Routines,
@@ -238,9 +238,9 @@ pub(super) fn open(
     let opened = files.iter().map(open_copy).collect::<Result<Vec<_>, _>>()?;
     let (libraries, parts): (Vec<Library>, Vec<Vec<Part>>) = opened.into_iter().unzip();
     let libraries: Arc<[Library]> = libraries.into();
-    let memory = Arc::new(Memory::of(parts.into_iter().flatten().collect(), libraries.clone()));
+    let memory: Arc<dyn Recall> = Arc::new(Memory::of(parts.into_iter().flatten().collect(), libraries.clone()));
     let strangers = STRANGERS.iter().copied().filter(|name| defines(&libraries, name)).collect();
-    let mut routines = Routines { misfits: misfits.to_vec(), strangers, memory, ..Routines::none() };
+    let mut routines = Routines { misfits: misfits.to_vec(), strangers, memory: Some(memory), ..Routines::none() };
     let mut known = false;
     let fits = |name: &str| misfits.iter().all(|m| m.routine != name);
     // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
@@ -373,6 +373,11 @@ const STRANGERS: &[&str] = &[
     "creep",
     "uexpan",
 ];
+
+/// One of them, by its name.
+pub(super) fn stranger(name: &str) -> Option<&'static str> {
+    STRANGERS.iter().copied().find(|known| *known == name)
+}
 
 fn defines(libraries: &[Library], name: &str) -> bool {
     // SAFETY: the symbol is looked at, not called.
@@ -1028,15 +1033,9 @@ static HURT: AtomicBool = AtomicBool::new(false);
 pub fn leave(status: u8) -> ! {
     HURT.store(true, Ordering::Relaxed);
     let _ = std::io::Write::flush(&mut std::io::stdout());
-    // SAFETY: flushes all units of the Fortran runtime, if the process has one; then leaves.
-    unsafe {
-        let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
-        if !flush.is_null() {
-            let flush = std::mem::transmute::<*mut libc::c_void, extern "C" fn(*const i32)>(flush);
-            flush(std::ptr::null());
-        }
-        guard::end(status.into())
-    }
+    guard::flush();
+    // SAFETY: leaves; what is not tidied up is of no use to anybody.
+    unsafe { guard::end(status.into()) }
 }
 
 extern "C" fn at_exit() {

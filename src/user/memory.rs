@@ -63,14 +63,13 @@ const SEEDS: &[&str] = &[
 ];
 
 /// The memory of a job's libraries.
-#[derive(Default)]
 pub struct Memory {
     parts: Vec<Part>,
     /// What is known to be lost before anything is called.
     hidden: Vec<String>,
     /// Files that were open before the first call.
     open: Mutex<BTreeSet<(PathBuf, PathBuf)>>,
-    _keep: Option<Arc<[Library]>>,
+    _keep: Arc<[Library]>,
 }
 
 /// What a checkpoint has of routines.
@@ -80,6 +79,21 @@ pub struct Kept {
     memory: Option<Vec<u8>>,
     /// What is not kept, in words.
     pub lost: Vec<String>,
+}
+
+/// What routines keep to themselves, wherever they are.
+pub trait Recall: Send + Sync {
+    /// A run begins on this thread: what is open now is not the routines'.
+    fn begin(&self);
+    /// The run on this thread is over: says what its routines left running.
+    fn end(&self);
+    /// What is to be kept now, on the thread that calls the routines.
+    fn keep(&self) -> Kept;
+    /// Puts the memory into the state that was kept; without one it stays as it is.
+    ///
+    /// # Errors
+    /// Where it is not the memory of these libraries; then nothing is written.
+    fn take_up(&self, kept: &Kept) -> Result<(), UnfitState>;
 }
 
 /// A library: the user's own, or one that it needs.
@@ -122,6 +136,13 @@ impl Persist for Change {
     }
 }
 
+impl Kept {
+    /// Nothing, and why.
+    pub fn nothing(why: &str) -> Kept {
+        Kept { memory: None, lost: vec![why.to_owned()] }
+    }
+}
+
 impl Persist for Kept {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Kept { memory, lost } = self;
@@ -145,24 +166,17 @@ impl Memory {
         let shared = parts.iter().filter(|part| part.shared);
         let shared = shared.map(|part| format!("{} is shared with other routines of the process", part.name));
         let hidden = parts.iter().filter_map(seeds).chain(shared).collect();
-        Memory { parts, hidden, open: Mutex::default(), _keep: Some(libraries) }
+        Memory { parts, hidden, open: Mutex::default(), _keep: libraries }
+    }
+}
+
+impl Recall for Memory {
+    fn begin(&self) {
+        guard::forget_threads();
+        *self.open.lock().unwrap_or_else(PoisonError::into_inner) = open_files();
     }
 
-    /// Whether there are libraries; what routines in Rust keep is not known.
-    pub fn is_known(&self) -> bool {
-        !self.parts.is_empty()
-    }
-
-    /// A run begins on this thread: what is open now is not the routines'.
-    pub fn begin(&self) {
-        if !self.parts.is_empty() {
-            guard::forget_threads();
-            *self.open.lock().unwrap_or_else(PoisonError::into_inner) = open_files();
-        }
-    }
-
-    /// The run on this thread is over: says what its routines left running.
-    pub fn end(&self) {
+    fn end(&self) {
         for (routine, count) in guard::threads_running() {
             let threads =
                 if count == 1 { "a thread that still runs".into() } else { format!("{count} threads that still run") };
@@ -173,13 +187,9 @@ impl Memory {
         }
     }
 
-    /// What is to be kept now, on the thread that calls the routines.
-    pub fn keep(&self) -> Kept {
-        if self.parts.is_empty() {
-            return Kept::default();
-        }
+    fn keep(&self) -> Kept {
         let Some(used) = mappings() else {
-            return Kept { memory: None, lost: vec!["the system does not show what memory is in use".into()] };
+            return Kept::nothing("the system does not show what memory is in use");
         };
         let mut bytes = Vec::new();
         let mut archive = Archive::writer(&mut bytes);
@@ -201,11 +211,7 @@ impl Memory {
         Kept { memory, lost }
     }
 
-    /// Puts the memory into the state that was kept; without one it stays as it is.
-    ///
-    /// # Errors
-    /// Where it is not the memory of these libraries; then nothing is written.
-    pub fn take_up(&self, kept: &Kept) -> Result<(), UnfitState> {
+    fn take_up(&self, kept: &Kept) -> Result<(), UnfitState> {
         let Some(memory) = &kept.memory else { return Ok(()) };
         let mut archive = Archive::reader(memory);
         let mut list = Vec::new();

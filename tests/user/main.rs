@@ -10,6 +10,7 @@ mod fields;
 mod foundation;
 mod hardening;
 mod in_the_wild;
+mod isolate;
 mod load;
 mod manners;
 mod material;
