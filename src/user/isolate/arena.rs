@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicU32, Ordering, fence};
 use super::super::MAX_BLOCK;
 use super::super::call::Words;
 
-/// Looks at the turn before a process lies down: some microseconds, longer than a small routine takes.
-const LOOKS: u32 = 300;
+/// Looks at the turn before a process lies down: some ten microseconds, longer than a small routine takes.
+const LOOKS: u32 = 1000;
 /// Nanoseconds after which one that lies looks whether the other is still there.
 const NAP: i64 = 20_000_000;
 
@@ -25,11 +25,11 @@ pub enum Side {
     Routines = 1,
 }
 
-/// What a turn is for.
+/// A turn for a call of `vdload`,
 pub const PRESSURE: u32 = 1;
-/// The same: something comes over the stream.
+/// one for something that comes over the stream,
 pub const ASK: u32 = 2;
-/// The same: the routines are not needed any more.
+/// and the last one: the routines are not needed any more.
 pub const LEAVE: u32 = 3;
 
 /// What stands in the memory: one call and its answer, of `vdload`.
@@ -57,13 +57,13 @@ pub struct Content {
     pub name: [u8; 512],
     /// Why the call failed; empty where it did not.
     pub words: Words,
-    /// As the routine is shown them.
+    /// `curCoords`.
     pub coordinates: Slab<{ 3 * MAX_BLOCK }>,
-    /// The same.
+    /// `velocity`.
     pub motion: Slab<{ 6 * MAX_BLOCK }>,
-    /// The same.
+    /// `dirCos`.
     pub directions: Slab<{ 9 * MAX_BLOCK }>,
-    /// Its answer.
+    /// The answer.
     pub value: Slab<MAX_BLOCK>,
 }
 
@@ -93,6 +93,8 @@ struct Memory {
     turn: Line,
     /// Whether each side lies.
     lies: [Line; 2],
+    /// The core on which each side was when it gave its turn away.
+    cores: [Line; 2],
     content: UnsafeCell<Content>,
 }
 
@@ -141,6 +143,7 @@ impl Arena {
     /// Gives the turn to a side, and wakes it if it lies.
     pub fn hand_to(&self, side: Side) {
         let memory = self.memory();
+        memory.cores[1 - side as usize].0.store(core(), Ordering::Relaxed);
         memory.turn.0.store(side as u32, Ordering::Release);
         // The other side says that it lies, then looks at the turn; this one gives the turn, then looks whether it lies.
         fence(Ordering::SeqCst);
@@ -153,7 +156,9 @@ impl Arena {
     pub fn wait(&self, side: Side, mut other_is_there: impl FnMut() -> bool) -> bool {
         let memory = self.memory();
         let mine = || memory.turn.0.load(Ordering::Acquire) == side as u32;
-        for _ in 0..LOOKS {
+        // Of two on one core neither comes to its turn before the other lies.
+        let alone = memory.cores[1 - side as usize].0.load(Ordering::Relaxed) != core();
+        for _ in 0..if alone { LOOKS } else { 0 } {
             if mine() {
                 return true;
             }
@@ -167,6 +172,12 @@ impl Arena {
         lies.store(0, Ordering::Relaxed);
         mine()
     }
+}
+
+/// The core on which this thread is.
+fn core() -> u32 {
+    // SAFETY: asks the system.
+    unsafe { libc::sched_getcpu() as u32 }
 }
 
 /// Lies down while the number is that, or wakes so many; `false` if the time was over.

@@ -12,13 +12,13 @@ use crate::deck::Diagnostic;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 
-/// What is asked over the stream.
+/// Asked over the stream: a run begins, with its job,
 pub const BEGIN: u8 = 1;
-/// The same.
+/// what is to be kept, and the messages so far,
 pub const KEEP: u8 = 2;
-/// The same.
+/// to take up what was kept,
 pub const TAKE_UP: u8 = 3;
-/// The same.
+/// and that the run is over: the messages since.
 pub const END: u8 = 4;
 
 /// Stack of the routines, bytes: as the run's own threads have it.
