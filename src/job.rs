@@ -23,7 +23,7 @@ use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, Control, Energy, Every, Instant, Outcome, Progress, Rest, Sink, SinkError, StepSummary, UnfitState,
+    self, Control, Energy, Every, Instant, LOST, Outcome, Progress, Rest, Sink, SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
@@ -199,6 +199,9 @@ pub struct Summary {
     /// Whether a signal ended it.
     #[serde(skip)]
     pub interrupted: bool,
+    /// What the state that was kept last does not hold of the user's routines.
+    #[serde(skip)]
+    pub lost: Vec<String>,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference")]
@@ -296,14 +299,25 @@ pub enum Refusal {
     Checkpoint(Box<Diagnostic>),
 }
 
+/// What a checkpoint must hold of the user's routines for a run to go on from it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Demand {
+    /// All that they keep to themselves.
+    #[default]
+    Whole,
+    /// Whatever it holds.
+    Anything,
+}
+
 /// The checkpoint of a job, if there is one, and what is to be noted.
 ///
 /// # Errors
-/// Why it is not one of this job.
+/// Why it is not one of this job, or what it does not hold (K009).
 pub fn find_checkpoint(
     prepared: &Prepared,
     job: &Job,
     user: &str,
+    demand: Demand,
 ) -> Result<(Option<Checkpoint>, Diagnostics), Box<Diagnostic>> {
     let mut notes = Diagnostics::default();
     let path = job.path(CHECKPOINT);
@@ -320,16 +334,30 @@ pub fn find_checkpoint(
         let message = format!("{}{more}, written before the checkpoint, is no longer there", first.display());
         notes.push(Diagnostic::warning("K103", message));
     }
-    if prepared.has_routines {
-        notes.push(forgotten(true));
+    if demand == Demand::Whole
+        && let lost = solve::lost(&checkpoint.state)
+        && !lost.is_empty()
+    {
+        let finding = Diagnostic::error("K009", format!("{LOST}: {}", lost.join("; ")));
+        return Err(Box::new(finding.help("--resume-anyway goes on without it; without either the run starts anew")));
     }
+    notes.append(forgotten(prepared, Some(&checkpoint), &[]));
     Ok((Some(checkpoint), notes))
 }
 
-/// What a checkpoint does not hold of routines; of one to go on from, or of those that are made.
-pub fn forgotten(goes_on: bool) -> Diagnostic {
-    let what = if goes_on { "starts anew" } else { "is not in checkpoints" };
-    Diagnostic::note("K102", format!("what the user's routines keep to themselves (SAVE, COMMON, open files) {what}"))
+/// What routines keep to themselves and checkpoints do not hold: of one that a run went on from, and of the one that it left.
+fn forgotten(prepared: &Prepared, from: Option<&Checkpoint>, left: &[String]) -> Diagnostics {
+    let mut notes = Diagnostics::default();
+    let missed = from.map(|checkpoint| solve::lost(&checkpoint.state)).unwrap_or_default();
+    for (lost, what) in [(&missed[..], "; the run goes on without it"), (left, "")] {
+        if !lost.is_empty() {
+            notes.push(Diagnostic::warning("K102", format!("{LOST}: {}{what}", lost.join("; "))));
+        }
+    }
+    if prepared.has_routines && prepared.plan.routines.memory.is_none() && from.is_some() {
+        notes.push(Diagnostic::note("K102", "what routines in Rust keep to themselves starts anew"));
+    }
+    notes
 }
 
 /// Histories are written with a frame if they are older than this: a killed process then loses little of them.
@@ -569,12 +597,8 @@ pub fn run_with<'a>(
     let history_failed = files.write_history().err();
     let Files { mut status, summary: columns, .. } = files;
     let mut summary = summarise(prepared, outcome, columns);
-    if prepared.has_routines {
-        let mut notes = Diagnostics::default();
-        options.every.iter().for_each(|_| notes.push(forgotten(false)));
-        options.from.iter().for_each(|_| notes.push(forgotten(true)));
-        summary.diagnostics.extend(notes.findings(&prepared.deck.sources));
-    }
+    let forgotten = forgotten(prepared, options.from.as_ref(), &summary.lost);
+    summary.diagnostics.extend(forgotten.findings(&prepared.deck.sources));
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
     history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
@@ -651,6 +675,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> 
         steps: outcome.steps,
         history,
         energy: outcome.energy,
+        lost: outcome.lost,
         digest: outcome.digest,
         rests: outcome.rests,
         unfinished: outcome.unfinished,

@@ -30,6 +30,15 @@ pub const REFUSED: u8 = 2;
 /// Halted during the run, state saved.
 pub const HALTED: u8 = 1;
 
+/// The process in which the user's routines run.
+#[derive(Clone, Copy)]
+pub enum Home {
+    /// That of the run.
+    Here,
+    /// One of their own.
+    Own,
+}
+
 /// Files with the user's routines.
 #[derive(Args)]
 pub struct UserFiles {
@@ -64,13 +73,17 @@ impl UserFiles {
 
     /// Compiles and opens them.
     pub fn routines(&self, quiet: bool) -> Option<Routines> {
-        self.opened(quiet).map(|opened| opened.0)
+        self.opened(quiet, Home::Here).map(|opened| opened.0)
     }
 
     /// The same, and what tells them from others; `None` if they were refused (told).
-    pub fn opened(&self, quiet: bool) -> Option<(Routines, String)> {
+    pub fn opened(&self, quiet: bool, home: Home) -> Option<(Routines, String)> {
         let Some(compiled) = self.compiled(quiet)? else { return Some((Routines::none(), String::new())) };
-        match compiled.open() {
+        let opened = match home {
+            Home::Here => compiled.open(),
+            Home::Own => compiled.open_isolated(),
+        };
+        match opened {
             Ok(routines) => Some((routines, compiled.identity())),
             Err(fault) => {
                 let mut faults = Diagnostics::default();

@@ -9,10 +9,10 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use indexmap::IndexMap;
 use revolve::deck::{Diagnostic, Diagnostics, Sources};
-use revolve::job::{self, Frames, Instructions, Options, Prepared, Refusal, Summary};
+use revolve::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
-use revolve::solve::{Every, Progress};
+use revolve::solve::{Every, LOST, Progress};
 use revolve::study::quantity::{Quantity, Recorder};
 use revolve::user::host;
 use serde::Serialize;
@@ -20,7 +20,7 @@ use serde::Serialize;
 use super::progress::RunBar;
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, outcome, pairs, print_findings};
+use super::{HALTED, Home, REFUSED, UserFiles, accepted, outcome, pairs, print_findings};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -35,12 +35,19 @@ pub struct Run {
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
+    /// Run the user's routines in a process of their own: whatever they do to it, the run ends in order. So far vdload alone.
+    #[arg(long, requires = "files")]
+    isolate: bool,
     /// Folder for the results (default out/<deck name>).
     #[arg(short, long)]
     out: Option<PathBuf>,
     /// Go on from the checkpoint in the folder of the results, to the same bits; without one start at the beginning.
     #[arg(long)]
     resume: bool,
+    /// As --resume, also from a checkpoint that does not hold all that the user's routines keep to themselves: that is then as
+    /// in a run that starts anew.
+    #[arg(long)]
+    resume_anyway: bool,
     /// Keep the state every so often: 10s, 5m or 1h on the clock, or a number of increments.
     #[arg(long, value_name = "TIME|INCREMENTS", value_parser = every)]
     checkpoint_every: Option<Every>,
@@ -98,11 +105,13 @@ fn every(text: &str) -> Result<Every, String> {
 impl Run {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+        // Before there are threads: routines may get a process of their own.
+        let home = if self.isolate { Home::Own } else { Home::Here };
+        let Some((routines, user)) = self.user.opened(self.is_silent(), home) else { return Ok(ExitCode::from(REFUSED)) };
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK);
         let pool = pool.num_threads(self.threads.map_or(0, Into::into));
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
-        let Some((routines, user)) = self.user.opened(self.is_silent()) else { return Ok(ExitCode::from(REFUSED)) };
         let mut prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, self.is_silent()) {
             return Ok(ExitCode::from(REFUSED));
@@ -118,9 +127,6 @@ impl Run {
             Ok(job) => job,
             Err(finding) => return Ok(refused(*finding)),
         };
-        if self.checkpoint_every.is_some() && !user.is_empty() && !self.is_silent() {
-            print_finding(job::forgotten(false));
-        }
         let from = match self.checkpoint(&prepared, &job, &user) {
             Ok(from) => from,
             Err(finding) => return Ok(refused(*finding)),
@@ -190,13 +196,16 @@ impl Run {
         job: &output::Job,
         user: &str,
     ) -> Result<Option<Checkpoint>, Box<Diagnostic>> {
-        if !self.resume {
+        if !self.resume && !self.resume_anyway {
             return Ok(None);
         }
-        let (checkpoint, notes) = job::find_checkpoint(prepared, job, user)?;
-        if !self.is_silent() {
-            print_findings(&notes, &prepared.deck.sources);
+        let demand = if self.resume_anyway { Demand::Anything } else { Demand::Whole };
+        let (checkpoint, mut notes) = job::find_checkpoint(prepared, job, user, demand)?;
+        if self.is_silent() {
+            // What is lost is said in any case.
+            notes.retain(|note| note.code == "K102");
         }
+        print_findings(&notes, &prepared.deck.sources);
         Ok(checkpoint)
     }
 }
@@ -265,7 +274,10 @@ fn print_end(summary: &Summary, job: &output::Job, signal: usize) -> ExitCode {
     if !summary.interrupted {
         return ExitCode::from(HALTED);
     }
-    tell!("go on with --resume");
+    match &summary.lost[..] {
+        [] => tell!("go on with --resume"),
+        lost => tell!("{LOST}: {}\n--resume-anyway goes on without it", lost.join("; ")),
+    }
     ExitCode::from(128 + signal as u8)
 }
 

@@ -46,14 +46,19 @@ pub const CODES: &[Code] = &[
         text: "A job has the name of its deck without the ending, and its files begin with it. A deck called `...inp` would name them `..`, which is the folder above.",
     },
     Code {
+        code: "K009",
+        title: "checkpoint that lacks memory of the routines",
+        text: "SAVE, COMMON, modules and static variables of user routines are kept in a checkpoint and given back, as far as they mean the same in another process. What does not: an address (an ALLOCATABLE or POINTER with SAVE, memory of malloc, a FILE), a variable of which each thread has its own, a file that is open, a thread that still runs, the seed of random_number. The message names what was found. `--resume-anyway` goes on: where only a file, a thread or a seed is lost, the variables are as they were, else as in a new run; vexternaldb is called with lOp = 0 and kInc above 0, and can open and read what it needs.",
+    },
+    Code {
         code: "K101",
         title: "no checkpoint",
         text: "`--resume` found no `<job>.checkpoint` in the folder of the results, and the run starts at its beginning. A checkpoint is written if the deck has *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run; it is removed when the run is complete.",
     },
     Code {
         code: "K102",
-        title: "the routine's own memory is not kept",
-        text: "A checkpoint holds state variables (`*DEPVAR`, variables of vuamp) and all that the program knows of a run. What a user routine keeps to itself (SAVE, COMMON, modules, open files) it cannot hold: a run that goes on starts with it as a new one does. A routine can keep it by its own means: vexternaldb is told by lWriteRestart = 1 that the state of the increment that ends will be kept, and by lOp = 0 with kInc above 0 that a run goes on.",
+        title: "not all of the routines' memory is kept",
+        text: "A checkpoint does not hold all that the user's routines keep to themselves: K009 says what cannot be kept, and `--resume` refuses such a checkpoint. A routine can keep it by its own means: vexternaldb is told by lWriteRestart = 1 that the state of the increment that ends will be kept, and by lOp = 0 with kInc above 0 that a run goes on (`--resume-anyway`). Of routines that are types of Rust nothing is kept but what they are given to keep.",
     },
     Code {
         code: "K103",

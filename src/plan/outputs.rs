@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::general_contact::pair_name;
 use super::{Compiler, State};
-use crate::deck::Diagnostic;
 use crate::element::values;
 use crate::model::{Interval, Model, OutputCard, OutputKind, OutputRequest, Position, Region, Step, WhichPairs};
 use crate::variables::asked::Asked;
@@ -216,10 +215,6 @@ impl Compiler<'_> {
         if let Some(restart) = step.restart {
             let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
             self.cause(restart.span, "checkpoint", 1, "step", detail);
-            if self.routines.any() {
-                let message = "what the user's routines keep to themselves (SAVE, COMMON, open files) is not kept";
-                self.diagnostics.push(Diagnostic::note("K102", message).at(restart.span, "asked here"));
-            }
         }
         outputs.field.dedup();
         outputs.history.dedup();

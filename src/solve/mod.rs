@@ -29,7 +29,7 @@ use observe::Observing;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{Outcome, Rest, StepSummary};
 use restart::{At, Checkpointer, begin_step, take_up};
-pub use restart::{Control, Every};
+pub use restart::{Control, Every, LOST, lost};
 use run::Run;
 
 /// Runs a plan from a state at its start to its end, showing every due instant to `sink`.
@@ -77,6 +77,7 @@ pub fn run_with(
         return Ok((Outcome::default(), state));
     }
     let mut run = Run::new(plan, state);
+    plan.routines.memory.iter().for_each(|memory| memory.begin());
     let mut observing = Observing::new(plan);
     let (mut first, mut control) = (0, None);
     if let Some(kept) = asked.state {
@@ -96,6 +97,7 @@ pub fn run_with(
             break;
         }
     }
+    plan.routines.memory.iter().for_each(|memory| memory.end());
     run.warn_of_energy();
     run.tell_unfinished();
     show_warnings(&mut run, sink);

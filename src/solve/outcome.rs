@@ -35,6 +35,9 @@ pub struct Outcome {
     /// SHA-256 over the bits of the state at the end, hexadecimal: the same on any machine, number of threads and
     /// instruction set.
     pub digest: String,
+    /// What the state that was kept last does not hold of the user's routines.
+    #[serde(skip)]
+    pub lost: Vec<String>,
     /// Seconds of each effect, by its row of the ledger: they add up to those of the time loop.
     #[serde(skip)]
     pub effect_seconds: Vec<f64>,

@@ -11,7 +11,7 @@ use crate::plan::StepPlan;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, UnfitState, persist_all, persist_fields};
 use crate::state::halt::Halt;
-use crate::user::{Moment, Wish};
+use crate::user::{Kept, Moment, Wish};
 
 /// How often the state is kept, beside what the deck's `*RESTART, WRITE` asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,6 +132,7 @@ impl<'a> Checkpointer<'a> {
         }
         if due {
             sink.keep(&self.state, &now).map_err(unwritten)?;
+            at.run.tell_of_loss(sink);
             self.kept = Stopwatch::now();
             at.run.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
@@ -171,7 +172,8 @@ impl<'a> Checkpointer<'a> {
             return;
         }
         let last = at.run.now.increment - 1;
-        let mut archive = Archive::reader(&self.state[size_of::<u64>()..]);
+        let mut archive = Archive::reader(&self.state);
+        Head::default().persist(&mut archive);
         at.visit(&mut archive);
         // What this very run has written fits.
         let mut fits = archive.finish().is_ok();
@@ -192,6 +194,9 @@ fn interrupted(signal: usize, now: &Instant) -> Halt {
     Halt { code: "R207", reason }
 }
 
+/// What is said of a state that does not hold all of the user's routines.
+pub const LOST: &str = "the checkpoint does not hold all that the user's routines keep to themselves";
+
 /// Shows nothing: what is gone over again has been shown.
 struct Nowhere;
 
@@ -211,11 +216,35 @@ pub(super) struct At<'r, 'p> {
     pub control: &'r mut IncrementController,
 }
 
+/// What stands before the state: the index of its step, and what the user's routines keep to themselves.
+#[derive(Default)]
+struct Head {
+    step: usize,
+    routines: Kept,
+}
+
+impl Persist for Head {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Head { step, routines } = self;
+        persist_fields!(archive; step, routines);
+    }
+}
+
+/// What a state does not hold of the user's routines, in words; nothing where it holds all.
+pub fn lost(state: &[u8]) -> Vec<String> {
+    let mut head = Head::default();
+    head.persist(&mut Archive::reader(state));
+    head.routines.lost
+}
+
 impl At<'_, '_> {
-    /// The state behind the index of its step.
+    /// The state behind its head.
     fn write(&mut self, bytes: &mut Vec<u8>) {
         let mut archive = Archive::writer(bytes);
-        (self.run.now.step as usize - 1).persist(&mut archive);
+        let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.keep()).unwrap_or_default();
+        let mut head = Head { step: self.run.now.step as usize - 1, routines };
+        head.persist(&mut archive);
+        self.run.outcome.lost = head.routines.lost;
         self.visit(&mut archive);
     }
 
@@ -268,6 +297,8 @@ impl Persist for Run<'_> {
             complete,
             wish,
             told_complete,
+            told_of_loss: _,
+            taken_up: _,
             limiting,
             warned,
             watch,
@@ -327,6 +358,13 @@ impl Persist for Rest {
 }
 
 impl Run<'_> {
+    /// Says once what the state that has been kept does not hold.
+    fn tell_of_loss(&mut self, sink: &mut dyn Sink) {
+        if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.told_of_loss, true) {
+            sink.warning(&format!("{LOST}: {}", self.outcome.lost.join("; ")));
+        }
+    }
+
     /// Tells the user's routine that the increment is complete and that its state will be kept.
     fn tell_restart(&mut self) -> Result<(), Halt> {
         let due = self.now.step_time > 0.0 && !self.told_complete;
@@ -357,13 +395,18 @@ pub(super) fn take_up(
     state: &[u8],
 ) -> Result<(usize, IncrementController), UnfitState> {
     let mut archive = Archive::reader(state);
-    let mut index = 0;
-    index.persist(&mut archive);
+    let mut head = Head::default();
+    head.persist(&mut archive);
+    let Head { step: index, routines } = head;
     if index >= run.plan.steps.len() {
         return Err(UnfitState { reason: "it ends too early".into() });
     }
     let mut control = begin_step(run, index, observing);
     At { run, observing, control: &mut control }.visit(&mut archive);
     archive.finish()?;
+    if let Some(memory) = &run.plan.routines.memory {
+        memory.take_up(&routines)?;
+    }
+    run.taken_up = routines;
     Ok((index, control))
 }

@@ -62,10 +62,14 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Where the run goes on from a state that was kept: the analysis starts for the routine, in the middle.
+    /// Where the run goes on from a state that was kept: the analysis starts for the routine, in the middle. What it then does
+    /// to its own memory is taken back: that is as it was when the state was kept.
     pub(super) fn resume_routines(&mut self) -> Result<(), Halt> {
-        let wish = self.wish;
+        let (wish, kept) = (self.wish, std::mem::take(&mut self.taken_up));
         self.tell(Moment::StartAnalysis, 0.0)?;
+        if let (Some(memory), Some(_)) = (&self.plan.routines.memory, &self.user.events) {
+            memory.take_up(&kept).map_err(|why| Halt { code: "R201", reason: why.reason })?;
+        }
         self.wish = wish;
         Ok(())
     }

@@ -23,7 +23,7 @@ use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
 use crate::state::{Before, BodyState, Instant, direction};
-use crate::user::{Locked, Wish};
+use crate::user::{Kept, Locked, Wish};
 
 /// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
 #[repr(align(64))]
@@ -72,6 +72,10 @@ pub(super) struct Run<'a> {
     pub(super) wish: Wish,
     /// Whether they know already that the increment is complete.
     pub(super) told_complete: bool,
+    /// Whether it has been said what states that are kept do not hold.
+    pub(super) told_of_loss: bool,
+    /// What a state that was taken up has of the routines.
+    pub(super) taken_up: Kept,
     /// Group and element that limited the smallest increment of the step.
     pub(super) limiting: Option<(usize, usize)>,
     pub(super) balance: Balance,
@@ -115,6 +119,8 @@ impl<'a> Run<'a> {
             complete: false,
             wish: Wish::Continue,
             told_complete: false,
+            told_of_loss: false,
+            taken_up: Kept::default(),
             limiting: None,
             warned: [false; 2],
             watch: Watch::default(),

@@ -56,6 +56,11 @@ pub const CODES: &[Code] = &[
         text: "The source reads curCoords(k,3) or the like. An axisymmetric model has two coordinates, r and z. Where a run really computes with a third one, it halts and says so; a reading guarded by `if (ndim .gt. 2)` is fine.",
     },
     Code {
+        code: "U012",
+        title: "routine that cannot be isolated",
+        text: "`--isolate` runs the user's routines in a process of their own, over memory that it shares with the run. So far that is done for vdload; files that hold another routine are refused. Without `--isolate` all routines run in the process of the run.",
+    },
+    Code {
         code: "U011",
         title: "cache that is not used",
         text: "Compiled routines are kept in `$XDG_CACHE_HOME/revolve/user` or `~/.cache/revolve/user`, and loaded into the program in a later run. That folder or the one above it belongs to another user, or others may write into it, or it cannot be made: nothing of it is loaded, and the routines are compiled for each run in a folder that goes with it. `chmod go-w` on both folders, or another XDG_CACHE_HOME, makes it good.",

@@ -8,8 +8,8 @@ use std::process::{Command, Output};
 use std::time::SystemTime;
 
 use super::cache::{Built, Cache, Origin, surroundings};
-use super::source::{HEADER, Source, included};
-use super::{MAX_BLOCK, Misfit, Routines, library, prototype};
+use super::source::{HEADER, Source, candidates, included};
+use super::{MAX_BLOCK, Misfit, Routines, isolate, library, prototype};
 use crate::deck::{Diagnostic, Diagnostics, files};
 use crate::output::checkpoint::hash;
 
@@ -83,6 +83,14 @@ impl Compiled {
     /// Where a library cannot be loaded, or a routine in it cannot be called.
     pub fn open(&self) -> Result<Routines, Diagnostic> {
         library::open(&self.libraries, self.third_coordinate, &self.misfits, &self.files)
+    }
+
+    /// The same in a process of their own, made of this one, which must have no other threads yet.
+    ///
+    /// # Errors
+    /// As [`Compiled::open`]; routines that cannot be called over there are refused (U012).
+    pub fn open_isolated(&self) -> Result<Routines, Diagnostic> {
+        isolate::open(|| self.open())
     }
 
     /// The same where there may be no files: then there are no routines.
@@ -263,7 +271,7 @@ fn content(sources: &[(&Path, Language)], tools: &Tools, checked: bool) -> Strin
         [env!("CARGO_PKG_VERSION"), &tools.version, &flags].map(|text| text.as_bytes().to_vec()).into();
     for (file, language) in sources {
         pieces.push(format!("{language:?}").into_bytes());
-        add_with_includes(file, &mut BTreeSet::new(), &mut |bytes| pieces.push(bytes.to_vec()));
+        add_with_includes(file, file, &mut BTreeSet::new(), &mut |bytes| pieces.push(bytes.to_vec()));
     }
     hash(pieces.iter().map(Vec::as_slice))
 }
@@ -286,8 +294,8 @@ fn known_includes() -> Vec<String> {
     includes_text().into_iter().map(|(name, _)| name.to_owned()).collect()
 }
 
-/// A file and those it includes, each once; what cannot be read is the compiler's to tell.
-fn add_with_includes(file: &Path, seen: &mut BTreeSet<PathBuf>, add: &mut impl FnMut(&[u8])) {
+/// A file and those it includes, each once; what cannot be read is the compiler's to tell. `main` is what is compiled.
+fn add_with_includes(main: &Path, file: &Path, seen: &mut BTreeSet<PathBuf>, add: &mut impl FnMut(&[u8])) {
     let Ok(bytes) = files::read(file) else { return };
     if !seen.insert(file.to_owned()) {
         return;
@@ -295,7 +303,10 @@ fn add_with_includes(file: &Path, seen: &mut BTreeSet<PathBuf>, add: &mut impl F
     add(&bytes);
     let text = String::from_utf8_lossy(&bytes);
     for name in text.lines().filter_map(included) {
-        add_with_includes(&file.parent().unwrap_or(Path::new("")).join(name), seen, add);
+        let [main_folder, here] = [main, file].map(|f| f.parent().unwrap_or(Path::new("")));
+        if let Some(there) = candidates(main_folder, here, name).into_iter().find(|path| path.is_file()) {
+            add_with_includes(main, &there, seen, add);
+        }
     }
 }
 
@@ -492,7 +503,7 @@ impl Builder<'_> {
     ) -> Vec<OsString> {
         let mut list: Vec<OsString> = flags.iter().map(OsString::from).collect();
         list.extend(form.map(OsString::from));
-        for include in [folder_of(file), self.scratch] {
+        for include in [folder_of(ready), folder_of(file), self.scratch] {
             list.push("-I".into());
             list.push(include.into());
         }
@@ -662,7 +673,7 @@ fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnosti
     let real = |file: &Path| file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let includes = |file: &Path| {
         let mut seen = BTreeSet::new();
-        add_with_includes(file, &mut seen, &mut |_| {});
+        add_with_includes(file, file, &mut seen, &mut |_| {});
         seen.iter().filter(|other| *other != file).map(|other| real(other)).collect::<Vec<_>>()
     };
     let all: Vec<(&Path, Vec<PathBuf>)> = sources.iter().map(|(file, _)| (*file, includes(file))).collect();

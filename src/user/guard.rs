@@ -1,10 +1,11 @@
 //! What a routine must not leave behind in the process that calls it: another arithmetic, another working folder, a second
-//! process that runs the job on, an end without a word. Noticed where it happens, set right when the routine is left.
+//! process that runs the job on, handlers of signals, threads, an end without a word. Noticed where it happens, set right when
+//! the routine is left.
 //! Never here: which routine it was.
 #![allow(unsafe_code)]
 
 use std::cell::{Cell, RefCell};
-use std::ffi::{c_char, c_int};
+use std::ffi::{CStr, c_char, c_int, c_void};
 use std::fs::File;
 use std::os::fd::AsRawFd as _;
 use std::os::unix::fs::OpenOptionsExt as _;
@@ -16,6 +17,12 @@ thread_local! {
     /// Whether there is one, or this is a child.
     static TOUCHED: Cell<bool> = const { Cell::new(false) };
     static CHILD: Cell<bool> = const { Cell::new(false) };
+    /// Whether initialisers of a library may be at work.
+    static OPENING: Cell<bool> = const { Cell::new(false) };
+    /// What was done about signals before a routine changed it.
+    static HANDLERS: RefCell<Vec<(c_int, libc::sigaction)>> = const { RefCell::new(Vec::new()) };
+    /// Threads that routines started in the run of this thread, each with its number and the routine.
+    static STARTED: RefCell<Vec<(i32, &'static str)>> = const { RefCell::new(Vec::new()) };
 }
 
 /// The process that opened routines; 0 before.
@@ -34,10 +41,23 @@ pub fn is_own_process() -> bool {
 }
 
 unsafe extern "C" fn forked() {
-    if super::library::inside() {
+    if super::call::inside() {
         CHILD.set(true);
         TOUCHED.set(true);
     }
+}
+
+/// Opens a library, whose initialisers are watched as routines are.
+pub fn opening<R>(open: impl FnOnce() -> R) -> R {
+    OPENING.set(true);
+    let opened = open();
+    OPENING.set(false);
+    opened
+}
+
+/// Whether what this thread does is a user's doing.
+fn is_users() -> bool {
+    super::call::inside() || OPENING.get()
 }
 
 /// Sets right what a routine that was left changed, and tells each change; ends a child that came back in its place.
@@ -45,15 +65,16 @@ unsafe extern "C" fn forked() {
 pub fn restore(tell: impl Fn(&str)) {
     if !arithmetic_is_plain() {
         make_arithmetic_plain();
-        tell("left another rounding mode, or treatment of small numbers, behind: it is set back after the call");
+        tell("left another rounding mode, or treatment of small numbers, behind: it is set back");
     }
     if TOUCHED.get() {
         leave_child();
         TOUCHED.set(false);
+        HANDLERS.take().into_iter().for_each(|(signal, before)| set_back(signal, &before, &tell));
         let Some(folder) = FOLDER.take() else { return };
         // SAFETY: a folder that is open; by the system's own number, for the name is watched.
         if unsafe { libc::syscall(libc::SYS_fchdir, folder.as_raw_fd()) } == 0 {
-            tell("changed the working folder of the process: it is set back after the call");
+            tell("changed the working folder of the process: it is set back");
         } else {
             tell("changed the working folder of the process, and it cannot be set back");
         }
@@ -138,10 +159,9 @@ unsafe extern "C" {
 
 /// Remembers the working folder before a routine leaves it.
 fn note_folder() {
-    if super::library::inside() && !TOUCHED.get() {
-        let here = File::options().read(true).custom_flags(libc::O_PATH | libc::O_DIRECTORY).open(".");
-        FOLDER.set(here.ok());
-        TOUCHED.set(FOLDER.with_borrow(Option::is_some));
+    if is_users() && FOLDER.with_borrow(Option::is_none) {
+        FOLDER.set(File::options().read(true).custom_flags(libc::O_PATH | libc::O_DIRECTORY).open(".").ok());
+        TOUCHED.set(true);
     }
 }
 
@@ -159,11 +179,146 @@ pub unsafe extern "C" fn fchdir(folder: c_int) -> c_int {
     unsafe { libc::syscall(libc::SYS_fchdir, folder) as c_int }
 }
 
+unsafe extern "C" {
+    /// `sigaction` of the C library under its other name.
+    fn __sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int;
+}
+
+/// What is done about a signal.
+fn action(signal: c_int) -> libc::sigaction {
+    // SAFETY: zeros are an action; it is asked for, not changed.
+    unsafe {
+        let mut now: libc::sigaction = std::mem::zeroed();
+        __sigaction(signal, std::ptr::null(), &raw mut now);
+        now
+    }
+}
+
+/// Sets back what a routine did about a signal, unless it did so itself.
+fn set_back(signal: c_int, before: &libc::sigaction, tell: &impl Fn(&str)) {
+    let now = action(signal);
+    if (now.sa_sigaction, now.sa_flags) != (before.sa_sigaction, before.sa_flags) {
+        // SAFETY: what was in force before the routine.
+        unsafe { __sigaction(signal, before, std::ptr::null_mut()) };
+        tell(&format!("changed what the process does about signal {signal}: it is set back"));
+    }
+}
+
+/// `sigaction` of the C library for all of the process.
+pub unsafe extern "C" fn sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int {
+    if is_users() && !new.is_null() {
+        HANDLERS.with_borrow_mut(|list| {
+            if list.iter().all(|(known, _)| *known != signal) {
+                list.push((signal, action(signal)));
+            }
+        });
+        TOUCHED.set(true);
+    }
+    // SAFETY: what the caller promises the C library.
+    unsafe { __sigaction(signal, new, old) }
+}
+
+/// What `signal` and its kin are made of: a handler with flags; what was there before.
+fn handle(signal: c_int, handler: usize, flags: c_int) -> usize {
+    // SAFETY: zeros are an action with an empty mask; both places are actions.
+    unsafe {
+        let (mut new, mut old): (libc::sigaction, libc::sigaction) = (std::mem::zeroed(), std::mem::zeroed());
+        (new.sa_sigaction, new.sa_flags) = (handler, flags);
+        if sigaction(signal, &raw const new, &raw mut old) == 0 { old.sa_sigaction } else { libc::SIG_ERR }
+    }
+}
+
+/// `signal` and `bsd_signal` of the C library.
+pub extern "C" fn signal(number: c_int, handler: usize) -> usize {
+    handle(number, handler, libc::SA_RESTART)
+}
+
+/// `sysv_signal` of the C library: for one time.
+pub extern "C" fn sysv_signal(number: c_int, handler: usize) -> usize {
+    handle(number, handler, libc::SA_RESETHAND | libc::SA_NODEFER)
+}
+
+/// A run begins on this thread: what routines of an earlier one left running has been told.
+pub fn forget_threads() {
+    STARTED.take();
+}
+
+/// The routines that started threads which still run, each with how many.
+pub fn threads_running() -> Vec<(&'static str, usize)> {
+    let started = STARTED.with_borrow(Vec::clone);
+    let now = if started.is_empty() { Vec::new() } else { threads() };
+    let mut list: Vec<(&'static str, usize)> = Vec::new();
+    for (_, routine) in started.into_iter().filter(|(thread, _)| now.contains(thread)) {
+        match list.iter_mut().find(|(known, _)| *known == routine) {
+            Some((_, count)) => *count += 1,
+            None => list.push((routine, 1)),
+        }
+    }
+    list
+}
+
+/// Numbers of the threads of the process.
+fn threads() -> Vec<i32> {
+    let entries = std::fs::read_dir("/proc/self/task").into_iter().flatten().filter_map(Result::ok);
+    entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok()).collect()
+}
+
+/// A thread's function, as the C library takes it.
+type Body = extern "C" fn(*mut c_void) -> *mut c_void;
+type Create = unsafe extern "C" fn(*mut libc::pthread_t, *const libc::pthread_attr_t, Body, *mut c_void) -> c_int;
+
+/// `pthread_create` of the C library for all of the process.
+pub unsafe extern "C" fn pthread_create(
+    thread: *mut libc::pthread_t,
+    attributes: *const libc::pthread_attr_t,
+    body: Body,
+    argument: *mut c_void,
+) -> c_int {
+    // SAFETY: the next of that name is the C library's, and has its type.
+    let real: Option<Create> = unsafe {
+        std::mem::transmute::<*mut c_void, Option<Create>>(libc::dlsym(libc::RTLD_NEXT, c"pthread_create".as_ptr()))
+    };
+    let Some(real) = real else { return libc::EAGAIN };
+    let routine = super::call::routine().filter(|_| !is_of_runtime(body));
+    let before = routine.map(|_| threads()).unwrap_or_default();
+    // SAFETY: what the caller promises the C library.
+    let failed = unsafe { real(thread, attributes, body, argument) };
+    if let Some(routine) = routine {
+        let new = threads().into_iter().filter(|number| !before.contains(number));
+        STARTED.with_borrow_mut(|list| list.extend(new.map(|number| (number, routine))));
+    }
+    failed
+}
+
+/// Whether a thread is one of OpenMP or of linear algebra, which wait for the next call.
+fn is_of_runtime(body: Body) -> bool {
+    // SAFETY: zeros are such a description; the loader fills in names that last as long as its library.
+    let name = unsafe {
+        let mut place: libc::Dl_info = std::mem::zeroed();
+        let found = libc::dladdr(body as *const c_void, &raw mut place) != 0 && !place.dli_fname.is_null();
+        if found { CStr::from_ptr(place.dli_fname).to_string_lossy().into_owned() } else { String::new() }
+    };
+    ["libgomp", "libopenblas", "libmkl"].iter().any(|runtime| name.contains(runtime))
+}
+
 /// `_exit` of the C library: inside a routine it is no success.
 pub extern "C" fn leave(status: c_int) -> ! {
-    let failed = is_own_process() && super::library::last_words("left the process without a word (_exit)");
+    let failed = is_own_process() && super::call::last_words("left the process without a word (_exit)");
     // SAFETY: ends the process, as the caller wants.
     unsafe { end(if failed { 1 } else { status }) }
+}
+
+/// Writes what Fortran and C keep of their output.
+pub fn flush() {
+    // SAFETY: flushes all units of the Fortran runtime, if the process has one, and all streams of C.
+    unsafe {
+        let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
+        if !flush.is_null() {
+            let flush = std::mem::transmute::<*mut c_void, extern "C" fn(*const i32)>(flush);
+            flush(std::ptr::null());
+        }
+        libc::fflush(std::ptr::null_mut());
+    }
 }
 
 /// Ends the process at once, not by way of what is watched.

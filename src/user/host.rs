@@ -90,6 +90,33 @@ pub fn persist_messages(archive: &mut Archive<'_>) {
     MESSAGES.with_borrow_mut(|list| list.persist(archive));
 }
 
+/// Adds messages that routines gave in another process.
+pub(super) fn add_messages(messages: Vec<Message>) {
+    for message in messages {
+        for _ in 0..message.times {
+            tell(message.level, message.text.clone());
+        }
+    }
+}
+
+impl Persist for JobInfo {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let JobInfo { name, folder, nodes, elements } = self;
+        persist_fields!(archive; name, folder, nodes, elements);
+    }
+}
+
+/// Visits the arrays that routines of this thread have made.
+pub fn persist_arrays(archive: &mut Archive<'_>) {
+    let place = |(key, array): (&(u8, i32), &Array)| (*key, (array.0.to_vec(), array.1));
+    let mut list: Vec<_> = ARRAYS.with_borrow(|arrays| arrays.iter().map(place).collect());
+    list.persist(archive);
+    if archive.reads() {
+        let arrays = list.into_iter().map(|(key, (words, count))| (key, (words.into_boxed_slice(), count)));
+        ARRAYS.with_borrow_mut(|all| *all = arrays.collect());
+    }
+}
+
 impl Persist for Message {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Message { level, text, times } = self;

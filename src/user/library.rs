@@ -3,7 +3,6 @@
 #![allow(unsafe_code)]
 
 use std::any::Any;
-use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_int};
 use std::fmt::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -14,14 +13,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 
+use super::call::{self, Call, current, last_words};
 use super::compile::Ready;
 use super::guard;
 use super::host::{self, Level};
+use super::memory::{Memory, Part, Recall, bases};
 use super::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
-    LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, PointValues, ROUTINES,
-    Routines, UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
-    Wish,
+    LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, Misfit, Moment, MotionCall, ROUTINES, Routines,
+    UserAmplitude, UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, Wish,
 };
 use crate::deck::{Diagnostic, files};
 use crate::output::whole::Scratch;
@@ -235,10 +235,12 @@ pub(super) fn open(
     given: &[PathBuf],
 ) -> Result<Routines, Diagnostic> {
     watch_the_process();
-    let libraries = files.iter().map(open_copy).collect::<Result<Vec<_>, _>>()?;
+    let opened = files.iter().map(open_copy).collect::<Result<Vec<_>, _>>()?;
+    let (libraries, parts): (Vec<Library>, Vec<Vec<Part>>) = opened.into_iter().unzip();
     let libraries: Arc<[Library]> = libraries.into();
+    let memory: Arc<dyn Recall> = Arc::new(Memory::of(parts.into_iter().flatten().collect(), libraries.clone()));
     let strangers = STRANGERS.iter().copied().filter(|name| defines(&libraries, name)).collect();
-    let mut routines = Routines { misfits: misfits.to_vec(), strangers, ..Routines::none() };
+    let mut routines = Routines { misfits: misfits.to_vec(), strangers, memory: Some(memory), ..Routines::none() };
     let mut known = false;
     let fits = |name: &str| misfits.iter().all(|m| m.routine != name);
     // SAFETY: the symbols have the types that the manual gives them; sources were checked against these at compilation.
@@ -372,6 +374,11 @@ const STRANGERS: &[&str] = &[
     "uexpan",
 ];
 
+/// One of them, by its name.
+pub(super) fn stranger(name: &str) -> Option<&'static str> {
+    STRANGERS.iter().copied().find(|known| *known == name)
+}
+
 fn defines(libraries: &[Library], name: &str) -> bool {
     // SAFETY: the symbol is looked at, not called.
     unsafe { find::<*const ()>(libraries, name) }.is_some()
@@ -380,7 +387,7 @@ fn defines(libraries: &[Library], name: &str) -> bool {
 /// What a library calls and nothing defines, if there is such a thing.
 pub fn missing(file: &Path) -> Option<String> {
     // SAFETY: the user's library runs its initialisers here, as he asked for.
-    let opened = unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) };
+    let opened = guard::opening(|| unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) });
     // What an initialiser changes is told when it runs for the run itself.
     guard::restore(|_| {});
     let error = opened.err()?;
@@ -389,19 +396,20 @@ pub fn missing(file: &Path) -> Option<String> {
     Some(symbol.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
 }
 
-/// The loader opens a file once; each call writes another, with SAVE and COMMON of its own.
-fn open_copy(library: &Ready) -> Result<Library, Diagnostic> {
+/// The loader opens a file once; each call writes another, with SAVE and COMMON of its own: the library, and its memory.
+fn open_copy(library: &Ready) -> Result<(Library, Vec<Part>), Diagnostic> {
     let file = &library.name;
     let fault = |why: String| Diagnostic::error("U005", format!("`{}` cannot be loaded: {why}", file.display()));
     let scratch = Scratch::within(&std::env::temp_dir()).map_err(|e| fault(e.to_string()))?;
     let copy = scratch.path().join("user.so");
     std::fs::write(&copy, &library.bytes).map_err(|e| fault(e.to_string()))?;
+    let before = bases();
     // SAFETY: the user's library runs its initialisers here, as he asked for.
-    let opened = unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) };
+    let opened = guard::opening(|| unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) });
     guard::restore(|what| host::tell_of_opening(format!("an initialiser of `{}` {what}", file.display())));
     let opened = opened.map_err(|e| fault(undefined(loaders_words(&e, &copy, file))))?;
     keep_runtimes();
-    Ok(opened)
+    Ok((opened, Part::of(&copy, file, &library.bytes, &before)))
 }
 
 /// Once they are there, the runtimes of Fortran and of its threads stay: they would go and come with every run of a sweep.
@@ -506,28 +514,6 @@ fn pad<const N: usize>(text: &str) -> [u8; N] {
 
 // ------------------------------------------------------------------------------------------------------- the door
 
-/// The call that is under way.
-struct Call<'a> {
-    routine: &'static str,
-    /// Surface, set or amplitude.
-    name: &'a str,
-    now: Instant,
-    sensors: (&'a [String], &'a [f64]),
-    /// What the points of the call hold.
-    points: Option<(usize, &'a dyn PointValues)>,
-}
-
-impl<'a> Call<'a> {
-    /// Without sensors and points.
-    fn new(routine: &'static str, name: &'a str, now: Instant) -> Self {
-        Call { routine, name, now, sensors: (&[], &[]), points: None }
-    }
-}
-
-thread_local! {
-    static CURRENT: Cell<*const Call<'static>> = const { Cell::new(std::ptr::null()) };
-}
-
 /// What the routine threw to end the analysis.
 struct Ended(String);
 
@@ -535,10 +521,10 @@ struct Ended(String);
 #[inline]
 fn enter(call: &Call<'_>, body: impl FnOnce()) -> Result<(), LoadFailure> {
     CALLED.store(true, Ordering::Relaxed);
-    CURRENT.set(std::ptr::from_ref(call).cast());
+    call.begin();
     let returned = catch_unwind(AssertUnwindSafe(body));
     guard::restore(|what| host::tell(Level::Warning, format!("{} {what}", call.routine)));
-    CURRENT.set(std::ptr::null());
+    call::end();
     returned.map_err(|payload| ended(call, payload))
 }
 
@@ -550,20 +536,8 @@ fn ended(call: &Call<'_>, payload: Box<dyn Any + Send>) -> LoadFailure {
     }
 }
 
-/// Whether this thread is inside a routine.
-pub(super) fn inside() -> bool {
-    !CURRENT.get().is_null()
-}
-
-/// Runs `ask` on the call under way on this thread, if there is one.
-fn current<R>(ask: impl FnOnce(Option<&Call<'_>>) -> R) -> R {
-    let pointer = CURRENT.get();
-    // SAFETY: `enter` sets the pointer to a call that outlives the routine, and takes it back when the routine is left.
-    ask(unsafe { pointer.as_ref() })
-}
-
 fn end(why: String) -> ! {
-    if CURRENT.get().is_null() {
+    if !call::inside() {
         // Not inside a routine that was called from here: nobody could catch it.
         eprintln!("error: {why}");
         std::process::exit(1);
@@ -782,7 +756,7 @@ impl UserMaterial for CompiledMaterial {
         block[4..4 + call.count].copy_from_slice(call.elements);
         info[6..6 + call.count].copy_from_slice(call.elements);
         dt[0] = call.dt;
-        let context = Call::new("vumat", call.name, call.now);
+        let context = Call::new("vumat", call.name, call.now).at(call.elements);
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -840,7 +814,7 @@ impl UserHardening for CompiledHardening {
         let [count, variables, fields, properties] =
             [call.count, call.variables, call.fields, call.properties.len()].map(|n| n as i32);
         let (one, anneal) = (1_i32, 0_i32);
-        let context = Call::new("vuhard", call.name, call.now);
+        let context = Call::new("vuhard", call.name, call.now).at(call.elements);
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -894,7 +868,7 @@ impl UserFields for CompiledFields {
         let (direct, shear, one) = (3_i32, 1_i32, 1_i32);
         set_identities(&mut self.directions, call.count);
         let points = Some((call.count, call.values));
-        let context = Call { points, ..Call::new("vusdfld", call.name, call.now) };
+        let context = Call { points, ..Call::new("vusdfld", call.name, call.now).at(call.elements) };
         enter(&context, || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
@@ -953,7 +927,7 @@ impl UserLengths for CompiledLengths {
         // The shape: 2 is a triangle, 3 a quadrilateral.
         let kind = [corners - 1, 0, 0];
         set_identities(&mut self.directions, call.count);
-        enter(&Call::new("vucharlength", call.name, call.now), || {
+        enter(&Call::new("vucharlength", call.name, call.now).at(call.elements), || {
             // SAFETY: each argument has the length that the counts before it say.
             unsafe {
                 (self.call)(
@@ -1059,15 +1033,9 @@ static HURT: AtomicBool = AtomicBool::new(false);
 pub fn leave(status: u8) -> ! {
     HURT.store(true, Ordering::Relaxed);
     let _ = std::io::Write::flush(&mut std::io::stdout());
-    // SAFETY: flushes all units of the Fortran runtime, if the process has one; then leaves.
-    unsafe {
-        let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
-        if !flush.is_null() {
-            let flush = std::mem::transmute::<*mut libc::c_void, extern "C" fn(*const i32)>(flush);
-            flush(std::ptr::null());
-        }
-        guard::end(status.into())
-    }
+    guard::flush();
+    // SAFETY: leaves; what is not tidied up is of no use to anybody.
+    unsafe { guard::end(status.into()) }
 }
 
 extern "C" fn at_exit() {
@@ -1096,33 +1064,6 @@ extern "C" fn on_signal(signal: c_int) {
         }
         libc::raise(signal);
     }
-}
-
-/// Says which call was under way; `false` if none was. Allocates nothing: a signal may come from inside the allocator.
-pub(super) fn last_words(what: &str) -> bool {
-    struct Line([u8; 512], usize);
-    impl std::fmt::Write for Line {
-        fn write_str(&mut self, text: &str) -> std::fmt::Result {
-            let count = text.len().min(self.0.len() - self.1);
-            self.0[self.1..self.1 + count].copy_from_slice(&text.as_bytes()[..count]);
-            self.1 += count;
-            Ok(())
-        }
-    }
-    current(|call| {
-        let Some(call) = call else { return false };
-        let mut line = Line([0; 512], 0);
-        let on = if call.name.is_empty() { "" } else { " for " };
-        let _ = writeln!(
-            line,
-            "error: {}{on}{} {what}: step {}, increment {}, total time {:e}. The frames written before are complete; \
-             --check-user finds indices out of bounds.",
-            call.routine, call.name, call.now.step, call.now.increment, call.now.total_time
-        );
-        // SAFETY: the buffer is as long as said.
-        unsafe { libc::write(2, line.0.as_ptr().cast(), line.1) };
-        true
-    })
 }
 
 // ------------------------------------------------------------------------------------ host routines for the library
@@ -1159,6 +1100,12 @@ macro_rules! exported {
 exported! {
     "chdir" => guard::chdir,
     "fchdir" => guard::fchdir,
+    "sigaction" => guard::sigaction,
+    "signal" => guard::signal,
+    "bsd_signal" => guard::signal,
+    "sysv_signal" => guard::sysv_signal,
+    "__sysv_signal" => guard::sysv_signal,
+    "pthread_create" => guard::pthread_create,
     "_exit" => guard::leave,
     "_Exit" => guard::leave,
     "xplb_exit_" => xplb_exit,

@@ -2,18 +2,23 @@
 //! compiled Fortran and C. Never here: solver internals.
 
 mod cache;
+mod call;
 pub mod codes;
 pub mod compile;
 mod guard;
 pub mod host;
+mod isolate;
 pub mod library;
+mod memory;
 mod prototype;
 mod source;
+mod symbols;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::state::Instant;
 use crate::state::halt::Halt;
+pub(crate) use memory::{Kept, Recall};
 
 /// Points a routine is shown in one call at most: `maxblk` of `vaba_param.inc`. Larger surfaces come in blocks.
 pub const MAX_BLOCK: usize = 512;
@@ -559,6 +564,8 @@ pub struct Routines {
     pub misfits: Vec<Misfit>,
     /// What they hold beside these: routines of ABAQUS that nothing here calls.
     pub strangers: Vec<&'static str>,
+    /// What compiled routines keep to themselves.
+    pub(crate) memory: Option<Arc<dyn Recall>>,
 }
 
 /// The routines of a job while a run holds them.
@@ -640,14 +647,22 @@ impl Routines {
 
     /// Whether there is any.
     pub fn any(&self) -> bool {
-        self.load.is_some()
-            || self.amplitude.is_some()
-            || self.motion.is_some()
-            || self.events.is_some()
-            || self.material.is_some()
-            || self.hardening.is_some()
-            || self.fields.is_some()
-            || self.lengths.is_some()
+        !self.names().is_empty()
+    }
+
+    /// Names of those that there are.
+    pub fn names(&self) -> Vec<&'static str> {
+        let there = [
+            self.load.is_some(),
+            self.amplitude.is_some(),
+            self.motion.is_some(),
+            self.material.is_some(),
+            self.hardening.is_some(),
+            self.fields.is_some(),
+            self.lengths.is_some(),
+            self.events.is_some(),
+        ];
+        ROUTINES.iter().zip(there).filter(|(_, there)| *there).map(|(name, _)| *name).collect()
     }
 
     /// With a load.

@@ -9,15 +9,31 @@ use crate::deck::{files, printable};
 
 /// A user file and those that it includes, as they are to be compiled.
 pub struct Source {
-    /// Texts that differ from their files, by the name under which they are included; the file itself under an empty name.
+    /// Texts that differ from their files, by their place from the folder of the file; the file itself under an empty name.
     changed: BTreeMap<String, String>,
+}
+
+/// Where an include line stands, and what is known of the rest.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    /// Folder of the file that is compiled.
+    main: &'a Path,
+    /// Folder of the file in which the line stands.
+    here: &'a Path,
+    /// Includes that the program brings along.
+    known: &'a [String],
+}
+
+/// Where compilers look for an include: beside the file that includes it, then beside the file that is compiled.
+pub fn candidates(main: &Path, here: &Path, name: &str) -> [PathBuf; 2] {
+    [here.join(name), main.join(name)]
 }
 
 impl Source {
     /// Reads a file and what it includes; `known` are the includes that the program brings along.
     pub fn read(file: &Path, known: &[String]) -> Source {
         let mut source = Source { changed: BTreeMap::new() };
-        source.take(file, "", known, 0);
+        source.take(file, "", folder_of(file), known, 0);
         source
     }
 
@@ -26,14 +42,15 @@ impl Source {
         self.changed.values().map(String::as_str)
     }
 
-    fn take(&mut self, file: &Path, name: &str, known: &[String], depth: usize) {
+    fn take(&mut self, file: &Path, name: &str, main: &Path, known: &[String], depth: usize) {
         let Ok(bytes) = files::read(file) else { return };
         let text = String::from_utf8_lossy(&bytes);
-        let folder = file.parent().unwrap_or(Path::new(""));
-        let new = ready(&text, file, folder, known);
+        let new = ready(&text, file, Place { main, here: folder_of(file), known });
+        // Lines made ready name their files from the folder of the file that is compiled.
         for inner in new.lines().filter_map(included).filter(|_| depth < 9) {
-            if !Path::new(inner).is_absolute() && folder.join(inner).is_file() && !self.changed.contains_key(inner) {
-                self.take(&folder.join(inner), inner, known, depth + 1);
+            let path = main.join(inner);
+            if !Path::new(inner).is_absolute() && path.is_file() && !self.changed.contains_key(inner) {
+                self.take(&path, inner, main, known, depth + 1);
             }
         }
         if new != text {
@@ -74,9 +91,14 @@ pub fn included(line: &str) -> Option<&str> {
     rest[1..].split(end).next()
 }
 
+/// The folder of a file, empty for that in which the program works.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().unwrap_or(Path::new(""))
+}
+
 /// A text made ready.
-fn ready(text: &str, file: &Path, folder: &Path, known: &[String]) -> String {
-    let mut lines: Vec<String> = text.lines().map(|line| logical(include_line(line, folder, known))).collect();
+fn ready(text: &str, file: &Path, place: Place<'_>) -> String {
+    let mut lines: Vec<String> = text.lines().map(|line| logical(include_line(line, place))).collect();
     bring_header_inside(&mut lines, file);
     let mut new = lines.join("\n");
     if text.ends_with('\n') {
@@ -117,10 +139,10 @@ fn bring_header_inside(lines: &mut Vec<String>, file: &Path) {
 }
 
 /// An include line that names a file which is there; others as they are.
-fn include_line(line: &str, folder: &Path, known: &[String]) -> String {
+fn include_line(line: &str, place: Place<'_>) -> String {
     let line = line.strip_suffix('\r').unwrap_or(line);
     let Some(name) = included(line) else { return line.to_owned() };
-    let found = found(name, folder, known).unwrap_or_else(|| name.to_owned());
+    let found = found(name, place).unwrap_or_else(|| name.to_owned());
     if line.trim_start().starts_with('#') {
         // Behind the preprocessor's `#include` only double quotes and angles stand.
         let angle = line.contains('<');
@@ -162,18 +184,30 @@ fn marker(file: &Path) -> String {
     format!("# 1 \"{}\"\n", printable(&file.to_string_lossy()).replace(['\\', '"', '\n'], "_"))
 }
 
-/// The name under which an include is there: as it is written, beside the file in another case, among the known ones by its
-/// last part.
-fn found(name: &str, folder: &Path, known: &[String]) -> Option<String> {
-    if folder.join(name).is_file() || known.iter().any(|k| k == name) {
+/// The name under which an include is found from the folder of the file that is compiled, where that is not the one written:
+/// as it is written, in another case, by its last part alone; beside the line or that file, or among the known ones.
+fn found(name: &str, Place { main, here, known }: Place<'_>) -> Option<String> {
+    let from_main = |path: PathBuf| {
+        let short = path.strip_prefix(main).unwrap_or(&path).to_string_lossy().into_owned();
+        (short != name).then_some(short)
+    };
+    if let Some(there) = candidates(main, here, name).into_iter().find(|path| path.is_file()) {
+        return from_main(there);
+    }
+    if known.iter().any(|k| k == name) {
         return None;
     }
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let beside = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
-    let names = beside.into_iter().flatten().filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let mut alike: Vec<String> = names.chain(known.iter().cloned()).filter(|n| n.eq_ignore_ascii_case(last)).collect();
-    alike.sort();
-    alike.pop()
+    let alike = |n: &String| n.eq_ignore_ascii_case(last);
+    let folders = candidates(main, here, name).map(|path| folder_of(&path).to_owned());
+    for folder in folders.iter().map(PathBuf::as_path).chain([here, main]) {
+        let entries = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+        let names = entries.into_iter().flatten().filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        if let Some(there) = names.filter(alike).max() {
+            return from_main(folder.join(there));
+        }
+    }
+    known.iter().filter(|n| alike(n)).max().cloned()
 }
 
 /// What stands for each argument of `xplb_abqerr` that is left out.
@@ -241,7 +275,7 @@ fn filled(text: &str) -> Option<(String, usize)> {
 mod tests {
     use std::path::Path;
 
-    use super::{fill_arguments, include_line, included, logical, ready};
+    use super::{Place, fill_arguments, include_line, included, logical, ready};
 
     #[test]
     fn includes_are_found_in_both_styles() {
@@ -254,7 +288,8 @@ mod tests {
     #[test]
     fn includes_take_the_case_and_place_that_are_there() {
         let known = ["vaba_param.inc".to_owned(), "vaba_param_dp.inc".to_owned()];
-        let line = |text: &str| include_line(text, Path::new("/nowhere"), &known);
+        let nowhere = Path::new("/nowhere");
+        let line = |text: &str| include_line(text, Place { main: nowhere, here: nowhere, known: &known });
         assert_eq!(line("      INCLUDE '../vaba_param_dp.INC'"), "      INCLUDE 'vaba_param_dp.inc'");
         assert_eq!(line("#include 'Vaba_Param.inc'"), "#include \"vaba_param.inc\"");
         assert_eq!(line("      include 'vaba_param.inc'"), "      include 'vaba_param.inc'");
@@ -294,7 +329,8 @@ mod tests {
         let text =
             "#include <SMAAspUserSubroutines.hdr>\n      subroutine a\n      include 'vaba_param.inc'\n      end\n";
         let known = ["vaba_param.inc".to_owned(), "SMAAspUserSubroutines.hdr".to_owned()];
-        let new = ready(text, Path::new("a.f"), Path::new("/nowhere"), &known);
+        let nowhere = Path::new("/nowhere");
+        let new = ready(text, Path::new("a.f"), Place { main: nowhere, here: nowhere, known: &known });
         let lines: Vec<&str> = new.lines().collect();
         assert_eq!(lines[0], "");
         assert_eq!(lines[3..5], ["#include \"SMAAspUserSubroutines.hdr\"", "# 4 \"a.f\""]);

@@ -1,6 +1,9 @@
 //! Goal: what a call of a routine in Fortran costs beside the same routine in Rust, and a job with one beside the built-in load.
-//! Scene: the ogive with 20 points and fixed increments; with 200 facets, output included.
+//! and what a process of its own costs. Scene: the ogive with 20 points and fixed increments; with 200 facets, output included.
 //! Needs gfortran; without it nothing is measured.
+
+use std::path::Path;
+use std::process::Command;
 
 use revolve::job;
 use revolve::output::Job;
@@ -61,11 +64,51 @@ fn calls(fortran: &Compiled) {
     println!("20 points: {rust:.1} ns an increment in Rust, {fortran:.1} ns in Fortran ({:.2})", fortran / rust);
 }
 
+/// Milliseconds in the time loop of a run by the program itself, and its digest.
+fn program(deck: &Path, folder: &Path, more: &[&str]) -> (f64, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_revolve"));
+    command.arg("run").arg(deck).arg("--out").arg(folder).args(["--quiet", "--set", "n=200", "--user"]);
+    let status = command.arg(common::project("input/vdload_cavity.f")).args(more).status().expect("the program runs");
+    assert!(status.success());
+    let job = deck.file_stem().expect("a name").to_str().expect("a name");
+    let text = std::fs::read_to_string(folder.join(format!("{job}.json"))).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let seconds = summary["timing"]["seconds"].as_f64().expect("a number");
+    (seconds * 1e3, summary["digest"].as_str().expect("a digest").to_owned())
+}
+
+/// The shot as it is, and with increments so short that nothing but calls is left.
+fn isolated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shot = common::project("input/ogive_user.inp");
+    let text = std::fs::read_to_string(&shot).expect("the deck");
+    let short = folder.path().join("short.inp");
+    let fixed = text.replace("*Dynamic, Explicit\n ,", "*Dynamic, Explicit, direct user control\n 5.e-9,");
+    assert_ne!(fixed, text);
+    std::fs::write(&short, fixed).expect("a deck");
+    for (name, deck) in [("shot", &shot), ("200 000 increments of it", &short)] {
+        let mut best = [f64::INFINITY; 2];
+        for _ in 0..9 {
+            let here = program(deck, folder.path(), &[]);
+            let there = program(deck, folder.path(), &["--isolate"]);
+            assert_eq!(here.1, there.1, "the same bits");
+            best = [best[0].min(here.0), best[1].min(there.0)];
+        }
+        println!(
+            "200 facets, {name}: {:.2} ms in one process, {:.2} ms in two ({:.2})",
+            best[0],
+            best[1],
+            best[1] / best[0]
+        );
+    }
+}
+
 pub fn run() {
     match compile(&[common::project("input/vdload_cavity.f")], false) {
         Ok(fortran) => {
             jobs(&fortran);
             calls(&fortran);
+            isolated();
         }
         Err(found) => println!("not measured: {}", found.render(&revolve::deck::Sources::default())),
     }

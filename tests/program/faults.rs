@@ -14,10 +14,14 @@ use std::time::{Duration, Instant};
 
 use revolve::output::checkpoint::Checkpoint;
 
+use crate::common::fortran;
+
 /// A deck with its settings, how long it takes alone, and its results.
 struct Case {
     name: &'static str,
     arguments: Vec<String>,
+    /// Where compiled routines are kept.
+    cache: PathBuf,
     seconds: f64,
     results: BTreeMap<String, Vec<u8>>,
 }
@@ -27,7 +31,7 @@ impl Case {
     fn new(name: &'static str, deck: &Path, more: &[&str], scratch: &Path) -> Case {
         let mut arguments = vec!["run".to_owned(), deck.to_str().expect("a name").to_owned(), "--quiet".into()];
         arguments.extend(more.iter().map(|a| (*a).to_owned()));
-        let mut case = Case { name, arguments, seconds: 0.0, results: BTreeMap::new() };
+        let mut case = Case { name, arguments, cache: scratch.join("cache"), seconds: 0.0, results: BTreeMap::new() };
         let folder = scratch.join(format!("whole-{name}"));
         let begin = Instant::now();
         let status = case.start(&folder, &[]).wait().expect("a status");
@@ -44,7 +48,7 @@ impl Case {
 
     fn command(&self, mut command: Command, folder: &Path, more: &[&str]) -> Command {
         command.args(&self.arguments).arg("--out").arg(folder).args(more).current_dir(env!("CARGO_MANIFEST_DIR"));
-        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.env("XDG_CACHE_HOME", &self.cache).stdout(Stdio::null()).stderr(Stdio::null());
         command
     }
 
@@ -144,6 +148,42 @@ fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
+/// A load that remembers: in a variable with SAVE, in COMMON, and in a module.
+const REMEMBERS: &str = "      module law
+        real*8 :: path = 0.d0
+      end module
+      subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude,
+     1 curCoords, velocity, dirCos, jltyp, sname, value)
+      use law
+      include 'vaba_param.inc'
+      dimension curCoords(nblock,ndim), velocity(nblock,ndim),
+     1 dirCos(nblock,ndim,ndim), value(nblock)
+      character*80 sname
+      common /seen/ speeds(500)
+      save calls
+      data calls /1.d0/
+      calls = calls + 1.d0
+      path = path + 1.d-9*velocity(1,2)
+      speeds(mod(int(calls), 500) + 1) = velocity(1,2)
+      do k = 1, nblock
+        value(k) = 1.d7 + calls - 1.d5*path - speeds(mod(int(calls), 499) + 1)
+      end do
+      end
+";
+
+/// A rigid body whose routine remembers.
+fn remembering(scratch: &Path) -> Case {
+    let routine = scratch.join("remembers.f");
+    fs::write(&routine, REMEMBERS).expect("a routine");
+    let deck = fs::read_to_string(project("input/ogive_user.inp")).expect("a deck");
+    let fixed = deck.replace("*Dynamic, Explicit\n ,", "*Dynamic, Explicit, direct user control\n 2.e-9,");
+    assert_ne!(fixed, deck);
+    let small = scratch.join("ogive_remembers.inp");
+    fs::write(&small, fixed).expect("a deck");
+    let routine = routine.to_str().expect("a name");
+    Case::new("remembers", &small, &["--checkpoint-every", "0.02s", "--set", "n=4", "--user", routine], scratch)
+}
+
 /// A rigid body, a body that deforms, and two steps of a body whose elements fail; all with states of their own.
 fn cases(scratch: &Path) -> Vec<Case> {
     let input = |name: &str| project(&format!("input/{name}.inp"));
@@ -168,13 +208,21 @@ fn cases(scratch: &Path) -> Vec<Case> {
 /// Kills so many runs at random moments and goes on from what is left, perhaps to be killed once more.
 fn kill(times: usize, seed: u64) {
     let scratch = tempfile::tempdir().expect("a folder");
-    let (cases, mut dice) = (cases(scratch.path()), Dice(seed));
+    let mut cases = cases(scratch.path());
+    if fortran("routines that remember") {
+        cases.push(remembering(scratch.path()));
+    }
+    kill_cases(times, seed, &cases, scratch.path());
+}
+
+fn kill_cases(times: usize, seed: u64, cases: &[Case], scratch: &Path) {
+    let mut dice = Dice(seed);
     let (mut runs, mut kills, mut tries) = (0, 0, 0);
     while runs < times {
         tries += 1;
         assert!(tries < 10 * times + 50, "{runs} runs killed in {tries} tries");
         let case = &cases[runs % cases.len()];
-        let folder = scratch.path().join(format!("killed-{tries}"));
+        let folder = scratch.join(format!("killed-{tries}"));
         let mut more: Vec<&str> = Vec::new();
         let mut killed = 0;
         while killed < 2 {
@@ -205,7 +253,17 @@ fn kill(times: usize, seed: u64) {
 
 #[test]
 fn kills_at_random_moments() {
-    kill(15, 20_250_611);
+    kill(16, 20_250_611);
+}
+
+/// Runs of a routine that remembers alone.
+#[test]
+#[ignore = "some minutes: cargo test --release --test program faults -- --ignored --show-output"]
+fn two_hundred_runs_of_a_routine_killed() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    if fortran("routines that remember") {
+        kill_cases(200, 815, &[remembering(scratch.path())], scratch.path());
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use revolve::job::{self, Options};
+use revolve::job::{self, Demand, Options};
 use revolve::output::{Frame, Job};
 use revolve::solve::Instant;
 use revolve::solve::{self, Control, Every, Outcome, Sink, SinkError};
@@ -662,7 +662,7 @@ fn a_checkpoint_of_something_else_is_refused() {
     let deck = common::ogive();
     let job = interrupted(&deck, folder.path(), &[("V", "600")], "a");
     let code = |text: &str, settings: &[(&str, &str)], user: &str| {
-        let found = job::find_checkpoint(&prepared(text, settings, &Routines::none()), &job, user);
+        let found = job::find_checkpoint(&prepared(text, settings, &Routines::none()), &job, user, Demand::Whole);
         found.map_or_else(|finding| finding.code, |(checkpoint, _)| if checkpoint.is_some() { "taken" } else { "none" })
     };
     assert_eq!(code(&deck, &[("V", "600")], "a"), "taken");
@@ -672,7 +672,8 @@ fn a_checkpoint_of_something_else_is_refused() {
     // Its only frame is gone, and routines have a memory of their own: both is said.
     fs::remove_file(job.path("_0000.vtu")).expect("removed");
     let routines = Routines::none().with_load(Push);
-    let (_, notes) = job::find_checkpoint(&prepared(&deck, &[("V", "600")], &routines), &job, "a").expect("taken");
+    let (_, notes) =
+        job::find_checkpoint(&prepared(&deck, &[("V", "600")], &routines), &job, "a", Demand::Whole).expect("taken");
     assert_eq!(notes.iter().map(|n| n.code).collect::<Vec<_>>(), ["K103", "K102"]);
     let path = job.path(".checkpoint");
     let bytes = fs::read(&path).expect("bytes");

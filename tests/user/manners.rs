@@ -5,14 +5,14 @@
 
 use std::path::PathBuf;
 
-use super::subroutines::{Desk, told, user_deck};
+use super::subroutines::{Desk, FILL, fortran, told, user_deck, vdload};
 
 /// A load of constant pressure that does something first, with a count of its calls.
 fn load(desk: &Desk, name: &str, before: &str) -> PathBuf {
     let text = format!(
-        "#define _GNU_SOURCE\n#include <fenv.h>\n#include <unistd.h>\n#include <stdlib.h>\n#include <stdio.h>\n#include <pthread.h>\n\
+        "#define _GNU_SOURCE\n#include <fenv.h>\n#include <unistd.h>\n#include <stdlib.h>\n#include <stdio.h>\n#include <pthread.h>\n#include <signal.h>\n\
          #include <sys/wait.h>\nstatic int calls;\nstatic void *forever(void *x) {{ for (;;) {{ volatile double y = calls; (void)y; }} return x; }}\n\
-         void start(void) {{ pthread_t t; pthread_create(&t, 0, forever, 0); }}\n\
+         static void *once(void *x) {{ return x; }}\n void start(void) {{ pthread_t t; pthread_create(&t, 0, forever, 0); }}\n\
          static void mark(void) {{ FILE *f = fopen(\"calls\", \"a\"); fputc('x', f); fclose(f); }}\n\
          void vdload_(const int *nblock, const int *ndim, const double *st, const double *tt, const double *amplitude,\n \
          const double *x, const double *v, const double *d, const int *jltyp, const char *sname, double *value, long n)\n{{\n  \
@@ -56,6 +56,54 @@ fn arithmetic_and_folder_are_set_back_and_told() {
         assert!(messages.contains("vdload") && messages.contains(words), "{name}: {messages}");
     }
     assert_eq!(std::fs::read_dir(desk.path("elsewhere")).expect("a folder").count(), 0);
+}
+
+#[test]
+fn handlers_of_signals_are_set_back_and_told() {
+    let desk = Desk::new();
+    let plain = run_of(&desk, "plain", "");
+    assert!(plain.status.success(), "{}", told(&plain));
+    let expected = digest(&desk);
+    let ignore = "struct sigaction a = {0}; a.sa_handler = SIG_IGN;";
+    for (name, before, signal) in [
+        ("signal", "signal(SIGINT, SIG_IGN);".to_owned(), 2),
+        ("sigaction", format!("{ignore} sigaction(SIGSEGV, &a, 0);"), 11),
+        ("twice", "signal(SIGTERM, SIG_IGN); signal(SIGTERM, SIG_DFL);".to_owned(), 15),
+    ] {
+        let output = run_of(&desk, name, &before);
+        assert!(output.status.success(), "{name}: {}", told(&output));
+        assert_eq!(digest(&desk), expected, "{name}");
+        let messages = desk.summary("ogive_user")["messages"].to_string();
+        assert!(messages.contains("vdload") && messages.contains(&format!("signal {signal}:")), "{name}: {messages}");
+    }
+    // One that the routine sets back itself is nobody's business.
+    let balanced = format!("{ignore} struct sigaction b; sigaction(SIGINT, &a, &b); sigaction(SIGINT, &b, 0);");
+    assert!(run_of(&desk, "balanced", &balanced).status.success());
+    assert!(desk.summary("ogive_user").get("messages").is_none());
+}
+
+/// What a routine did about a signal holds no longer when the signal comes.
+#[test]
+fn signals_still_end_a_run_in_order() {
+    let desk = Desk::new();
+    let before = "if (calls < 9) signal(SIGTERM, SIG_IGN); if (calls == 9) kill(getpid(), SIGTERM);";
+    let output = run_of(&desk, "ignores", before);
+    assert_eq!(output.status.code(), Some(143), "{}", told(&output));
+    assert!(desk.path("out/ogive_user.checkpoint").exists(), "{}", told(&output));
+}
+
+#[test]
+fn handlers_of_fortran_are_set_back() {
+    if !fortran() {
+        return;
+    }
+    let desk = Desk::new();
+    let body = format!("      external late\n      call signal(15, late)\n{FILL}");
+    let file = desk.write("catches.f", &(vdload(&body) + "      subroutine late\n      end\n"));
+    let output = desk.run(&user_deck(), &[&file], &[]);
+    assert!(output.status.success(), "{}", told(&output));
+    let messages = desk.summary("ogive_user")["messages"].to_string();
+    assert!(messages.contains("vdload") && messages.contains("signal 15:"), "{messages}");
 }
 
 /// Results in a folder that is given from the working folder.
@@ -114,6 +162,29 @@ fn a_thread_that_lives_on_ends_with_the_process() {
     let output = run_of(&desk, "threads", "if (calls == 3) start();");
     assert!(output.status.success(), "{:?} {}", output.status, told(&output));
     assert_eq!(desk.summary("ogive_user")["status"], "completed");
+    let messages = desk.summary("ogive_user")["messages"].to_string();
+    assert!(messages.contains("vdload started a thread that still runs"), "{messages}");
+    let output = run_of(&desk, "more", "if (calls == 3 || calls == 5) start();");
+    assert!(output.status.success(), "{:?} {}", output.status, told(&output));
+    let messages = desk.summary("ogive_user")["messages"].to_string();
+    assert!(messages.contains("vdload started 2 threads"), "{messages}");
+    let joined = "pthread_t t; if (calls == 3) { pthread_create(&t, 0, once, 0); pthread_join(t, 0); }";
+    let output = run_of(&desk, "joins", joined);
+    assert!(output.status.success(), "{:?} {}", output.status, told(&output));
+    assert!(desk.summary("ogive_user").get("messages").is_none());
+}
+
+/// Memory that another thread may change at any time is not what a checkpoint holds.
+#[test]
+fn a_thread_that_lives_on_is_no_part_of_a_checkpoint() {
+    let desk = Desk::new();
+    let output = run_of(&desk, "threads", "if (calls == 3) start(); if (calls == 9) kill(getpid(), SIGTERM);");
+    assert_eq!(output.status.code(), Some(143), "{}", told(&output));
+    assert!(told(&output).contains("a thread that vdload started still runs"), "{}", told(&output));
+    let file = desk.path("threads.c");
+    let output = desk.run(&user_deck(), &[&file], &["--resume"]);
+    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+    assert!(told(&output).contains("K009") && told(&output).contains("a thread that vdload"), "{}", told(&output));
 }
 
 /// Once when the library is built, to find what is missing; then once for the run.
@@ -122,7 +193,8 @@ fn initialisers_run_once_for_a_run() {
     let desk = Desk::new();
     let file = load(&desk, "begins", "");
     let mut text = std::fs::read_to_string(&file).expect("a source");
-    text += "__attribute__((constructor)) static void begin(void) { mark(); fesetround(FE_UPWARD); }\n";
+    text += "__attribute__((constructor)) static void begin(void) { mark(); fesetround(FE_UPWARD); signal(SIGTERM, SIG_IGN); \
+             chdir(\"/\"); }\n";
     std::fs::write(&file, text).expect("a source");
     for expected in [2, 3, 4] {
         let output = desk.run(&user_deck(), &[&file], &[]);
@@ -130,20 +202,7 @@ fn initialisers_run_once_for_a_run() {
         assert_eq!(std::fs::read(desk.path("calls")).expect("marks").len(), expected);
     }
     let messages = desk.summary("ogive_user")["messages"].to_string();
-    assert!(messages.contains("initialiser of") && messages.contains("rounding mode"), "{messages}");
-}
-
-/// What a checkpoint does not hold is in the summary, whatever is printed.
-#[test]
-fn lost_variables_are_told_in_the_summary() {
-    let desk = Desk::new();
-    let file = load(&desk, "keeps", "if (*tt > 1e-4 && !getenv(\"GO\")) exit(0);");
-    let noted = || desk.summary("ogive_user")["diagnostics"].to_string();
-    let output = desk.run(&user_deck(), &[&file], &["--checkpoint-every", "5"]);
-    assert_eq!(output.status.code(), Some(1), "{}", told(&output));
-    let go = [("GO", PathBuf::from("1"))];
-    let output = desk.run_with(&go, &user_deck(), &[&file], &["--resume", "--checkpoint-every", "5"]);
-    assert!(output.status.success(), "{}", told(&output));
-    assert!(noted().contains("K102") && noted().contains("is not in checkpoints"), "{}", noted());
-    assert!(noted().contains("starts anew"), "{}", noted());
+    for word in ["initialiser of", "rounding mode", "signal 15:", "working folder"] {
+        assert!(messages.contains(word), "{word}: {messages}");
+    }
 }

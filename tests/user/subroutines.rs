@@ -112,6 +112,36 @@ fn the_seed_papers_shots_through_fortran_have_the_depth_of_the_built_in_load() {
     }
 }
 
+/// An include of an include is beside it or beside the file that is compiled, whatever its case; and may itself be one that is
+/// made ready.
+#[test]
+fn includes_of_includes_are_found_from_both_folders() {
+    if !fortran() {
+        return;
+    }
+    for (name, line) in [
+        ("from the file's folder", "      include 'inc/two.inc'\n"),
+        ("from the include's folder", "      include 'two.inc'\n"),
+        ("in another case", "      include 'INC/Two.Inc'\n"),
+        ("by the preprocessor", "#include 'inc/two.inc'\n"),
+        ("beside, by the preprocessor", "#include \"two.inc\"\n"),
+        ("by its last part", "      include 'C:\\work\\TWO.INC'\n"),
+    ] {
+        for two in [
+            "      parameter (p0 = 1.d8)\n",
+            "      parameter (p0 = 1.d8)\n      logical is\n      is = .true. == .true.\n",
+        ] {
+            let desk = Desk::new();
+            std::fs::create_dir(desk.path("inc")).expect("a folder");
+            desk.write("inc/one.inc", line);
+            desk.write("inc/two.inc", two);
+            let file = desk.write("load.f", &vdload("      include 'inc/one.inc'\n      value = p0"));
+            let output = desk.run(&user_deck(), &[&file], &[]);
+            assert!(output.status.success(), "{name}: {}", told(&output));
+        }
+    }
+}
+
 #[test]
 fn files_beside_the_source_are_not_touched_and_the_second_build_is_the_first() {
     if !fortran() {

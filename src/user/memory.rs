@@ -1,0 +1,532 @@
+//! What compiled routines keep to themselves between two calls: SAVE, COMMON, modules, static variables. They are found in the
+//! memory of the libraries by what has changed there since they were loaded, and written back into libraries that are loaded
+//! anew. What means nothing in another process (addresses, variables of a thread, open files, seeds) is told instead.
+//! Never here: when a state is kept, what becomes of a run whose state is not whole.
+#![allow(unsafe_code)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::{CStr, c_int, c_void};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use libloading::os::unix::Library;
+
+use super::guard;
+use super::host::{self, Level};
+use super::symbols::Symbols;
+use crate::output::checkpoint::hash;
+use crate::state::archive::{Archive, Persist, UnfitState, persist_fields};
+
+/// Memory is compared in pieces of so many bytes, and kept in cells of so many.
+const PAGE: usize = 4096;
+const CELL: usize = 4;
+/// Findings of a kind that are told one by one.
+const MOST: usize = 4;
+
+/// Libraries of the system, of compilers and of linear algebra: what they keep decides on no result.
+const RUNTIMES: &[&str] = &[
+    "ld-linux",
+    "libblas",
+    "libc.",
+    "libdl.",
+    "libgcc_s",
+    "libgfortran",
+    "libgomp",
+    "liblapack",
+    "libm.",
+    "libmkl",
+    "libmvec",
+    "libopenblas",
+    "libpthread",
+    "libquadmath",
+    "librt.",
+    "libstdc++",
+];
+
+/// Functions that go on from a seed of the process.
+const SEEDS: &[&str] = &[
+    "_gfortran_random_r4",
+    "_gfortran_random_r8",
+    "_gfortran_random_r10",
+    "_gfortran_random_r16",
+    "_gfortran_arandom_r4",
+    "_gfortran_arandom_r8",
+    "_gfortran_arandom_r10",
+    "_gfortran_arandom_r16",
+    "_gfortran_rand",
+    "_gfortran_irand",
+    "rand",
+    "random",
+    "drand48",
+    "lrand48",
+    "mrand48",
+];
+
+/// The memory of a job's libraries.
+pub struct Memory {
+    parts: Vec<Part>,
+    /// What is known to be lost before anything is called.
+    hidden: Vec<String>,
+    /// Files that were open before the first call.
+    open: Mutex<BTreeSet<(PathBuf, PathBuf)>>,
+    _keep: Arc<[Library]>,
+}
+
+/// What a checkpoint has of routines.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// Cells that changed, where all of them mean the same in another process.
+    memory: Option<Vec<u8>>,
+    /// What is not kept, in words.
+    pub lost: Vec<String>,
+}
+
+/// What routines keep to themselves, wherever they are.
+pub trait Recall: Send + Sync {
+    /// A run begins on this thread: what is open now is not the routines'.
+    fn begin(&self);
+    /// The run on this thread is over: says what its routines left running.
+    fn end(&self);
+    /// What is to be kept now, on the thread that calls the routines.
+    fn keep(&self) -> Kept;
+    /// Puts the memory into the state that was kept; without one it stays as it is.
+    ///
+    /// # Errors
+    /// Where it is not the memory of these libraries; then nothing is written.
+    fn take_up(&self, kept: &Kept) -> Result<(), UnfitState>;
+}
+
+/// A library: the user's own, or one that it needs.
+pub struct Part {
+    /// What messages call it.
+    name: String,
+    base: usize,
+    symbols: Symbols,
+    areas: Vec<Area>,
+    /// Of variables that each thread has its own of: where their first values are, how many bytes of them, and of all.
+    of_thread: Option<[usize; 3]>,
+    /// What tells it from another one: where its variables are.
+    layout: String,
+    /// Whether routines that were opened before use it, too.
+    shared: bool,
+}
+
+/// Memory that a library may write.
+struct Area {
+    /// From where the library is loaded.
+    at: usize,
+    length: usize,
+    /// What it held when the library was loaded, by page; others were zero.
+    begun: BTreeMap<usize, Box<[u8; PAGE]>>,
+}
+
+/// Cells that follow each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Change {
+    area: usize,
+    at: usize,
+    bytes: Vec<u8>,
+}
+
+impl Persist for Change {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Change { area, at, bytes } = self;
+        persist_fields!(archive; area, at);
+        archive.blob(bytes);
+    }
+}
+
+impl Kept {
+    /// Nothing, and why.
+    pub fn nothing(why: &str) -> Kept {
+        Kept { memory: None, lost: vec![why.to_owned()] }
+    }
+}
+
+impl Persist for Kept {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Kept { memory, lost } = self;
+        let mut there = memory.is_some();
+        persist_fields!(archive; lost, &mut there);
+        if there {
+            archive.blob(memory.get_or_insert_default());
+        } else {
+            *memory = None;
+        }
+    }
+}
+
+impl Memory {
+    /// That of libraries which have just been loaded.
+    pub fn of(parts: Vec<Part>, libraries: Arc<[Library]>) -> Memory {
+        let seeds = |part: &Part| {
+            let taken = part.symbols.taken.iter().find(|name| SEEDS.contains(&name.as_str()))?;
+            Some(format!("{} draws random numbers (`{taken}`), whose seed is of the process", part.name))
+        };
+        let shared = parts.iter().filter(|part| part.shared);
+        let shared = shared.map(|part| format!("{} is shared with other routines of the process", part.name));
+        let hidden = parts.iter().filter_map(seeds).chain(shared).collect();
+        Memory { parts, hidden, open: Mutex::default(), _keep: libraries }
+    }
+}
+
+impl Recall for Memory {
+    fn begin(&self) {
+        guard::forget_threads();
+        *self.open.lock().unwrap_or_else(PoisonError::into_inner) = open_files();
+    }
+
+    fn end(&self) {
+        for (routine, count) in guard::threads_running() {
+            let threads =
+                if count == 1 { "a thread that still runs".into() } else { format!("{count} threads that still run") };
+            host::tell(
+                Level::Warning,
+                format!("{routine} started {threads}: the run is over, and does not wait for it"),
+            );
+        }
+    }
+
+    fn keep(&self) -> Kept {
+        let Some(used) = mappings() else {
+            return Kept::nothing("the system does not show what memory is in use");
+        };
+        let mut bytes = Vec::new();
+        let mut archive = Archive::writer(&mut bytes);
+        let mut bound = Vec::new();
+        for part in &self.parts {
+            let mut changes = part.changes();
+            bound.extend(part.addresses(&changes, &used));
+            bound.extend(part.of_threads());
+            persist_fields!(&mut archive; &mut part.layout.clone(), &mut changes);
+        }
+        host::persist_arrays(&mut archive);
+        let memory = bound.is_empty().then_some(bytes);
+        let before = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let files = open_files().into_iter().filter(|file| !before.contains(file));
+        let files = files.map(|(_, path)| format!("the file {} is open", path.display())).collect();
+        let threads = guard::threads_running().into_iter();
+        let threads = threads.map(|(routine, _)| format!("a thread that {routine} started still runs")).collect();
+        let lost = [self.hidden.clone(), shortened(bound), shortened(files), threads].concat();
+        Kept { memory, lost }
+    }
+
+    fn take_up(&self, kept: &Kept) -> Result<(), UnfitState> {
+        let Some(memory) = &kept.memory else { return Ok(()) };
+        let mut archive = Archive::reader(memory);
+        let mut list = Vec::new();
+        for part in &self.parts {
+            let (mut layout, mut changes) = (String::new(), Vec::<Change>::new());
+            persist_fields!(&mut archive; &mut layout, &mut changes);
+            if layout != part.layout || !changes.iter().all(|change| part.holds(change)) {
+                archive.refuse(|| format!("the variables of {} are elsewhere than they were", part.name));
+            }
+            list.push(changes);
+        }
+        host::persist_arrays(&mut archive);
+        archive.finish()?;
+        self.parts.iter().zip(&list).for_each(|(part, changes)| part.set(changes));
+        Ok(())
+    }
+}
+
+/// The first few of a list.
+fn shortened(mut list: Vec<String>) -> Vec<String> {
+    if list.len() > MOST {
+        let more = list.len() - MOST;
+        list.truncate(MOST);
+        list.push(format!("and {more} more of the kind"));
+    }
+    list
+}
+
+impl Part {
+    /// What was loaded from a file of these bytes under a path, and what was loaded for it; `before` was there already.
+    pub fn of(path: &Path, name: &Path, bytes: &[u8], before: &[usize]) -> Vec<Part> {
+        let loaded = loaded();
+        let mut parts: Vec<Part> = Vec::new();
+        let own = loaded.iter().find(|object| Path::new(&object.name) == path);
+        parts.extend(own.map(|object| Part::new(object, name, bytes, false)));
+        let mut next = 0;
+        while let Some(part) = parts.get(next) {
+            for needed in part.symbols.needed.clone() {
+                let is_named = |object: &&Loaded| object.name.rsplit('/').next() == Some(&needed);
+                let known = |object: &&Loaded| parts.iter().all(|part| part.base != object.base);
+                if RUNTIMES.iter().any(|runtime| needed.starts_with(runtime)) {
+                    continue;
+                }
+                if let Some(object) = loaded.iter().find(is_named).filter(known) {
+                    let bytes = std::fs::read(&object.name).unwrap_or_default();
+                    let shared = before.contains(&object.base);
+                    parts.push(Part::new(object, Path::new(&object.name), &bytes, shared));
+                }
+            }
+            next += 1;
+        }
+        parts
+    }
+
+    fn new(object: &Loaded, name: &Path, bytes: &[u8], shared: bool) -> Part {
+        let symbols = Symbols::read(bytes);
+        let areas = object.writable().into_iter().map(|(at, length)| Area::new(object.base, at, length)).collect();
+        let mut text = format!("{:?} {:?}", object.writable(), object.of_thread);
+        symbols.variables.iter().for_each(|variable| text += &format!(" {variable:?}"));
+        let layout = hash([text.as_bytes()]);
+        let name = format!("`{}`", name.display());
+        Part { name, base: object.base, symbols, areas, of_thread: object.of_thread, layout, shared }
+    }
+
+    /// What differs from when the library was loaded.
+    fn changes(&self) -> Vec<Change> {
+        let mut changes: Vec<Change> = Vec::new();
+        let mut now = [0; PAGE];
+        for (index, area) in self.areas.iter().enumerate() {
+            for page in (0..area.length).step_by(PAGE) {
+                let now = area.read(self.base, page, &mut now);
+                let begun = area.begun(page, now.len());
+                if now == begun {
+                    continue;
+                }
+                for (i, (cell, _)) in cells(now).zip(cells(begun)).enumerate().filter(|(_, (a, b))| a != b) {
+                    let at = page + i * CELL;
+                    match changes.last_mut().filter(|last| last.area == index && last.at + last.bytes.len() == at) {
+                        Some(last) => last.bytes.extend(cell),
+                        None => changes.push(Change { area: index, at, bytes: cell.to_vec() }),
+                    }
+                }
+            }
+        }
+        changes
+    }
+
+    /// Variables among these that hold an address, with the half of one beside: eight bytes, not always in their own place.
+    fn addresses(&self, changes: &[Change], used: &[(u64, u64)]) -> Vec<String> {
+        let lowest = used.first().map_or(u64::MAX, |range| range.0);
+        let is_address = |word: u64| {
+            word >= lowest && used.get(used.partition_point(|range| range.1 <= word)).is_some_and(|r| r.0 <= word)
+        };
+        let mut found = BTreeSet::new();
+        for change in changes {
+            let area = &self.areas[change.area];
+            // A cell before and a cell behind.
+            let from = change.at.saturating_sub(CELL);
+            let to = (change.at + change.bytes.len() + CELL).min(area.length);
+            let mut bytes = vec![0; to - from];
+            area.copy(self.base, from, &mut bytes);
+            let windows = bytes.windows(2 * CELL).step_by(CELL).enumerate();
+            for (i, window) in windows {
+                let word = window.try_into().map_or(0, u64::from_le_bytes);
+                if is_address(word) {
+                    found.insert(self.place((area.at + from + i * CELL).max(area.at + change.at), false));
+                }
+            }
+        }
+        found.into_iter().map(|place| format!("{place} holds an address (allocated memory, a pointer)")).collect()
+    }
+
+    /// Variables of which each thread has its own, and which this one has changed.
+    fn of_threads(&self) -> Option<String> {
+        let [image, filled, length] = self.of_thread?;
+        let now = loaded().into_iter().find(|object| object.base == self.base)?.threads_own?;
+        let (mut first, mut values) = (vec![0; length], vec![0; length]);
+        copy(self.base + image, &mut first[..filled]);
+        copy(now, &mut values);
+        let at = first.iter().zip(&values).position(|(a, b)| a != b)?;
+        Some(format!("{} is a variable of which each thread has its own", self.place(at, true)))
+    }
+
+    /// What a message calls a byte of its memory.
+    fn place(&self, at: usize, of_thread: bool) -> String {
+        match self.symbols.variable(at, of_thread) {
+            Some((variable, 0)) => format!("{} of {}", variable.plain_name(), self.name),
+            Some((variable, into)) => format!("{}, byte {into}, of {}", variable.plain_name(), self.name),
+            None => format!("byte {at} of the memory of {}", self.name),
+        }
+    }
+
+    fn holds(&self, change: &Change) -> bool {
+        let end = change.at.checked_add(change.bytes.len());
+        self.areas.get(change.area).is_some_and(|area| end.is_some_and(|end| end <= area.length))
+    }
+
+    /// As it was loaded, but for the changes; what is so already is not written.
+    fn set(&self, changes: &[Change]) {
+        let mut now = [0; PAGE];
+        for area in &self.areas {
+            for page in (0..area.length).step_by(PAGE) {
+                let now = area.read(self.base, page, &mut now);
+                let begun = area.begun(page, now.len());
+                if now != begun {
+                    area.write(self.base, page, begun);
+                }
+            }
+        }
+        changes.iter().for_each(|change| self.areas[change.area].write(self.base, change.at, &change.bytes));
+    }
+}
+
+fn cells(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
+    bytes.chunks_exact(CELL)
+}
+
+impl Area {
+    /// As it is when the library has been loaded.
+    fn new(base: usize, at: usize, length: usize) -> Area {
+        let mut area = Area { at, length, begun: BTreeMap::new() };
+        for page in (0..length).step_by(PAGE) {
+            let mut bytes = Box::new([0; PAGE]);
+            if area.read(base, page, &mut bytes).iter().any(|byte| *byte != 0) {
+                area.begun.insert(page, bytes);
+            }
+        }
+        area
+    }
+
+    /// The bytes of a page, the last of which may be shorter.
+    fn read<'a>(&self, base: usize, page: usize, to: &'a mut [u8; PAGE]) -> &'a [u8] {
+        let bytes = &mut to[..PAGE.min(self.length - page)];
+        self.copy(base, page, bytes);
+        bytes
+    }
+
+    fn begun(&self, page: usize, length: usize) -> &[u8] {
+        &self.begun.get(&page).map_or(&[0; PAGE], |bytes| bytes)[..length]
+    }
+
+    fn copy(&self, base: usize, from: usize, to: &mut [u8]) {
+        assert!(from + to.len() <= self.length);
+        copy(base + self.at + from, to);
+    }
+
+    fn write(&self, base: usize, at: usize, bytes: &[u8]) {
+        assert!(at + bytes.len() <= self.length);
+        // SAFETY: memory of a library that is held, which may be written, and which nothing of Rust lies in.
+        unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), (base + self.at + at) as *mut u8, bytes.len()) }
+    }
+}
+
+/// Copies memory of a library.
+fn copy(from: usize, to: &mut [u8]) {
+    // SAFETY: memory of a library that is held, which may be read; no routine runs on this thread.
+    unsafe { std::ptr::copy_nonoverlapping(from as *const u8, to.as_mut_ptr(), to.len()) }
+}
+
+/// What the loader has loaded.
+struct Loaded {
+    name: String,
+    base: usize,
+    /// Memory that may be written, and that which may not be any more; each from the base, with its length.
+    written: Vec<(usize, usize)>,
+    sealed: Option<(usize, usize)>,
+    /// As [`Part::of_thread`], and where this thread has its own, if it has touched them.
+    of_thread: Option<[usize; 3]>,
+    threads_own: Option<usize>,
+}
+
+impl Loaded {
+    /// What of the writable memory is not sealed, in whole cells.
+    fn writable(&self) -> Vec<(usize, usize)> {
+        let (from, length) = self.sealed.unwrap_or_default();
+        let mut list = Vec::new();
+        for &(at, size) in &self.written {
+            let end = (at + size).next_multiple_of(2 * CELL);
+            let (before, behind) = ((at, from.clamp(at, end)), ((from + length).clamp(at, end), end));
+            let ranges = if length == 0 { [(at, end), (end, end)] } else { [before, behind] };
+            let aligned = ranges.map(|(start, end)| (start.next_multiple_of(2 * CELL), end));
+            list.extend(
+                aligned.into_iter().filter(|(start, end)| start < end).map(|(start, end)| (start, end - start)),
+            );
+        }
+        list
+    }
+}
+
+/// Where the libraries of the process are.
+pub fn bases() -> Vec<usize> {
+    loaded().into_iter().map(|object| object.base).collect()
+}
+
+/// All objects of the process.
+fn loaded() -> Vec<Loaded> {
+    let mut list: Vec<Loaded> = Vec::new();
+    // SAFETY: the callback gets the pointer to the list, and only while this call lasts.
+    unsafe { libc::dl_iterate_phdr(Some(add_loaded), (&raw mut list).cast()) };
+    list
+}
+
+unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, list: *mut c_void) -> c_int {
+    const MAY_WRITE: u32 = 2;
+    // SAFETY: the loader describes an object with so many headers; the list is that of `loaded`.
+    let (info, list) = unsafe { (&*info, &mut *list.cast::<Vec<Loaded>>()) };
+    if info.dlpi_name.is_null() || info.dlpi_phdr.is_null() {
+        return 0;
+    }
+    // SAFETY: as above.
+    let (name, headers) =
+        unsafe { (CStr::from_ptr(info.dlpi_name), std::slice::from_raw_parts(info.dlpi_phdr, info.dlpi_phnum.into())) };
+    let mut object = Loaded {
+        name: name.to_string_lossy().into_owned(),
+        base: info.dlpi_addr as usize,
+        written: Vec::new(),
+        sealed: None,
+        of_thread: None,
+        threads_own: (!info.dlpi_tls_data.is_null()).then_some(info.dlpi_tls_data as usize),
+    };
+    for header in headers {
+        let (at, length) = (header.p_vaddr as usize, header.p_memsz as usize);
+        match header.p_type {
+            libc::PT_LOAD if header.p_flags & MAY_WRITE != 0 => object.written.push((at, length)),
+            libc::PT_GNU_RELRO => object.sealed = Some((at, length)),
+            libc::PT_TLS => object.of_thread = Some([at, header.p_filesz as usize, length]),
+            _ => {}
+        }
+    }
+    list.push(object);
+    0
+}
+
+/// Where there is memory in this process, in order; `None` where the system does not show it.
+fn mappings() -> Option<Vec<(u64, u64)>> {
+    let text = std::fs::read_to_string("/proc/self/maps").ok()?;
+    let range = |line: &str| {
+        let (from, to) = line.split(' ').next()?.split_once('-')?;
+        Some((u64::from_str_radix(from, 16).ok()?, u64::from_str_radix(to, 16).ok()?))
+    };
+    text.lines().map(range).collect()
+}
+
+/// Files that the process has open, by their number and name.
+fn open_files() -> BTreeSet<(PathBuf, PathBuf)> {
+    let entries = std::fs::read_dir("/proc/self/fd").into_iter().flatten().filter_map(Result::ok);
+    let files = entries.filter_map(|entry| Some((entry.path(), std::fs::read_link(entry.path()).ok()?)));
+    files.filter(|(_, path)| !path.starts_with("/proc") && !path.starts_with("anon_inode:")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Loaded, mappings};
+
+    #[test]
+    fn what_is_sealed_is_no_memory_of_routines() {
+        let object = |written: &[(usize, usize)], sealed| Loaded {
+            name: String::new(),
+            base: 0,
+            written: written.to_vec(),
+            sealed,
+            of_thread: None,
+            threads_own: None,
+        };
+        assert_eq!(object(&[(0x3de8, 0x21f8)], Some((0x3de8, 0x218))).writable(), [(0x4000, 0x1fe0)]);
+        assert_eq!(object(&[(0x1000, 13), (0x3000, 8)], Some((0x3000, 8))).writable(), [(0x1000, 16)]);
+        assert_eq!(object(&[(0x1000, 13)], None).writable(), [(0x1000, 16)]);
+    }
+
+    #[test]
+    fn memory_of_this_process_is_among_its_mappings() {
+        let here = 7_u64;
+        let at = (&raw const here) as u64;
+        let ranges = mappings().expect("the system shows it");
+        assert!(ranges.iter().any(|(from, to)| (*from..*to).contains(&at)));
+        assert!(ranges.is_sorted());
+    }
+}

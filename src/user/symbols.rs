@@ -1,0 +1,169 @@
+//! What a shared library says of itself in its file: the variables that it keeps, the functions that it takes from elsewhere,
+//! the libraries that it needs. Names are those of the linker, as Fortran and C spell them.
+//! Never here: memory of the process. ("Tool Interface Standard: Executable and Linking Format", version 1.2; 64 bits.)
+
+/// A variable in the memory of a library.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Variable {
+    /// Where it begins, counted from where the library is loaded; of a thread's own from where these begin.
+    pub at: usize,
+    /// Its bytes.
+    pub size: usize,
+    /// Whether each thread has its own.
+    pub of_thread: bool,
+    /// As the linker has it.
+    pub symbol: String,
+}
+
+/// What a file says.
+#[derive(Clone, Debug, Default)]
+pub struct Symbols {
+    /// In order.
+    pub variables: Vec<Variable>,
+    /// Functions and variables of others that it asks for.
+    pub taken: Vec<String>,
+    /// Libraries that are loaded with it.
+    pub needed: Vec<String>,
+}
+
+const SYMBOLS: u32 = 2;
+const DYNAMIC: u32 = 6;
+const DYNAMIC_SYMBOLS: u32 = 11;
+
+/// A section's type, offset, size and the section that it refers to.
+#[derive(Clone, Copy)]
+struct Section {
+    kind: u32,
+    offset: usize,
+    size: usize,
+    link: usize,
+}
+
+impl Symbols {
+    /// Reads a file; where it is none of 64 bits, or torn, nothing is known.
+    pub fn read(file: &[u8]) -> Symbols {
+        let mut symbols = Symbols::default();
+        let sections = sections(file).unwrap_or_default();
+        for section in &sections {
+            let Some(table) = part(file, section) else { continue };
+            let names = sections.get(section.link).and_then(|s| part(file, s)).unwrap_or_default();
+            match section.kind {
+                SYMBOLS | DYNAMIC_SYMBOLS => table.chunks_exact(24).for_each(|entry| symbols.add(entry, names)),
+                DYNAMIC => symbols.needed.extend(table.chunks_exact(16).filter_map(|entry| needed(entry, names))),
+                _ => {}
+            }
+        }
+        symbols.variables.sort();
+        symbols.variables.dedup();
+        symbols
+    }
+
+    fn add(&mut self, entry: &[u8], names: &[u8]) {
+        const UNDEFINED: u16 = 0;
+        const OBJECT: u8 = 1;
+        const OF_THREAD: u8 = 6;
+        let (Some(name), Some(at), Some(size)) = (number(entry, 0, 4), number(entry, 8, 8), number(entry, 16, 8))
+        else {
+            return;
+        };
+        let (kind, section) = (entry[4] & 0xf, u16::from_le_bytes([entry[6], entry[7]]));
+        let symbol = text(names, name);
+        if section == UNDEFINED {
+            self.taken.push(symbol);
+        } else if matches!(kind, OBJECT | OF_THREAD) && size > 0 {
+            self.variables.push(Variable { at, size, of_thread: kind == OF_THREAD, symbol });
+        }
+    }
+
+    /// The variable that holds a byte, and how far into it that is.
+    pub fn variable(&self, at: usize, of_thread: bool) -> Option<(&Variable, usize)> {
+        let holds = |v: &&Variable| v.of_thread == of_thread && (v.at..v.at + v.size).contains(&at);
+        self.variables.iter().find(holds).map(|v| (v, at - v.at))
+    }
+}
+
+impl Variable {
+    /// In the words of the language: gfortran writes `x.12` for a local variable with SAVE, `__m_MOD_x` for one of a module, a
+    /// blank line behind the name of a COMMON block, `__BLNK__` for the one without a name.
+    pub fn plain_name(&self) -> String {
+        let symbol = self.symbol.as_str();
+        if let Some((module, name)) = symbol.strip_prefix("__").and_then(|s| s.split_once("_MOD_")) {
+            return format!("`{name}` of module `{module}`");
+        }
+        if symbol == "__BLNK__" {
+            return "blank COMMON".into();
+        }
+        if let Some((name, number)) = symbol.rsplit_once('.')
+            && number.bytes().all(|b| b.is_ascii_digit())
+        {
+            return format!("`{name}`");
+        }
+        match symbol.strip_suffix('_') {
+            Some(block) => format!("COMMON /{block}/"),
+            None => format!("`{symbol}`"),
+        }
+    }
+}
+
+fn sections(file: &[u8]) -> Option<Vec<Section>> {
+    let is_known = file.get(..6)? == b"\x7fELF\x02\x01";
+    let (offset, count) = (number(file, 0x28, 8)?, number(file, 0x3c, 2)?);
+    let table = file.get(offset..offset.checked_add(64 * count)?).filter(|_| is_known)?;
+    let section = |entry: &[u8]| {
+        let [kind, link] = [4, 40].map(|at| number(entry, at, 4));
+        Some(Section { kind: kind? as u32, link: link?, offset: number(entry, 24, 8)?, size: number(entry, 32, 8)? })
+    };
+    table.chunks_exact(64).map(section).collect()
+}
+
+fn part<'a>(file: &'a [u8], section: &Section) -> Option<&'a [u8]> {
+    file.get(section.offset..section.offset.checked_add(section.size)?)
+}
+
+/// A number of so many bytes.
+fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
+    let mut wide = [0; 8];
+    wide[..count].copy_from_slice(bytes.get(at..at.checked_add(count)?)?);
+    usize::try_from(u64::from_le_bytes(wide)).ok()
+}
+
+/// Text that ends with zero.
+fn text(names: &[u8], at: usize) -> String {
+    let rest = names.get(at..).unwrap_or_default();
+    let end = rest.iter().position(|b| *b == 0).unwrap_or(rest.len());
+    String::from_utf8_lossy(&rest[..end]).into_owned()
+}
+
+/// The name of a library that an entry of the dynamic section asks for.
+fn needed(entry: &[u8], names: &[u8]) -> Option<String> {
+    const NEEDED: usize = 1;
+    (number(entry, 0, 8)? == NEEDED).then(|| text(names, number(entry, 8, 8).unwrap_or(usize::MAX)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Symbols, Variable};
+
+    #[test]
+    fn variables_have_the_names_of_their_language() {
+        let name = |symbol: &str| Variable { at: 0, size: 8, of_thread: false, symbol: symbol.into() }.plain_name();
+        assert_eq!(name("calls.17"), "`calls`");
+        assert_eq!(name("__law_MOD_table"), "`table` of module `law`");
+        assert_eq!(name("state_"), "COMMON /state/");
+        assert_eq!(name("__BLNK__"), "blank COMMON");
+        assert_eq!(name("counter"), "`counter`");
+    }
+
+    /// This very program is a file of that kind; cut anywhere it is read without a panic.
+    #[test]
+    fn a_program_is_read_whole_and_torn() {
+        let file = std::fs::read("/proc/self/exe").expect("this program");
+        let symbols = Symbols::read(&file);
+        assert!(symbols.needed.iter().any(|name| name.starts_with("libc.")), "{:?}", symbols.needed);
+        assert!(symbols.taken.iter().any(|name| name == "dl_iterate_phdr") && symbols.variables.len() > 10);
+        for length in [0, 5, 63, 64, file.len() / 2, file.len() - 1] {
+            assert!(Symbols::read(&file[..length]).variables.len() <= symbols.variables.len());
+        }
+        assert!(Symbols::read(b"#!/bin/sh\n").needed.is_empty());
+    }
+}
