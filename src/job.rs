@@ -15,7 +15,8 @@ pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::model::{self, Model, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
-use crate::output::pvd::{FrameWriter, missing_frames};
+use crate::output::pvd::{FrameWriter, Written, missing_frames};
+use crate::output::sums::{SUMS, Sums};
 use crate::output::{Frame, History, HistorySummary, Job, write_summary, write_whole};
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
@@ -265,9 +266,9 @@ pub fn find_checkpoint(
         return Ok((None, notes));
     };
     checkpoint.accept(&prepared.identity(user))?;
-    let mut times: Vec<f64> = Vec::new();
-    times.persist(&mut Archive::reader(&checkpoint.shown));
-    if let [first, rest @ ..] = &missing_frames(job, times.len())[..] {
+    let mut frames: Vec<Written> = Vec::new();
+    frames.persist(&mut Archive::reader(&checkpoint.shown));
+    if let [first, rest @ ..] = &missing_frames(job, frames.len())[..] {
         let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
         let message = format!("{}{more}, written before the checkpoint, is no longer there", first.display());
         notes.push(Diagnostic::warning("K103", message));
@@ -304,11 +305,23 @@ impl Files<'_> {
         self.history_written = Stopwatch::now();
         Ok(write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes())?)
     }
+
+    /// Checksums of all but the summary.
+    fn sums(&self) -> Sums {
+        let mut sums = self.frames.sums();
+        sums.add(self.job, "_history.csv", self.history.csv().as_bytes());
+        sums
+    }
 }
 
-/// What has been shown so far: times of frames, histories, messages.
-fn persist_shown(times: &mut Vec<f64>, history: &mut History, summary: &mut HistorySummary, archive: &mut Archive<'_>) {
-    times.persist(archive);
+/// What has been shown so far: frames, histories, messages.
+fn persist_shown(
+    frames: &mut Vec<Written>,
+    history: &mut History,
+    summary: &mut HistorySummary,
+    archive: &mut Archive<'_>,
+) {
+    frames.persist(archive);
     history.persist(archive);
     summary.persist(&history.columns, archive);
     host::persist_messages(archive);
@@ -345,8 +358,8 @@ impl Sink for Files<'_> {
     fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), SinkError> {
         self.write_history()?;
         let mut shown = Vec::new();
-        let mut times = self.frames.times().to_vec();
-        persist_shown(&mut times, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
+        let mut frames = self.frames.frames().to_vec();
+        persist_shown(&mut frames, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
         Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
@@ -385,17 +398,17 @@ pub fn run_with<'a>(
     progress: &'a mut Progress<'a>,
 ) -> Result<Summary, Refusal> {
     let identity = prepared.identity(&options.user);
-    let _lock = lock(job)?;
+    let _lock = take(job)?;
     announce(prepared, job);
     let mut history = History { columns: column_names(&prepared.plan), ..History::default() };
     let mut summary = HistorySummary::default();
     let frames = match &options.from {
         None => FrameWriter::new(job.clone()),
         Some(checkpoint) => {
-            let (mut times, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
-            persist_shown(&mut times, &mut history, &mut summary, &mut archive);
+            let (mut frames, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
+            persist_shown(&mut frames, &mut history, &mut summary, &mut archive);
             archive.finish().map_err(unfit)?;
-            FrameWriter::go_on(job.clone(), times)
+            FrameWriter::go_on(job.clone(), frames)
         }
     };
     let frames = frames.map_err(Refusal::Folder)?;
@@ -408,6 +421,7 @@ pub fn run_with<'a>(
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(unfit)?;
     let kept = outcome.checkpoint_seconds;
     let history_failed = files.write_history().err();
+    let sums = files.sums();
     let mut summary = summarise(prepared, outcome, files.summary);
     if prepared.has_routines {
         let mut notes = Diagnostics::default();
@@ -418,12 +432,15 @@ pub fn run_with<'a>(
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
     history_failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
-    finish_files(job, &mut summary);
+    finish_files(job, &mut summary, sums);
     Ok(summary)
 }
 
-/// Makes the folder of a job and takes it.
-fn lock(job: &Job) -> Result<Lock, Refusal> {
+/// Makes the folder of a job and takes it: it is this job's until the lock is dropped.
+///
+/// # Errors
+/// Where it cannot be made, or another job is at work in it.
+pub fn take(job: &Job) -> Result<Lock, Refusal> {
     let made = std::fs::create_dir_all(&job.folder);
     made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))?;
     Lock::take(&job.folder, &job.name).map_err(|why| match why {
@@ -432,9 +449,13 @@ fn lock(job: &Job) -> Result<Lock, Refusal> {
     })
 }
 
-/// The summary; then the checkpoint of a run that is complete has served its purpose.
-fn finish_files(job: &Job, summary: &mut Summary) {
-    if let Err(e) = write_summary(job, summary) {
+/// The summary and the list of checksums; then the checkpoint of a run that is complete has served its purpose.
+fn finish_files(job: &Job, summary: &mut Summary, mut sums: Sums) {
+    let written = write_summary(job, summary).and_then(|sum| {
+        sums.add_sum(job, ".json", sum);
+        sums.write(job, SUMS)
+    });
+    if let Err(e) = written {
         summary.unwritten(e.to_string());
     }
     if summary.reason.is_none() {

@@ -6,18 +6,21 @@ pub mod check;
 pub mod explain;
 pub mod report;
 pub mod run;
-mod signals;
+pub mod signals;
 pub mod study;
 pub mod sweep;
 pub mod words;
 
-use std::path::PathBuf;
+use std::error::Error;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use revolve::deck::{Diagnostics, Sources};
-use revolve::job::Prepared;
+use revolve::deck::{Diagnostic, Diagnostics, Sources};
+use revolve::job::{self, Prepared, Refusal};
+use revolve::output::Job;
+use revolve::output::lock::Lock;
 use revolve::user::Routines;
 use revolve::user::compile::{Compiled, compile};
 use words::tell;
@@ -99,6 +102,33 @@ fn print_findings(found: &Diagnostics, sources: &Sources) {
     }
 }
 
+fn print_finding(finding: Diagnostic) {
+    let mut findings = Diagnostics::default();
+    findings.push(finding);
+    print_findings(&findings, &Sources::default());
+}
+
+fn refused(finding: Diagnostic) -> ExitCode {
+    print_finding(finding);
+    ExitCode::from(REFUSED)
+}
+
+/// The job of a deck with its folder, which no other job has as long as the lock is held; `None` if refused (told).
+pub fn folder_of(deck: &Path, out: Option<PathBuf>) -> Result<Option<(Job, Lock)>, Box<dyn Error>> {
+    let taken = job::default_job(deck, out).map_err(Refusal::Checkpoint).and_then(|job| {
+        let lock = job::take(&job)?;
+        Ok((job, lock))
+    });
+    match taken {
+        Ok(taken) => Ok(Some(taken)),
+        Err(Refusal::Folder(error)) => Err(error.into()),
+        Err(Refusal::Checkpoint(finding)) => {
+            print_finding(*finding);
+            Ok(None)
+        }
+    }
+}
+
 /// Prints findings; whether the deck may run.
 pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
     let errors = prepared.diagnostics.has_errors();
@@ -106,6 +136,14 @@ pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
         print_findings(&prepared.diagnostics, &prepared.deck.sources);
     }
     !errors
+}
+
+/// Says how many of some runs warn, and the first warning: what each is called, and its warnings.
+fn tell_warnings<'a>(runs: impl ExactSizeIterator<Item = (String, &'a [String])>) {
+    let (all, mut warned) = (runs.len(), runs.filter(|run| !run.1.is_empty()));
+    let Some((name, warnings)) = warned.next() else { return };
+    let count = 1 + warned.count();
+    tell!("warning: {count} of {all} runs warn; the first, {name}: {}", warnings[0]);
 }
 
 /// The exit status of what is only shown.

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use revolve::deck::{Diagnostic, Diagnostics, Sources, printable};
+use revolve::deck::{Diagnostic, printable};
 use revolve::job::Instructions;
 use revolve::job::{self, Options, Prepared, Refusal, Summary};
 use revolve::output;
@@ -16,7 +16,7 @@ use revolve::user::host;
 
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, pairs, print_findings, progress_bar};
+use super::{HALTED, REFUSED, UserFiles, accepted, pairs, print_finding, print_findings, progress_bar, refused};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -134,17 +134,6 @@ impl Run {
         }
         Ok(checkpoint)
     }
-}
-
-fn print_finding(finding: Diagnostic) {
-    let mut findings = Diagnostics::default();
-    findings.push(finding);
-    print_findings(&findings, &Sources::default());
-}
-
-fn refused(finding: Diagnostic) -> ExitCode {
-    print_finding(finding);
-    ExitCode::from(REFUSED)
 }
 
 fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool) -> Result<Summary, Refusal> {

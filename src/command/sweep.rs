@@ -13,7 +13,7 @@ use revolve::user::compile::Compiled;
 use revolve::{deck, job, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, progress_bar};
+use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, progress_bar, tell_warnings};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -51,12 +51,19 @@ impl Sweep {
         if let (Some(path), Some(reference)) = (&self.compare, &reference) {
             sweep::comparable(&grid, path, reference)?;
         }
+        if let Some(path) = self.compare.as_ref().filter(|_| reference.as_ref().is_some_and(|r| r.is_open)) {
+            tell!(
+                "warning: --compare {}: the last line has no end; if the file is cut off its last row is wrong",
+                path.display()
+            );
+        }
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &grid.combination(0), &routines);
         if !accepted(&first, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
         }
+        let Some((job, _lock)) = folder_of(&self.deck, self.out)? else { return Ok(ExitCode::from(REFUSED)) };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(0))
             .build()
@@ -65,13 +72,20 @@ impl Sweep {
         let results = pool.install(|| sweep::run(&self.deck, &grid, &quantities, compiled.as_ref(), &|| bar.inc(1)));
         bar.finish_and_clear();
         let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());
-        let job = job::default_job(&self.deck, self.out).map_err(|finding| finding.message)?;
         write_sweep(&job, &first.deck, &grid, &quantities, &results, reference.as_ref(), &sheet)?;
         if !self.quiet {
             print_sweep(&sheet, &job);
+            tell_warnings(
+                results.parameters.iter().zip(&results.warnings).map(|(values, w)| (setting(&grid, values), &w[..])),
+            );
         }
         Ok(report_failures(&results))
     }
+}
+
+/// Names and values of a combination.
+fn setting(grid: &Grid, values: &[String]) -> String {
+    grid.names().iter().zip(values).map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
 fn print_sweep(sheet: &sweep::Sheet, job: &output::Job) {
@@ -102,15 +116,12 @@ fn write_sweep(
     reference: Option<&Reference>,
     sheet: &sweep::Sheet,
 ) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all(&job.folder)
-        .map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))?;
     let title = deck.sources.files().first().map_or("sweep", |f| f.name.as_str());
-    let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
-    write("_sweep.csv", table::csv(&sheet.header, &sheet.rows).as_bytes())?;
-    if sheet.rows.is_empty() {
-        return Ok(());
+    let mut files = vec![("_sweep.csv".to_owned(), table::csv(&sheet.header, &sheet.rows).into_bytes())];
+    if !sheet.rows.is_empty() {
+        let chart = sweep::chart(title, grid, quantities, results, reference);
+        files.push(("_sweep.svg".into(), chart.svg()?.into_bytes()));
+        files.push(("_sweep.png".into(), chart.png()?));
     }
-    let chart = sweep::chart(title, grid, quantities, results, reference);
-    write("_sweep.svg", chart.svg()?.as_bytes())?;
-    Ok(write("_sweep.png", &chart.png()?)?)
+    Ok(output::write_with_sums(job, &files, "_sweep.sfv").map_err(|e| e.to_string())?)
 }

@@ -62,6 +62,7 @@ pub(crate) mod vtk_file;
 mod vtk_file;
 
 pub use types::*;
+pub use vtk_file::silence_caught_panics;
 
 use crate::deck::{Deck, Diagnostics};
 

@@ -96,6 +96,9 @@ pub fn run_with(
             break;
         }
     }
+    if run.outcome.halt.is_none() {
+        run.outcome.halt = run.judge_end().err();
+    }
     run.warn_of_energy();
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();

@@ -39,6 +39,8 @@ pub struct Run {
     pub seconds: Spread,
     /// Seconds in the time loop.
     pub loop_seconds: Spread,
+    /// What the run warns of.
+    pub warnings: Vec<String>,
 }
 
 impl Run {
@@ -149,7 +151,8 @@ impl<'a> Bench<'a> {
         let found = self.measure.evaluate(&recorder, &state)?;
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
         let seconds = Spread { median: outcome.seconds, ..Spread::default() };
-        Ok(Run { found, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
+        let warnings = outcome.warnings;
+        Ok(Run { found, elements, increments: outcome.increments, seconds, loop_seconds: seconds, warnings })
     }
 }
 

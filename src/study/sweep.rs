@@ -20,6 +20,8 @@ pub struct Results {
     pub parameters: Vec<Vec<String>>,
     /// Value of each quantity of each run, or why there is none.
     pub values: Vec<Result<Vec<f64>, StudyError>>,
+    /// What each run warns of.
+    pub warnings: Vec<Vec<String>>,
 }
 
 /// Runs every combination. The results do not depend on the number of threads: runs share nothing, and the user's
@@ -46,13 +48,15 @@ pub fn run(
         .into_par_iter()
         .map(|index| {
             let combination = grid.combination(index);
-            let value = one(deck, &combination, quantities, user);
+            let mut warnings = Vec::new();
+            let value = one(deck, &combination, quantities, user, &mut warnings);
             done();
-            (combination.into_iter().map(|p| p.1).collect(), value)
+            (combination.into_iter().map(|p| p.1).collect(), (value, warnings))
         })
         .collect();
-    let (parameters, values) = runs.into_iter().unzip();
-    Results { parameters, values }
+    let (parameters, told): (_, Vec<_>) = runs.into_iter().unzip();
+    let (values, warnings) = told.into_iter().unzip();
+    Results { parameters, values, warnings }
 }
 
 /// One run: the quantities, or the first thing that was wrong.
@@ -61,6 +65,7 @@ fn one(
     overrides: &job::Overrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
+    warnings: &mut Vec<String>,
 ) -> Result<Vec<f64>, StudyError> {
     let routines = Compiled::open_any(user)?;
     let prepared = job::prepare(deck, overrides, &routines);
@@ -68,6 +73,7 @@ fn one(
         return Err(StudyError::refused(&prepared));
     }
     let (outcome, history) = job::run_in_memory(&prepared);
+    *warnings = outcome.warnings;
     if let Some(halt) = outcome.halt {
         return Err(StudyError::Halted(halt));
     }
