@@ -37,7 +37,7 @@ pub struct MissingInstructions(pub Instructions);
 
 /// A deck that has been read, resolved and planned, with all that was found on the way.
 pub struct Prepared {
-    /// The syntax tree.
+    /// Sources and parameters of the deck; its cards are in the plan.
     pub deck: Deck,
     /// What will run; not to be run where there are errors.
     pub plan: Plan,
@@ -99,11 +99,13 @@ fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> Prepared {
 
 /// The same from a deck that has been read, with a change of the model before it is planned.
 pub fn prepare_edited(
-    (deck, mut diagnostics): (Deck, Diagnostics),
+    (mut deck, mut diagnostics): (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
     routines: &Routines,
 ) -> Prepared {
     let (mut model, found) = model::build(&deck);
+    // Nothing asks for the cards again, and of a large mesh they are the largest part.
+    deck.cards = Vec::new();
     diagnostics.append(found);
     if !diagnostics.has_errors() {
         edit(&mut model);

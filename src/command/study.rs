@@ -81,7 +81,7 @@ impl Study {
         let axes = settings::axes(&self.refine, &parameters)?;
         let axes = if axes.is_empty() && self.ablate { effects::default_axes()? } else { axes };
         check_axes(&axes, exact)?;
-        let model = model::build(&first.deck).0;
+        let model = model::build(&deck::read(&self.deck, &overrides).0).0;
         settings::check(&axes, &model)?;
         measure.check(&first.plan)?;
         drop(first);

@@ -14,6 +14,9 @@ use crate::deck::files;
 /// Ending of the file of a run; sweeps and studies have their own word before it.
 pub const SUMS: &str = ".sfv";
 
+/// What lists of ours begin with; the number of files follows.
+const HEAD: &str = "; CRC-32 of ";
+
 /// CRC-32 of bytes (IEEE 802.3).
 pub fn sum(bytes: &[u8]) -> u32 {
     let mut crc = Crc::new();
@@ -41,7 +44,7 @@ impl Sums {
     /// # Errors
     /// With the path in the message.
     pub fn write(&self, job: &Job, ending: &str) -> io::Result<()> {
-        let mut text = String::from("; CRC-32 of files as they were written\n");
+        let mut text = format!("{HEAD}{} files as they were written\n", self.0.len());
         for (name, sum) in &self.0 {
             let _ = writeln!(text, "{name} {sum:08X}");
         }
@@ -65,8 +68,11 @@ impl Sums {
     }
 
     fn take(&mut self, text: &str) -> Result<(), String> {
-        if !text.ends_with('\n') {
-            return Err("it ends early".into());
+        // How many files there are: a list that was cut off tells fewer.
+        let written = text.strip_prefix(HEAD).and_then(|rest| rest.split(' ').next()?.parse::<usize>().ok());
+        let found = text.lines().filter(|line| !line.is_empty() && !line.starts_with(';')).count();
+        if written.is_some_and(|written| written != found) || !text.ends_with('\n') {
+            return Err(format!("the list of checksums is not whole: it has {found} files"));
         }
         for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with(';')) {
             let pair = line.rsplit_once(' ');
@@ -124,7 +130,7 @@ mod tests {
         std::fs::write(&path, b"time\n1\n").expect("a file");
         assert!(read.hold(&path).is_err_and(|why| why.contains("a b_history.csv")));
         assert_eq!(read.hold(&job.path("_other.csv")), Ok(()));
-        for wrong in ["a b.json 1234", "a b.json\n", "a b.json xyz\n"] {
+        for wrong in ["; CRC-32 of 2 files\na b.json 1234\n", "a b.json 1234", "a b.json\n", "a b.json xyz\n"] {
             std::fs::write(job.path(SUMS), wrong).expect("a list");
             assert!(Sums::of(folder.path()).is_err(), "{wrong:?}");
         }
