@@ -118,18 +118,21 @@ impl Run<'_> {
     fn hold_to_balance(&mut self) -> Result<(), Halt> {
         let drift = self.balance.drift_now();
         self.watch.adrift = if drift > LARGEST_DRIFT { self.watch.adrift + 1 } else { 0 };
+        self.watch.beyond += u64::from(drift > LARGEST_DRIFT);
         let passes = self.watch.adrift < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
         if passes || self.is_noise() { Ok(()) } else { Err(self.drifted(drift)) }
     }
 
-    /// The same once an analysis has come to its end, however short it was: nobody shall take it for an answer.
+    /// The same at the end of an analysis that is over before it has been judged: nobody shall take it for an answer. One
+    /// instant alone counts where there are next to no others.
     ///
     /// # Errors
     /// Where energies have not been kept.
     pub(super) fn judge_end(&self) -> Result<(), Halt> {
-        let drift = self.balance.drift();
+        let is_early = self.now.increment < EARLY;
+        let is_met = self.watch.beyond > u64::from(self.now.increment > LASTING);
         let own = self.plan.steps.iter().any(StepPlan::has_drift_limit);
-        if drift <= LARGEST_DRIFT || own || self.is_noise() { Ok(()) } else { Err(self.drifted(drift)) }
+        if !is_early || !is_met || own || self.is_noise() { Ok(()) } else { Err(self.drifted(self.balance.drift())) }
     }
 
     fn drifted(&self, drift: f64) -> Halt {

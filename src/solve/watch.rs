@@ -30,8 +30,9 @@ const SIGNS: [[&str; 2]; 2] = [
     ],
     [
         "ALLIE",
-        "elements have given more than they were given, which none of their laws has in store; a finer mesh or SCALE \
-         FACTOR=0.5 on *DYNAMIC shows what is of it",
+        "elements have given more than they were given, which none of their laws has in store. Rates of stress do so on large \
+         closed paths of strain, where *HYPERELASTIC does not; SCALE FACTOR=0.5 on *DYNAMIC or a finer mesh shows whether \
+         it is something else",
     ],
 ];
 
@@ -56,6 +57,8 @@ pub(super) struct Watch {
     unsound: [Option<f64>; 2],
     /// Increments in a row, up to this one, that found a drift which halts.
     pub(super) adrift: u64,
+    /// All of them.
+    pub(super) beyond: u64,
     /// Increments that found kinetic and internal energy below zero, up to that which told it.
     below_zero: [u64; 2],
     /// Whether a pattern and crawling have been told.
@@ -276,8 +279,8 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 
 impl Persist for Watch {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Watch { unsound, adrift, below_zero, trembles, crawls, slow, pattern, next_look, shown: _ } = self;
-        persist_fields!(archive; unsound, adrift, below_zero, trembles, crawls, slow, pattern, next_look);
+        let Watch { unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look, shown: _ } = self;
+        persist_fields!(archive; unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look);
     }
 }
 
