@@ -16,9 +16,10 @@ pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::model::{self, Model, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
-use crate::output::pvd::{FrameWriter, missing_frames};
+use crate::output::pvd::{FrameWriter, Written, missing_frames};
 use crate::output::status::{Line, Status};
-use crate::output::{Frame, History, HistorySummary, Job, Points, write_summary, write_whole};
+use crate::output::sums::{SUMS, Sums};
+use crate::output::{Frame, History, HistorySummary, Job, Points, write_summary, write_whole, write_with_sums};
 use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
@@ -41,7 +42,7 @@ pub struct MissingInstructions(pub Instructions);
 
 /// A deck that has been read, resolved and planned, with all that was found on the way.
 pub struct Prepared {
-    /// The syntax tree.
+    /// Sources and parameters of the deck; its cards are in the plan.
     pub deck: Deck,
     /// What will run; not to be run where there are errors.
     pub plan: Plan,
@@ -115,11 +116,13 @@ fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> Prepared {
 
 /// The same from a deck that has been read, with a change of the model before it is planned.
 pub fn prepare_edited(
-    (deck, mut diagnostics): (Deck, Diagnostics),
+    (mut deck, mut diagnostics): (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
     routines: &Routines,
 ) -> Prepared {
     let (mut model, found) = model::build(&deck);
+    // Nothing asks for the cards again, and of a large mesh they are the largest part.
+    deck.cards = Vec::new();
     diagnostics.append(found);
     if !diagnostics.has_errors() {
         edit(&mut model);
@@ -327,9 +330,9 @@ pub fn find_checkpoint(
         return Ok((None, notes));
     };
     checkpoint.accept(&prepared.identity(user))?;
-    let mut times: Vec<f64> = Vec::new();
-    times.persist(&mut Archive::reader(&checkpoint.shown));
-    if let [first, rest @ ..] = &missing_frames(job, times.len())[..] {
+    let mut frames: Vec<Written> = Vec::new();
+    frames.persist(&mut Archive::reader(&checkpoint.shown));
+    if let [first, rest @ ..] = &missing_frames(job, frames.len())[..] {
         let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
         let message = format!("{}{more}, written before the checkpoint, is no longer there", first.display());
         notes.push(Diagnostic::warning("K103", message));
@@ -436,11 +439,23 @@ impl Files<'_> {
         self.history_written = Stopwatch::now();
         Ok(write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes())?)
     }
+
+    /// Checksums of all but the summary.
+    fn sums(&self) -> Sums {
+        let mut sums = if self.wanted == Frames::Absent { Sums::default() } else { self.frames.sums() };
+        sums.add(self.job, "_history.csv", self.history.csv().as_bytes());
+        sums
+    }
 }
 
-/// What has been shown so far: times of frames, histories, messages.
-fn persist_shown(times: &mut Vec<f64>, history: &mut History, summary: &mut HistorySummary, archive: &mut Archive<'_>) {
-    times.persist(archive);
+/// What has been shown so far: frames, histories, messages.
+fn persist_shown(
+    frames: &mut Vec<Written>,
+    history: &mut History,
+    summary: &mut HistorySummary,
+    archive: &mut Archive<'_>,
+) {
+    frames.persist(archive);
     history.persist(archive);
     summary.persist(&history.columns, archive);
     host::persist_messages(archive);
@@ -483,8 +498,8 @@ impl Sink for Files<'_> {
     fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), SinkError> {
         self.write_history()?;
         let mut shown = Vec::new();
-        let mut times = self.frames.times().to_vec();
-        persist_shown(&mut times, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
+        let mut frames = self.frames.frames().to_vec();
+        persist_shown(&mut frames, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
         Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
@@ -531,10 +546,11 @@ pub fn run_and_keep(prepared: &Prepared, job: &Job, sink: &mut dyn Sink) -> io::
     let mut keeping = Keeping { history, summary: HistorySummary::default(), sink };
     let (outcome, state) = solve::run(&prepared.plan, prepared.state.clone(), &mut keeping);
     let Keeping { history, summary, .. } = keeping;
-    write_whole(&job.path("_history.csv"), history.csv().as_bytes())?;
     // Several runs at once share the messages of routines: whose they are is not known.
     let summary = Summary { messages: Vec::new(), ..summarise(prepared, outcome.clone(), summary) };
-    write_summary(job, &summary)?;
+    let text = serde_json::to_string_pretty(&summary)? + "\n";
+    let files = [("_history.csv".to_owned(), history.csv().into_bytes()), (".json".to_owned(), text.into_bytes())];
+    write_with_sums(job, &files, SUMS)?;
     Ok((outcome, state))
 }
 
@@ -557,7 +573,7 @@ pub fn run_with<'a>(
     progress: &'a mut Follower<'a>,
 ) -> Result<Summary, Refusal> {
     let identity = prepared.identity(&options.user);
-    let _lock = lock(job)?;
+    let _lock = take(job)?;
     announce(prepared, job);
     let mut history = History { columns: column_names(&prepared.plan), ..History::default() };
     let mut summary = HistorySummary::default();
@@ -566,10 +582,10 @@ pub fn run_with<'a>(
     let frames = match &options.from {
         None => FrameWriter::new(job.clone(), points),
         Some(checkpoint) => {
-            let (mut times, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
-            persist_shown(&mut times, &mut history, &mut summary, &mut archive);
+            let (mut frames, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
+            persist_shown(&mut frames, &mut history, &mut summary, &mut archive);
             archive.finish().map_err(unfit)?;
-            FrameWriter::go_on(job.clone(), times, points)
+            FrameWriter::go_on(job.clone(), frames, points)
         }
     };
     let frames = frames.map_err(Refusal::Folder)?;
@@ -595,6 +611,7 @@ pub fn run_with<'a>(
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(unfit)?;
     let kept = outcome.checkpoint_seconds;
     let history_failed = files.write_history().err();
+    let sums = files.sums();
     let Files { mut status, summary: columns, .. } = files;
     let mut summary = summarise(prepared, outcome, columns);
     let forgotten = forgotten(prepared, options.from.as_ref(), &summary.lost);
@@ -605,12 +622,15 @@ pub fn run_with<'a>(
     summary.reason.iter().for_each(|reason| status.note(&format!("***ERROR: {reason}")));
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
     status.failed.into_iter().for_each(|why| summary.unwritten(why.to_string()));
-    finish_files(job, &mut summary);
+    finish_files(job, &mut summary, sums);
     Ok(summary)
 }
 
-/// Makes the folder of a job and takes it.
-fn lock(job: &Job) -> Result<Lock, Refusal> {
+/// Makes the folder of a job and takes it: it is this job's until the lock is dropped.
+///
+/// # Errors
+/// Where it cannot be made, or another job is at work in it.
+pub fn take(job: &Job) -> Result<Lock, Refusal> {
     let made = std::fs::create_dir_all(&job.folder);
     made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))?;
     Lock::take(&job.folder, &job.name).map_err(|why| match why {
@@ -619,9 +639,13 @@ fn lock(job: &Job) -> Result<Lock, Refusal> {
     })
 }
 
-/// The summary; then the checkpoint of a run that is complete has served its purpose.
-fn finish_files(job: &Job, summary: &mut Summary) {
-    if let Err(e) = write_summary(job, summary) {
+/// The summary and the list of checksums; then the checkpoint of a run that is complete has served its purpose.
+fn finish_files(job: &Job, summary: &mut Summary, mut sums: Sums) {
+    let written = write_summary(job, summary).and_then(|sum| {
+        sums.add_sum(job, ".json", sum);
+        sums.write(job, SUMS)
+    });
+    if let Err(e) = written {
         summary.unwritten(e.to_string());
     }
     if summary.reason.is_none() {

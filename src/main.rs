@@ -31,6 +31,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    revolve::model::silence_caught_panics();
+    command::signals::outlive_limits();
     let result = match Arguments::parse().command {
         Command::Run(run) => run.execute(),
         Command::Study(study) => study.execute(),

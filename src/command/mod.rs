@@ -10,17 +10,20 @@ mod progress;
 pub mod report;
 pub mod run;
 pub mod shell;
-mod signals;
+pub mod signals;
 pub mod study;
 pub mod sweep;
 pub mod words;
 
-use std::path::PathBuf;
+use std::error::Error;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use revolve::deck::{Diagnostics, Sources};
-use revolve::job::Prepared;
+use revolve::deck::{Diagnostic, Diagnostics, Sources};
+use revolve::job::{self, Prepared, Refusal};
+use revolve::output::Job;
+use revolve::output::lock::Lock;
 use revolve::user::Routines;
 use revolve::user::compile::{Compiled, compile};
 use words::tell;
@@ -112,6 +115,33 @@ fn print_findings(found: &Diagnostics, sources: &Sources) {
         words::tell_styled(found.render_styled(sources).trim_end());
     } else {
         tell!("{}", found.render(sources).trim_end());
+    }
+}
+
+fn print_finding(finding: Diagnostic) {
+    let mut findings = Diagnostics::default();
+    findings.push(finding);
+    print_findings(&findings, &Sources::default());
+}
+
+fn refused(finding: Diagnostic) -> ExitCode {
+    print_finding(finding);
+    ExitCode::from(REFUSED)
+}
+
+/// The job of a deck with its folder, which no other job has as long as the lock is held; `None` if refused (told).
+pub fn folder_of(deck: &Path, out: Option<PathBuf>) -> Result<Option<(Job, Lock)>, Box<dyn Error>> {
+    let taken = job::default_job(deck, out).map_err(Refusal::Checkpoint).and_then(|job| {
+        let lock = job::take(&job)?;
+        Ok((job, lock))
+    });
+    match taken {
+        Ok(taken) => Ok(Some(taken)),
+        Err(Refusal::Folder(error)) => Err(error.into()),
+        Err(Refusal::Checkpoint(finding)) => {
+            print_finding(*finding);
+            Ok(None)
+        }
     }
 }
 

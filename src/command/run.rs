@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use indexmap::IndexMap;
-use revolve::deck::{Diagnostic, Diagnostics, Sources};
+use revolve::deck::Diagnostic;
 use revolve::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal, Summary};
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
@@ -20,7 +20,7 @@ use serde::Serialize;
 use super::progress::RunBar;
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, Home, REFUSED, UserFiles, accepted, outcome, pairs, print_findings};
+use super::{HALTED, Home, REFUSED, UserFiles, accepted, outcome, pairs, print_findings, refused};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -107,7 +107,9 @@ impl Run {
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         // Before there are threads: routines may get a process of their own.
         let home = if self.isolate { Home::Own } else { Home::Here };
-        let Some((routines, user)) = self.user.opened(self.is_silent(), home) else { return Ok(ExitCode::from(REFUSED)) };
+        let Some((routines, user)) = self.user.opened(self.is_silent(), home) else {
+            return Ok(ExitCode::from(REFUSED));
+        };
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK);
         let pool = pool.num_threads(self.threads.map_or(0, Into::into));
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
@@ -238,17 +240,6 @@ fn print_json(summary: &Summary, values: &Values) -> Result<(), Box<dyn Error>> 
     let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
     say!("{}", serde_json::to_string_pretty(&Report { summary, quantities })?);
     Ok(())
-}
-
-fn print_finding(finding: Diagnostic) {
-    let mut findings = Diagnostics::default();
-    findings.push(finding);
-    print_findings(&findings, &Sources::default());
-}
-
-fn refused(finding: Diagnostic) -> ExitCode {
-    print_finding(finding);
-    ExitCode::from(REFUSED)
 }
 
 fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool) -> Result<Summary, Refusal> {

@@ -1,4 +1,4 @@
-//! Signals: the first asks the run to end behind its increment, a later one ends the program.
+//! Signals: a limit on files is no reason to die; the first asks the run to end behind its increment, a later one ends the program.
 //! Never here: what a run does then.
 
 use std::sync::Arc;
@@ -13,15 +13,16 @@ use signal_hook::{flag, low_level};
 /// terminal to all that run in it.
 const SAME: Duration = Duration::from_millis(500);
 
-/// The number of the first SIGINT or SIGTERM, 0 before. A file that grows beyond a limit is an error like a full disk, and no
-/// reason to die.
+/// A file that grows beyond a limit is an error like a full disk, and no reason to die.
+pub fn outlive_limits() {
+    // Where that cannot be asked for the program ends at the limit, as others do.
+    let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+}
+
+/// The number of the first SIGINT or SIGTERM, 0 before.
 pub fn watch_signals() -> Result<Arc<AtomicUsize>, String> {
     let signal = Arc::new(AtomicUsize::new(0));
-    let watch = || -> std::io::Result<Signals> {
-        flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
-        Signals::new([SIGINT, SIGTERM])
-    };
-    let signals = watch().map_err(|e| format!("cannot watch for signals: {e}"))?;
+    let signals = Signals::new([SIGINT, SIGTERM]).map_err(|e| format!("cannot watch for signals: {e}"))?;
     let told = signal.clone();
     let listen = std::thread::Builder::new().name("signals".into()).spawn(move || listen(signals, &told));
     listen.map_err(|e| format!("cannot watch for signals: {e}"))?;

@@ -21,7 +21,7 @@ use revolve::user::compile::Compiled;
 use revolve::{deck, job, model, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, pairs, progress, tell_doubts};
+use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, pairs, progress, tell_doubts};
 
 /// Refine a deck: observed order, error, and what accuracy costs.
 #[derive(Args)]
@@ -84,16 +84,16 @@ impl Study {
         let axes = settings::axes(&self.refine, &parameters)?;
         let axes = if axes.is_empty() && self.ablate { effects::default_axes()? } else { axes };
         check_axes(&axes, exact)?;
-        let model = model::build(&first.deck).0;
+        let model = model::build(&deck::read(&self.deck, &overrides).0).0;
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         drop(first);
+        let Some((job, _lock)) = folder_of(&self.deck, self.out.clone())? else { return Ok(ExitCode::from(REFUSED)) };
         let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
         let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
-        let job = job::default_job(&self.deck, self.out.clone()).map_err(|finding| finding.message)?;
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();
@@ -152,13 +152,9 @@ fn write_effects(
     effects: &Effects,
     quiet: bool,
 ) -> Result<ExitCode, Box<dyn Error>> {
-    make_folder(job)?;
-    let write =
-        |ending: &str, text: &str| output::write_whole(&job.path(ending), text.as_bytes()).map_err(|e| e.to_string());
     let (header, rows) = effects.sheet(true);
-    write("_study.csv", &table::csv(&header, &rows))?;
     let record = record::ablation(&quantity.text, effects);
-    write("_study.json", &(serde_json::to_string_pretty(&record).map_err(|e| e.to_string())? + "\n"))?;
+    write_files(job, vec![table_file(&header, &rows), record_file(&record)?])?;
     if !quiet {
         let (header, rows) = effects.sheet(false);
         words::write(format_args!("{}", table::terminal(&header, &rows)), false);
@@ -166,10 +162,6 @@ fn write_effects(
         say!("table {}", job.path("_study.csv").display());
     }
     Ok(ExitCode::SUCCESS)
-}
-
-fn make_folder(job: &output::Job) -> Result<(), String> {
-    std::fs::create_dir_all(&job.folder).map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))
 }
 
 /// Files of a study; gives its record.
@@ -181,29 +173,40 @@ fn write(
     met: Option<Met>,
     timing: Timing,
 ) -> Result<String, Box<dyn Error>> {
-    make_folder(job)?;
-    let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
     let (header, rows) = record::sheet(results, true);
-    write("_study.csv", table::csv(&header, &rows).as_bytes())?;
-    let record = record::record(&quantity.text, exact, results, met, timing);
-    let text = serde_json::to_string_pretty(&record).map_err(|e| e.to_string())? + "\n";
-    write("_study.json", text.as_bytes())?;
+    let record = record_file(&record::record(&quantity.text, exact, results, met, timing))?;
+    let text = String::from_utf8_lossy(&record.1).into_owned();
     let title = format!("{}: {}", job.name, quantity.text);
-    draw(job, "_study", &record::price_chart(results, &title))?;
-    draw(job, "_study_order", &record::order_chart(results, &title))?;
+    let mut files = vec![table_file(&header, &rows), record];
+    files.extend(drawn("_study", &record::price_chart(results, &title))?);
+    files.extend(drawn("_study_order", &record::order_chart(results, &title))?);
+    write_files(job, files)?;
     Ok(text)
 }
 
+/// Ending and bytes of a file.
+type File = (String, Vec<u8>);
+
+fn table_file(header: &[String], rows: &[Vec<String>]) -> File {
+    ("_study.csv".into(), table::csv(header, rows).into_bytes())
+}
+
+fn record_file(record: &impl serde::Serialize) -> Result<File, Box<dyn Error>> {
+    let text = serde_json::to_string_pretty(record).map_err(|e| e.to_string())? + "\n";
+    Ok(("_study.json".into(), text.into_bytes()))
+}
+
 /// A chart as SVG and PNG, where there is something to draw.
-fn draw(job: &output::Job, ending: &str, chart: &Chart) -> Result<(), Box<dyn Error>> {
+fn drawn(ending: &str, chart: &Chart) -> Result<Vec<File>, Box<dyn Error>> {
     if chart.series.iter().all(|s| s.points.is_empty()) {
-        return Ok(());
+        return Ok(Vec::new());
     }
-    let write = |kind: &str, bytes: &[u8]| {
-        output::write_whole(&job.path(&format!("{ending}.{kind}")), bytes).map_err(|e| e.to_string())
-    };
-    write("svg", chart.svg_on(Scale::LogLog)?.as_bytes())?;
-    Ok(write("png", &chart.png_on(Scale::LogLog)?)?)
+    let svg = (format!("{ending}.svg"), chart.svg_on(Scale::LogLog)?.into_bytes());
+    Ok(vec![svg, (format!("{ending}.png"), chart.png_on(Scale::LogLog)?)])
+}
+
+fn write_files(job: &output::Job, files: Vec<File>) -> Result<(), Box<dyn Error>> {
+    Ok(output::write_with_sums(job, &files, "_study.sfv").map_err(|e| e.to_string())?)
 }
 
 fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job) {

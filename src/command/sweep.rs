@@ -16,7 +16,7 @@ use revolve::{deck, job, output};
 use serde::Serialize;
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, progress, tell_doubts};
+use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, progress, tell_doubts};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -70,6 +70,12 @@ impl Sweep {
         if let (Some(path), Some(reference)) = (&self.compare, &reference) {
             sweep::comparable(&grid, path, reference)?;
         }
+        if let Some(path) = self.compare.as_ref().filter(|_| reference.as_ref().is_some_and(|r| r.is_open)) {
+            tell!(
+                "warning: --compare {}: the last line has no end; if the file is cut off its last row is wrong",
+                path.display()
+            );
+        }
         let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(ExitCode::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &grid.combination(0), &routines);
@@ -80,12 +86,12 @@ impl Sweep {
             quantity.stands_alone()?;
             quantity.check(&first.plan)?;
         }
+        let Some((job, _lock)) = folder_of(&self.deck, self.out)? else { return Ok(ExitCode::from(REFUSED)) };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(0))
             .build()
             .map_err(|e| e.to_string())?;
         let bar = progress::over_runs(grid.count() as u64, self.quiet);
-        let job = job::default_job(&self.deck, self.out).map_err(|finding| finding.message)?;
         let kept = self.keep.then_some(&job);
         let done = || bar.inc(1);
         let results =
@@ -180,16 +186,16 @@ fn write_sweep(
     reference: Option<&Reference>,
     sheet: &sweep::Sheet,
 ) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all(&job.folder)
-        .map_err(|e| format!("cannot make the folder {}: {e}", job.folder.display()))?;
     let title = deck.sources.files().first().map_or("sweep", |f| f.name.as_str());
-    let write = |ending: &str, bytes: &[u8]| output::write_whole(&job.path(ending), bytes).map_err(|e| e.to_string());
     // A table without a row takes no good one's place.
     if sheet.rows.is_empty() {
         return Ok(());
     }
-    write("_sweep.csv", table::csv(&sheet.header, &sheet.rows).as_bytes())?;
     let chart = sweep::chart(title, grid, quantities, results, reference);
-    write("_sweep.svg", chart.svg()?.as_bytes())?;
-    Ok(write("_sweep.png", &chart.png()?)?)
+    let files = [
+        ("_sweep.csv".to_owned(), table::csv(&sheet.header, &sheet.rows).into_bytes()),
+        ("_sweep.svg".into(), chart.svg()?.into_bytes()),
+        ("_sweep.png".into(), chart.png()?),
+    ];
+    Ok(output::write_with_sums(job, &files, "_sweep.sfv").map_err(|e| e.to_string())?)
 }

@@ -376,6 +376,9 @@ impl Persist for Elements {
         } = self;
         archive.mark("elements");
         persist_fields!(archive; limit, awake, pending, gone, frequency_asked);
+        if gone.1 > gone.0.len() {
+            archive.refuse(|| "more deleted elements have been told than there are".into());
+        }
         if let Some(connectors) = connectors {
             connectors.persist(archive);
         }

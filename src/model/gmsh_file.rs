@@ -71,7 +71,10 @@ fn sections(text: &str) -> Result<BTreeMap<&str, &str>, String> {
     let mut found = BTreeMap::new();
     let mut rest = text;
     while let Some(at) = rest.find('$') {
-        let name = rest[at + 1..].split_ascii_whitespace().next().unwrap_or("");
+        let name = rest[at + 1..].split(|c: char| c.is_ascii_whitespace()).next().unwrap_or("");
+        if name.is_empty() {
+            return Err("a section has no name behind its $".into());
+        }
         let body = &rest[at + 1 + name.len()..];
         let end = body.find(&format!("$End{name}")).ok_or(format!("its section ${name} has no end"))?;
         found.insert(name, &body[..end]);

@@ -64,6 +64,7 @@ mod vtk_file;
 
 pub use types::*;
 pub use units::{SYSTEMS, System, Units};
+pub use vtk_file::silence_caught_panics;
 
 use crate::deck::{Deck, Diagnostics};
 

@@ -8,18 +8,64 @@ use crate::deck::Word;
 /// Labels of nodes or elements: each part, instance and the assembly has its own.
 #[derive(Debug, Default)]
 pub struct Labels {
-    by_name: HashMap<(String, i64), usize>,
+    scopes: HashMap<String, Scope>,
+    count: usize,
+}
+
+/// Labels of one scope. Most follow each other and are places in a list.
+#[derive(Debug, Default)]
+struct Scope {
+    /// Index by label; [`NONE`] where there is none.
+    dense: Vec<u32>,
+    sparse: HashMap<i64, u32>,
+    count: usize,
+}
+
+/// No index.
+const NONE: u32 = u32::MAX;
+/// A list has no more places than so many for each label, and these.
+const PLACES: [usize; 2] = [4, 1000];
+
+impl Scope {
+    fn find(&self, label: i64) -> Option<usize> {
+        let dense = usize::try_from(label).ok().and_then(|at| self.dense.get(at)).filter(|index| **index != NONE);
+        dense.or_else(|| self.sparse.get(&label)).map(|index| *index as usize)
+    }
+
+    /// Returns the index before.
+    fn insert(&mut self, label: i64, index: usize) -> Option<usize> {
+        let before = self.find(label);
+        // The budget of a deck is far below what the number takes.
+        let index = u32::try_from(index).unwrap_or(NONE);
+        let most = PLACES[0] * self.count + PLACES[1];
+        match usize::try_from(label).ok().filter(|at| *at < most && !self.sparse.contains_key(&label)) {
+            Some(at) => {
+                if at >= self.dense.len() {
+                    self.dense.resize(at + 1, NONE);
+                }
+                self.dense[at] = index;
+            }
+            None => drop(self.sparse.insert(label, index)),
+        }
+        self.count += usize::from(before.is_none());
+        before
+    }
 }
 
 impl Labels {
     /// Index of a label in a scope (an upper-case instance name, or empty).
     pub fn find(&self, scope: &str, label: i64) -> Option<usize> {
-        self.by_name.get(&(scope.to_owned(), label)).copied()
+        self.scopes.get(scope)?.find(label)
     }
 
     /// Sets a label; returns the index it had before.
     pub fn insert(&mut self, scope: &str, label: i64, index: usize) -> Option<usize> {
-        self.by_name.insert((scope.to_owned(), label), index)
+        if !self.scopes.contains_key(scope) {
+            self.scopes.insert(scope.to_owned(), Scope::default());
+        }
+        let before = self.scopes.get_mut(scope).and_then(|scope| scope.insert(label, index));
+        self.count += usize::from(before.is_none());
+        before
     }
 
     /// Index of a word: `12`, or `INSTANCE.12`.
@@ -33,7 +79,7 @@ impl Labels {
 
     /// How many labels there are.
     pub fn len(&self) -> usize {
-        self.by_name.len()
+        self.count
     }
 }
 
@@ -55,4 +101,25 @@ pub(super) fn material_places(deck: &crate::deck::Deck) -> indexmap::IndexMap<St
         places.entry(upper(&name.text)).or_insert(place);
     }
     places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Labels;
+
+    #[test]
+    fn labels_are_found_wherever_they_lie() {
+        let mut labels = Labels::default();
+        let all = [1, 2, 999, 1000, 5000, -7, i64::MAX, 3, 1001, 5001];
+        for (i, label) in all.into_iter().enumerate() {
+            assert_eq!((labels.find("A", label), labels.insert("A", label, i)), (None, None), "{label}");
+        }
+        // By now 5000 would have a place in the list; it stays where it is.
+        (10_000..20_000).for_each(|label| drop(labels.insert("A", label, 7)));
+        assert_eq!((labels.insert("A", 5000, 44), labels.find("A", 5000)), (Some(4), Some(44)));
+        for (i, label) in all.into_iter().enumerate().filter(|(i, _)| *i != 4) {
+            assert_eq!(labels.find("A", label), Some(i), "{label}");
+        }
+        assert_eq!((labels.find("B", 1), labels.find("A", 4), labels.len()), (None, None, 10_010));
+    }
 }

@@ -1,6 +1,12 @@
-//! Mesh files of VTK (`.vtu`, `.vtk`, `.vtp`), read through vtkio.
+//! Mesh files of VTK (`.vtu`, `.vtk`, `.vtp`), read through vtkio; frames of results are read back here, too.
 //! Never here: what their arrays mean.
+//!
+//! The one file that knows vtkio, a release before its first: its version is pinned in `Cargo.toml`, its panics are caught here,
+//! and what it would take at its word (lengths of compressed arrays, lists of other files) is looked at before. What would take
+//! its place is a reader of our own for what we write and ParaView saves by default: unstructured grids in XML with inline
+//! arrays, by base64 and flate2, which are here anyway; legacy files would no longer be read. It would keep to [`read`].
 
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -11,6 +17,9 @@ use vtkio::model::{Attribute, Attributes, CellType, DataSet, IOBuffer, VertexNum
 
 use super::mesh_data::{MeshFile, is_ours};
 use crate::deck::files;
+
+/// Bytes of a file that is read: vtkio holds it several times over.
+const MOST: u64 = 2 << 30;
 
 /// Whether an array says that it is larger than its compressed bytes can hold: vtkio makes room for what it says. Zlib
 /// presses to no less than a 1032nd (RFC 1951: 258 bytes in two bits).
@@ -29,13 +38,34 @@ fn claims_too_much(text: &str) -> bool {
     })
 }
 
+thread_local! {
+    /// Whether this thread is in vtkio, whose panics are caught.
+    static READING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Lets panics of vtkio, which become errors, say nothing of their own: for programs.
+pub fn silence_caught_panics() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if !READING.get() {
+            usual(info);
+        }
+    }));
+}
+
 /// Reads a file. vtkio may panic on damaged files, as it reads or as cells are taken from it; that is an error like any
 /// other here.
 pub(crate) fn read(path: &Path) -> Result<MeshFile, String> {
-    catch_unwind(AssertUnwindSafe(|| parse(path))).unwrap_or_else(|_| Err("the file is damaged".into()))
+    READING.set(true);
+    let read = catch_unwind(AssertUnwindSafe(|| parse(path)));
+    READING.set(false);
+    read.unwrap_or_else(|_| Err("the file is damaged".into()))
 }
 
 fn parse(path: &Path) -> Result<MeshFile, String> {
+    if path.metadata().is_ok_and(|file| file.len() > MOST) {
+        return Err(format!("it has more than {} GB", MOST >> 30));
+    }
     let bytes = files::read(path).map_err(|e| e.to_string())?;
     let text = String::from_utf8_lossy(&bytes);
     if text.contains("<VTKFile") && !text.contains("</VTKFile>") {

@@ -1,4 +1,4 @@
-//! Files: VTU frames in a PVD series, history CSV, summary JSON. One file per format; each appears whole or not at all.
+//! Files: VTU frames in a PVD series, history CSV, summary JSON, checksums of them. One file per format; each appears whole or not at all.
 //! Never here: decisions about physics.
 
 pub mod checkpoint;
@@ -10,6 +10,7 @@ pub mod history;
 pub mod lock;
 pub mod pvd;
 pub mod status;
+pub mod sums;
 pub mod vtu;
 pub mod whole;
 
@@ -101,12 +102,28 @@ impl Job {
     }
 }
 
-/// Writes the summary as `<job>.json`.
+/// Writes the summary as `<job>.json`; its checksum.
 ///
 /// # Errors
 /// Where the file cannot be written.
-pub fn write_summary<T: Serialize>(job: &Job, summary: &T) -> io::Result<()> {
+pub fn write_summary<T: Serialize>(job: &Job, summary: &T) -> io::Result<u32> {
     let mut text = serde_json::to_string_pretty(summary)?;
     text.push('\n');
-    write_whole(&job.path(".json"), text.as_bytes())
+    write_whole(&job.path(".json"), text.as_bytes())?;
+    Ok(sums::sum(text.as_bytes()))
+}
+
+/// Writes files of a job, given by ending and bytes, and the list of their checksums with this ending.
+///
+/// # Errors
+/// With the path in the message.
+pub fn write_with_sums(job: &Job, files: &[(String, Vec<u8>)], list: &str) -> io::Result<()> {
+    // None of these sums is that of a file before.
+    whole::remove(&job.path(list))?;
+    let mut sums = sums::Sums::default();
+    for (ending, bytes) in files {
+        write_whole(&job.path(ending), bytes)?;
+        sums.add(job, ending, bytes);
+    }
+    sums.write(job, list)
 }

@@ -2,20 +2,27 @@
 //! Never here: what a frame holds.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::{fs, io};
 
 use super::checkpoint::CHECKPOINT;
 use super::status::STATUS;
+use super::sums::{SUMS, Sums, sum};
 use super::vtu::{VtuWriter, escape};
-use super::whole::unfinished;
+use super::whole::{remove, unfinished};
 use super::{Frame, Job, Points, write_whole};
+
+/// Files of a job beside its frames.
+const OTHERS: [&str; 6] = [SUMS, ".pvd", ".json", "_history.csv", CHECKPOINT, STATUS];
+
+/// A frame that has been written: its time and the checksum of its file.
+pub type Written = (f64, u32);
 
 /// Writes frames one after the other; the list is whole after each.
 #[derive(Debug)]
 pub struct FrameWriter {
     job: Job,
-    times: Vec<f64>,
+    frames: Vec<Written>,
     vtu: VtuWriter,
 }
 
@@ -26,34 +33,45 @@ impl FrameWriter {
     /// Where the folder cannot be cleared.
     pub fn new(job: Job, points: Points) -> io::Result<Self> {
         // The lists first: none shall name a frame that is gone.
-        for ending in [".pvd", ".json", "_history.csv", CHECKPOINT, STATUS] {
+        for ending in OTHERS {
             remove(&job.path(ending))?;
         }
-        let writer = FrameWriter { job, times: Vec::new(), vtu: VtuWriter::new(points) };
+        let writer = FrameWriter { job, frames: Vec::new(), vtu: VtuWriter::new(points) };
         writer.clear_from(0)?;
         Ok(writer)
     }
 
-    /// Goes on with a series behind the frames of these times; frames behind them are removed.
+    /// Goes on with a series behind these frames; frames behind them are removed.
     ///
     /// # Errors
     /// Where the folder cannot be cleared.
-    pub fn go_on(job: Job, times: Vec<f64>, points: Points) -> io::Result<Self> {
-        let writer = FrameWriter { job, times, vtu: VtuWriter::new(points) };
+    pub fn go_on(job: Job, frames: Vec<Written>, points: Points) -> io::Result<Self> {
+        let writer = FrameWriter { job, frames, vtu: VtuWriter::new(points) };
+        remove(&writer.job.path(SUMS))?;
         remove(&writer.job.path(".json"))?;
         write_whole(&writer.job.path(".pvd"), writer.list().as_bytes())?;
-        writer.clear_from(writer.times.len())?;
+        writer.clear_from(writer.frames.len())?;
         Ok(writer)
     }
 
-    /// Times of the frames so far.
-    pub fn times(&self) -> &[f64] {
-        &self.times
+    /// The frames so far.
+    pub fn frames(&self) -> &[Written] {
+        &self.frames
+    }
+
+    /// Checksums of the frames and their list.
+    pub fn sums(&self) -> Sums {
+        let mut sums = Sums::default();
+        for (i, (_, sum)) in self.frames.iter().enumerate() {
+            sums.add_sum(&self.job, &ending(i), *sum);
+        }
+        sums.add(&self.job, ".pvd", self.list().as_bytes());
+        sums
     }
 
     /// Name of the file of the next frame.
     pub fn next_name(&self) -> String {
-        format!("{}_{:04}.vtu", self.job.name, self.times.len())
+        format!("{}{}", self.job.name, ending(self.frames.len()))
     }
 
     /// Removes frames from this one on, and what a killed process has not finished.
@@ -62,9 +80,7 @@ impl FrameWriter {
             let name = entry?.file_name();
             let old = name.to_str().and_then(|n| frame_number(n, &self.job.name)).is_some_and(|n| n >= first);
             let is_own = |n: &str| {
-                let listed = [".pvd", ".json", "_history.csv", CHECKPOINT].iter();
-                frame_number(n, &self.job.name).is_some()
-                    || listed.copied().any(|e| n == format!("{}{e}", self.job.name))
+                frame_number(n, &self.job.name).is_some() || OTHERS.iter().any(|e| n == format!("{}{e}", self.job.name))
             };
             if old || unfinished(&name).is_some_and(is_own) {
                 remove(&self.job.folder.join(name))?;
@@ -78,8 +94,9 @@ impl FrameWriter {
     /// # Errors
     /// Where a file cannot be written.
     pub fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        write_whole(&self.job.folder.join(self.next_name()), self.vtu.text(frame).as_bytes())?;
-        self.times.push(frame.time);
+        let text = self.vtu.text(frame);
+        write_whole(&self.job.path(&ending(self.frames.len())), text.as_bytes())?;
+        self.frames.push((frame.time, sum(text.as_bytes())));
         write_whole(&self.job.path(".pvd"), self.list().as_bytes())
     }
 
@@ -87,26 +104,22 @@ impl FrameWriter {
         let mut text =
             String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n");
         let name = escape(&self.job.name);
-        for (i, time) in self.times.iter().enumerate() {
-            let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}_{i:04}.vtu\"/>");
+        for (i, (time, _)) in self.frames.iter().enumerate() {
+            let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{name}{}\"/>", ending(i));
         }
         text + "</Collection>\n</VTKFile>\n"
     }
 }
 
+/// What follows the name of the job in that of a frame.
+fn ending(frame: usize) -> String {
+    format!("_{frame:04}.vtu")
+}
+
 /// Paths of the first so many frames of a job that are not there, or empty after a loss of power.
 pub fn missing_frames(job: &Job, count: usize) -> Vec<PathBuf> {
     let is_there = |path: &PathBuf| path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0);
-    (0..count).map(|i| job.path(&format!("_{i:04}.vtu"))).filter(|path| !is_there(path)).collect()
-}
-
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => {
-            Err(io::Error::new(e.kind(), format!("cannot remove {}: {e}", path.display())))
-        }
-        _ => Ok(()),
-    }
+    (0..count).map(|i| job.path(&ending(i))).filter(|path| !is_there(path)).collect()
 }
 
 fn frame_number(file: &str, job: &str) -> Option<usize> {

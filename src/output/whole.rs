@@ -51,6 +51,19 @@ fn write(path: &Path, bytes: &[u8], durable: bool) -> io::Result<()> {
     write().map_err(|e| io::Error::new(e.kind(), format!("cannot write {}: {e}", path.display())))
 }
 
+/// Removes a file, if it is there.
+///
+/// # Errors
+/// With the path in the message.
+pub(super) fn remove(path: &Path) -> io::Result<()> {
+    match std::fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => {
+            Err(io::Error::new(e.kind(), format!("cannot remove {}: {e}", path.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// A file that goes unless it was renamed.
 struct Temporary(PathBuf);
 

@@ -264,7 +264,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "R208",
         title: "an energy limit was passed",
-        text: "The drift of ETOTAL is above 20 % of the largest energy for ten increments, which halts every run whose deck gives no *ENERGY LIMIT, ERROR; or it, or the share of ALLAE in ALLIE, is above what *ENERGY LIMIT, ACTION=HALT allows. The message says since when, where the mesh is folded most, the likely cause and the card that cures it. The last good state is in the last frame.",
+        text: "The drift of ETOTAL is above 20 % of the largest energy for ten increments, or was at two of an analysis of less than 500, which halts every run whose deck gives no *ENERGY LIMIT, ERROR; or it, or the share of ALLAE in ALLIE, is above what *ENERGY LIMIT, ACTION=HALT allows. The message says since when, where the mesh is folded most, the likely cause and the card that cures it. The last good state is in the last frame.",
     },
     Code {
         code: "R205",

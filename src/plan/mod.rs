@@ -52,7 +52,9 @@ use crate::element::mass_scaling::Scaling;
 use crate::heat::Thermal;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
-use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model, SurfaceContact};
+use crate::model::{
+    EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model, SurfaceContact,
+};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
@@ -92,6 +94,9 @@ pub struct Plan {
     pub rows: Rows,
     /// By what nodes and elements are found in frames.
     pub labels: Labels,
+    /// Whether elements may give energy that no load has given them: gases, explosives, stress at the start, temperatures,
+    /// moduli that change, routines of the user.
+    pub stores_energy: bool,
 }
 
 /// Rows of the ledger for what no card asks for by name.
@@ -142,6 +147,13 @@ pub struct StepPlan {
     pub user_motions: Vec<UserMotion>,
     /// When to write.
     pub outputs: Outputs,
+}
+
+impl StepPlan {
+    /// Whether the deck bounds the drift of ETOTAL itself.
+    pub fn has_drift_limit(&self) -> bool {
+        self.energy_limit.is_some_and(|limit| limit.error.is_some())
+    }
 }
 
 impl Plan {
@@ -249,6 +261,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         diagnostics.keep_errors();
     }
     let (mesh, routines) = (model.mesh.clone(), routines.clone());
+    let stores_energy = stores_energy(model);
     let mut plan = Plan {
         ledger,
         mesh,
@@ -263,9 +276,23 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         routines,
         rows,
         labels,
+        stores_energy,
     };
     bytes::book(&mut plan, &state);
     (plan, state, diagnostics)
+}
+
+/// Whether a material or a condition at the start can release energy that was not brought in.
+fn stores_energy(model: &Model) -> bool {
+    let of_material = |m: &Material| {
+        m.eos.is_some()
+            || m.user.is_some()
+            || m.expansion.is_some()
+            || !m.elastic_table.is_empty()
+            || m.fields.is_some()
+    };
+    let at_start = |c: &InitialCondition| matches!(c.kind, InitialKind::Stress(_) | InitialKind::Energy(_));
+    model.materials.iter().any(of_material) || model.initial_conditions.iter().any(at_start)
 }
 
 impl Compiler<'_> {

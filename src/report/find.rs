@@ -10,6 +10,7 @@ use super::data::{Column, Page, Run};
 use super::units::Names;
 use super::{frames, history, study, sweep};
 use crate::deck::files;
+use crate::output::sums::Sums;
 
 /// Runs beyond these are left out.
 const RUNS: usize = 6;
@@ -21,7 +22,7 @@ const COLUMNS: usize = 200;
 /// # Errors
 /// In words: no such folder, nothing to report in it, or a file that cannot be read.
 pub fn page(folder: &Path) -> Result<Page, String> {
-    let names = file_names(folder)?;
+    let (names, sums) = (file_names(folder)?, Sums::of(folder)?);
     let with = |ending: &str| -> BTreeSet<String> {
         names.iter().filter_map(|n| n.strip_suffix(ending)).filter(|n| !n.is_empty()).map(str::to_owned).collect()
     };
@@ -33,14 +34,17 @@ pub fn page(folder: &Path) -> Result<Page, String> {
         page.notes.push(format!("{RUNS} of {} runs are shown", jobs.len()));
     }
     for name in jobs.iter().take(RUNS) {
-        page.runs.push(run(folder, name)?);
+        page.runs.push(run(folder, name, &sums)?);
     }
     for name in &sweeps {
         let path = folder.join(format!("{name}_sweep.csv"));
+        sums.hold(&path)?;
         page.sweeps.push(sweep::table(name, &text(&path)?).map_err(|e| format!("{}: {e}", path.display()))?);
     }
     for name in &studies {
-        page.studies.push(study::read(name, &json(&folder.join(format!("{name}_study.json")))?));
+        let path = folder.join(format!("{name}_study.json"));
+        sums.hold(&path)?;
+        page.studies.push(study::read(name, &json(&path)?));
     }
     let all: BTreeSet<&String> = jobs.iter().chain(&sweeps).chain(&studies).collect();
     if all.is_empty() {
@@ -71,8 +75,16 @@ pub fn only_run(folder: &Path) -> Result<String, String> {
 }
 
 /// Targets and planes as a run's summary tells them; nothing where there is none.
-pub fn scene(folder: &Path, name: &str) -> Value {
-    json(&folder.join(format!("{name}.json"))).ok().and_then(|s| s.get("scene").cloned()).unwrap_or_default()
+///
+/// # Errors
+/// In words, where the summary is there and cannot be read.
+pub fn scene(folder: &Path, name: &str, sums: &Sums) -> Result<Value, String> {
+    let path = folder.join(format!("{name}.json"));
+    if !path.is_file() {
+        return Ok(Value::Null);
+    }
+    sums.hold(&path)?;
+    Ok(json(&path)?.get("scene").cloned().unwrap_or_default())
 }
 
 fn file_names(folder: &Path) -> Result<Vec<String>, String> {
@@ -94,10 +106,16 @@ fn is_run(path: &Path) -> bool {
 }
 
 /// A run: whatever of its files is there.
-fn run(folder: &Path, name: &str) -> Result<Run, String> {
+fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
     let file = |ending: &str| folder.join(format!("{name}{ending}"));
     let mut run = Run { name: name.to_owned(), ..Run::default() };
+    if !sums.has(&file(".pvd")) && !sums.has(&file("_history.csv")) {
+        run.notes.push(
+            "there is no list of checksums (.sfv): nobody can tell whether its files are as they were written".into(),
+        );
+    }
     if file(".json").is_file() {
+        sums.hold(&file(".json"))?;
         run.summary = json(&file(".json"))?;
     } else {
         run.notes.push("there is no summary: the run did not come to its end".into());
@@ -106,13 +124,15 @@ fn run(folder: &Path, name: &str) -> Result<Run, String> {
         run.columns = history.iter().map(|(name, values)| column(name, values)).collect();
     }
     if file("_history.csv").is_file() {
+        sums.hold(&file("_history.csv"))?;
         histories(&file("_history.csv"), &mut run)?;
     }
     run.columns.truncate(COLUMNS);
     if file(".pvd").is_file() {
+        sums.hold(&file(".pvd"))?;
         let series = frames::series(&file(".pvd"))?;
         let scene = run.summary.get("scene").cloned().unwrap_or_default();
-        run.meridian = frames::pack(&series, &scene, &Names::of(&run.summary), &mut run.notes)?;
+        run.meridian = frames::pack(&series, &scene, (&Names::of(&run.summary), sums), &mut run.notes)?;
     }
     if run.meridian.is_none() {
         run.notes.push("there are no frames: the deck asks for no field output".into());

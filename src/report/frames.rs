@@ -10,10 +10,11 @@ use serde_json::Value;
 use super::data::{Field, Meridian};
 use super::mesh::{Drawn, bounds, drawn};
 use super::units::Names;
-use crate::deck::files;
+use crate::deck::{files, printable};
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
 use crate::output::Label;
+use crate::output::sums::Sums;
 use crate::output::vtu::{BLANKING, REFERENCE};
 use crate::variables::Variable;
 
@@ -52,18 +53,26 @@ pub struct Raw {
 pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
     let text = files::read_text(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
     let folder = pvd.parent().unwrap_or(Path::new(""));
+    // A file of the folder itself: nobody's list leads elsewhere.
     let entry = |tag: &str| {
         let time = attribute(tag, "timestep")?.parse().ok()?;
-        Some((time, folder.join(unescape(attribute(tag, "file")?))))
+        let name = unescape(attribute(tag, "file")?);
+        (!name.contains('/')).then(|| (time, folder.join(name)))
     };
-    Ok(text.split("<DataSet").skip(1).filter_map(entry).collect())
+    let wrong = |tag: &str| format!("{}: `{}` is no frame of this folder", pvd.display(), printable(tag.trim()));
+    let first_line = |tag: &str| tag.lines().next().unwrap_or_default().chars().take(80).collect::<String>();
+    if !text.contains("</VTKFile>") {
+        return Err(format!("{}: it ends early", pvd.display()));
+    }
+    text.split("<DataSet").skip(1).map(|tag| entry(tag).ok_or_else(|| wrong(&first_line(tag)))).collect()
 }
 
 /// Reads a frame.
 ///
 /// # Errors
 /// In words, where it cannot be read.
-pub fn read(time: f64, path: &Path) -> Result<Raw, String> {
+pub fn read(time: f64, path: &Path, sums: &Sums) -> Result<Raw, String> {
+    sums.hold(path)?;
     let wrong = |e: String| format!("{}: {e}", path.display());
     let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
     let mesh = vtk_file::read(path).map_err(wrong)?;
@@ -143,11 +152,11 @@ fn rank(name: &str) -> usize {
 pub fn pack(
     files: &[(f64, PathBuf)],
     scene: &Value,
-    units: &Names,
+    (units, sums): (&Names, &Sums),
     notes: &mut Vec<String>,
 ) -> Result<Option<Meridian>, String> {
     let Some(((time, path), _)) = files.split_first() else { return Ok(None) };
-    let first = read(*time, path)?;
+    let first = read(*time, path, sums)?;
     let mesh = drawn(&first.points, &first.cells, CELLS);
     if mesh.corners.is_empty() {
         notes.push("the frames have nothing to draw".into());
@@ -164,7 +173,7 @@ pub fn pack(
     }
     let mut frames = vec![Thin::of(&first, &mesh, &fields)];
     for &i in &chosen[1..] {
-        let frame = read(files[i].0, &files[i].1)?;
+        let frame = read(files[i].0, &files[i].1, sums)?;
         if frame.cells != first.cells || frame.points.len() != first.points.len() {
             notes.push(format!("the frame at time {:e} has another mesh and is left out", frame.time));
             continue;

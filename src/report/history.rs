@@ -41,21 +41,22 @@ pub fn names(path: &Path) -> Result<Vec<String>, String> {
     Ok(csv::fields(&header).into_iter().skip(1).collect())
 }
 
-/// Reads the chosen columns; rows that are cut off are left out.
+/// Reads the chosen columns.
 ///
 /// # Errors
-/// In words, where the file cannot be read.
+/// In words, where the file cannot be read or a row is not whole.
 pub fn read(path: &Path, wanted: &[String]) -> Result<History, String> {
     let all = names(path)?;
     let places: Vec<usize> = wanted.iter().filter_map(|w| all.iter().position(|n| n == w)).collect();
     let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut history = History::default();
     let mut columns = vec![Vec::new(); places.len()];
-    for line in BufReader::new(file).lines().skip(1) {
+    for (i, line) in BufReader::new(file).lines().enumerate().skip(1) {
         let line = line.map_err(|e| format!("{}: {e}", path.display()))?;
-        let numbers: Vec<f64> = line.split(',').filter_map(|f| f.trim().parse().ok()).collect();
-        if numbers.len() != all.len() + 1 {
-            continue;
+        let numbers: Vec<f64> = line.split(',').map_while(|f| f.trim().parse().ok()).collect();
+        if numbers.len() != all.len() + 1 || line.split(',').count() != numbers.len() {
+            let expected = all.len() + 1;
+            return Err(format!("{}: line {} is not {expected} numbers: the file is damaged", path.display(), i + 1));
         }
         history.times.push(numbers[0]);
         for (column, place) in columns.iter_mut().zip(&places) {

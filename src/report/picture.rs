@@ -11,6 +11,7 @@ use super::frames::{self, CELLS, Raw};
 use super::mesh::{bounds, drawn};
 use super::{find, history};
 use crate::deck::names::nearest;
+use crate::output::sums::Sums;
 use crate::output::vtu::escape;
 use crate::study::chart::{Chart, Series};
 
@@ -75,7 +76,11 @@ fn energies_of(folder: &Path) -> Result<Chart, String> {
 fn history_file(folder: &Path) -> Result<(String, std::path::PathBuf), String> {
     let name = find::only_run(folder)?;
     let path = folder.join(format!("{name}_history.csv"));
-    if path.is_file() { Ok((name, path)) } else { Err(format!("{} is missing", path.display())) }
+    if !path.is_file() {
+        return Err(format!("{} is missing", path.display()));
+    }
+    Sums::of(folder)?.hold(&path)?;
+    Ok((name, path))
 }
 
 fn missing(what: &str, wanted: &str, names: &[String]) -> String {
@@ -117,16 +122,18 @@ pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<Str
 
 fn meridian_of(folder: &Path, number: Option<usize>, field: &str) -> Result<String, String> {
     let name = find::only_run(folder)?;
-    let series = frames::series(&folder.join(format!("{name}.pvd")))?;
+    let (list, sums) = (folder.join(format!("{name}.pvd")), Sums::of(folder)?);
+    sums.hold(&list)?;
+    let series = frames::series(&list)?;
     let number = number.unwrap_or(series.len());
     let Some((time, path)) = number.checked_sub(1).and_then(|i| series.get(i)) else {
         return Err(format!("there is no frame {number}; the run has {}", series.len()));
     };
-    let frame = frames::read(*time, path)?;
+    let frame = frames::read(*time, path, &sums)?;
     let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
     let at = names.iter().position(|n| n.eq_ignore_ascii_case(field)).ok_or_else(|| missing("field", field, &names))?;
     let title = format!("{name}: {} at time {time:.6e}, frame {number} of {}", names[at], series.len());
-    Ok(Picture::of(&frame, at, &find::scene(folder, &name)).svg(&title))
+    Ok(Picture::of(&frame, at, &find::scene(folder, &name, &sums)?).svg(&title))
 }
 
 /// A cell to draw: corners `[r, z]` and the value, if it has one.

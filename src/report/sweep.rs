@@ -15,7 +15,10 @@ const ROWS: usize = 500;
 pub fn table(name: &str, text: &str) -> Result<Table, String> {
     let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(fields);
     let header = records.next().ok_or("the table is empty")?;
-    let mut rows: Vec<Vec<String>> = records.filter(|r| r.len() == header.len()).collect();
+    let mut rows: Vec<Vec<String>> = records.collect();
+    if let Some(i) = rows.iter().position(|r| r.len() != header.len()) {
+        return Err(format!("row {} has {} fields, and the header {}", i + 1, rows[i].len(), header.len()));
+    }
     let charts = charts(&header, &rows);
     let mut notes = Vec::new();
     if rows.len() > ROWS {

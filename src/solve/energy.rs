@@ -183,6 +183,12 @@ impl Balance {
         self.solid.kinetic
     }
 
+    /// Internal energy of what deforms, hourglass control included.
+    #[inline(always)]
+    pub fn internal_of_solid(&self) -> f64 {
+        self.solid.internal + self.solid.artificial
+    }
+
     /// A new step with its forces, in which the motions of some bodies are prescribed.
     pub fn begin(&mut self, slots: &[Slot], bodies: &[BodyState]) {
         self.settle();

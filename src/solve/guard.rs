@@ -7,6 +7,7 @@ use super::run::Run;
 use super::watch::SMALL;
 use crate::load::stiffness::Stiffness;
 use crate::model::IncrementControl;
+use crate::plan::StepPlan;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
 
@@ -14,8 +15,8 @@ use crate::state::magnitude::Clock;
 /// increments, which only an element that collapses asks for.
 const FLOOR: f64 = 1e-10;
 
-/// Increments of an analysis before which no drift halts: a load that is there at once makes some of nothing while there is next
-/// to no energy.
+/// Increments of an analysis before which no drift halts, unless it is over: a load that is there at once makes some of nothing
+/// while there is next to no energy.
 const EARLY: u64 = 500;
 /// Drift of ETOTAL over the largest energy at which every run halts ...
 const LARGEST_DRIFT: f64 = 0.2;
@@ -113,16 +114,28 @@ impl Run<'_> {
     }
 
     /// The limit of every run, unless the deck gives one of its own. The first increments pass, for what is small cannot be
-    /// told from what is wrong, and coarse scenes are over by then; and an instant beyond it is none yet, for energies of
-    /// undamped vibration jump where increments do.
+    /// told from what is wrong; and an instant beyond it is none yet, for energies of undamped vibration jump where increments do.
     fn hold_to_balance(&mut self) -> Result<(), Halt> {
         let drift = self.balance.drift_now();
         self.watch.adrift = if drift > LARGEST_DRIFT { self.watch.adrift + 1 } else { 0 };
-        let own = self.step.energy_limit.is_some_and(|l| l.error.is_some());
-        let early = self.now.increment < EARLY;
-        if self.watch.adrift < LASTING || own || early || self.is_noise() {
-            return Ok(());
-        }
+        self.watch.beyond += u64::from(drift > LARGEST_DRIFT);
+        let passes = self.watch.adrift < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
+        if passes || self.is_noise() { Ok(()) } else { Err(self.drifted(drift)) }
+    }
+
+    /// The same at the end of an analysis that is over before it has been judged: nobody shall take it for an answer. One
+    /// instant alone counts where there are next to no others.
+    ///
+    /// # Errors
+    /// Where energies have not been kept.
+    pub(super) fn judge_end(&self) -> Result<(), Halt> {
+        let is_early = self.now.increment < EARLY;
+        let is_met = self.watch.beyond > u64::from(self.now.increment > LASTING);
+        let own = self.plan.steps.iter().any(StepPlan::has_drift_limit);
+        if !is_early || !is_met || own || self.is_noise() { Ok(()) } else { Err(self.drifted(self.balance.drift())) }
+    }
+
+    fn drifted(&self, drift: f64) -> Halt {
         let reason = format!(
             "ETOTAL has drifted by {:.1} % of the largest energy, more than {:.0} %, at increment {}, time {:e}{}: energy was \
              made or lost{}. {}. *ENERGY LIMIT, ERROR in the step lets a run go on",
@@ -134,7 +147,7 @@ impl Run<'_> {
             self.name_folded(),
             self.likely_cause()
         );
-        Err(Halt { code: "R208", reason })
+        Halt { code: "R208", reason }
     }
 
     /// Whether the elements let the step come to an end.

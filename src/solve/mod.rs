@@ -97,6 +97,9 @@ pub fn run_with(
             break;
         }
     }
+    if run.outcome.halt.is_none() {
+        run.outcome.halt = run.judge_end().err();
+    }
     plan.routines.memory.iter().for_each(|memory| memory.end());
     run.warn_of_energy();
     run.tell_unfinished();

@@ -1,4 +1,4 @@
-//! What a run tells of itself: energies beyond sound bounds, kinetic energy below zero, a pattern that grows, increments that
+//! What a run tells of itself: energies beyond sound bounds or below zero, a pattern that grows, increments that
 //! crawl; since when, where, and what helps.
 //! Never here: what halts a run (`guard.rs`), how energies are booked.
 
@@ -15,11 +15,26 @@ pub(super) const SMALL: f64 = 0.01;
 /// is the rule of practice: above it hourglass control has its share in the answer.
 const SOUND: [f64; 2] = [0.01, 0.05];
 
-/// Kinetic energy so far below zero, over the largest energy, is told ...
+/// Kinetic or internal energy so far below zero, over the largest energy, is told ...
 const BELOW_ZERO: f64 = 0.01;
 
 /// ... once so many increments have found it: what is let go all at once brings it for a few.
 const SEEN: u64 = 10;
+
+/// What is said of kinetic and of internal energy below zero.
+const SIGNS: [[&str; 2]; 2] = [
+    [
+        "ALLKE",
+        "nodes turn around within an increment, which is near or beyond the stable one; SCALE FACTOR=0.5 on *DYNAMIC shows \
+         what that does",
+    ],
+    [
+        "ALLIE",
+        "elements have given more than they were given, which none of their laws has in store. Rates of stress do so on large \
+         closed paths of strain, where *HYPERELASTIC does not; SCALE FACTOR=0.5 on *DYNAMIC or a finer mesh shows whether \
+         it is something else",
+    ],
+];
 
 /// Increments to go above which a step crawls: hours on any machine for what has more than a few elements.
 const CRAWL: f64 = 1e8;
@@ -42,8 +57,10 @@ pub(super) struct Watch {
     unsound: [Option<f64>; 2],
     /// Increments in a row, up to this one, that found a drift which halts.
     pub(super) adrift: u64,
-    /// Increments that found kinetic energy below zero, up to that which told it.
-    below_zero: u64,
+    /// All of them.
+    pub(super) beyond: u64,
+    /// Increments that found kinetic and internal energy below zero, up to that which told it.
+    below_zero: [u64; 2],
     /// Whether a pattern and crawling have been told.
     trembles: bool,
     crawls: bool,
@@ -71,7 +88,8 @@ impl Watch {
                 *since = unsound.then_some(now.total_time);
             }
         }
-        let below = balance.kinetic_of_solid() < -BELOW_ZERO * balance.largest();
+        let lowest = balance.kinetic_of_solid().min(balance.internal_of_solid());
+        let below = lowest < -BELOW_ZERO * balance.largest();
         !unsound[0] && !below && now.increment < self.next_look
     }
 }
@@ -79,7 +97,7 @@ impl Watch {
 impl Run<'_> {
     /// What calls for a closer look.
     pub(super) fn watch(&mut self) {
-        self.watch_kinetic();
+        self.watch_sign();
         if self.now.increment >= self.watch.next_look {
             self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern();
@@ -87,25 +105,30 @@ impl Run<'_> {
         }
     }
 
-    /// Kinetic energy below zero, as central differences have it where velocities change sign from one half step to the next.
-    fn watch_kinetic(&mut self) {
-        let (energy, largest) = (self.balance.kinetic_of_solid(), self.balance.largest());
-        if energy >= -BELOW_ZERO * largest || self.watch.below_zero > SEEN {
-            return;
+    /// Kinetic energy below zero, as central differences have it where velocities change sign from one half step to the next;
+    /// internal energy below zero, where no element has any to give.
+    fn watch_sign(&mut self) {
+        let largest = self.balance.largest();
+        let energies = [self.balance.kinetic_of_solid(), self.balance.internal_of_solid()];
+        for (which, energy) in energies.into_iter().enumerate() {
+            let told = self.watch.below_zero[which] > SEEN;
+            if told || energy >= -BELOW_ZERO * largest || (which == 1 && self.plan.stores_energy) {
+                continue;
+            }
+            self.watch.below_zero[which] += 1;
+            if self.watch.below_zero[which] < SEEN || self.is_noise() {
+                continue;
+            }
+            self.watch.below_zero[which] = SEEN + 1;
+            let [name, why] = SIGNS[which];
+            self.outcome.warnings.push(format!(
+                "{name} is {energy:.3e}, below zero by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
+                -100.0 * energy / largest,
+                self.now.increment,
+                self.now.total_time,
+                self.name_folded()
+            ));
         }
-        self.watch.below_zero += 1;
-        if self.watch.below_zero < SEEN || self.is_noise() {
-            return;
-        }
-        self.watch.below_zero = SEEN + 1;
-        self.outcome.warnings.push(format!(
-            "ALLKE is {energy:.3e}, below zero by {:.1} % of the largest energy, at increment {}, time {:e}: nodes turn around \
-             within an increment, which is near or beyond the stable one; SCALE FACTOR=0.5 on *DYNAMIC shows what that does{}",
-            -100.0 * energy / largest,
-            self.now.increment,
-            self.now.total_time,
-            self.name_folded()
-        ));
     }
 
     /// Hourglass patterns that grow.
@@ -256,8 +279,8 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 
 impl Persist for Watch {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Watch { unsound, adrift, below_zero, trembles, crawls, slow, pattern, next_look, shown: _ } = self;
-        persist_fields!(archive; unsound, adrift, below_zero, trembles, crawls, slow, pattern, next_look);
+        let Watch { unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look, shown: _ } = self;
+        persist_fields!(archive; unsound, adrift, beyond, below_zero, trembles, crawls, slow, pattern, next_look);
     }
 }
 

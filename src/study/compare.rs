@@ -14,6 +14,8 @@ pub struct Reference {
     pub columns: Vec<String>,
     /// Value of the parameter and of each column.
     pub rows: Vec<(f64, Vec<f64>)>,
+    /// Whether the last line has no end: a file that was cut off looks like that, and its last number may be another.
+    pub is_open: bool,
 }
 
 impl Reference {
@@ -35,8 +37,13 @@ impl Reference {
             return Err("line 1: a parameter column and at least one reference column are needed".into());
         }
         let rows = lines.map(|(i, line)| row(line, columns.len()).map_err(|e| format!("line {}: {e}", i + 1)));
-        let rows = rows.collect::<Result<_, _>>()?;
-        Ok(Reference { columns, rows })
+        let rows: Vec<(f64, Vec<f64>)> = rows.collect::<Result<_, String>>()?;
+        let mut known: Vec<f64> = rows.iter().map(|row| row.0).collect();
+        known.sort_by(f64::total_cmp);
+        if let Some(twice) = known.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(format!("two rows have {} in the first column", twice[0]));
+        }
+        Ok(Reference { columns, rows, is_open: !text.ends_with('\n') })
     }
 
     /// The row whose parameter has this value, within 1e-9 relative.
@@ -49,7 +56,8 @@ impl Reference {
 fn row(line: &str, columns: usize) -> Result<(f64, Vec<f64>), String> {
     let parse = |field: &str| {
         let field = field.trim();
-        field.parse::<f64>().map_err(|_| format!("`{field}` is not a number"))
+        let number = field.parse::<f64>().ok().filter(|number| number.is_finite());
+        number.ok_or_else(|| format!("`{field}` is not a number"))
     };
     let values = line.split(',').map(parse).collect::<Result<Vec<_>, _>>()?;
     match values.split_first() {
@@ -73,7 +81,8 @@ mod tests {
         let reference = Reference::parse("v,depth\n569,58\n\n570,55\n").expect("a table");
         assert_eq!(reference.at(569.0), Some(&[58.0][..]));
         assert_eq!(reference.at(571.0), None);
-        for wrong in ["", "v", "v,d\n1", "v,d\n1,x", "v,d\n1,2,3"] {
+        assert!(!reference.is_open && Reference::parse("v,depth\n569,5").expect("a table").is_open);
+        for wrong in ["", "v", "v,d\n1", "v,d\n1,x", "v,d\n1,2,3", "v,d\n1,nan", "v,d\n1,2\n1,3"] {
             assert!(Reference::parse(wrong).is_err(), "{wrong:?}");
         }
         assert_eq!(rms(&[3.0, 4.0]), Some(12.5_f64.sqrt()));

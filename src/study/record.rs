@@ -101,6 +101,9 @@ pub struct RunRecord<'a> {
     pub seconds: Option<Spread>,
     /// Seconds in the time loop.
     pub loop_seconds: Option<Spread>,
+    /// What the run warns of.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    pub warnings: &'a [String],
 }
 
 /// The record of a study.
@@ -142,6 +145,7 @@ fn run<'a>(study: &'a Study, row: &'a Row) -> RunRecord<'a> {
         element_cycles: ran.map(|r| r.element_cycles()),
         seconds: ran.map(|r| r.seconds),
         loop_seconds: ran.map(|r| r.loop_seconds),
+        warnings: ran.map_or(&[], |r| &r.warnings),
     }
 }
 
@@ -192,14 +196,15 @@ fn cells(study: &Study, row: &Row, on_front: bool, all_digits: bool) -> Vec<Stri
 }
 
 fn note(row: &Row, on_front: bool) -> String {
-    if row.run.is_err() {
-        return "no result".into();
-    }
+    let Ok(run) = &row.run else { return "no result".into() };
     let mut words: Vec<&str> =
         row.estimates.iter().flatten().map(|e| e.behaviour.word()).filter(|w| !w.is_empty()).collect();
     words.dedup();
     if on_front {
         words.insert(0, "front");
+    }
+    if !run.warnings.is_empty() {
+        words.push("warned");
     }
     words.join(", ")
 }

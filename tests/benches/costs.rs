@@ -1,6 +1,6 @@
 //! What things cost: times as ratios to plain loops in the same run. Nothing is asserted of a time: machines differ.
 //!
-//! `cargo bench` runs all, `cargo bench NAME` those whose name contains it.
+//! `cargo bench` runs all, `cargo bench NAME` those whose name contains it. Beside costs: what random scenes come to.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -11,6 +11,7 @@ mod increment_cost;
 mod law_cost;
 mod overhead;
 mod plain_solid;
+mod scenes;
 mod solid_cost;
 mod user_cost;
 
@@ -23,11 +24,13 @@ const BENCHES: &[(&str, fn())] = &[
     ("law_cost", law_cost::run),
     ("contact_cost", contact_cost::run),
     ("overhead", overhead::run),
+    ("scenes", scenes::run),
 ];
 
 fn main() {
-    // What begins with a dash is cargo's.
-    let names: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    // What begins with a dash is cargo's, numbers are for those who ask for them.
+    let is_name = |a: &String| !a.starts_with('-') && a.parse::<u64>().is_err();
+    let names: Vec<String> = std::env::args().skip(1).filter(is_name).collect();
     for (name, run) in BENCHES.iter().filter(|b| names.is_empty() || names.iter().any(|n| b.0.contains(n.as_str()))) {
         println!("{name}");
         run();

@@ -4,6 +4,7 @@
 pub mod bodies;
 pub mod mesh;
 pub mod routines;
+pub mod scenes;
 pub mod solid;
 pub mod spheres;
 

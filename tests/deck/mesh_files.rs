@@ -152,6 +152,7 @@ fn files_of_meshers_are_read() {
     refused("a.msh", &GMSH2.replace("2.2 0", "2.2 1"), "binary");
     refused("b.msh", &GMSH2.replace("2.2 0", "3.0 0"), "version is 3.0");
     refused("c.msh", &GMSH2.replace("$EndElements", ""), "no end");
+    refused("n.msh", "$\r\u{fffd}M\n3 1\n$End\u{fffd}M\n", "no name");
     refused("d.msh", &GMSH2.replace("8 1 1 2 3 4", "8 1 1 2 3 9"), "refers to a node that is not there");
     refused("e.inp", &INP.replace("CPS4", "C3D4"), "not of the r-z plane");
     refused("f.inp", &INP.replace("1, 1, 4", "1, x, 4"), "not a whole number");

@@ -16,6 +16,8 @@ cases! { "Guard rails":
         "*ENERGY LIMIT, ERROR, ACTION=HALT: halted (R208) with increment and time";
     energy_of_nothing_halts_every_run, "an increment 1.8 times the stable one in a deck without a word on energies; a body that turns around within increments",
         "halted (R208) with element, since when, cause and card, ALLKE below zero told before; *ENERGY LIMIT, ERROR=10 lets it go on, with a drift above 20 %";
+    a_closed_path_that_gives_energy, "an elastic element led around a large closed path again and again: rates of stress that have no potential give energy out of nothing, and ETOTAL closes all the same",
+        "ALLIE below zero is told once while the run goes on, with increment and time; the other way around, where the path takes energy, nothing is";
     an_increment_that_crawls, "an increment that leaves 1e9 to go: nothing is told for days",
         "told once while the run goes on, with the increments to go; the same block at its stable increment is silent";
     a_pattern_that_grows, "kinetic energy that goes into the hourglass pattern",
@@ -110,6 +112,35 @@ fn energy_of_nothing_halts_every_run() -> Verdict {
     let negative = scene.outcome.warnings.iter().any(|w| w.starts_with("ALLKE is -"));
     let goes_on = told.outcome.increments > scene.outcome.increments && told.outcome.energy.drift > 0.2;
     Verdict { figure: code.into(), holds: code == "R208" && located && negative && goes_on && halt(&told).0 != "R208" }
+}
+
+/// An element far from the axis whose upper edge is led around a square, so many times, first along z or first along r.
+fn around(turns: usize, first_up: bool) -> Scene {
+    let mut texts = [String::from(" 0., 1.\n"), String::from(" 0., 0.\n")];
+    for leg in 0..4 * turns {
+        let (end, next) = (10.0 * (leg + 1) as f64, (leg + 1) % 4);
+        for (text, values) in texts.iter_mut().zip([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, -1.0]]) {
+            *text += &format!(" {}, {}\n {}, {}\n", end - 0.5, values[leg % 4], end + 0.5, values[next]);
+        }
+    }
+    let [up, side] = if first_up { [2, 1] } else { [1, 2] };
+    let deck = grid(1, 1, false, |i, j| [1000.0 + i as f64, j as f64])
+        + &material(100.0, 0.3, 1.0, "")
+        + &format!("*Amplitude, name=FIRST\n{}*Amplitude, name=SECOND\n{}", texts[0], texts[1])
+        + &format!("*Step\n*Dynamic, Explicit\n , {}\n*Bulk Viscosity\n 0., 0.\n*Boundary\n J0, 1, 2\n", 40 * turns)
+        + &format!("*Boundary, type=VELOCITY, amplitude=FIRST\n J1, {up}, {up}, 0.06\n")
+        + &format!("*Boundary, type=VELOCITY, amplitude=SECOND\n J1, {side}, {side}, 0.06\n")
+        + END;
+    text(&deck, &Routines::none())
+}
+
+fn a_closed_path_that_gives_energy() -> Verdict {
+    let scenes = [around(5, true), around(5, false)];
+    let told = scenes.each_ref().map(|scene| {
+        println!("{:?} {:?}", scene.outcome.energy, scene.outcome.warnings);
+        scene.outcome.warnings.iter().filter(|w| w.starts_with("ALLIE is -") && says(w, &["increment", "time"])).count()
+    });
+    Verdict { figure: format!("{} and {} times", told[0], told[1]), holds: told.iter().sum::<usize>() == 1 }
 }
 
 /// Ends a run after some thousand increments.

@@ -15,6 +15,7 @@ mod loads;
 mod meshes;
 mod numbers;
 mod page;
+mod random;
 mod scene;
 mod shocks;
 
@@ -73,6 +74,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
         loads::CASES,
         numbers::CASES,
         guards::CASES,
+        random::CASES,
     ]
     .into_iter()
     .flatten()

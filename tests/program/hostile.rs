@@ -105,6 +105,52 @@ fn a_second_job_in_a_folder_is_refused_by_name_and_process() {
 }
 
 #[test]
+fn sweeps_and_studies_have_their_folder_alone_too() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    ogive(scratch.path());
+    let lock = Lock::take(scratch.path(), "first").expect("a lock");
+    let commands: [&[&str]; 2] = [
+        &["sweep", "ogive.inp", "--set", "V=500", "--quantity", "final(U2@REF)", "--out", "."],
+        &["study", "ogive.inp", "--refine", "increment=1,0.5", "--quantity", "final(U2@REF)", "--out", "."],
+    ];
+    for words in commands {
+        let refused = output(scratch.path(), words);
+        let holder = format!("K007]: job `first` of process {}", std::process::id());
+        assert!(refused.status.code() == Some(2) && told(&refused).contains(&holder), "{}", told(&refused));
+    }
+    assert_eq!(fs::read_dir(scratch.path()).expect("a folder").count(), 2, "the deck and the lock");
+    drop(lock);
+    for words in commands {
+        let done = output(scratch.path(), words);
+        assert!(done.status.success(), "{}", told(&done));
+        assert!(!scratch.path().join(".revolve-lock").exists());
+    }
+}
+
+/// What a run would warn of, a sweep and a study of it say.
+#[test]
+fn sweeps_and_studies_say_what_their_runs_warn_of() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let deck = common::solid::grid(1, 2, false, |i, j| [i as f64, j as f64])
+        + &common::solid::material(100.0, 0.3, 1.0, "")
+        + "*Nset, nset=TIP\n 6,\n*Parameter\n f = 1.\n*Step\n*Dynamic, Explicit\n , 2.\n*Boundary\n J0, 2, 2\n I0, 1, 1\n*Cload\n 6, 2, <f>\n\
+           *Output, history, frequency=1\n*Node Output, nset=TIP\n U2\n*End Step\n";
+    fs::write(scratch.path().join("block.inp"), deck).expect("a deck");
+    let quantity = "final(U2@TIP)";
+    let commands: [&[&str]; 2] = [
+        &["sweep", "block.inp", "--set", "f=1,2", "--quantity", quantity, "--out", "out"],
+        &["study", "block.inp", "--refine", "increment=1,0.5", "--repeat", "1", "--quantity", quantity, "--out", "out"],
+    ];
+    for words in commands {
+        let done = output(scratch.path(), words);
+        assert!(done.status.success(), "{}", told(&done));
+        assert!(told(&done).contains("runs warn; the first, ") && told(&done).contains("ALLAE"), "{}", told(&done));
+    }
+    let record = fs::read_to_string(scratch.path().join("out/block_study.json")).expect("a record");
+    assert!(record.contains("\"warnings\""), "{record}");
+}
+
+#[test]
 fn a_signal_that_comes_twice_is_one() {
     let scratch = tempfile::tempdir().expect("a folder");
     fs::copy(project("input/taylor_copper.inp"), scratch.path().join("bar.inp")).expect("a deck");

@@ -1,0 +1,50 @@
+//! What several targets share: a folder in memory, a run of one increment.
+#![allow(dead_code)] // Each target uses a part.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicUsize;
+
+use revolve::job::Prepared;
+use revolve::output::Frame;
+use revolve::solve::{self, Control, Every, Sink, SinkError};
+
+/// A folder of this process where files cost no disk.
+pub fn folder() -> PathBuf {
+    let memory = PathBuf::from("/dev/shm");
+    let parent = if memory.is_dir() { memory } else { std::env::temp_dir() };
+    let folder = parent.join(format!("revolve-fuzz-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Keeps the first state.
+#[derive(Default)]
+pub struct First(pub Vec<u8>);
+
+impl Sink for First {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+    fn frame(&mut self, _: &Frame) -> Result<(), SinkError> {
+        Ok(())
+    }
+    fn row(&mut self, _: f64, _: &[f64]) -> Result<(), SinkError> {
+        Ok(())
+    }
+    fn keeps(&self) -> bool {
+        self.0.is_empty()
+    }
+    fn keep(&mut self, state: &[u8], _: &solve::Instant) -> Result<(), SinkError> {
+        self.0 = state.to_vec();
+        Ok(())
+    }
+}
+
+/// Ends a run behind its first increment; whether the state fits, and the state then.
+pub fn one_increment(prepared: &Prepared, state: Option<&[u8]>) -> (bool, Vec<u8>) {
+    let mut first = First::default();
+    let signal = AtomicUsize::new(15);
+    let control = Control { every: Some(Every::Increments(1)), interrupt: Some(&signal), state };
+    let fits = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control).is_ok();
+    (fits, first.0)
+}

@@ -1,0 +1,295 @@
+//! Faults on purpose: commands against what befalls them from outside. `faults.rs` has what befalls `run` and `--resume` by kills,
+//! signals and full disks; here are the others, and files that are torn or changed before they are read back.
+//!
+//! Goal: the right answer or a message that names the file; never a panic, a hang, or another number without a word. Source: the
+//! same command undisturbed. Tolerance: none. Moments and places are random with a seed.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use revolve::report;
+
+use crate::common::bodies::between;
+use crate::common::project;
+
+/// What runs: commands that read a deck and write into the folder `out`, and those that read what is there.
+const COMMANDS: [&str; 5] = ["run", "sweep", "study", "report", "chart"];
+
+fn words(command: &str) -> Vec<&str> {
+    let depth = "-1000*final(U2@REF)";
+    match command {
+        "run" => vec!["run", "ogive.inp", "--out", "out", "--quiet"],
+        "sweep" => vec!["sweep", "ogive.inp", "--set", "V=500,600", "--quantity", depth, "--out", "out"],
+        "study" => {
+            vec![
+                "study",
+                "ogive.inp",
+                "--refine",
+                "increment=1,0.5",
+                "--repeat",
+                "1",
+                "--quantity",
+                depth,
+                "--out",
+                "out",
+            ]
+        }
+        "report" => vec!["report", "out"],
+        _ => vec!["chart", "out", "--field", "PRESSURE", "--out", "out/chart.svg"],
+    }
+}
+
+/// A command under a limit of the shell's `ulimit`, ended if it hangs.
+fn limited(folder: &Path, limit: &str, command: &str) -> Command {
+    let mut shell = Command::new("sh");
+    let line = format!("ulimit {limit}; exec timeout -k 5 100 \"$0\" \"$@\"");
+    shell.args(["-c", &line, env!("CARGO_BIN_EXE_revolve")]).args(words(command));
+    shell.current_dir(folder).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    shell
+}
+
+fn ran(folder: &Path, limit: &str, command: &str) -> Output {
+    limited(folder, limit, command).output().expect("the program runs")
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A folder with a deck, and what each command has left of it where nothing befell it.
+fn scene() -> (tempfile::TempDir, BTreeMap<String, Vec<u8>>) {
+    let scratch = tempfile::tempdir().expect("a folder");
+    fs::copy(project("input/ogive.inp"), scratch.path().join("ogive.inp")).expect("a deck");
+    for command in COMMANDS {
+        let output = ran(scratch.path(), "-c 0", command);
+        assert!(output.status.success(), "{command}: {}", told(&output));
+    }
+    let results = results(&scratch.path().join("out"));
+    assert!(results.len() > 25, "{:?}", results.keys());
+    (scratch, results)
+}
+
+/// Files of a folder whose bytes are the same in every run: what tells times is left out.
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let timed = |name: &str| ["ogive.json", "ogive.sfv", "report.html"].contains(&name) || name.contains("_study");
+    let entries = fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path());
+    let name = |path: &PathBuf| path.file_name().and_then(|n| n.to_str()).expect("a name").to_owned();
+    entries.filter(|p| !timed(&name(p))).map(|p| (name(&p), fs::read(&p).expect("a file"))).collect()
+}
+
+/// Whatever befell it: no panic, no hang; nothing half written; and the same command comes to the same files.
+fn check(folder: &Path, what: &str, command: &str, whole: &BTreeMap<String, Vec<u8>>) {
+    for entry in fs::read_dir(folder.join("out")).into_iter().flatten().flatten() {
+        let (name, bytes) = (entry.file_name().into_string().expect("a name"), fs::read(entry.path()).expect("a file"));
+        let complete = match name.rsplit_once('.').map(|n| n.1) {
+            _ if name.starts_with(".revolve-") => true,
+            Some("vtu" | "pvd") => bytes.ends_with(b"</VTKFile>\n"),
+            Some("json") => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
+            Some("html") => bytes.trim_ascii_end().ends_with(b"</html>"),
+            Some("svg") => bytes.trim_ascii_end().ends_with(b"</svg>"),
+            Some("png") => bytes.ends_with(b"IEND\xaeB`\x82"),
+            _ => bytes.ends_with(b"\n"),
+        };
+        assert!(complete, "{what}, {command}: {name} is torn");
+    }
+    let again = ran(folder, "-c 0", command);
+    assert!(again.status.success(), "{what}, {command}: {}", told(&again));
+    let now = results(&folder.join("out"));
+    let own = |name: &str| match command {
+        "run" => !name.contains("_sweep") && !name.starts_with("chart"),
+        "sweep" => name.contains("_sweep"),
+        "chart" => name == "chart.svg",
+        _ => false,
+    };
+    for (name, bytes) in whole.iter().filter(|(name, _)| own(name)) {
+        assert!(now.get(name) == Some(bytes), "{what}, {command}: {name} is another");
+    }
+}
+
+fn sound(output: &Output, what: &str, command: &str) {
+    let words = told(output);
+    assert!(!words.contains("panicked"), "{what}, {command}: {words}");
+    assert!(output.status.code() != Some(124), "{what}, {command} hangs");
+    assert!(output.status.success() || !words.is_empty(), "{what}, {command}: {:?} without a word", output.status);
+}
+
+#[test]
+fn kills_leave_whole_files_and_no_lock() {
+    let (scratch, whole) = scene();
+    let mut dice = between(20_261);
+    for command in COMMANDS {
+        let begin = Instant::now();
+        ran(scratch.path(), "-c 0", command);
+        let seconds = begin.elapsed().as_secs_f64();
+        for _ in 0..4 {
+            let mut child = Command::new(env!("CARGO_BIN_EXE_revolve"))
+                .args(words(command))
+                .current_dir(scratch.path())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .expect("the program runs");
+            std::thread::sleep(Duration::from_secs_f64(dice(0.0, seconds)));
+            child.kill().expect("killed");
+            child.wait().expect("a status");
+        }
+        check(scratch.path(), "killed", command, &whole);
+    }
+}
+
+#[test]
+fn full_disks_are_told() {
+    let (scratch, whole) = scene();
+    let mut refused = 0;
+    for command in COMMANDS {
+        for blocks in [0, 1, 8, 40] {
+            let output = ran(scratch.path(), &format!("-f {blocks}"), command);
+            sound(&output, &format!("{blocks} blocks"), command);
+            refused += usize::from(!output.status.success());
+        }
+        check(scratch.path(), "full disk", command, &whole);
+    }
+    assert!(refused > 8, "{refused} commands felt a limit");
+}
+
+#[test]
+fn too_little_memory_is_told_or_ends_the_program() {
+    let (scratch, whole) = scene();
+    let mut ended = 0;
+    for command in COMMANDS {
+        // Below that not even the program itself is loaded.
+        for kilobytes in [45_000, 60_000, 75_000, 90_000, 120_000, 200_000] {
+            let output = ran(scratch.path(), &format!("-v {kilobytes}"), command);
+            sound(&output, &format!("{kilobytes} kB"), command);
+            ended += usize::from(!output.status.success());
+        }
+        check(scratch.path(), "little memory", command, &whole);
+    }
+    assert!(ended > 4, "{ended} commands felt a limit");
+}
+
+/// Nothing goes by the times of files.
+#[test]
+fn clocks_that_jump_change_nothing() {
+    let (scratch, whole) = scene();
+    for date in ["1970-01-02", "2106-02-07"] {
+        for entry in fs::read_dir(scratch.path().join("out")).expect("a folder").flatten() {
+            Command::new("touch").args(["-d", date]).arg(entry.path()).status().expect("touch runs");
+        }
+        Command::new("touch").args(["-d", date]).arg(scratch.path().join("ogive.inp")).status().expect("touch runs");
+        for command in COMMANDS {
+            check(scratch.path(), date, command, &whole);
+        }
+    }
+}
+
+/// What `report` and `chart` make of a folder: the same as of the whole one, or an error that names a file.
+fn read_back(folder: &Path, changed: &str, whole: &[String; 2]) -> bool {
+    let page = report::gather(folder).map(|page| serde_json::to_string(&page).expect("a page"));
+    let picture = report::picture::meridian(folder, None, "PRESSURE");
+    let mut refused = false;
+    for (answer, whole) in [page.map_err(|e| e.to_string()), picture.map_err(|e| e.to_string())].into_iter().zip(whole)
+    {
+        match answer {
+            // What a damaged list no longer names is said to be unproven.
+            Ok(answer) => {
+                assert!(answer == *whole || answer.contains("checksums"), "{changed}: another answer without a word");
+            }
+            Err(why) => {
+                assert!(why.contains("ogive") || why.contains("page"), "{changed}: {why}");
+                refused = true;
+            }
+        }
+    }
+    refused
+}
+
+#[test]
+fn torn_and_changed_results_are_told() {
+    let (scratch, _) = scene();
+    let out = scratch.path().join("out");
+    fs::remove_file(out.join("report.html")).expect("removed");
+    let whole = [
+        serde_json::to_string(&report::gather(&out).expect("a page")).expect("JSON"),
+        report::picture::meridian(&out, None, "PRESSURE").expect("a picture"),
+    ];
+    let mut dice = between(4711);
+    let (mut cases, mut refused) = (0, 0);
+    for name in [
+        "ogive.json",
+        "ogive.pvd",
+        "ogive_history.csv",
+        "ogive_0000.vtu",
+        "ogive_0020.vtu",
+        "ogive_sweep.csv",
+        "ogive_study.json",
+        "ogive.sfv",
+        "ogive_sweep.sfv",
+    ] {
+        let path = out.join(name);
+        let bytes = fs::read(&path).expect("a file");
+        for i in 0..30 {
+            let at = dice(0.0, bytes.len() as f64) as usize;
+            let mut other = bytes.clone();
+            if i % 2 == 0 {
+                other.truncate(at);
+            } else {
+                other[at] ^= 1 << (dice(0.0, 8.0) as u32);
+            }
+            fs::write(&path, &other).expect("a file");
+            cases += 1;
+            refused += usize::from(read_back(&out, &format!("{name}, {at}"), &whole));
+        }
+        fs::write(&path, &bytes).expect("a file");
+    }
+    println!("{cases} files torn or with a bit turned, {refused} refused, the others read to the same answer");
+    assert!(refused > cases / 2, "{refused} of {cases}");
+    // Without the lists nobody can tell, and that is said; nothing panics.
+    fs::remove_file(out.join("ogive.sfv")).expect("removed");
+    let page = report::gather(&out).expect("a page");
+    assert!(page.runs[0].notes.iter().any(|note| note.contains("checksums")), "{:?}", page.runs[0].notes);
+    for name in ["ogive.json", "ogive.pvd", "ogive_history.csv", "ogive_0000.vtu", "ogive_0020.vtu"] {
+        let path = out.join(name);
+        let bytes = fs::read(&path).expect("a file");
+        for _ in 0..60 {
+            let mut other = bytes.clone();
+            let at = dice(0.0, other.len() as f64) as usize;
+            other[at] ^= 1 << (dice(0.0, 8.0) as u32);
+            fs::write(&path, &other).expect("a file");
+            let _ = report::gather(&out).map(|page| report::html(&page));
+            let _ = report::picture::meridian(&out, None, "PRESSURE");
+        }
+        fs::write(&path, &bytes).expect("a file");
+    }
+}
+
+/// A list that leads out of its folder.
+#[test]
+fn frames_are_files_of_the_folder() {
+    let (scratch, _) = scene();
+    let list = scratch.path().join("out/ogive.pvd");
+    fs::remove_file(scratch.path().join("out/ogive.sfv")).expect("removed");
+    let text = fs::read_to_string(&list).expect("a list");
+    fs::write(&list, text.replace("ogive_0000", "../out/ogive_0000")).expect("a list");
+    let why = report::gather(&scratch.path().join("out")).expect_err("refused").to_string();
+    assert!(why.contains("ogive.pvd") && why.contains("no frame of this folder"), "{why}");
+}
+
+#[test]
+fn a_torn_reference_is_told() {
+    let (scratch, _) = scene();
+    let path = scratch.path().join("known.csv");
+    let text = "V,depth\n500,41.25\n600,58.75\n";
+    for end in 0..text.len() {
+        fs::write(&path, &text[..end]).expect("a table");
+        let mut command = limited(scratch.path(), "-c 0", "sweep");
+        let output = command.args(["--compare", "known.csv"]).output().expect("the program runs");
+        sound(&output, "a torn table", "sweep");
+        // Whole rows are true; what ends within one is refused or told.
+        let rows = text[..end].ends_with('\n') && text[..end].lines().count() > 1;
+        assert!(rows || told(&output).contains("known.csv"), "{end}: {}", told(&output));
+    }
+}
