@@ -88,6 +88,7 @@ impl Prepared {
             parameters: parameters.collect::<Vec<_>>().join(", "),
             mesh: hash([&points[..], &corners[..]]),
             user: user.into(),
+            precision: self.plan.precision.name().into(),
         }
     }
 }

@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use revolve::deck::{Diagnostic, Diagnostics, Sources, printable};
+use revolve::deck::{self, Diagnostic, Diagnostics, Sources, printable};
 use revolve::job::Instructions;
 use revolve::job::{self, Options, Prepared, Refusal, Summary};
+use revolve::model::Precision;
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
 use revolve::solve::Every;
@@ -47,6 +48,10 @@ pub struct Run {
     /// bits on all.
     #[arg(long, value_name = "SET")]
     instructions: Option<Instructions>,
+    /// Precision of solid elements: double or single, which is faster and has half the digits; nodes, sums and energies are in
+    /// double precision.
+    #[arg(long, value_name = "DIGITS", default_value = "double")]
+    precision: Precision,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -73,7 +78,8 @@ impl Run {
         let pool = pool.num_threads(self.threads.map_or(0, Into::into));
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let Some((routines, user)) = self.user.opened(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
-        let mut prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
+        let read = deck::read(&self.deck, &pairs(&self.set)?);
+        let mut prepared = job::prepare_edited(read, &mut |model| model.precision = self.precision, &routines);
         if !accepted(&prepared, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
         }

@@ -19,6 +19,7 @@ use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::strain_energy::{Compression, Ogden, Polynomial};
 use crate::material::volumetric::{Linear, Volumetric};
+use crate::mesh::corner_forces::Slots;
 use crate::state::Instant;
 use crate::state::nodes::{Accelerated, Node};
 use crate::user::AtPoints;
@@ -81,7 +82,7 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch, enh
             now: &Instant::default(),
             threads: false,
             user: AtPoints::default(),
-            corners: &mut corners,
+            corners: Slots::Double(&mut corners),
             lacking: None,
         });
         plastic += totals.plastic;

@@ -46,6 +46,11 @@ pub const CODES: &[Code] = &[
         text: "A job has the name of its deck without the ending, and its files begin with it. A deck called `...inp` would name them `..`, which is the folder above.",
     },
     Code {
+        code: "K009",
+        title: "checkpoint of another precision",
+        text: "The run went in double precision and is to go on in single, or the other way round. Give the `--precision` that it had.",
+    },
+    Code {
         code: "K101",
         title: "no checkpoint",
         text: "`--resume` found no `<job>.checkpoint` in the folder of the results, and the run starts at its beginning. A checkpoint is written if the deck has *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run; it is removed when the run is complete.",

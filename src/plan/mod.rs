@@ -27,6 +27,7 @@ mod outputs;
 mod overlaps;
 mod penalty;
 mod pieces;
+mod precision;
 mod shells;
 mod soft_material;
 mod solid;
@@ -51,7 +52,7 @@ use crate::element::mass_scaling::Scaling;
 use crate::heat::Thermal;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
-use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model, SurfaceContact};
+use crate::model::{EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model, Precision, SurfaceContact};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
@@ -88,6 +89,8 @@ pub struct Plan {
     pub routines: Routines,
     /// Rows of the ledger that belong to the integrator.
     pub rows: Rows,
+    /// Precision that was asked for.
+    pub precision: Precision,
 }
 
 /// Rows of the ledger for what no card asks for by name.
@@ -234,6 +237,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.tell_overlaps();
     compiler.list_inert();
     compiler.doubts(&state);
+    compiler.tell_precision(&state);
     compiler.events_row();
     compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
@@ -244,8 +248,21 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         diagnostics.keep_errors();
     }
     let (mesh, routines) = (model.mesh.clone(), routines.clone());
-    let mut plan =
-        Plan { ledger, mesh, bodies, places, steps, columns, sections, fields, amplitudes, told, routines, rows };
+    let mut plan = Plan {
+        ledger,
+        mesh,
+        bodies,
+        places,
+        steps,
+        columns,
+        sections,
+        fields,
+        amplitudes,
+        told,
+        routines,
+        rows,
+        precision: model.precision,
+    };
     bytes::book(&mut plan, &state);
     (plan, state, diagnostics)
 }
