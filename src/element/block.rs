@@ -62,36 +62,66 @@ pub struct Sums<T = f64> {
     pub limiting: Lanes<T>,
 }
 
-/// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it. Loops over lanes read them with a
-/// stride of four, which compilers turn into a transposition in registers.
+/// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it; in single precision the first, and the
+/// differences of the others from it, formed in double precision: what is common to all corners may be far larger. Loops over
+/// lanes read them with a stride of four, which compilers turn into a transposition in registers.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Nodes(pub [[[f64; 4]; LANES]; 4]);
+pub struct Nodes<T = f64>(pub [[[T; 4]; LANES]; 4]);
 
-impl Nodes {
+impl<T: Real> Nodes<T> {
     /// Copies the corner nodes of a block.
     #[inline(always)]
     pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4]) {
+        if T::SINGLE {
+            for l in 0..LANES {
+                self.put(l, [0, 1, 2, 3].map(|c| nodes[of[c][l] as usize].as_array()));
+            }
+            return;
+        }
         for (to, of) in self.0.iter_mut().zip(of) {
             // Two at once, both read before either is written: one wide store, which the wide loads behind can take up.
             for (to, two) in to.as_chunks_mut::<2>().0.iter_mut().zip(of.as_chunks::<2>().0) {
-                *to = two.map(|node| nodes[node as usize].as_array());
+                *to = two.map(|node| nodes[node as usize].as_array().map(T::of));
             }
         }
+    }
+
+    /// Puts the corners of a lane.
+    #[inline(always)]
+    fn put(&mut self, l: usize, corners: [[f64; 4]; 4]) {
+        let [first, ..] = corners;
+        for (c, (to, corner)) in self.0.iter_mut().zip(corners).enumerate() {
+            let relative = T::SINGLE && c > 0;
+            to[l] = [0, 1, 2, 3].map(|k| T::of(if relative { corner[k] - first[k] } else { corner[k] }));
+        }
+    }
+
+    /// Coordinates and velocities of a lane as [`sums`], coordinates over a length.
+    #[inline(always)]
+    fn sums(&self, l: usize, per_length: T) -> [[T; 4]; 4] {
+        [0, 1, 2, 3].map(|component| {
+            let x = self.of(l, component);
+            if !T::SINGLE {
+                return sums(x);
+            }
+            let [first, b, c, d] = if component < 2 { x.map(|x| x * per_length) } else { x };
+            let (above, right) = (c - d, c - b);
+            [T::of(4.0) * first + ((b + c) + d), b + above, d + right, above - b]
+        })
     }
 
     /// Puts an element that is not there where nothing can go wrong: at rest as a ring of this volume over that of a ring of
     /// height 1 from r = 1 to 2, from r = 1 to 2 in units of `length`.
     pub(super) fn mask(&mut self, l: usize, volume: f64, length: f64) {
         let height = volume / (length * length);
-        for (corner, [r, z]) in self.0.iter_mut().zip([[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]]) {
-            corner[l] = [length * r, z, 0.0, 0.0];
-        }
+        let places = [[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]];
+        self.put(l, places.map(|[r, z]| [length * r, z, 0.0, 0.0]));
     }
 
     /// One component of the four corners of a lane.
     #[inline(always)]
-    pub(super) fn of(&self, l: usize, component: usize) -> [f64; 4] {
+    pub(super) fn of(&self, l: usize, component: usize) -> [T; 4] {
         let Nodes(corners) = self;
         [corners[0][l][component], corners[1][l][component], corners[2][l][component], corners[3][l][component]]
     }
@@ -322,7 +352,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
         &mut self,
         constants: &Constants,
         dt: T,
-        nodes: &Nodes,
+        nodes: &Nodes<T>,
         scratch: &mut Workspace<T>,
     ) {
         scratch.velocity_gradient::<AREA>(dt, nodes);
@@ -340,7 +370,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
             let per = dt * spin.per();
             let (d_rr, d_zz, d_hoop, d_rz) = (per * rr, per * zz, per * around, half * (per * both));
             let carried = turned(column(&self.stress, l), spin.turn());
-            if H::BACKSTRESS || V::TOTAL {
+            if H::BACKSTRESS || V::TOTAL || T::SINGLE {
                 scratch.spin[l] = difference * spin.per();
             }
             let dilation = d_rr + d_zz + d_hoop;
@@ -462,6 +492,8 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
         let stiffness = dt * unit * T::of(constants.hourglass.stiffness) * T::of(constants.shear);
         let viscosity2 = T::of(2.0 * constants.hourglass.viscosity);
         let per_dt = if dt > zero { T::ONE / dt } else { zero };
+        // The unit of forces is that of areas.
+        let against = T::of(-scratch.length * scratch.length);
         let (slow, block) = (T::of(SLOW), scratch.block);
         // Values of their own: a number of the scratch memory read in the loop could be one that the loop writes, and would keep
         // it from becoming one of vectors.
@@ -569,7 +601,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 stressed_z(2) + f_z * shape[2],
             ]);
             for i in 0..4 {
-                let (force_r, force_z) = (-along_r[i], -along_z[i]);
+                let [force_r, force_z] = [along_r[i], along_z[i]].map(|f| if T::SINGLE { against * f } else { -f });
                 corners.0[i][l] = if AREA { [flat * force_r, flat * force_z] } else { [force_r, force_z] };
             }
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
@@ -607,15 +639,11 @@ impl<T: Real> Workspace<T> {
     /// `strain` is rr, zz, hoop and the sum of rz and zr, `spin` half their difference times the increment. The division behind both
     /// ends the loop, so that the lanes behind need not wait for it.
     #[inline(always)]
-    fn velocity_gradient<const AREA: bool>(&mut self, dt: T, nodes: &Nodes) {
+    fn velocity_gradient<const AREA: bool>(&mut self, dt: T, nodes: &Nodes<T>) {
         let half = T::of(0.5) * dt;
         let per_length = T::of(1.0 / self.length);
         for l in 0..LANES {
-            // Differences of coordinates are formed in double precision: only what they have in common may be far larger.
-            let [mut r, mut z, v_r, v_z] = [0, 1, 2, 3].map(|component| sums(nodes.of(l, component)).map(T::of));
-            if T::SINGLE {
-                [r, z] = [r, z].map(|list| list.map(|x| x * per_length));
-            }
+            let [r, z, v_r, v_z] = nodes.sums(l, per_length);
             for i in 0..4 {
                 self.r[i][l] = r[i];
                 self.z[i][l] = z[i];
@@ -734,11 +762,11 @@ impl<T: Real> Workspace<T> {
         index: usize,
         block: &Block<S, Q, X, T>,
         flows: Flows,
-        nodes: &Nodes,
+        spins: &Lanes,
         dt: f64,
     ) {
         let mut record = self.records[index];
-        record.follow(block, flows, nodes, dt, self);
+        record.follow(block, flows, spins, dt, self);
         self.records[index] = record;
     }
 

@@ -15,7 +15,7 @@ use crate::material::volumetric::Volumetric;
 impl<T: Real> Workspace<T> {
     /// In place of an element that is gone puts one at rest, whose answers weigh nothing.
     #[inline(always)]
-    fn mask_lane(&mut self, nodes: &mut Nodes, l: usize, height: f64) {
+    fn mask_lane(&mut self, nodes: &mut Nodes<T>, l: usize, height: f64) {
         nodes.mask(l, height, self.length);
         if let Some(hourglass) = self.hourglass.get_mut(self.at) {
             hourglass.iter_mut().for_each(|h| h[l] = T::ZERO);
@@ -33,7 +33,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
     /// Before an increment: in place of elements that were deleted from outside one of their volume at rest, whose answers weigh
     /// nothing.
     #[inline(never)]
-    pub(super) fn mask_eroded(&mut self, eroded: &Eroded, nodes: &mut Nodes, scratch: &mut Workspace<T>) {
+    pub(super) fn mask_eroded(&mut self, eroded: &Eroded, nodes: &mut Nodes<T>, scratch: &mut Workspace<T>) {
         for l in (0..LANES).filter(|l| eroded.has(*l)) {
             scratch.mask_lane(nodes, l, eroded.height(l));
             self.stress.iter_mut().for_each(|s| s[l] = T::ZERO);
@@ -55,7 +55,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
     pub(super) fn mask_deleted<F: Failure<State = X>>(
         &mut self,
         failure: &F,
-        nodes: &mut Nodes,
+        nodes: &mut Nodes<T>,
         scratch: &mut Workspace<T>,
     ) {
         for l in 0..LANES {

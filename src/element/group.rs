@@ -688,7 +688,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Null
                 widen(&own, &mut list[i]);
             }
             if !scratch.records.is_empty() {
-                scratch.follow(i, block, const { Flows::of::<H, V>() }, &places, pass.behind.dt);
+                let spins = T::spins(&places, scratch, pass.behind.dt);
+                scratch.follow(i, block, const { Flows::of::<H, V>() }, &spins, pass.behind.dt);
             }
         }
     }

@@ -3,7 +3,8 @@
 
 use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
-use crate::kernel::lanes::{Corners, LANES, near, wide};
+use super::record::spins;
+use crate::kernel::lanes::{Corners, LANES, Lanes, near, wide};
 use crate::kernel::quad::UNIT;
 use crate::kernel::real::Real;
 use crate::material::failure::Failure;
@@ -40,13 +41,16 @@ pub trait Numbers: Real + Persist {
     /// The corner forces of a group.
     fn forces(slots: Slots<'_>) -> Forces<'_, Self>;
 
+    /// Spin increments of a block behind its update, as the stress sees them.
+    fn spins(nodes: &Nodes<Self>, scratch: &Workspace<Self>, dt: f64) -> Lanes;
+
     /// One increment of a block.
     fn update<H: Hardening, V: Volumetric, F: Failure, const AREA: bool>(
         block: &mut Lawful<H, V, F, Self>,
         laws: (&H, &V, &F),
         constants: &Constants,
         behind: &Behind<'_>,
-        nodes: &mut Nodes,
+        nodes: &mut Nodes<Self>,
         scratch: &mut Workspace<Self>,
         corners: &mut Corners<Self>,
     );
@@ -62,6 +66,10 @@ impl Numbers for f64 {
             Slots::Double(list) => Forces::Own(list),
             Slots::Single(_) => unreachable!("corner forces are single where all groups are"),
         }
+    }
+
+    fn spins(nodes: &Nodes, _scratch: &Workspace, dt: f64) -> Lanes {
+        spins(nodes, dt)
     }
 
     #[inline(always)]
@@ -93,13 +101,17 @@ impl Numbers for f32 {
         }
     }
 
+    fn spins(_nodes: &Nodes<f32>, scratch: &Workspace<f32>, _dt: f64) -> Lanes {
+        wide(&scratch.spin)
+    }
+
     #[inline(always)]
     fn update<H: Hardening, V: Volumetric, F: Failure, const AREA: bool>(
         block: &mut Lawful<H, V, F, f32>,
         laws: (&H, &V, &F),
         constants: &Constants,
         behind: &Behind<'_>,
-        nodes: &mut Nodes,
+        nodes: &mut Nodes<f32>,
         scratch: &mut Workspace<f32>,
         corners: &mut Corners<f32>,
     ) {
@@ -117,7 +129,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X, f32> {
         (hardening, volumetric, failure): (&H, &V, &F),
         constants: &Constants,
         dt: f64,
-        nodes: &mut Nodes,
+        nodes: &mut Nodes<f32>,
         scratch: &mut Workspace<f32>,
         corners: &mut Corners<f32>,
     ) {
@@ -160,11 +172,6 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X, f32> {
         }
         self.forces::<V, _, AREA>((constants, own_dt), &mut kept, scratch, corners, &mut super::control::Spring);
         scratch.keep(kept);
-        // The unit of forces is that of areas.
-        let area = f32::of(scratch.length * scratch.length);
-        for force in corners.0.as_flattened_mut().as_flattened_mut() {
-            *force *= area;
-        }
         if F::FAILS {
             self.clear_deleted(failure, corners);
         }

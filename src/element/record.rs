@@ -98,21 +98,25 @@ pub(super) fn spin(nodes: &Nodes, lane: usize, dt: f64) -> f64 {
     0.5 * (per * dot(g.z, nodes.of(lane, 2)) - per * dot(g.r, nodes.of(lane, 3)))
 }
 
+/// The same of all lanes.
+pub(super) fn spins(nodes: &Nodes, dt: f64) -> Lanes {
+    std::array::from_fn(|l| spin(nodes, l, dt))
+}
+
 impl Record {
     /// Follows an increment, after the stress of its end is known.
     pub(super) fn follow<S, Q, X, T: Real>(
         &mut self,
         block: &Block<S, Q, X, T>,
         flows: Flows,
-        nodes: &Nodes,
+        spins: &Lanes,
         dt: f64,
         scratch: &Workspace<T>,
     ) {
         let unit = scratch.length * scratch.length * scratch.length;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         for l in 0..LANES {
-            let spin = spin(nodes, l, dt);
-            let turn = |x: &[Lanes; 4]| rotated([0, 1, 2, 3].map(|i| x[i][l]), spin);
+            let turn = |x: &[Lanes; 4]| rotated([0, 1, 2, 3].map(|i| x[i][l]), spins[l]);
             let (strain, mut plastic) = (turn(&self.strain), turn(&self.plastic));
             let [increment, carried, stress, deviator] =
                 [&scratch.strain, &scratch.carried, &block.stress, &scratch.deviator]

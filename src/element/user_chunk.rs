@@ -9,7 +9,7 @@ use crate::element::control::{Seen, Spring};
 use crate::element::enhanced::Routine;
 use crate::element::middle::Middle;
 use crate::element::points::{Points, Tells};
-use crate::element::record::{Flows, Followed, spin};
+use crate::element::record::{Flows, Followed, spin, spins};
 use crate::element::user_flow::{Returning, Under};
 use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes, column, dot};
@@ -248,7 +248,7 @@ impl Chunk {
             }
             if !workspace.records.is_empty() {
                 let flows = if flows { Flows::Deviator } else { Flows::Not };
-                workspace.follow(place.turn, block, flows, &scratch.nodes[s], common.dt);
+                workspace.follow(place.turn, block, flows, &spins(&scratch.nodes[s], common.dt), common.dt);
             }
         }
     }

@@ -16,7 +16,7 @@ pub const UNIT: f64 = PI / 8.0;
 /// direction of the square that the corners are mapped from, along the second, and the hourglass pattern (Flanagan and
 /// Belytschko 1981, eq. 6). Formed from differences, so that what is common to all corners costs no digits of the last three.
 #[inline(always)]
-pub fn sums(x: [f64; 4]) -> [f64; 4] {
+pub fn sums<T: Real>(x: [T; 4]) -> [T; 4] {
     let (below, above) = (x[1] - x[0], x[2] - x[3]);
     let (left, right) = (x[3] - x[0], x[2] - x[1]);
     [(x[0] + x[1]) + (x[2] + x[3]), below + above, left + right, above - below]
