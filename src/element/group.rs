@@ -754,6 +754,7 @@ mod tests {
     use crate::material::failure::NoDamage;
     use crate::material::plasticity::Lines;
     use crate::material::volumetric::Linear;
+    use crate::mesh::corner_forces::Slots;
     use crate::state::Instant;
     use crate::state::nodes::Node;
     use crate::user::AtPoints;

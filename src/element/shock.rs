@@ -44,11 +44,11 @@ mod tests {
 
     #[test]
     fn a_shock_counts_and_a_converging_ring_does_not() {
-        assert!((principal_compression([0.0, -2.0, 0.0], 2.0) - 2.0).abs() < 1e-15);
+        assert!((principal_compression([0.0, -2.0, 0.0], 2.0_f64) - 2.0).abs() < 1e-15);
         // The same shock, running at 45 degrees.
-        assert!((principal_compression([-1.0, -1.0, 1.0], 2.0) - 2.0).abs() < 1e-15);
-        assert!(principal_compression([0.0, 0.0, 0.0], 2.0).abs() < 1e-300);
-        assert!((principal_compression([-1.0, 0.0, 0.0], 2.0) - 0.5).abs() < 1e-15);
-        assert!(principal_compression([-1.0, 3.0, 0.0], 0.0).abs() < 1e-300);
+        assert!((principal_compression([-1.0, -1.0, 1.0], 2.0_f64) - 2.0).abs() < 1e-15);
+        assert!(principal_compression([0.0, 0.0, 0.0], 2.0_f64).abs() < 1e-300);
+        assert!((principal_compression([-1.0, 0.0, 0.0], 2.0_f64) - 0.5).abs() < 1e-15);
+        assert!(principal_compression([-1.0, 3.0, 0.0], 0.0_f64).abs() < 1e-300);
     }
 }

@@ -22,8 +22,8 @@ mod tests {
 
     #[test]
     fn tension_and_shear() {
-        assert!((mises([300.0, 0.0, 0.0, 0.0]) - 300.0).abs() < 1e-12);
-        assert!((mises([0.0, 0.0, 0.0, 100.0]) - 100.0 * 3.0_f64.sqrt()).abs() < 1e-12);
+        assert!((mises([300.0_f64, 0.0, 0.0, 0.0]) - 300.0).abs() < 1e-12);
+        assert!((mises([0.0_f64, 0.0, 0.0, 100.0]) - 100.0 * 3.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!((mises([5.0, 5.0, 5.0, 0.0]), pressure([1.0, 2.0, -9.0, 4.0])), (0.0, 2.0));
     }
 }
