@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
-use crate::model::{self, Model, scene::Scene};
+use crate::model::{self, Model, Precision, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, missing_frames};
@@ -57,6 +57,11 @@ pub struct Prepared {
 /// Takes a deck file up to the plan.
 pub fn prepare(path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
     resolve(deck::read(path, overrides), routines)
+}
+
+/// The same with elements in this precision, as far as they can be.
+pub fn prepare_in(precision: Precision, path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
+    prepare_edited(deck::read(path, overrides), &mut |model| model.precision = precision, routines)
 }
 
 /// The same from text in memory; `name` stands for the file.

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use revolve::job;
+use revolve::model::Precision;
 
 use super::{REFUSED, UserFiles, accepted, pairs, words};
 
@@ -17,6 +18,9 @@ pub struct Check {
     /// Replace the value of a *PARAMETER: NAME=VALUE.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// Precision of solid elements: double or single.
+    #[arg(long, value_name = "DIGITS", default_value = "double")]
+    precision: Precision,
     #[command(flatten)]
     user: UserFiles,
 }
@@ -25,7 +29,7 @@ impl Check {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let Some(routines) = self.user.routines(false) else { return Ok(ExitCode::from(REFUSED)) };
-        let prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
+        let prepared = job::prepare_in(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, false) {
             return Ok(ExitCode::from(REFUSED));
         }

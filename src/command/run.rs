@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use revolve::deck::{self, Diagnostic, Diagnostics, Sources, printable};
+use revolve::deck::{Diagnostic, Diagnostics, Sources, printable};
 use revolve::job::Instructions;
 use revolve::job::{self, Options, Prepared, Refusal, Summary};
 use revolve::model::Precision;
@@ -78,8 +78,7 @@ impl Run {
         let pool = pool.num_threads(self.threads.map_or(0, Into::into));
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let Some((routines, user)) = self.user.opened(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
-        let read = deck::read(&self.deck, &pairs(&self.set)?);
-        let mut prepared = job::prepare_edited(read, &mut |model| model.precision = self.precision, &routines);
+        let mut prepared = job::prepare_in(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
         }

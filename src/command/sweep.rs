@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use revolve::model::Precision;
 use revolve::study::compare::Reference;
 use revolve::study::grid::Grid;
 use revolve::study::quantity::Quantity;
@@ -34,6 +35,9 @@ pub struct Sweep {
     /// Folder for table and picture (default out/<deck name>).
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Precision of solid elements: double or single.
+    #[arg(long, value_name = "DIGITS", default_value = "double")]
+    precision: Precision,
     /// Threads (default: all cores).
     #[arg(long)]
     threads: Option<usize>,
@@ -53,7 +57,7 @@ impl Sweep {
         }
         let Some(compiled) = self.user.compiled(self.quiet) else { return Ok(ExitCode::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
-        let first = job::prepare(&self.deck, &grid.combination(0), &routines);
+        let first = job::prepare_in(self.precision, &self.deck, &grid.combination(0), &routines);
         if !accepted(&first, self.quiet) {
             return Ok(ExitCode::from(REFUSED));
         }
@@ -62,7 +66,8 @@ impl Sweep {
             .build()
             .map_err(|e| e.to_string())?;
         let bar = progress_bar(grid.count() as u64, self.quiet);
-        let results = pool.install(|| sweep::run(&self.deck, &grid, &quantities, compiled.as_ref(), &|| bar.inc(1)));
+        let deck = (&*self.deck, self.precision);
+        let results = pool.install(|| sweep::run(deck, &grid, &quantities, compiled.as_ref(), &|| bar.inc(1)));
         bar.finish_and_clear();
         let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());
         let job = job::default_job(&self.deck, self.out).map_err(|finding| finding.message)?;

@@ -64,18 +64,20 @@ pub struct Sums<T = f64> {
 
 /// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it; in single precision the first, and the
 /// differences of the others from it, formed in double precision: what is common to all corners may be far larger. Loops over
-/// lanes read them with a stride of four, which compilers turn into a transposition in registers.
+/// lanes read them with a stride of four, which compilers turn into a transposition in registers. Ahead of a wave velocities fall
+/// off without end, and squares of them leave the range of single precision, where processors are slow: there velocities are
+/// rounded as they would be beside the speed of sound.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub struct Nodes<T = f64>(pub [[[T; 4]; LANES]; 4]);
 
 impl<T: Real> Nodes<T> {
-    /// Copies the corner nodes of a block.
+    /// Copies the corner nodes of a block; in single precision velocities are rounded beside the speed `sound`.
     #[inline(always)]
-    pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4]) {
+    pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4], sound: f64) {
         if T::SINGLE {
             for l in 0..LANES {
-                self.put(l, [0, 1, 2, 3].map(|c| nodes[of[c][l] as usize].as_array()));
+                self.put(l, [0, 1, 2, 3].map(|c| nodes[of[c][l] as usize].as_array()), sound);
             }
             return;
         }
@@ -89,11 +91,18 @@ impl<T: Real> Nodes<T> {
 
     /// Puts the corners of a lane.
     #[inline(always)]
-    fn put(&mut self, l: usize, corners: [[f64; 4]; 4]) {
-        let [first, ..] = corners;
-        for (c, (to, corner)) in self.0.iter_mut().zip(corners).enumerate() {
-            let relative = T::SINGLE && c > 0;
-            to[l] = [0, 1, 2, 3].map(|k| T::of(if relative { corner[k] - first[k] } else { corner[k] }));
+    fn put(&mut self, l: usize, corners: [[f64; 4]; 4], sound: f64) {
+        if !T::SINGLE {
+            self.0.iter_mut().zip(corners).for_each(|(to, corner)| to[l] = corner.map(T::of));
+            return;
+        }
+        let beside = [0.0, 0.0, sound, sound];
+        let [first, others @ ..] = corners;
+        let first = [0, 1, 2, 3].map(|k| first[k] + beside[k]);
+        let [to, rest @ ..] = &mut self.0;
+        to[l] = [0, 1, 2, 3].map(|k| T::of(first[k] - beside[k]));
+        for (to, other) in rest.iter_mut().zip(others) {
+            to[l] = [0, 1, 2, 3].map(|k| T::of((other[k] + beside[k]) - first[k]));
         }
     }
 
@@ -116,7 +125,7 @@ impl<T: Real> Nodes<T> {
     pub(super) fn mask(&mut self, l: usize, volume: f64, length: f64) {
         let height = volume / (length * length);
         let places = [[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]];
-        self.put(l, places.map(|[r, z]| [length * r, z, 0.0, 0.0]));
+        self.put(l, places.map(|[r, z]| [length * r, z, 0.0, 0.0]), 0.0);
     }
 
     /// One component of the four corners of a lane.

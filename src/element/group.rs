@@ -212,6 +212,8 @@ pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = fal
     tasks: Vec<Workspace<T>>,
     /// Unit of lengths and times of both.
     length: f64,
+    /// Speed of sound to a power of two, beside which velocities are rounded; 0 in double precision.
+    sound: f64,
     arch: Arch,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
@@ -276,6 +278,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quad
             tasks: blocks.chunks(TASK).map(|part| Workspace::new(&constants, length, part.len())).collect(),
             blocks,
             length,
+            sound: T::sound((constants.bulk + 4.0 / 3.0 * constants.shear) / density),
             arch: Arch::new(),
             quiescence: Quiescence::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
@@ -293,6 +296,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Clon
             blocks: self.blocks.clone(),
             tasks: self.tasks.clone(),
             length: self.length,
+            sound: self.sound,
             arch: self.arch,
             told: self.told.clone(),
             quiescence: self.quiescence.clone(),
@@ -424,6 +428,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
             count: self.count,
             nodes,
             behind: Behind { dt, before },
+            sound: self.sound,
             time: now.total_time,
             cap: self.cap,
             lacking,
@@ -643,6 +648,8 @@ struct Common<'a, H, V, F> {
     count: usize,
     nodes: &'a [Node],
     behind: Behind<'a>,
+    /// Speed of sound; 0 in double precision, where nothing asks for it.
+    sound: f64,
     time: f64,
     cap: f64,
     lacking: Option<&'a [Lanes]>,
@@ -674,7 +681,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Null
         for (i, block) in self.blocks.iter_mut().enumerate() {
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
-            places.collect(pass.nodes, &block.nodes);
+            places.collect(pass.nodes, &block.nodes, pass.sound);
             scratch.lacking = pass.lacking.map(|list| list[index]);
             if V::TIMED {
                 pass.laws.1.begin(&mut block.volumetric, pass.time);
@@ -731,7 +738,19 @@ pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl
 
 impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Persist for Quads<H, V, F, AREA, T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Quads { laws: _, constants: _, count: _, blocks, tasks, length: _, arch: _, told, quiescence, cap } = self;
+        let Quads {
+            laws: _,
+            constants: _,
+            count: _,
+            blocks,
+            tasks,
+            length: _,
+            sound: _,
+            arch: _,
+            told,
+            quiescence,
+            cap,
+        } = self;
         persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), quiescence.as_mut_slice());
     }
 }

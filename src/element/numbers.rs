@@ -38,6 +38,9 @@ pub trait Numbers: Real + Persist {
     /// Unit of lengths and times for elements of volumes from the least to the largest.
     fn length(volumes: [f64; 2]) -> f64;
 
+    /// Speed of sound to a power of two, by its square; 0 where nothing asks for it.
+    fn sound(square: f64) -> f64;
+
     /// The corner forces of a group.
     fn forces(slots: Slots<'_>) -> Forces<'_, Self>;
 
@@ -59,6 +62,10 @@ pub trait Numbers: Real + Persist {
 impl Numbers for f64 {
     fn length(_volumes: [f64; 2]) -> f64 {
         1.0
+    }
+
+    fn sound(_square: f64) -> f64 {
+        0.0
     }
 
     fn forces(slots: Slots<'_>) -> Forces<'_, f64> {
@@ -86,12 +93,20 @@ impl Numbers for f64 {
     }
 }
 
+/// Exponent of a positive number.
+fn exponent(value: f64) -> i32 {
+    (value.to_bits() >> 52) as i32 - 1023
+}
+
 impl Numbers for f32 {
     /// A power of two, which costs no digit, so that products of volumes keep within the range of the numbers: in metres the
     /// third power of the volume of an element of ten micrometres would not.
     fn length([least, largest]: [f64; 2]) -> f64 {
-        let exponent = |volume: f64| ((volume / UNIT).to_bits() >> 52) as i32 - 1023;
-        2f64.powi((exponent(least) + exponent(largest)).div_euclid(6))
+        2f64.powi((exponent(least / UNIT) + exponent(largest / UNIT)).div_euclid(6))
+    }
+
+    fn sound(square: f64) -> f64 {
+        2f64.powi(exponent(square).div_euclid(2))
     }
 
     fn forces(slots: Slots<'_>) -> Forces<'_, f32> {

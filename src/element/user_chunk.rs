@@ -112,7 +112,7 @@ impl Chunk {
             let (workspace, corners) = (&mut scratch.workspaces[s], &mut scratch.nodes[s]);
             workspace.begin(common.cap);
             workspace.prepare(first + s, place.turn, common.count - (first + s) * LANES);
-            corners.collect(common.nodes, &block.nodes);
+            corners.collect(common.nodes, &block.nodes, 0.0);
             for l in 0..LANES {
                 if self.deleted.get(s * LANES + l).copied().unwrap_or(true) {
                     corners.mask(l, 1.0, 1.0);

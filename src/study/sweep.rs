@@ -11,6 +11,7 @@ use super::compare::{Reference, rms};
 use super::grid::Grid;
 use super::quantity::Quantity;
 use crate::job;
+use crate::model::Precision;
 use crate::user::compile::Compiled;
 
 /// The results of a sweep, in the grid's order.
@@ -22,21 +23,22 @@ pub struct Results {
     pub values: Vec<Result<Vec<f64>, StudyError>>,
 }
 
-/// Runs every combination. The results do not depend on the number of threads: runs share nothing, and the user's
+/// Runs every combination of a deck, with elements in a precision. The results do not depend on the number of threads: runs share nothing, and the user's
 /// routines start afresh in each.
 ///
 /// ```
+/// use revolve::model::Precision;
 /// use revolve::study::{StudyError, grid::Grid, quantity::Quantity, sweep};
 ///
 /// let grid = Grid::parse(&["V=569,781".into()])?;
 /// let depth = Quantity::parse("-1000*final(U2@REF)")?;
-/// let results = sweep::run("input/ogive.inp".as_ref(), &grid, &[depth], None, &|| {});
+/// let results = sweep::run(("input/ogive.inp".as_ref(), Precision::Double), &grid, &[depth], None, &|| {});
 /// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
 /// assert!(depths[1][0] > depths[0][0]); // The faster one goes deeper.
 /// # Ok::<(), StudyError>(())
 /// ```
 pub fn run(
-    deck: &Path,
+    deck: (&Path, Precision),
     grid: &Grid,
     quantities: &[Quantity],
     user: Option<&Compiled>,
@@ -57,13 +59,13 @@ pub fn run(
 
 /// One run: the quantities, or the first thing that was wrong.
 fn one(
-    deck: &Path,
+    (deck, precision): (&Path, Precision),
     overrides: &job::Overrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
 ) -> Result<Vec<f64>, StudyError> {
     let routines = Compiled::open_any(user)?;
-    let prepared = job::prepare(deck, overrides, &routines);
+    let prepared = job::prepare_in(precision, deck, overrides, &routines);
     if prepared.diagnostics.has_errors() {
         return Err(StudyError::refused(&prepared));
     }

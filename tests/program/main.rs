@@ -10,6 +10,7 @@ mod fuzz;
 mod growth;
 mod hostile;
 mod memory;
+mod precision;
 mod report;
 mod reproducibility;
 mod restart;
