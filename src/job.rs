@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::deck::files::STANDARD_INPUT;
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
-use crate::model::{self, Model, Units, scene::Scene};
+use crate::model::{self, Model, Precision, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, Written, missing_frames};
@@ -67,10 +67,23 @@ pub fn prepare(path: &Path, overrides: &Overrides, routines: &Routines) -> Prepa
     resolve(deck::read(path, overrides), routines)
 }
 
+/// The same with elements in this precision, as far as they can be.
+pub fn prepare_in(precision: Precision, path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
+    prepare_edited(deck::read(path, overrides), &mut |model| model.precision = precision, routines)
+}
+
 /// The same, with what the deck amounts to; `None` where it is refused.
-pub fn examine(path: &Path, overrides: &Overrides, routines: &Routines) -> (Prepared, Option<Overview>) {
+pub fn examine(
+    precision: Precision,
+    path: &Path,
+    overrides: &Overrides,
+    routines: &Routines,
+) -> (Prepared, Option<Overview>) {
     let mut model = None;
-    let keep = &mut |built: &mut Model| model = Some(built.clone());
+    let keep = &mut |built: &mut Model| {
+        built.precision = precision;
+        model = Some(built.clone());
+    };
     let prepared = prepare_edited(deck::read(path, overrides), keep, routines);
     let model = model.filter(|_| !prepared.diagnostics.has_errors());
     let overview = model.map(|model| Overview::of(&model, &prepared.plan, &prepared.state));
@@ -106,6 +119,7 @@ impl Prepared {
             parameters: parameters.collect::<Vec<_>>().join(", "),
             mesh: hash([&points[..], &corners[..]]),
             user: user.into(),
+            precision: self.plan.precision.name().into(),
         }
     }
 }

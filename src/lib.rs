@@ -83,5 +83,6 @@ pub mod internals {
     pub use crate::element::{constants, group, values};
     pub use crate::kernel::{lanes, quad, rotation};
     pub use crate::material::{failure, plasticity, volumetric};
+    pub use crate::mesh::corner_forces;
     pub use crate::state::nodes;
 }

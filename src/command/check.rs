@@ -8,6 +8,7 @@ use std::time::Duration;
 use clap::Args;
 use revolve::deck::Finding;
 use revolve::job::{self, Prepared};
+use revolve::model::Precision;
 use revolve::overview::{self, Overview};
 use revolve::plan::ledger::Ledger;
 use serde::Serialize;
@@ -26,6 +27,9 @@ pub struct Check {
     /// Replace the value of a *PARAMETER: NAME=VALUE.
     #[arg(short, long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// Precision of solid elements: double or single.
+    #[arg(long, value_name = "DIGITS", default_value = "double")]
+    precision: Precision,
     #[command(flatten)]
     user: UserFiles,
     /// Do not run the first moments, which tell what the whole run will take.
@@ -54,7 +58,7 @@ impl Check {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
         let Some(routines) = self.user.routines(self.json) else { return Ok(ExitCode::from(REFUSED)) };
-        let (prepared, mut overview) = job::examine(&self.deck, &pairs(&self.set)?, &routines);
+        let (prepared, mut overview) = job::examine(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if let Some(overview) = overview.as_mut().filter(|_| !self.no_look) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, LOOK);
         }

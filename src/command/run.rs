@@ -10,6 +10,7 @@ use clap::{Args, ValueEnum};
 use indexmap::IndexMap;
 use revolve::deck::Diagnostic;
 use revolve::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal, Summary};
+use revolve::model::Precision;
 use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
 use revolve::solve::{Every, LOST, Progress};
@@ -58,6 +59,10 @@ pub struct Run {
     /// bits on all.
     #[arg(long, value_name = "SET")]
     instructions: Option<Instructions>,
+    /// Precision of solid elements: double or single, which is faster and has half the digits; nodes, sums and energies are in
+    /// double precision.
+    #[arg(long, value_name = "DIGITS", default_value = "double")]
+    precision: Precision,
     /// Print an expression over history columns, such as "-1000*final(U2@REF)"; may be given several times.
     #[arg(long, allow_hyphen_values = true)]
     quantity: Vec<String>,
@@ -114,7 +119,7 @@ impl Run {
         let pool = pool.num_threads(self.threads.map_or(0, Into::into));
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
-        let mut prepared = job::prepare(&self.deck, &pairs(&self.set)?, &routines);
+        let mut prepared = job::prepare_in(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, self.is_silent()) {
             return Ok(ExitCode::from(REFUSED));
         }

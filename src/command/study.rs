@@ -28,8 +28,8 @@ use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, pairs, progress, te
 pub struct Study {
     /// The input deck.
     deck: PathBuf,
-    /// NAME=v1,v2,… from coarse to fine: a parameter of the deck, increment (factors), load-velocity, hourglass, estimate;
-    /// several make a grid.
+    /// NAME=v1,v2,… from coarse to fine: a parameter of the deck, increment (factors), load-velocity, hourglass, estimate,
+    /// precision; several make a grid.
     #[arg(long, value_name = "NAME=VALUES")]
     refine: Vec<String>,
     /// Expression over histories and norms, such as "-1000*final(U2@REF)", "at(U1@WALL, 2e-5)", "norm(S22, EXPR in r, z, t)".

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use indexmap::IndexMap;
 use revolve::deck::files;
+use revolve::model::Precision;
 use revolve::study::compare::Reference;
 use revolve::study::grid::Grid;
 use revolve::study::quantity::Quantity;
@@ -44,6 +45,9 @@ pub struct Sweep {
     /// Folder for table and picture (default out/<deck name>).
     #[arg(short, long)]
     out: Option<PathBuf>,
+    /// Precision of solid elements: double or single.
+    #[arg(long, value_name = "DIGITS", default_value = "double")]
+    precision: Precision,
     /// Threads (default: all cores).
     #[arg(short, long)]
     threads: Option<usize>,
@@ -78,7 +82,7 @@ impl Sweep {
         }
         let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(ExitCode::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
-        let first = job::prepare(&self.deck, &grid.combination(0), &routines);
+        let first = job::prepare_in(self.precision, &self.deck, &grid.combination(0), &routines);
         if !accepted(&first, self.quiet || self.json) {
             return Ok(ExitCode::from(REFUSED));
         }
@@ -94,8 +98,8 @@ impl Sweep {
         let bar = progress::over_runs(grid.count() as u64, self.quiet);
         let kept = self.keep.then_some(&job);
         let done = || bar.inc(1);
-        let results =
-            pool.install(|| sweep::run_keeping(&self.deck, &grid, &quantities, compiled.as_ref(), kept, &done));
+        let deck = (&*self.deck, self.precision);
+        let results = pool.install(|| sweep::run_keeping(deck, &grid, &quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
         let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());
         write_sweep(&job, &first.deck, &grid, &quantities, &results, reference.as_ref(), &sheet)?;

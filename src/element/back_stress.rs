@@ -4,9 +4,10 @@
 
 use super::block::Workspace;
 use crate::kernel::lanes::LANES;
+use crate::kernel::real::Real;
 use crate::kernel::rotation::rotated;
 
-impl Workspace {
+impl<T: Real> Workspace<T> {
     /// Turns the back stress with the material, and reckons the trial stress from it.
     #[inline(always)]
     pub(super) fn shift(&mut self) {
@@ -14,19 +15,23 @@ impl Workspace {
             let back = rotated([0, 1, 2, 3].map(|i| self.back[i][l]), self.spin[l]);
             for i in 0..4 {
                 self.back[i][l] = back[i];
-                self.deviator[i][l] -= back[i];
+                self.deviator[i][l] = self.deviator[i][l] - back[i];
             }
             let [a, b, c, d] = [0, 1, 2, 3].map(|i| self.deviator[i][l] * self.deviator[i][l]);
-            self.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+            self.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
         }
     }
 
     /// Plastic work against the back stress of a lane: 3/2 dp times the back stress along the relative stress.
     #[inline(always)]
-    pub(super) fn work_against_back(&self, l: usize) -> f64 {
+    pub(super) fn work_against_back(&self, l: usize) -> T {
         let part = |i: usize| self.back[i][l] * self.deviator[i][l];
-        let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
-        if self.flow[l] > 0.0 { 1.5 * self.volume[l] * self.flow[l] * along / self.trial[l] } else { 0.0 }
+        let along = (part(0) + part(1)) + (part(2) + T::of(2.0) * part(3));
+        if self.flow[l] > T::ZERO {
+            T::of(1.5) * self.volume[l] * self.flow[l] * along / self.trial[l]
+        } else {
+            T::ZERO
+        }
     }
 }
 
@@ -38,7 +43,7 @@ mod tests {
     /// shear its sign.
     #[test]
     fn the_back_stress_turns_with_the_material() {
-        let mut scratch = Workspace::default();
+        let mut scratch: Workspace = Workspace::default();
         scratch.spin.fill(2.0);
         for (i, value) in [3.0, -2.0, -1.0, 0.5].into_iter().enumerate() {
             scratch.back[i] = [value; LANES];

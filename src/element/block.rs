@@ -12,6 +12,7 @@ use super::subzonal::Subzones;
 use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares, sums};
+use crate::kernel::real::Real;
 use crate::kernel::rotation::{SpinOver, turned};
 use crate::kernel::stress::mises;
 use crate::material::failure::Failure;
@@ -27,15 +28,15 @@ const SLOW: f64 = 0.25;
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Block<S, Q, X> {
+pub struct Block<S, Q, X, T = f64> {
     /// Nodes at the corners, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
-    pub stress: [Lanes; 4],
+    pub stress: [Lanes<T>; 4],
     /// Mass of each element.
-    pub mass: Lanes,
+    pub mass: Lanes<T>,
     /// One over the masses of the corners, as [`sums`].
-    pub inverse_mass: [Lanes; 4],
+    pub inverse_mass: [Lanes<T>; 4],
     /// What hardening keeps.
     pub state: S,
     /// What the volumetric law keeps.
@@ -46,49 +47,90 @@ pub struct Block<S, Q, X> {
 
 /// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sums {
+pub struct Sums<T = f64> {
     /// Work of the stress.
-    pub internal: Lanes,
+    pub internal: Lanes<T>,
     /// Plastic dissipation.
-    pub plastic: Lanes,
+    pub plastic: Lanes<T>,
     /// Work of the bulk viscosity.
-    pub viscous: Lanes,
+    pub viscous: Lanes<T>,
     /// Work of the hourglass control.
-    pub artificial: Lanes,
+    pub artificial: Lanes<T>,
     /// Two over the stable increment of the element that limits each lane.
-    pub rate: Lanes,
+    pub rate: Lanes<T>,
     /// Block of that element; a float, so that lanes choose it side by side.
-    pub limiting: Lanes,
+    pub limiting: Lanes<T>,
 }
 
-/// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it. Loops over lanes read them with a
-/// stride of four, which compilers turn into a transposition in registers.
+/// The corner nodes of a block beside each other, each as [`Node::as_array`] gives it; in single precision the first, and the
+/// differences of the others from it, formed in double precision: what is common to all corners may be far larger. Loops over
+/// lanes read them with a stride of four, which compilers turn into a transposition in registers. Ahead of a wave velocities fall
+/// off without end, and squares of them leave the range of single precision, where processors are slow: there velocities are
+/// rounded as they would be beside the speed of sound.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Nodes(pub [[[f64; 4]; LANES]; 4]);
+pub struct Nodes<T = f64>(pub [[[T; 4]; LANES]; 4]);
 
-impl Nodes {
-    /// Copies the corner nodes of a block.
+impl<T: Real> Nodes<T> {
+    /// Copies the corner nodes of a block; in single precision velocities are rounded beside the speed `sound`.
     #[inline(always)]
-    pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4]) {
+    pub fn collect(&mut self, nodes: &[Node], of: &[[u32; LANES]; 4], sound: f64) {
+        if T::SINGLE {
+            for l in 0..LANES {
+                self.put(l, [0, 1, 2, 3].map(|c| nodes[of[c][l] as usize].as_array()), sound);
+            }
+            return;
+        }
         for (to, of) in self.0.iter_mut().zip(of) {
             // Two at once, both read before either is written: one wide store, which the wide loads behind can take up.
             for (to, two) in to.as_chunks_mut::<2>().0.iter_mut().zip(of.as_chunks::<2>().0) {
-                *to = two.map(|node| nodes[node as usize].as_array());
+                *to = two.map(|node| nodes[node as usize].as_array().map(T::of));
             }
         }
     }
 
-    /// Puts an element that is not there where nothing can go wrong: at rest as a ring from r = 1 to 2 of this height.
-    pub(super) fn mask(&mut self, l: usize, height: f64) {
-        for (corner, [r, z]) in self.0.iter_mut().zip([[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]]) {
-            corner[l] = [r, z, 0.0, 0.0];
+    /// Puts the corners of a lane.
+    #[inline(always)]
+    fn put(&mut self, l: usize, corners: [[f64; 4]; 4], sound: f64) {
+        if !T::SINGLE {
+            self.0.iter_mut().zip(corners).for_each(|(to, corner)| to[l] = corner.map(T::of));
+            return;
         }
+        let beside = [0.0, 0.0, sound, sound];
+        let [first, others @ ..] = corners;
+        let first = [0, 1, 2, 3].map(|k| first[k] + beside[k]);
+        let [to, rest @ ..] = &mut self.0;
+        to[l] = [0, 1, 2, 3].map(|k| T::of(first[k] - beside[k]));
+        for (to, other) in rest.iter_mut().zip(others) {
+            to[l] = [0, 1, 2, 3].map(|k| T::of((other[k] + beside[k]) - first[k]));
+        }
+    }
+
+    /// Coordinates and velocities of a lane as [`sums`], coordinates over a length.
+    #[inline(always)]
+    fn sums(&self, l: usize, per_length: T) -> [[T; 4]; 4] {
+        [0, 1, 2, 3].map(|component| {
+            let x = self.of(l, component);
+            if !T::SINGLE {
+                return sums(x);
+            }
+            let [first, b, c, d] = if component < 2 { x.map(|x| x * per_length) } else { x };
+            let (above, right) = (c - d, c - b);
+            [T::of(4.0) * first + ((b + c) + d), b + above, d + right, above - b]
+        })
+    }
+
+    /// Puts an element that is not there where nothing can go wrong: at rest as a ring of this volume over that of a ring of
+    /// height 1 from r = 1 to 2, from r = 1 to 2 in units of `length`.
+    pub(super) fn mask(&mut self, l: usize, volume: f64, length: f64) {
+        let height = volume / (length * length);
+        let places = [[1.0, 0.0], [2.0, 0.0], [2.0, height], [1.0, height]];
+        self.put(l, places.map(|[r, z]| [length * r, z, 0.0, 0.0]), 0.0);
     }
 
     /// One component of the four corners of a lane.
     #[inline(always)]
-    pub(super) fn of(&self, l: usize, component: usize) -> [f64; 4] {
+    pub(super) fn of(&self, l: usize, component: usize) -> [T; 4] {
         let Nodes(corners) = self;
         [corners[0][l][component], corners[1][l][component], corners[2][l][component], corners[3][l][component]]
     }
@@ -96,44 +138,44 @@ impl Nodes {
 
 /// What a block keeps from one increment to the next besides its stress, as it is while the block is at hand.
 #[repr(C, align(64))]
-pub(super) struct Kept {
+pub(super) struct Kept<T = f64> {
     /// Generalised hourglass stresses along r and z.
-    hourglass: [Lanes; 2],
+    hourglass: [Lanes<T>; 2],
     /// Stress of the bulk viscosity.
-    viscous: Lanes,
+    viscous: Lanes<T>,
     /// Part of the stress that the return to the yield surface leaves, where hourglass stresses return with it; 1 elsewhere. Of
     /// one increment.
-    pub(super) returned: Lanes,
+    pub(super) returned: Lanes<T>,
 }
 
 /// Elements of a block where they are: their [`Operators`], and what follows from them.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-struct Geometry {
-    r: [Lanes; 3],
-    z: [Lanes; 3],
-    hoop: [Lanes; 3],
-    volume: Lanes,
+struct Geometry<T = f64> {
+    r: [Lanes<T>; 3],
+    z: [Lanes<T>; 3],
+    hoop: [Lanes<T>; 3],
+    volume: Lanes<T>,
     /// The hourglass pattern times the volume, by base vectors.
-    pattern: [Lanes; 3],
+    pattern: [Lanes<T>; 3],
     /// Sums over the corners of the squares of all operators, and of that pattern, over their masses.
-    squares: Lanes,
-    light: Lanes,
+    squares: Lanes<T>,
+    light: Lanes<T>,
     /// Bound of the highest frequency times the volume.
-    root: Lanes,
+    root: Lanes<T>,
 }
 
-impl Geometry {
+impl<T: Real> Geometry<T> {
     /// The operators of a lane.
     #[inline(always)]
-    fn operators(&self, l: usize) -> Operators {
+    fn operators(&self, l: usize) -> Operators<T> {
         let [r, z, hoop] = [&self.r, &self.z, &self.hoop].map(|list| [list[0][l], list[1][l], list[2][l]]);
         Operators { r, z, hoop, volume: self.volume[l] }
     }
 
     /// The pattern of a lane.
     #[inline(always)]
-    fn pattern(&self, l: usize) -> [f64; 3] {
+    fn pattern(&self, l: usize) -> [T; 3] {
         [self.pattern[0][l], self.pattern[1][l], self.pattern[2][l]]
     }
 }
@@ -141,52 +183,52 @@ impl Geometry {
 /// Scratch memory of one task.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Workspace {
+pub struct Workspace<T = f64> {
     /// Coordinates and velocities of the corners, as [`sums`].
-    pub(super) r: [Lanes; 4],
-    pub(super) z: [Lanes; 4],
-    pub(super) v_r: [Lanes; 4],
-    pub(super) v_z: [Lanes; 4],
+    pub(super) r: [Lanes<T>; 4],
+    pub(super) z: [Lanes<T>; 4],
+    pub(super) v_r: [Lanes<T>; 4],
+    pub(super) v_z: [Lanes<T>; 4],
     /// Strain increments rr, zz, hoop, rz.
-    pub(super) strain: [Lanes; 4],
+    pub(super) strain: [Lanes<T>; 4],
     /// Volume at the middle of the increment in the unit [`UNIT`], and what one division of a phase came to.
-    middle: Lanes,
-    inverse: Lanes,
+    middle: Lanes<T>,
+    inverse: Lanes<T>,
     /// The elements where they are now.
-    now: Geometry,
+    now: Geometry<T>,
     /// Part of the elastic trial that the return to the yield surface left.
-    left: Lanes,
+    left: Lanes<T>,
     /// Stress before the increment, carried along by the rotation.
-    pub(super) carried: [Lanes; 4],
+    pub(super) carried: [Lanes<T>; 4],
     /// Mean stress and deviator of the trial.
-    pub(super) mean: Lanes,
-    pub(super) deviator: [Lanes; 4],
+    pub(super) mean: Lanes<T>,
+    pub(super) deviator: [Lanes<T>; 4],
     /// At the middle of the increment, 0 for lanes without element.
-    pub(super) volume: Lanes,
-    pub(super) trial: Lanes,
-    pub(super) flow: Lanes,
-    pub(super) weight: Lanes,
+    pub(super) volume: Lanes<T>,
+    pub(super) trial: Lanes<T>,
+    pub(super) flow: Lanes<T>,
+    pub(super) weight: Lanes<T>,
     /// Spin increment, and of a yield surface that moves the back stress that it carried along; of foam, the plastic strain
     /// increments, while `flow` holds what they dissipate a volume.
-    pub(super) spin: Lanes,
-    pub(super) back: [Lanes; 4],
+    pub(super) spin: Lanes<T>,
+    pub(super) back: [Lanes<T>; 4],
     /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
-    pub(super) bulk: Lanes,
-    pub(super) heat: Lanes,
+    pub(super) bulk: Lanes<T>,
+    pub(super) heat: Lanes<T>,
     /// Of a shear modulus that varies: its value.
-    pub(super) shear: Lanes,
+    pub(super) shear: Lanes<T>,
     /// Of the task so far.
-    pub(super) sums: Sums,
-    block: f64,
+    pub(super) sums: Sums<T>,
+    block: T,
     /// Place of the block in the task.
     pub(super) at: usize,
     pub(super) count: usize,
     /// Of the task's blocks, generalised hourglass stresses along r and z; empty without hourglass stiffness.
-    pub(super) hourglass: Vec<[Lanes; 2]>,
+    pub(super) hourglass: Vec<[Lanes<T>; 2]>,
     /// Of the task's blocks, stresses of assumed strains; empty without ENHANCED.
     pub(super) enhanced: Vec<Assumed>,
     /// Of the task's blocks, stresses of the bulk viscosity; empty without any.
-    pub(super) viscous: Vec<Lanes>,
+    pub(super) viscous: Vec<Lanes<T>>,
     /// Of the task's blocks, their quarters; empty without subzonal pressures.
     pub(super) subzones: Vec<Subzones>,
     /// Of the task's blocks, what outputs ask for; empty if none does.
@@ -197,31 +239,33 @@ pub struct Workspace {
     pub(super) eroded: Vec<Eroded>,
     /// Of the task's blocks, two over the stable increments of their elements; empty unless elements are judged by them and no
     /// constant says them.
-    pub(super) own_rates: Vec<Lanes>,
+    pub(super) own_rates: Vec<Lanes<T>>,
     /// The same of the block at hand.
-    own_rate: Lanes,
+    own_rate: Lanes<T>,
+    /// Unit of lengths and times, in those of the scene; velocities, stresses and densities have the same in both.
+    pub(super) length: f64,
     /// Highest frequency of the whole scene, where it is known to be lower than those of single elements; infinite if not.
-    pub(super) cap: f64,
+    pub(super) cap: T,
     /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
     /// under a cap.
-    pub(super) deformed: [Lanes; 2],
+    pub(super) deformed: [Lanes<T>; 2],
     /// What the volumetric strain increments lack to be averaged ones; `None` where each element has its own. Behind all other
     /// numbers, which would no longer begin with a cache line.
     pub(super) lacking: Option<Lanes>,
 }
 
-impl<S, Q, X> Block<S, Q, X> {
-    /// Masses of the corners of a lane.
+impl<S, Q, X, T: Real> Block<S, Q, X, T> {
+    /// Masses of the corners of a lane, in the units of the block.
     pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
-        at_corners(column(&self.inverse_mass, lane)).map(|inverse| 4.0 / inverse)
+        at_corners(column(&self.inverse_mass, lane).map(T::wide)).map(|inverse| 4.0 / inverse)
     }
 
-    /// Gives the corners of a lane other masses.
+    /// Gives the corners of a lane other masses, in the units of the block.
     pub(super) fn set_corner_masses(&mut self, lane: usize, masses: [f64; 4]) {
         let total = (masses[0] + masses[1]) + (masses[2] + masses[3]);
-        self.mass[lane] = total;
+        self.mass[lane] = T::of(total);
         for (list, sum) in self.inverse_mass.iter_mut().zip(sums(masses.map(|mass| 1.0 / mass))) {
-            list[lane] = sum;
+            list[lane] = T::of(sum);
         }
     }
 }
@@ -308,15 +352,17 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             volumetric.settle(&mut self.volumetric, &scratch.heat, &self.mass);
         }
     }
+}
 
+impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
     pub(super) fn strain<H: Hardening, V: Volumetric, const AREA: bool>(
         &mut self,
         constants: &Constants,
-        dt: f64,
-        nodes: &Nodes,
-        scratch: &mut Workspace,
+        dt: T,
+        nodes: &Nodes<T>,
+        scratch: &mut Workspace<T>,
     ) {
         scratch.velocity_gradient::<AREA>(dt, nodes);
         self.trial::<H, V>(constants, dt, scratch);
@@ -324,20 +370,21 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
 
     /// The stress turned with the material, and the elastic trial of its mean and deviator.
     #[inline(always)]
-    fn trial<H: Hardening, V: Volumetric>(&mut self, constants: &Constants, dt: f64, scratch: &mut Workspace) {
-        let (bulk, shear2) = (constants.bulk, 2.0 * constants.shear);
+    fn trial<H: Hardening, V: Volumetric>(&mut self, constants: &Constants, dt: T, scratch: &mut Workspace<T>) {
+        let (bulk, shear2) = (T::of(constants.bulk), T::of(2.0 * constants.shear));
+        let (half, third, unit) = (T::of(0.5), T::of(1.0 / 3.0), T::of(UNIT));
         for l in 0..LANES {
             let ([rr, zz, around, both], difference) = (column(&scratch.strain, l), scratch.spin[l]);
             let spin = SpinOver { dividend: difference, divisor: scratch.middle[l], inverse: scratch.inverse[l] };
             let per = dt * spin.per();
-            let (d_rr, d_zz, d_hoop, d_rz) = (per * rr, per * zz, per * around, 0.5 * (per * both));
+            let (d_rr, d_zz, d_hoop, d_rz) = (per * rr, per * zz, per * around, half * (per * both));
             let carried = turned(column(&self.stress, l), spin.turn());
-            if H::BACKSTRESS || V::TOTAL {
+            if H::BACKSTRESS || V::TOTAL || T::SINGLE {
                 scratch.spin[l] = difference * spin.per();
             }
             let dilation = d_rr + d_zz + d_hoop;
-            let mean = (carried[0] + carried[1] + carried[2]) * (1.0 / 3.0);
-            let base = mean + shear2 * (1.0 / 3.0) * dilation;
+            let mean = (carried[0] + carried[1] + carried[2]) * third;
+            let base = mean + shear2 * third * dilation;
             let deviator = [
                 carried[0] - base + shear2 * d_rr,
                 carried[1] - base + shear2 * d_zz,
@@ -350,31 +397,36 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 scratch.deviator[i][l] = deviator[i];
             }
             scratch.mean[l] = mean + bulk * dilation;
-            scratch.volume[l] = UNIT * scratch.weight[l] * scratch.middle[l];
+            scratch.volume[l] = unit * scratch.weight[l] * scratch.middle[l];
             if H::PLASTIC {
                 let [a, b, c, d] = deviator.map(|s| s * s);
-                scratch.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+                scratch.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
             }
         }
     }
 
     /// The stress on the yield surface, and the work done on the way.
     #[inline(always)]
-    fn stress<H: Hardening>(&mut self, constants: &Constants, kept: &mut Kept, scratch: &mut Workspace) {
-        let shear3 = 3.0 * constants.shear;
+    pub(super) fn stress<H: Hardening>(
+        &mut self,
+        constants: &Constants,
+        kept: &mut Kept<T>,
+        scratch: &mut Workspace<T>,
+    ) {
+        let shear3 = T::of(3.0 * constants.shear);
         let relaxes = constants.hourglass.relaxes;
         if H::PLASTIC {
             for l in 0..LANES {
                 let (trial, flow) = (scratch.trial[l], scratch.flow[l]);
                 let returned = trial - shear3 * flow;
-                let factor = if flow > 0.0 { returned / trial } else { 1.0 };
+                let factor = if flow > T::ZERO { returned / trial } else { T::ONE };
                 scratch.left[l] = factor;
-                kept.returned[l] = if relaxes { factor } else { 1.0 };
+                kept.returned[l] = if relaxes { factor } else { T::ONE };
                 scratch.sums.plastic[l] += scratch.volume[l] * returned * flow;
             }
         }
         for l in 0..LANES {
-            let (factor, mean) = (if H::PLASTIC { scratch.left[l] } else { 1.0 }, scratch.mean[l]);
+            let (factor, mean) = (if H::PLASTIC { scratch.left[l] } else { T::ONE }, scratch.mean[l]);
             let mut s = [
                 mean + factor * scratch.deviator[0][l],
                 mean + factor * scratch.deviator[1][l],
@@ -389,7 +441,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             }
             let double = |i: usize| scratch.strain[i][l] * (scratch.carried[i][l] + s[i]);
             scratch.sums.internal[l] +=
-                0.5 * scratch.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+                T::of(0.5) * scratch.volume[l] * ((double(0) + double(1)) + (double(2) + T::of(2.0) * double(3)));
             for i in 0..4 {
                 self.stress[i][l] = s[i];
             }
@@ -399,17 +451,20 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     /// The elements where they are now: operators, the bound of their highest frequencies, the hourglass pattern. What takes long
     /// ends a loop, so that the lanes behind need not wait for it.
     #[inline(always)]
-    fn measure_now<V: Volumetric, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace) {
-        let shear43 = 4.0 / 3.0 * constants.shear;
-        let modulus = constants.bulk + shear43;
+    fn measure_now<V: Volumetric, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace<T>) {
+        let [shear43, modulus] = wave(constants);
+        let unit = T::of(UNIT);
         let Workspace { r, z, now, bulk, inverse, .. } = scratch;
         for l in 0..LANES {
             let modulus = if V::EOS { bulk[l] + shear43 } else { modulus };
             let (r, z, inverse_mass) = (column(r, l), column(z, l), column(&self.inverse_mass, l));
             let g = Operators::of::<AREA>(r, z);
             // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
-            let lists =
-                [[0.0, g.r[0], g.r[1], g.r[2]], [0.0, g.z[0], g.z[1], g.z[2]], [g.hoop[0], g.hoop[1], g.hoop[2], 0.0]];
+            let lists = [
+                [T::ZERO, g.r[0], g.r[1], g.r[2]],
+                [T::ZERO, g.z[0], g.z[1], g.z[2]],
+                [g.hoop[0], g.hoop[1], g.hoop[2], T::ZERO],
+            ];
             let all = squares(&lists, inverse_mass);
             let pattern = g.pattern([r[3], z[3]]);
             for i in 0..3 {
@@ -420,40 +475,42 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             }
             now.volume[l] = g.volume;
             now.squares[l] = all;
-            now.light[l] = squares(&[[0.0, pattern[0], pattern[1], pattern[2]]], inverse_mass);
-            now.root[l] = (modulus * UNIT * all * g.volume).sqrt();
+            now.light[l] = squares(&[[T::ZERO, pattern[0], pattern[1], pattern[2]]], inverse_mass);
+            now.root[l] = (modulus * unit * all * g.volume).root();
         }
         for l in 0..LANES {
-            inverse[l] = 1.0 / (now.volume[l] * (now.root[l] * now.light[l]));
+            inverse[l] = T::ONE / (now.volume[l] * (now.root[l] * now.light[l]));
         }
     }
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    pub(super) fn forces<V: Volumetric, C: Control, const AREA: bool>(
+    pub(super) fn forces<V: Volumetric, C: Control<T>, const AREA: bool>(
         &mut self,
-        (constants, dt): (&Constants, f64),
-        kept: &mut Kept,
-        scratch: &mut Workspace,
-        corners: &mut Corners,
+        (constants, dt): (&Constants, T),
+        kept: &mut Kept<T>,
+        scratch: &mut Workspace<T>,
+        corners: &mut Corners<T>,
         control: &mut C,
     ) {
-        let shear43 = 4.0 / 3.0 * constants.shear;
-        let modulus = constants.bulk + shear43;
-        let pressing = modulus / constants.bulk;
-        let [linear, quadratic] = constants.bulk_viscosity;
+        let [shear43, modulus] = wave::<T>(constants);
+        let pressing = modulus / T::of(constants.bulk);
+        let [linear, quadratic] = constants.bulk_viscosity.map(T::of);
         let quadratic2 = quadratic * quadratic;
-        let stiffness = dt * UNIT * constants.hourglass.stiffness * constants.shear;
-        let viscosity2 = 2.0 * constants.hourglass.viscosity;
-        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let block = scratch.block;
+        let (zero, half, two, four, unit) = (T::ZERO, T::of(0.5), T::of(2.0), T::of(4.0), T::of(UNIT));
+        let stiffness = dt * unit * T::of(constants.hourglass.stiffness) * T::of(constants.shear);
+        let viscosity2 = T::of(2.0 * constants.hourglass.viscosity);
+        let per_dt = if dt > zero { T::ONE / dt } else { zero };
+        // The unit of forces is that of areas.
+        let against = T::of(-scratch.length * scratch.length);
+        let (slow, block) = (T::of(SLOW), scratch.block);
         // Values of their own: a number of the scratch memory read in the loop could be one that the loop writes, and would keep
         // it from becoming one of vectors.
         let cap = scratch.cap;
         // Without an increment behind, the velocities say how fast the volume changes.
-        let starts = V::EOS && per_dt == 0.0;
+        let starts = V::EOS && per_dt == zero;
         let shocks = V::EOS && !V::TOTAL;
-        let directed = if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 };
+        let directed = T::of(if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 });
         self.measure_now::<V, AREA>(constants, scratch);
         for l in 0..LANES {
             let modulus = if V::EOS { scratch.bulk[l] + shear43 } else { modulus };
@@ -473,32 +530,32 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let mut period = g.volume * inverse_root;
             if AREA {
                 // Of the section alone: the ring would show in what is spherical.
-                period = g.volume / (modulus * UNIT * square * inverse_mass[0] * g.volume).sqrt();
+                period = g.volume / (modulus * unit * square * inverse_mass[0] * g.volume).root();
             }
             let dilation = scratch.strain[0][l] + scratch.strain[1][l] + scratch.strain[2][l];
             let mut dilation_rate = dilation * per_dt;
             if starts {
                 dilation_rate = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
             }
-            let compression = if dilation_rate < 0.0 { dilation_rate } else { 0.0 };
-            let mut fraction = linear - quadratic2 * 2.0 * period * compression;
-            let mut sided = [0.0; 4];
+            let compression = if dilation_rate < zero { dilation_rate } else { zero };
+            let mut fraction = linear - quadratic2 * two * period * compression;
+            let mut sided = [zero; 4];
             if shocks {
                 let rates = if starts {
-                    let shear = 0.5 * (dot3(g.z, along_r) + dot3(g.r, along_z));
+                    let shear = half * (dot3(g.z, along_r) + dot3(g.r, along_z));
                     [dot3(g.r, along_r), dot3(g.z, along_z), shear].map(|sum| sum / g.volume)
                 } else {
                     [0, 1, 3].map(|i: usize| scratch.strain[i][l] * per_dt)
                 };
                 // The section is a quarter of the hoop operators' first part.
-                let length = 0.5 * (0.25 * g.hoop[0] * (self.mass[l] * all)).sqrt() / g.volume;
+                let length = half * (T::of(0.25) * g.hoop[0] * (self.mass[l] * all)).root() / g.volume;
                 let squeezed = principal_compression(rates, -compression);
-                fraction = length * (linear + quadratic2 * length * 2.0 * period * squeezed);
-                let viscosity = if dilation_rate < 0.0 { directed * modulus * period * fraction } else { 0.0 };
+                fraction = length * (linear + quadratic2 * length * two * period * squeezed);
+                let viscosity = if dilation_rate < zero { directed * modulus * period * fraction } else { zero };
                 sided = by_direction(rates, dilation_rate, viscosity);
             }
-            let damping = 2.0 * modulus * period * dilation_rate * fraction;
-            let work = scratch.volume[l] * 0.5 * (kept.viscous[l] + damping) * dilation;
+            let damping = two * modulus * period * dilation_rate * fraction;
+            let work = scratch.volume[l] * half * (kept.viscous[l] + damping) * dilation;
             scratch.sums.viscous[l] += work;
             if V::EOS {
                 scratch.heat[l] = work - scratch.heat[l];
@@ -508,14 +565,14 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             // may return to the yield surface with the stress.
             let shape = now.pattern(l).map(|part| per * part);
             let (q_r, q_z) = (dot3(shape, along_r), dot3(shape, along_z));
-            let (mut f_r, mut f_z) = (0.0, 0.0);
+            let (mut f_r, mut f_z) = (zero, zero);
             if C::ENHANCED {
                 control.see(l, &Lane { g: &g, per, shape, rate: [q_r, q_z], v_r: [v0, v1, v2, v3], squares: all });
             } else {
                 // The mass that the pattern moves, a sixteenth of a square's, vanishes as an element folds: no more stiffness
                 // than that the pattern stays slow beside the strains, and a fraction of what is critical at their frequency.
                 let moved = root * (g.volume * (inverse * (root * g.volume)));
-                let (wanted, most) = (stiffness * (4.0 * square) * per, SLOW * dt * omega * moved);
+                let (wanted, most) = (stiffness * (four * square) * per, slow * dt * omega * moved);
                 let spring = if wanted < most { wanted } else { most };
                 let dashpot = viscosity2 * moved;
                 let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
@@ -524,20 +581,20 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 kept.hourglass[0][l] = new_r;
                 kept.hourglass[1][l] = new_z;
                 let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
-                let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
+                let power = q_r * (half * (old_r + new_r) + drag_r) + q_z * (half * (old_z + new_z) + drag_z);
                 scratch.sums.artificial[l] += dt * scratch.weight[l] * power;
                 (f_r, f_z) = (new_r + drag_r, new_z + drag_z);
             }
             // What viscosity does by direction is heat by the compatible energy.
             let viscous = if shocks { [0, 1, 2].map(|i: usize| damping + sided[i]) } else { [damping; 3] };
-            let s_rr = UNIT * (self.stress[0][l] + viscous[0]);
-            let s_zz = UNIT * (self.stress[1][l] + viscous[1]);
-            let s_hoop = UNIT * (self.stress[2][l] + viscous[2]);
-            let s_rz = UNIT * if shocks { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
+            let s_rr = unit * (self.stress[0][l] + viscous[0]);
+            let s_zz = unit * (self.stress[1][l] + viscous[1]);
+            let s_hoop = unit * (self.stress[2][l] + viscous[2]);
+            let s_rz = unit * if shocks { self.stress[3][l] + sided[3] } else { self.stress[3][l] };
             // Weighted by area the equation of motion itself is integrated over the section, its terms with 1/r included; the
             // ring is put back node by node (area.rs).
-            let flat = if AREA { 1.0 / (4.0 * UNIT * scratch.r[0][l]) } else { 1.0 };
-            let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, 0.0) };
+            let flat = if AREA { T::ONE / (four * unit * scratch.r[0][l]) } else { T::ONE };
+            let (hoop_r, hoop_z) = if AREA { (s_hoop - s_rr, -s_rz) } else { (s_hoop, zero) };
             let stressed_r = |i: usize| s_rr * g.r[i] + s_rz * g.z[i];
             let stressed_z = |i: usize| s_zz * g.z[i] + s_rz * g.r[i];
             let along_r = at_corners([
@@ -553,20 +610,20 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 stressed_z(2) + f_z * shape[2],
             ]);
             for i in 0..4 {
-                let (force_r, force_z) = (-along_r[i], -along_z[i]);
+                let [force_r, force_z] = [along_r[i], along_z[i]].map(|f| if T::SINGLE { against * f } else { -f });
                 corners.0[i][l] = if AREA { [flat * force_r, flat * force_z] } else { [force_r, force_z] };
             }
             // With damping 1/dt = omega/2 (sqrt(1 + xi^2) + xi) (the same section), in which 1 + xi^2/2 stands for the
             // root, never below it.
             // A mode of the whole: bulk viscosity is no more than 2 xi/omega times its stiffness to uniform pressure.
             let share = cap * period;
-            let capped = share < 1.0;
+            let capped = share < T::ONE;
             let xi = if capped { fraction * share * pressing } else { fraction };
             // In a cold gas, where xi has no bound, the root itself.
-            let damped = if V::EOS { xi + (1.0 + xi * xi).sqrt() } else { damped(xi) };
+            let damped = if V::EOS { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
             let highest = if capped { cap } else { omega };
             // Two over the increment in which the element would lose or gain as much of its volume as it may.
-            let (stable, changing) = (highest * damped, dilation_rate.abs() * (2.0 / CHANGE));
+            let (stable, changing) = (highest * damped, dilation_rate.size() * T::of(2.0 / CHANGE));
             if V::EOS {
                 scratch.own_rate[l] = stable;
             }
@@ -580,22 +637,29 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
     }
 }
 
-impl Workspace {
+/// What the moduli of a wave are made of: 4/3 of the shear modulus, and with the bulk modulus.
+fn wave<T: Real>(constants: &Constants) -> [T; 2] {
+    let shear43 = 4.0 / 3.0 * constants.shear;
+    [shear43, constants.bulk + shear43].map(T::of)
+}
+
+impl<T: Real> Workspace<T> {
     /// Where the corners are and how they move, and the velocity gradient in the middle of the increment, times the volume there:
     /// `strain` is rr, zz, hoop and the sum of rz and zr, `spin` half their difference times the increment. The division behind both
     /// ends the loop, so that the lanes behind need not wait for it.
     #[inline(always)]
-    fn velocity_gradient<const AREA: bool>(&mut self, dt: f64, nodes: &Nodes) {
-        let half = 0.5 * dt;
+    fn velocity_gradient<const AREA: bool>(&mut self, dt: T, nodes: &Nodes<T>) {
+        let half = T::of(0.5) * dt;
+        let per_length = T::of(1.0 / self.length);
         for l in 0..LANES {
-            let [r, z, v_r, v_z] = [0, 1, 2, 3].map(|component| sums(nodes.of(l, component)));
+            let [r, z, v_r, v_z] = nodes.sums(l, per_length);
             for i in 0..4 {
                 self.r[i][l] = r[i];
                 self.z[i][l] = z[i];
                 self.v_r[i][l] = v_r[i];
                 self.v_z[i][l] = v_z[i];
             }
-            let middle = |x: [f64; 4], v: [f64; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
+            let middle = |x: [T; 4], v: [T; 4]| [0, 1, 2, 3].map(|i| x[i] - half * v[i]);
             let g = Operators::of::<AREA>(middle(r, v_r), middle(z, v_z));
             let (along_r, along_z) = ([v_r[1], v_r[2], v_r[3]], [v_z[1], v_z[2], v_z[3]]);
             let (rz, zr) = (dot3(g.z, along_r), dot3(g.r, along_z));
@@ -611,35 +675,36 @@ impl Workspace {
     }
 
     /// Scratch memory of a task of so many blocks whose frequencies are not capped, with room for what its elements keep of
-    /// hourglass control and bulk viscosity.
-    pub fn new(constants: &Constants, blocks: usize) -> Self {
+    /// hourglass control and bulk viscosity, in units of a length.
+    pub fn new(constants: &Constants, length: f64, blocks: usize) -> Self {
         let stiff = constants.hourglass.stiffness != 0.0;
         let enhanced = constants.hourglass.enhanced != 0.0;
         let viscous = constants.bulk_viscosity != [0.0; 2];
         Workspace {
-            cap: f64::INFINITY,
-            hourglass: if stiff { vec![[[0.0; LANES]; 2]; blocks] } else { Vec::new() },
+            cap: T::of(f64::INFINITY),
+            length,
+            hourglass: if stiff { vec![[[T::ZERO; LANES]; 2]; blocks] } else { Vec::new() },
             enhanced: if enhanced { vec![Assumed::default(); blocks] } else { Vec::new() },
-            viscous: if viscous { vec![[0.0; LANES]; blocks] } else { Vec::new() },
+            viscous: if viscous { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() },
             ..Workspace::default()
         }
     }
 
     /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<[Lanes; 2]>() * self.hourglass.capacity()
+        size_of::<[Lanes<T>; 2]>() * self.hourglass.capacity()
             + size_of::<Assumed>() * self.enhanced.capacity()
-            + size_of::<Lanes>() * self.viscous.capacity()
+            + size_of::<Lanes<T>>() * self.viscous.capacity()
             + size_of::<Subzones>() * self.subzones.capacity()
             + size_of::<Record>() * self.records.capacity()
             + size_of::<Eroded>() * self.eroded.capacity()
-            + size_of::<Lanes>() * self.own_rates.capacity()
+            + size_of::<Lanes<T>>() * self.own_rates.capacity()
     }
 
     /// Makes room for elements of so many blocks that are deleted from outside, and for their rates where they are kept.
     pub(super) fn make_erodible(&mut self, blocks: usize, rates: bool) {
         self.eroded = vec![Eroded::default(); blocks];
-        self.own_rates = if rates { vec![[0.0; LANES]; blocks] } else { Vec::new() };
+        self.own_rates = if rates { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() };
     }
 
     /// Keeps the rates of the block at hand, where anything asks for them.
@@ -652,32 +717,32 @@ impl Workspace {
 
     /// A lane whose element is not there weighs nothing.
     pub(super) fn mask(&mut self, lane: usize) {
-        self.weight[lane] = 0.0;
+        self.weight[lane] = T::ZERO;
     }
 
     /// Number of the block at hand; a float, as the sums keep it.
-    pub(super) fn number(&self) -> f64 {
+    pub(super) fn number(&self) -> T {
         self.block
     }
 
     /// Whether a lane counts.
     pub(super) fn weighs(&self, lane: usize) -> bool {
-        self.weight[lane] > 0.0
+        self.weight[lane] > T::ZERO
     }
 
     /// What the block at hand keeps; zero where nothing is kept.
     #[inline(always)]
-    pub(super) fn kept(&self) -> Kept {
+    pub(super) fn kept(&self) -> Kept<T> {
         Kept {
             hourglass: self.hourglass.get(self.at).copied().unwrap_or_default(),
             viscous: self.viscous.get(self.at).copied().unwrap_or_default(),
-            returned: [1.0; LANES],
+            returned: [T::ONE; LANES],
         }
     }
 
     /// Keeps it until the next increment.
     #[inline(always)]
-    pub(super) fn keep(&mut self, kept: Kept) {
+    pub(super) fn keep(&mut self, kept: Kept<T>) {
         if let Some(place) = self.hourglass.get_mut(self.at) {
             *place = kept.hourglass;
         }
@@ -686,16 +751,9 @@ impl Workspace {
         }
     }
 
-    /// Part of the elastic trial's von Mises stress that a law left whose flow is not known: 1 but for rounding is 1.
-    pub(super) fn returned(&self, stress: [f64; 4], l: usize) -> f64 {
-        let (left, trial) = (mises(stress), mises(column(&self.deviator, l)));
-        let part = left / trial;
-        if part < 1.0 - 1e-12 { part } else { 1.0 }
-    }
-
     /// Sums of the pass, and what deformed in it.
-    pub(super) fn parts(&self) -> (&Sums, &[Lanes; 2]) {
-        (&self.sums, &self.deformed)
+    pub(super) fn parts(&self) -> (Sums, [Lanes; 2]) {
+        (self.sums.wide(self.length), self.deformed.map(|list| list.map(T::wide)))
     }
 
     /// Begins a pass under a bound of frequencies.
@@ -703,7 +761,7 @@ impl Workspace {
     pub(super) fn begin(&mut self, cap: f64) {
         self.sums = Sums::default();
         self.deaths = 0;
-        (self.cap, self.deformed) = (cap, [[0.0; LANES]; 2]);
+        (self.cap, self.deformed) = (T::of(cap * self.length), [[T::ZERO; LANES]; 2]);
     }
 
     /// Lets the record of a block of the task follow an increment.
@@ -711,13 +769,13 @@ impl Workspace {
     pub(super) fn follow<S, Q, X>(
         &mut self,
         index: usize,
-        block: &Block<S, Q, X>,
+        block: &Block<S, Q, X, T>,
         flows: Flows,
-        nodes: &Nodes,
+        spins: &Lanes,
         dt: f64,
     ) {
         let mut record = self.records[index];
-        record.follow(block, flows, nodes, dt, self);
+        record.follow(block, flows, spins, dt, self);
         self.records[index] = record;
     }
 
@@ -726,7 +784,7 @@ impl Workspace {
     pub(super) fn measure(&mut self) {
         for l in 0..LANES {
             let [rr, zz, hoop, rz] = column(&self.strain, l);
-            let square = self.weight[l] * ((rr * rr + zz * zz) + (hoop * hoop + 2.0 * rz * rz));
+            let square = self.weight[l] * ((rr * rr + zz * zz) + (hoop * hoop + T::of(2.0) * rz * rz));
             let dilation = self.weight[l] * (rr + zz + hoop);
             self.deformed[0][l] = larger(square, self.deformed[0][l]);
             self.deformed[1][l] = larger(dilation * dilation, self.deformed[1][l]);
@@ -737,14 +795,39 @@ impl Workspace {
     /// others weigh nothing.
     #[inline(always)]
     pub fn prepare(&mut self, block: usize, at: usize, count: usize) {
-        self.block = block as f64;
+        self.block = T::of(block as f64);
         self.at = at;
         self.count = count.min(LANES);
-        self.weight = [1.0; LANES];
+        self.weight = [T::ONE; LANES];
         if count < LANES {
-            self.weight[count..].fill(0.0);
+            self.weight[count..].fill(T::ZERO);
             // Laws are asked for lanes with elements only: what another block left would stay.
-            self.flow[count..].fill(0.0);
+            self.flow[count..].fill(T::ZERO);
+        }
+    }
+}
+
+impl Workspace {
+    /// Part of the elastic trial's von Mises stress that a law left whose flow is not known: 1 but for rounding is 1.
+    pub(super) fn returned(&self, stress: [f64; 4], l: usize) -> f64 {
+        let (left, trial) = (mises(stress), mises(column(&self.deviator, l)));
+        let part = left / trial;
+        if part < 1.0 - 1e-12 { part } else { 1.0 }
+    }
+}
+
+impl<T: Real> Sums<T> {
+    /// The same in double precision and in the units of the scene, of numbers in units of a length.
+    fn wide(&self, length: f64) -> Sums {
+        let volume = length * length * length;
+        let energies = |list: &Lanes<T>| list.map(|x| volume * x.wide());
+        Sums {
+            internal: energies(&self.internal),
+            plastic: energies(&self.plastic),
+            viscous: energies(&self.viscous),
+            artificial: energies(&self.artificial),
+            rate: self.rate.map(|x| x.wide() / length),
+            limiting: self.limiting.map(T::wide),
         }
     }
 }
@@ -766,15 +849,15 @@ impl Sums {
 
 /// The larger of two; the second where one is not a number.
 #[inline(always)]
-pub(super) fn larger(a: f64, b: f64) -> f64 {
+pub(super) fn larger<T: Real>(a: T, b: T) -> T {
     if a > b { a } else { b }
 }
 
 /// Whether a rate takes the place of the largest so far. Not a number counts as the largest, and the first stays: it must
 /// be found.
 #[inline(always)]
-pub fn is_larger(rate: f64, largest: f64) -> bool {
-    (rate > largest) | (rate.is_nan() & !largest.is_nan())
+pub fn is_larger<T: Real>(rate: T, largest: T) -> bool {
+    (rate > largest) | (rate.is_none() & !largest.is_none())
 }
 
 /// Sum over lanes, always in the same order.
@@ -790,21 +873,21 @@ pub fn across(list: &Lanes) -> f64 {
     sums[0]
 }
 
-impl<S: Persist, Q: Persist, X: Persist> Persist for Block<S, Q, X> {
+impl<S: Persist, Q: Persist, X: Persist, T: Persist> Persist for Block<S, Q, X, T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Block { nodes: _, stress, mass, inverse_mass, state, volumetric, failure } = self;
         persist_fields!(archive; stress, mass, inverse_mass, state, volumetric, failure);
     }
 }
 
-impl Persist for Sums {
+impl<T: Persist> Persist for Sums<T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Sums { internal, plastic, viscous, artificial, rate, limiting } = self;
         persist_fields!(archive; internal, plastic, viscous, artificial, rate, limiting);
     }
 }
 
-impl Persist for Workspace {
+impl<T: Persist> Persist for Workspace<T> {
     /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Workspace { sums, records, hourglass, enhanced, viscous, subzones, eroded, own_rates, .. } = self;

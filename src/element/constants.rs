@@ -1,6 +1,7 @@
 //! Numbers that all elements of a group share, and what follows from them for one linear element.
 //! Never here: state.
 
+use crate::kernel::real::Real;
 use crate::kernel::{assumed, quad};
 
 /// The largest fraction of its volume by which an element may change over one increment at the rate at which it does: the
@@ -42,8 +43,8 @@ pub struct HourglassControl {
 /// By how much a fraction of critical damping shortens the stable increment: 1 + xi + xi^2/2, never below
 /// sqrt(1 + xi^2) + xi (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
 #[inline(always)]
-pub(super) fn damped(xi: f64) -> f64 {
-    1.0 + xi * (1.0 + 0.5 * xi)
+pub(super) fn damped<T: Real>(xi: T) -> T {
+    T::ONE + xi * (T::ONE + T::of(0.5) * xi)
 }
 
 impl Constants {

@@ -6,38 +6,39 @@
 use crate::kernel::assumed::{hoop, ring};
 use crate::kernel::lanes::{Lanes, column, dot};
 use crate::kernel::quad::Operators;
+use crate::kernel::real::Real;
 
 /// What resists the patterns of a block's elements.
-pub(super) trait Control {
+pub(super) trait Control<T: Real = f64> {
     /// Whether it is assumed strains instead of a spring of the pattern.
     const ENHANCED: bool;
 
     /// Takes a lane as the corner forces of the uniform stress have found it.
-    fn see(&mut self, l: usize, lane: &Lane<'_>);
+    fn see(&mut self, l: usize, lane: &Lane<'_, T>);
 }
 
 /// The spring and the dashpot of the pattern.
 pub(super) struct Spring;
 
-impl Control for Spring {
+impl<T: Real> Control<T> for Spring {
     const ENHANCED: bool = false;
 
     #[inline(always)]
-    fn see(&mut self, _l: usize, _lane: &Lane<'_>) {}
+    fn see(&mut self, _l: usize, _lane: &Lane<'_, T>) {}
 }
 
 /// A lane as the corner forces of the uniform stress have found it.
-pub(super) struct Lane<'a> {
-    pub g: &'a Operators,
+pub(super) struct Lane<'a, T = f64> {
+    pub g: &'a Operators<T>,
     /// One over the volume.
-    pub per: f64,
+    pub per: T,
     /// The hourglass pattern by base vectors, and its products with the velocities along r and z.
-    pub shape: [f64; 3],
-    pub rate: [f64; 2],
+    pub shape: [T; 3],
+    pub rate: [T; 2],
     /// Sums of the velocities along r.
-    pub v_r: [f64; 4],
+    pub v_r: [T; 4],
     /// Sum of the squares of all operators over the masses of the corners.
-    pub squares: f64,
+    pub squares: T,
 }
 
 /// What stresses of assumed strains take from there, so that nothing is reckoned twice.

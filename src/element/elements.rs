@@ -16,7 +16,8 @@ use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::removed::Removed;
 use super::rings::Rings;
-use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::lanes::LANES;
+use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::Gather;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
 use crate::state::dofs::Dofs;
@@ -62,7 +63,7 @@ pub struct Elements {
     pub removed: Option<Box<Removed>>,
     /// Masses without scaling; `None` unless the deck scales masses.
     pub(super) masses: Option<Box<Masses>>,
-    corners: Vec<Corners>,
+    corners: CornerForces,
     gather: Gather,
     awake: ActiveNodes,
     /// Whether the strains of the increment behind are still to come.
@@ -88,10 +89,10 @@ impl Elements {
         let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
         let mut elements = Elements {
             awake: ActiveNodes::new(nodes, &groups),
+            // One block more, which stays zero.
+            corners: CornerForces::new(blocks + 1, groups.iter().all(|g| g.is_single())),
             groups,
             ids,
-            // One block more, which stays zero.
-            corners: vec![Corners::default(); blocks + 1],
             gather,
             pending: true,
             ..Elements::default()
@@ -187,7 +188,7 @@ impl Elements {
         for (i, group) in self.groups.iter_mut().enumerate() {
             let clock = seconds.as_ref().map(|_| std::time::Instant::now());
             let blocks = group.len().div_ceil(LANES);
-            let corners = &mut self.corners[first..first + blocks];
+            let corners = self.corners.slots(first..first + blocks);
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
             let before = Accelerated { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half };
@@ -281,7 +282,7 @@ impl Elements {
     /// Force of one element on one of its corners.
     pub fn corner_force(&self, group: usize, element: usize, corner: usize) -> [f64; 2] {
         let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
-        let force = self.corners[before + element / LANES].0[corner][element % LANES];
+        let force = self.corners.of(before * LANES + element, corner);
         let node = self.groups[group].corners(element)[corner] as usize;
         self.rings.as_ref().map_or(force, |rings| force.map(|f| rings.factors[node] * f))
     }
@@ -289,7 +290,7 @@ impl Elements {
     /// An element no longer pulls at its corners.
     pub(super) fn clear_corners(&mut self, group: usize, element: usize) {
         let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
-        self.corners[before + element / LANES].clear(element % LANES);
+        self.corners.clear(before * LANES + element);
     }
 
     /// Sum of the corner forces of one node.
@@ -335,7 +336,7 @@ impl Elements {
     /// Bytes that belong to no single group: corner forces, and the way from corners to nodes.
     pub fn bytes_of_gather(&self) -> usize {
         let gone = size_of::<[u32; 4]>() * self.gone.0.capacity();
-        size_of::<Corners>() * self.corners.capacity() + self.gather.bytes() + self.awake.bytes() + gone
+        self.corners.bytes() + self.gather.bytes() + self.awake.bytes() + gone
     }
 }
 
@@ -406,6 +407,6 @@ impl Persist for Elements {
         archive.mark("groups");
         persist_all(groups, archive);
         // Of elements that are quiescent they are zero, but zeros have signs, which reach the accelerations.
-        corners.as_mut_slice().persist(archive);
+        corners.persist(archive);
     }
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
 use crate::element::constants::{Constants, damped};
+use crate::element::numbers::{Behind, Forces, Lawful, Numbers, widen};
 use crate::element::quiescent::Quiescence;
 use crate::element::record::{Flows, Followed, Record};
 use crate::element::subzonal::Subzones;
@@ -15,9 +16,11 @@ use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad;
+use crate::kernel::real::Real;
 use crate::material::failure::{Failure, Initiation};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
+use crate::mesh::corner_forces::Slots;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
@@ -158,6 +161,10 @@ pub trait ElementGroup: Persist + Send + Sync {
     fn is_solid(&self) -> bool {
         true
     }
+    /// Whether its numbers are in single precision.
+    fn is_single(&self) -> bool {
+        false
+    }
     /// Uses another instruction set from now on; the bits stay the same. What calls the user's routine has none.
     fn use_arch(&mut self, _arch: Arch) {}
     /// Bytes that the elements occupy.
@@ -181,7 +188,7 @@ pub struct Pass<'a> {
     /// The user's routines that are asked at points, where there are some.
     pub user: AtPoints<'a>,
     /// Where the corner forces of the group's blocks go.
-    pub corners: &'a mut [Corners],
+    pub corners: Slots<'a>,
     /// What the volumetric strain increments lack to be averaged ones, block by block; `None` where each element has its own.
     pub lacking: Option<&'a [Lanes]>,
 }
@@ -195,13 +202,18 @@ impl Clone for Box<dyn ElementGroup> {
 /// Elements of a group from which on it pays to wake other threads every increment.
 pub(super) const PARALLEL: usize = 1000;
 
-/// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area.
-pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false> {
+/// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area, in double precision or
+/// in single.
+pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false, T: Numbers = f64> {
     laws: Arc<(H, V, F)>,
     constants: Constants,
     count: usize,
-    blocks: Vec<Block<H::State, V::State, F::State>>,
-    tasks: Vec<Workspace>,
+    blocks: Vec<Lawful<H, V, F, T>>,
+    tasks: Vec<Workspace<T>>,
+    /// Unit of lengths and times of both.
+    length: f64,
+    /// Speed of sound to a power of two, beside which velocities are rounded; 0 in double precision.
+    sound: f64,
     arch: Arch,
     /// Elements whose deletion has been told.
     told: Vec<bool>,
@@ -217,7 +229,7 @@ impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quads<H, V, F, AREA, T> {
     /// The same on another instruction set, which gives the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -242,17 +254,19 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
         elements: &[[u32; 4]],
         nodes: &[Node],
     ) -> Self {
+        let length = T::length(extremes(elements, nodes));
         let fresh = |part: &[_]| {
             let [area, volume] = sizes(part, nodes);
             let states = (hardening.fresh(), volumetric.fresh(), failure.fresh(&area, &volume));
-            let mut block = block(states, density, part, nodes);
+            let mut block = block(states, (density, length), part, nodes);
             for (l, corners) in part.iter().enumerate() {
                 let [a, b, c, d] = corners.map(|n| nodes[n as usize].place());
                 let middle = [0, 1].map(|i| 0.25 * ((a[i] + b[i]) + (c[i] + d[i])));
                 volumetric.place(&mut block.volumetric, l, middle, area[l].sqrt());
             }
             if AREA {
-                block.inverse_mass = [block.mass.map(|mass| 16.0 / mass), [0.0; LANES], [0.0; LANES], [0.0; LANES]];
+                block.inverse_mass =
+                    [block.mass.map(|mass| T::of(16.0) / mass), [T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]];
             }
             block
         };
@@ -261,8 +275,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
             laws: Arc::new((hardening, volumetric, failure)),
             constants,
             count: elements.len(),
-            tasks: blocks.chunks(TASK).map(|part| Workspace::new(&constants, part.len())).collect(),
+            tasks: blocks.chunks(TASK).map(|part| Workspace::new(&constants, length, part.len())).collect(),
             blocks,
+            length,
+            sound: T::sound((constants.bulk + 4.0 / 3.0 * constants.shear) / density),
             arch: Arch::new(),
             quiescence: Quiescence::of_tasks(elements),
             told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
@@ -271,7 +287,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Clone for Quads<H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Clone for Quads<H, V, F, AREA, T> {
     fn clone(&self) -> Self {
         Quads {
             laws: Arc::clone(&self.laws),
@@ -279,6 +295,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Clone for Quads<
             count: self.count,
             blocks: self.blocks.clone(),
             tasks: self.tasks.clone(),
+            length: self.length,
+            sound: self.sound,
             arch: self.arch,
             told: self.told.clone(),
             quiescence: self.quiescence.clone(),
@@ -287,11 +305,16 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Clone for Quads<
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quads<H, V, F, AREA, T> {
     /// What is followed of an element; `None` if nothing is.
     fn followed(&self, element: usize) -> Option<Followed> {
         let block = element / LANES;
         Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
+    }
+
+    /// Unit of energies and masses of the blocks.
+    fn unit(&self) -> f64 {
+        self.length * self.length * self.length
     }
 
     /// Whether an element was deleted from outside.
@@ -302,7 +325,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, A
 }
 
 #[cfg(test)]
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Quads<H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quads<H, V, F, AREA, T> {
     /// Lets no task become quiescent, by counting a node that never rests.
     pub fn keep_awake(&mut self, node: u32) {
         self.quiescence.iter_mut().for_each(|resting| resting.nodes.push(node));
@@ -321,18 +344,25 @@ fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
     sizes
 }
 
-/// A block of at most eight elements at rest.
-pub(super) fn block<S, Q, X>(
+/// The least and the largest volume of elements.
+fn extremes(elements: &[[u32; 4]], nodes: &[Node]) -> [f64; 2] {
+    let volumes = elements.iter().map(|corners| quad::volume(corners.map(|n| nodes[n as usize].place())));
+    volumes.fold([f64::INFINITY, 0.0], |[least, largest], volume| [least.min(volume), largest.max(volume)])
+}
+
+/// A block of at most eight elements at rest, in units of a length.
+pub(super) fn block<S, Q, X, T: Real>(
     (state, volumetric, failure): (S, Q, X),
-    density: f64,
+    (density, length): (f64, f64),
     elements: &[[u32; 4]],
     nodes: &[Node],
-) -> Block<S, Q, X> {
+) -> Block<S, Q, X, T> {
+    let unit = length * length * length;
     let mut block = Block {
         nodes: [[0; LANES]; 4],
-        stress: [[0.0; LANES]; 4],
-        mass: [0.0; LANES],
-        inverse_mass: [[0.0; LANES]; 4],
+        stress: [[T::ZERO; LANES]; 4],
+        mass: [T::ZERO; LANES],
+        inverse_mass: [[T::ZERO; LANES]; 4],
         state,
         volumetric,
         failure,
@@ -344,14 +374,14 @@ pub(super) fn block<S, Q, X>(
         let inverse_mass = quad::sums(quad::corner_masses(corners, density).map(|mass| 1.0 / mass));
         for i in 0..4 {
             block.nodes[i][l] = element[i];
-            block.inverse_mass[i][l] = inverse_mass[i];
+            block.inverse_mass[i][l] = T::of(unit * inverse_mass[i]);
         }
-        block.mass[l] = density * quad::volume(corners);
+        block.mass[l] = T::of(density * quad::volume(corners) / unit);
     }
     block
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for Quads<H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> ElementGroup for Quads<H, V, F, AREA, T> {
     fn len(&self) -> usize {
         self.count
     }
@@ -363,7 +393,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     fn bound(&self, element: usize, nodes: &[Node]) -> f64 {
         let (block, lane) = (element / LANES, element % LANES);
         if V::EOS && !V::FLOWS {
-            return self.tasks[block / TASK].own_rates.get(block % TASK).map_or(0.0, |rates| 0.5 * rates[lane]);
+            return self.tasks[block / TASK].own_rates.get(block % TASK).map_or(0.0, |rates| 0.5 * rates[lane].wide());
         }
         let corners = self.corners(element).map(|n| nodes[n as usize].place());
         self.constants.own_rate(corners, &self.corner_masses(element))
@@ -386,6 +416,10 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
         }
     }
 
+    fn is_single(&self) -> bool {
+        T::SINGLE
+    }
+
     fn update(&mut self, pass: Pass<'_>) -> Totals {
         let Pass { nodes, dt, before, now, threads, corners, lacking, .. } = pass;
         let pass = Common {
@@ -393,46 +427,50 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             constants: &self.constants,
             count: self.count,
             nodes,
-            dt,
-            before,
+            behind: Behind { dt, before },
+            sound: self.sound,
             time: now.total_time,
             cap: self.cap,
             lacking,
         };
         let arch = self.arch;
         let run = |index,
-                   blocks: &mut [Block<_, _, _>],
-                   corners: &mut [Corners],
-                   scratch: &mut _,
+                   blocks: &mut [Lawful<H, V, F, T>],
+                   mut corners: Forces<'_, T>,
+                   scratch: &mut Workspace<T>,
                    resting: &mut Quiescence| {
             if resting.quiescent && lacking.is_none() && resting.is_still(nodes) {
                 return;
             }
-            arch.dispatch(Task::<_, _, _, AREA> {
-                pass: &pass,
-                index,
-                blocks: &mut *blocks,
-                corners: &mut *corners,
-                scratch,
-            });
+            let task =
+                Task::<H, V, F, AREA, T> { pass: &pass, index, blocks: &mut *blocks, corners: &mut corners, scratch };
+            arch.dispatch(task);
             // Without an increment behind nothing has been added to the sums, so they hold while the task is quiescent. The
             // pressure of an equation of state is not in the state looked at here.
-            let zero = |list: &[f64]| list.iter().all(|x| *x == 0.0);
             resting.quiescent = dt == 0.0
                 && lacking.is_none()
                 && !V::EOS
-                && corners.iter().all(|c| zero(c.0.as_flattened().as_flattened()))
-                && blocks.iter().all(|b| zero(b.stress.as_flattened()))
+                && corners.are_zero()
+                && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == T::ZERO))
                 && resting.is_still(nodes);
         };
         if !threads || self.count < PARALLEL {
-            let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK));
-            let parts = parts.zip(self.tasks.iter_mut().zip(&mut self.quiescence)).enumerate();
-            parts.for_each(|(i, ((blocks, corners), (own, resting)))| run(i, blocks, corners, own, resting));
+            let parts = self.blocks.chunks_mut(TASK).zip(self.tasks.iter_mut().zip(&mut self.quiescence)).enumerate();
+            let each = |((i, (blocks, (own, resting))), corners)| run(i, blocks, corners, own, resting);
+            match T::forces(corners) {
+                Forces::Own(list) => parts.zip(list.chunks_mut(TASK).map(Forces::Own)).for_each(each),
+                Forces::Wider(list) => parts.zip(list.chunks_mut(TASK).map(Forces::Wider)).for_each(each),
+            }
         } else {
-            let parts = self.blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK));
-            let parts = parts.zip(self.tasks.par_iter_mut().zip(&mut self.quiescence)).enumerate();
-            parts.for_each(|(i, ((blocks, corners), (own, resting)))| run(i, blocks, corners, own, resting));
+            let parts = self.tasks.par_iter_mut().zip(&mut self.quiescence);
+            let parts = self.blocks.par_chunks_mut(TASK).zip(parts).enumerate();
+            let each = |((i, (blocks, (own, resting))), corners): ((_, (&mut [_], (&mut _, &mut _))), _)| {
+                run(i, blocks, corners, own, resting);
+            };
+            match T::forces(corners) {
+                Forces::Own(list) => parts.zip(list.par_chunks_mut(TASK).map(Forces::Own)).for_each(each),
+                Forces::Wider(list) => parts.zip(list.par_chunks_mut(TASK).map(Forces::Wider)).for_each(each),
+            }
         }
         let Constants { bulk, shear, bulk_viscosity: [linear, _], .. } = self.constants;
         let xi = linear * (bulk + 4.0 / 3.0 * shear) / bulk;
@@ -460,7 +498,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     fn value(&self, element: usize, part: Part) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         match part.variable {
-            Variable::Stress => Some(block.stress.get(part.component)?[lane]),
+            Variable::Stress => Some(block.stress.get(part.component)?[lane].wide()),
             Variable::PlasticStrain if V::FLOWS => self.laws.1.plastic_strain(&block.volumetric, lane),
             Variable::PlasticStrain => H::PLASTIC.then(|| self.laws.0.plastic_strain(&block.state, lane)),
             Variable::Degradation => self.laws.2.damage(&block.failure, lane),
@@ -473,7 +511,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
                 by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
             }
             Variable::SpecificEnergy => self.laws.1.energy(&block.volumetric, lane),
-            Variable::Mass => Some(block.mass[lane]),
+            Variable::Mass => Some(self.unit() * block.mass[lane].wide()),
             Variable::Status => {
                 let alive = self.laws.2.alive(&block.failure, lane).unwrap_or(true) && !self.is_eroded(element);
                 Some(f64::from(u8::from(alive)))
@@ -491,7 +529,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
         for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
-            list[lane] = value;
+            list[lane] = T::of(value);
         }
         if let Some(temperature) = temperature {
             self.laws.0.heat(&mut block.state, lane, temperature);
@@ -524,7 +562,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
             let (block, lane) = (&mut self.blocks[e / LANES], e % LANES);
             let share = self.laws.2.share(&block.failure, lane);
             let pressure = share * 3.0 * self.constants.bulk * strain;
-            block.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
+            block.stress[..3].iter_mut().for_each(|list| list[lane] = T::of(list[lane].wide() - pressure));
             let corners = [0, 1, 2, 3].map(|c| nodes[block.nodes[c][lane] as usize]);
             work += 0.5 * pressure * quad::volume_change::<AREA>(corners.map(|n| n.as_array()), dt);
         }
@@ -563,12 +601,13 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> ElementGroup for
     }
 
     fn corner_masses(&self, element: usize) -> [f64; 4] {
-        self.blocks[element / LANES].corner_masses(element % LANES)
+        self.blocks[element / LANES].corner_masses(element % LANES).map(|mass| self.unit() * mass)
     }
 
     fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
         // The increment that a quiescent task allows is no longer what it was.
         self.quiescence[element / (TASK * LANES)].quiescent = false;
+        let masses = masses.map(|mass| mass / self.unit());
         self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
     }
 
@@ -608,23 +647,26 @@ struct Common<'a, H, V, F> {
     constants: &'a Constants,
     count: usize,
     nodes: &'a [Node],
-    dt: f64,
-    before: Accelerated<'a>,
+    behind: Behind<'a>,
+    /// Speed of sound; 0 in double precision, where nothing asks for it.
+    sound: f64,
     time: f64,
     cap: f64,
     lacking: Option<&'a [Lanes]>,
 }
 
 /// The blocks that a thread takes at once.
-struct Task<'a, H: Hardening, V: Volumetric, F: Failure, const AREA: bool> {
+struct Task<'a, 'c, H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> {
     pass: &'a Common<'a, H, V, F>,
     index: usize,
-    blocks: &'a mut [Block<H::State, V::State, F::State>],
-    corners: &'a mut [Corners],
-    scratch: &'a mut Workspace,
+    blocks: &'a mut [Lawful<H, V, F, T>],
+    corners: &'a mut Forces<'c, T>,
+    scratch: &'a mut Workspace<T>,
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce for Task<'_, H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> NullaryFnOnce
+    for Task<'_, '_, H, V, F, AREA, T>
+{
     type Output = ();
 
     /// Inlined into a function of the machine's instruction set.
@@ -635,18 +677,26 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> NullaryFnOnce fo
         let laws = (&pass.laws.0, &pass.laws.1, &pass.laws.2);
         scratch.begin(pass.cap);
         let mut places = Nodes::default();
-        for (i, (block, corners)) in self.blocks.iter_mut().zip(self.corners).enumerate() {
+        let mut own = Corners::default();
+        for (i, block) in self.blocks.iter_mut().enumerate() {
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
-            places.collect(pass.nodes, &block.nodes);
+            places.collect(pass.nodes, &block.nodes, pass.sound);
             scratch.lacking = pass.lacking.map(|list| list[index]);
             if V::TIMED {
                 pass.laws.1.begin(&mut block.volumetric, pass.time);
             }
-            let increment = (pass.dt, pass.before);
-            block.update::<H, V, F, AREA>(laws, pass.constants, increment, &mut places, scratch, corners);
+            let corners = match self.corners {
+                Forces::Own(list) => &mut list[i],
+                Forces::Wider(_) => &mut own,
+            };
+            T::update::<H, V, F, AREA>(block, laws, pass.constants, &pass.behind, &mut places, scratch, corners);
+            if let Forces::Wider(list) = self.corners {
+                widen(&own, &mut list[i]);
+            }
             if !scratch.records.is_empty() {
-                scratch.follow(i, block, const { Flows::of::<H, V>() }, &places, pass.dt);
+                let spins = T::spins(&places, scratch, pass.behind.dt);
+                scratch.follow(i, block, const { Flows::of::<H, V>() }, &spins, pass.behind.dt);
             }
         }
     }
@@ -663,10 +713,7 @@ pub(super) fn tell_deleted(group: &impl ElementGroup, told: &mut [bool], gone: &
 }
 
 /// Folds what tasks came to in their order: their sums and what deformed; no rate of a task is larger than `most` says.
-pub(super) fn totals<'a>(
-    tasks: impl Iterator<Item = (&'a Sums, &'a [Lanes; 2])>,
-    most: impl Fn(usize) -> f64,
-) -> Totals {
+pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl Fn(usize) -> f64) -> Totals {
     let mut totals = Totals::default();
     let mut largest = 0.0;
     for (task, (sums, deformed)) in tasks.enumerate() {
@@ -689,9 +736,21 @@ pub(super) fn totals<'a>(
     totals
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool> Persist for Quads<H, V, F, AREA> {
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Persist for Quads<H, V, F, AREA, T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Quads { laws: _, constants: _, count: _, blocks, tasks, arch: _, told, quiescence, cap } = self;
+        let Quads {
+            laws: _,
+            constants: _,
+            count: _,
+            blocks,
+            tasks,
+            length: _,
+            sound: _,
+            arch: _,
+            told,
+            quiescence,
+            cap,
+        } = self;
         persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), told.as_mut_slice(), quiescence.as_mut_slice());
     }
 }
@@ -714,6 +773,7 @@ mod tests {
     use crate::material::failure::NoDamage;
     use crate::material::plasticity::Lines;
     use crate::material::volumetric::Linear;
+    use crate::mesh::corner_forces::Slots;
     use crate::state::Instant;
     use crate::state::nodes::Node;
     use crate::user::AtPoints;
@@ -752,7 +812,7 @@ mod tests {
                     now,
                     threads: false,
                     user: AtPoints::default(),
-                    corners: &mut corners,
+                    corners: Slots::Double(&mut corners),
                     lacking: None,
                 })
             });

@@ -25,6 +25,7 @@ pub mod lengths;
 pub mod mass_scaling;
 mod mean_stress;
 mod middle;
+pub mod numbers;
 pub mod pattern;
 pub mod points;
 pub mod predefined;

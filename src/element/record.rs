@@ -5,8 +5,9 @@
 use crate::element::block::{Block, Nodes, Workspace};
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::kernel::lanes::dot;
+use crate::kernel::lanes::{column, dot};
 use crate::kernel::quad::{Gradient, gradient};
+use crate::kernel::real::Real;
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress::mises;
 use crate::material::plasticity::Hardening;
@@ -97,34 +98,42 @@ pub(super) fn spin(nodes: &Nodes, lane: usize, dt: f64) -> f64 {
     0.5 * (per * dot(g.z, nodes.of(lane, 2)) - per * dot(g.r, nodes.of(lane, 3)))
 }
 
+/// The same of all lanes.
+pub(super) fn spins(nodes: &Nodes, dt: f64) -> Lanes {
+    std::array::from_fn(|l| spin(nodes, l, dt))
+}
+
 impl Record {
     /// Follows an increment, after the stress of its end is known.
-    pub(super) fn follow<S, Q, X>(
+    pub(super) fn follow<S, Q, X, T: Real>(
         &mut self,
-        block: &Block<S, Q, X>,
+        block: &Block<S, Q, X, T>,
         flows: Flows,
-        nodes: &Nodes,
+        spins: &Lanes,
         dt: f64,
-        scratch: &Workspace,
+        scratch: &Workspace<T>,
     ) {
+        let unit = scratch.length * scratch.length * scratch.length;
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         for l in 0..LANES {
-            let spin = spin(nodes, l, dt);
-            let turn = |x: &[Lanes; 4]| rotated([0, 1, 2, 3].map(|i| x[i][l]), spin);
+            let turn = |x: &[Lanes; 4]| rotated([0, 1, 2, 3].map(|i| x[i][l]), spins[l]);
             let (strain, mut plastic) = (turn(&self.strain), turn(&self.plastic));
-            let increment = [0, 1, 2, 3].map(|i| scratch.strain[i][l]);
-            let doubled = [0, 1, 2, 3].map(|i| increment[i] * (scratch.carried[i][l] + block.stress[i][l]));
-            self.work[0][l] += 0.5 * scratch.volume[l] * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
+            let [increment, carried, stress, deviator] =
+                [&scratch.strain, &scratch.carried, &block.stress, &scratch.deviator]
+                    .map(|x| column(x, l).map(T::wide));
+            let [volume, flow, trial] =
+                [unit * scratch.volume[l].wide(), scratch.flow[l].wide(), scratch.trial[l].wide()];
+            let doubled = [0, 1, 2, 3].map(|i| increment[i] * (carried[i] + stress[i]));
+            self.work[0][l] += 0.5 * volume * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
             if flows == Flows::Coupled {
-                plastic = [0, 1, 2, 3].map(|i| plastic[i] + scratch.back[i][l]);
-                self.work[1][l] += scratch.volume[l] * scratch.flow[l];
+                plastic = [0, 1, 2, 3].map(|i| plastic[i] + scratch.back[i][l].wide());
+                self.work[1][l] += volume * flow;
             }
-            if flows == Flows::Deviator && scratch.flow[l] > 0.0 {
+            if flows == Flows::Deviator && flow > 0.0 {
                 // Associated flow: 3/2 dp s/q, the direction of the trial.
-                let per = 1.5 * scratch.flow[l] / scratch.trial[l];
-                plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * scratch.deviator[i][l]);
-                let mises = mises([0, 1, 2, 3].map(|i| block.stress[i][l]));
-                self.work[1][l] += scratch.volume[l] * mises * scratch.flow[l];
+                let per = 1.5 * flow / trial;
+                plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * deviator[i]);
+                self.work[1][l] += volume * mises(stress) * flow;
             }
             for i in 0..4 {
                 self.strain[i][l] = strain[i] + increment[i];

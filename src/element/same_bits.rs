@@ -7,7 +7,6 @@ use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Pass, Quads};
 use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table};
 use crate::kernel::heating::Heating;
-use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
 use crate::material::eos::{Eos, IdealGas, Tabulated, UsUp};
 use crate::material::explosive::{Explosive, Jwl, Lit};
@@ -19,6 +18,7 @@ use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::strain_energy::{Compression, Ogden, Polynomial};
 use crate::material::volumetric::{Linear, Volumetric};
+use crate::mesh::corner_forces::CornerForces;
 use crate::state::Instant;
 use crate::state::nodes::{Accelerated, Node};
 use crate::user::AtPoints;
@@ -54,23 +54,37 @@ struct Came {
 }
 
 fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch, enhanced: f64) -> Came {
-    let constants = Constants {
+    let (nodes, elements) = (nodes(), elements());
+    let mut quads = Quads::new(laws, constants(enhanced), 2.0, &elements, &nodes).on(arch);
+    if V::EOS && !V::TOTAL {
+        quads = quads.with_subzones(&elements, &nodes);
+    }
+    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES), false))
+}
+
+/// The same in single precision, with corner forces of either.
+fn run_single<H: Hardening, F: Failure>(laws: (H, Linear, F), arch: Arch, single: bool) -> Came {
+    let (nodes, elements) = (nodes(), elements());
+    let quads = Quads::<_, _, _, false, f32>::weighted(laws, constants(0.0), 2.0, &elements, &nodes).on(arch);
+    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES), single))
+}
+
+fn constants(enhanced: f64) -> Constants {
+    Constants {
         bulk: 3.0,
         shear: 1.0,
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced },
         bulk_viscosity: [0.06, 1.2],
-    };
-    let (mut nodes, elements) = (nodes(), elements());
-    let mut quads = Quads::new(laws, constants, 2.0, &elements, &nodes).on(arch);
-    if V::EOS && !V::TOTAL {
-        quads = quads.with_subzones(&elements, &nodes);
     }
-    for e in 0..elements.len() {
+}
+
+fn moved(mut quads: impl ElementGroup, mut nodes: Vec<Node>, corners: &mut CornerForces) -> Came {
+    let (elements, blocks) = (quads.len(), quads.len().div_ceil(LANES));
+    for e in 0..elements {
         quads.set(e, None, Some(25.0 + e as f64));
         quads.set_energy(e, 1e-3 * (1 + e) as f64);
     }
     quads.follow();
-    let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
     let (mut bits, mut plastic) = (Vec::new(), 0.0);
     for _ in 0..20 {
         nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
@@ -81,16 +95,18 @@ fn run<H: Hardening, V: Volumetric, F: Failure>(laws: (H, V, F), arch: Arch, enh
             now: &Instant::default(),
             threads: false,
             user: AtPoints::default(),
-            corners: &mut corners,
+            corners: corners.slots(0..blocks),
             lacking: None,
         });
         plastic += totals.plastic;
         let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];
         assert!(sums.iter().all(|x| x.is_finite()) && totals.rate > 0.0, "{totals:?}");
-        bits.extend(corners.iter().flat_map(|c| c.0.as_flattened().as_flattened()).chain(&sums).map(|x| x.to_bits()));
+        let corners = &*corners;
+        let forces = (0..elements).flat_map(|e| (0..4).flat_map(move |c| corners.of(e, c)));
+        bits.extend(forces.chain(sums).map(f64::to_bits));
     }
     let mut deleted = 0;
-    for e in 0..elements.len() {
+    for e in 0..elements {
         deleted += usize::from(quads.is_deleted(e));
         let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
         bits.extend(held.map(f64::to_bits));
@@ -235,4 +251,39 @@ fn every_composition_of_laws_gives_the_same_bits_on_every_instruction_set() {
         kinematic: [Linear, gas(), us_up()] x [NoDamage];
         moving: [Linear, gas(), us_up()] x [NoDamage];
     }
+}
+
+/// What runs in single precision: the same bits on every instruction set, whatever the precision of the corner forces, and
+/// those of double precision to the digits that it has.
+fn agrees_in_single<H: Hardening, F: Failure>(name: &str, laws: impl Fn() -> (H, Linear, F)) {
+    let plain = run_single(laws(), Arch::Scalar, true);
+    assert_eq!((H::PLASTIC || F::FAILS, F::FAILS), (plain.plastic > 0.0, plain.deleted > 0), "{name}");
+    assert!(plain == run_single(laws(), Arch::Scalar, false), "{name}: wider corner forces");
+    #[cfg(target_arch = "x86_64")]
+    {
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            assert!(plain == run_single(laws(), Arch::V3(v3), true), "{name}: AVX2");
+        }
+        if let Some(v4) = pulp::x86::V4::try_new() {
+            assert!(plain == run_single(laws(), Arch::V4(v4), true), "{name}: AVX-512");
+        }
+    }
+    let double = run(laws(), Arch::Scalar, 0.0);
+    assert_eq!((plain.deleted, plain.bits.len()), (double.deleted, double.bits.len()), "{name}");
+    // Twenty increments: stresses of the trial near 1, each rounded to 6e-8 of it.
+    let largest = double.bits.iter().map(|b| f64::from_bits(*b).abs()).fold(0.0, f64::max);
+    for (a, b) in plain.bits.iter().zip(&double.bits).map(|(a, b)| (f64::from_bits(*a), f64::from_bits(*b))) {
+        assert!((a - b).abs() <= 1e-5 * b.abs() + 2e-7 * largest, "{name}: {a:e} {b:e}");
+    }
+}
+
+#[test]
+fn single_precision_gives_the_same_bits_on_every_instruction_set() {
+    agrees_in_single("elastic", || (elastic(), Linear, NoDamage));
+    agrees_in_single("elastic that tears", || (elastic(), Linear, tearing()));
+    agrees_in_single("lines", || (lines(), Linear, NoDamage));
+    agrees_in_single("Johnson-Cook", || (general(), Linear, NoDamage));
+    agrees_in_single("Johnson-Cook that fails", || (general(), Linear, failing()));
+    agrees_in_single("kinematic", || (kinematic(), Linear, NoDamage));
+    agrees_in_single("kinematic over rate", || (moving(), Linear, NoDamage));
 }

@@ -9,7 +9,7 @@ use crate::element::control::{Seen, Spring};
 use crate::element::enhanced::Routine;
 use crate::element::middle::Middle;
 use crate::element::points::{Points, Tells};
-use crate::element::record::{Flows, Followed, spin};
+use crate::element::record::{Flows, Followed, spin, spins};
 use crate::element::user_flow::{Returning, Under};
 use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes, column, dot};
@@ -55,7 +55,10 @@ pub(super) struct Scratch {
 impl Scratch {
     /// For so many chunks one after the other.
     pub fn new(constants: &Constants, turns: usize) -> Self {
-        Scratch { workspaces: vec![Workspace::new(constants, turns); BLOCKS], nodes: vec![Nodes::default(); BLOCKS] }
+        Scratch {
+            workspaces: vec![Workspace::new(constants, 1.0, turns); BLOCKS],
+            nodes: vec![Nodes::default(); BLOCKS],
+        }
     }
 
     /// Bytes of it.
@@ -89,7 +92,7 @@ pub(super) struct Place {
 impl Chunk {
     /// Elements by their corner nodes, at their places now, with the user's numbers.
     pub fn new(description: &Description, elements: &[[u32; 4]], nodes: &[Node], numbers: Vec<i32>) -> Self {
-        let fresh = |part: &[[u32; 4]]| block(((), (), ()), description.density, part, nodes);
+        let fresh = |part: &[[u32; 4]]| block(((), (), ()), (description.density, 1.0), part, nodes);
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         Chunk {
             points: Points::new(description, elements, numbers),
@@ -109,10 +112,10 @@ impl Chunk {
             let (workspace, corners) = (&mut scratch.workspaces[s], &mut scratch.nodes[s]);
             workspace.begin(common.cap);
             workspace.prepare(first + s, place.turn, common.count - (first + s) * LANES);
-            corners.collect(common.nodes, &block.nodes);
+            corners.collect(common.nodes, &block.nodes, 0.0);
             for l in 0..LANES {
                 if self.deleted.get(s * LANES + l).copied().unwrap_or(true) {
-                    corners.mask(l, 1.0);
+                    corners.mask(l, 1.0, 1.0);
                     workspace.mask(l);
                 }
             }
@@ -245,7 +248,7 @@ impl Chunk {
             }
             if !workspace.records.is_empty() {
                 let flows = if flows { Flows::Deviator } else { Flows::Not };
-                workspace.follow(place.turn, block, flows, &scratch.nodes[s], common.dt);
+                workspace.follow(place.turn, block, flows, &spins(&scratch.nodes[s], common.dt), common.dt);
             }
         }
     }
@@ -341,8 +344,8 @@ impl Tally {
     /// Adds what a block of the next chunk came to.
     pub fn add(&mut self, work: &Workspace) {
         let (sums, deformed) = work.parts();
-        self.sums.add(sums);
-        for (most, list) in self.deformed.iter_mut().zip(deformed) {
+        self.sums.add(&sums);
+        for (most, list) in self.deformed.iter_mut().zip(&deformed) {
             most.iter_mut().zip(list).for_each(|(most, x)| *most = larger(*x, *most));
         }
     }
@@ -359,8 +362,8 @@ impl Tally {
     }
 
     /// As [`Workspace::parts`].
-    pub fn parts(&self) -> (&Sums, &[Lanes; 2]) {
-        (&self.sums, &self.deformed)
+    pub fn parts(&self) -> (Sums, [Lanes; 2]) {
+        (self.sums, self.deformed)
     }
 }
 

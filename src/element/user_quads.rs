@@ -99,7 +99,8 @@ impl UserQuads {
     }
 
     fn pass(&mut self, pass: Pass<'_>) -> Result<(), Failed> {
-        let Pass { nodes, dt, before: _, now, threads, mut user, corners, lacking: _ } = pass;
+        let Pass { nodes, dt, before: _, now, threads, mut user, mut corners, lacking: _ } = pass;
+        let corners = corners.double();
         let UserQuads { description, constants, count, chunks, scratch, returning, tallies, cap, .. } = self;
         let common = &Common { description, constants, count: *count, nodes, dt, cap: *cap };
         let (threads, batch) = (threads && *count >= PARALLEL, scratch.len());

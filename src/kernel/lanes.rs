@@ -1,29 +1,43 @@
 //! Numbers side by side: the width in which inner loops are written, so that compilers make vectors of them.
 //! Never here: what the numbers mean.
 
+use super::real::Real;
+
 /// Elements side by side in the inner loop.
 pub const LANES: usize = 16;
 
 /// One number of each element of a block.
-pub type Lanes = [f64; LANES];
+pub type Lanes<T = f64> = [T; LANES];
 
 /// Forces `[r, z]` of a block's elements on their corners, corner by corner. Like all that the inner loop touches it begins with
 /// a cache line.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
-pub struct Corners(pub [[[f64; 2]; LANES]; 4]);
+pub struct Corners<T = f64>(pub [[[T; 2]; LANES]; 4]);
 
-impl Corners {
+impl<T: Real> Corners<T> {
     /// An element that no longer pulls at its corners.
     #[inline(always)]
     pub fn clear(&mut self, lane: usize) {
-        self.0.iter_mut().for_each(|corner| corner[lane] = [0.0; 2]);
+        self.0.iter_mut().for_each(|corner| corner[lane] = [T::ZERO; 2]);
     }
+}
+
+/// The same numbers in double precision.
+#[inline(always)]
+pub fn wide<T: Real>(list: &Lanes<T>) -> Lanes {
+    list.map(T::wide)
+}
+
+/// The nearest numbers of another precision.
+#[inline(always)]
+pub fn near<T: Real>(list: &Lanes) -> Lanes<T> {
+    list.map(T::of)
 }
 
 /// The numbers of one element in lists of four.
 #[inline(always)]
-pub fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
+pub fn column<T: Real>(list: &[Lanes<T>; 4], l: usize) -> [T; 4] {
     [list[0][l], list[1][l], list[2][l], list[3][l]]
 }
 

@@ -15,6 +15,7 @@ pub mod levels;
 pub mod plane_stress;
 pub mod profile;
 pub mod quad;
+pub mod real;
 pub mod return_mapping;
 pub mod rotation;
 pub mod shell;

@@ -7,6 +7,8 @@
 
 use std::f64::consts::PI;
 
+use super::real::Real;
+
 /// Factor of all integrals in [`Operators`] and [`Gradient`]: most uses are ratios, in which it drops out.
 pub const UNIT: f64 = PI / 8.0;
 
@@ -14,7 +16,7 @@ pub const UNIT: f64 = PI / 8.0;
 /// direction of the square that the corners are mapped from, along the second, and the hourglass pattern (Flanagan and
 /// Belytschko 1981, eq. 6). Formed from differences, so that what is common to all corners costs no digits of the last three.
 #[inline(always)]
-pub fn sums(x: [f64; 4]) -> [f64; 4] {
+pub fn sums<T: Real>(x: [T; 4]) -> [T; 4] {
     let (below, above) = (x[1] - x[0], x[2] - x[3]);
     let (left, right) = (x[3] - x[0], x[2] - x[1]);
     [(x[0] + x[1]) + (x[2] + x[3]), below + above, left + right, above - below]
@@ -22,7 +24,7 @@ pub fn sums(x: [f64; 4]) -> [f64; 4] {
 
 /// Values at the corners by their parts in the four base vectors.
 #[inline(always)]
-pub fn at_corners([all, first, second, pattern]: [f64; 4]) -> [f64; 4] {
+pub fn at_corners<T: Real>([all, first, second, pattern]: [T; 4]) -> [T; 4] {
     let (even, odd) = (all + pattern, all - pattern);
     let (both, apart) = (first + second, first - second);
     [even - both, odd + apart, even + both, odd - apart]
@@ -31,35 +33,35 @@ pub fn at_corners([all, first, second, pattern]: [f64; 4]) -> [f64; 4] {
 /// Gradient operators of a quadrilateral by base vectors: of values with the [`sums`] s the integral of the derivative along r
 /// is r . s\[1..4\], along z z . s\[1..4\], and of the value over r it is hoop . s\[0..3\]. In the unit [`UNIT`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Operators {
+pub struct Operators<T = f64> {
     /// Parts of int dN_I/dr dV in Lambda_1, Lambda_2 and Gamma, length^2.
-    pub r: [f64; 3],
+    pub r: [T; 3],
     /// Parts of int dN_I/dz dV, length^2.
-    pub z: [f64; 3],
+    pub z: [T; 3],
     /// Parts of int N_I/r dV in Sigma, Lambda_1 and Lambda_2, length^2.
-    pub hoop: [f64; 3],
+    pub hoop: [T; 3],
     /// Volume, length^3.
-    pub volume: f64,
+    pub volume: T,
 }
 
-impl Operators {
+impl<T: Real> Operators<T> {
     /// By the [`sums`] of r and z, weighted by volume or by area. By volume they are the derivatives of the volume of the ring, the
     /// hoop part taken off along r. Area weighting (Goudreau and Hallquist 1982, Comput. Meth. Appl. Mech. Eng. 33, 725) has the
     /// gradients in the middle of the plane section times 2 pi times the radius there, so that ratios to the volume are those of
     /// the plane.
     #[inline(always)]
-    pub fn of<const AREA: bool>(r: [f64; 4], z: [f64; 4]) -> Operators {
+    pub fn of<const AREA: bool>(r: [T; 4], z: [T; 4]) -> Self {
         let section = r[1] * z[2] - r[2] * z[1];
         let (r_first, r_second) = ([r[0] * z[2], -(r[0] * z[1])], [-(r[0] * r[2]), r[0] * r[1]]);
         if AREA {
             return Operators {
-                r: [r_first[0], r_first[1], 0.0],
-                z: [r_second[0], r_second[1], 0.0],
-                hoop: [section, 0.0, 0.0],
+                r: [r_first[0], r_first[1], T::ZERO],
+                z: [r_second[0], r_second[1], T::ZERO],
+                hoop: [section, T::ZERO, T::ZERO],
                 volume: r[0] * section,
             };
         }
-        let [_, r1, r2, r3] = r.map(|x| x * (1.0 / 3.0));
+        let [_, r1, r2, r3] = r.map(|x| x * T::of(1.0 / 3.0));
         let (first, second) = (r1 * z[3], r2 * z[3]);
         let hoop = [section, first - r3 * z[1], r3 * z[2] - second];
         Operators {
@@ -73,11 +75,13 @@ impl Operators {
     /// The hourglass pattern, free of linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45), times the volume: its parts in
     /// Lambda_1, Lambda_2 and Gamma, by the last of the [`sums`] of r and of z.
     #[inline(always)]
-    pub fn pattern(&self, [r, z]: [f64; 2]) -> [f64; 3] {
+    pub fn pattern(&self, [r, z]: [T; 2]) -> [T; 3] {
         let linear = |i: usize| r * self.r[i] + z * self.z[i];
         [-linear(0), -linear(1), self.volume - linear(2)]
     }
+}
 
+impl Operators {
     /// The operators of each corner.
     #[inline(always)]
     pub fn gradient(&self) -> Gradient {
@@ -93,21 +97,21 @@ impl Operators {
 
 /// Sum of the products of three and three numbers, in this order.
 #[inline(always)]
-pub fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub fn dot3<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
 /// Sum over the corners of a weight, by its [`sums`], times the squares of what has these lists of parts in the base vectors.
 #[inline(always)]
-pub fn squares<const N: usize>(lists: &[[f64; 4]; N], weight: [f64; 4]) -> f64 {
-    let mut sums = [0.0; 4];
+pub fn squares<T: Real, const N: usize>(lists: &[[T; 4]; N], weight: [T; 4]) -> T {
+    let mut sums = [T::ZERO; 4];
     for [d, a, b, c] in *lists {
         sums[0] += (d * d + a * a) + (b * b + c * c);
         sums[1] += d * a + b * c;
         sums[2] += d * b + a * c;
         sums[3] += d * c + a * b;
     }
-    sums[0] * weight[0] + 2.0 * ((sums[1] * weight[1] + sums[2] * weight[2]) + sums[3] * weight[3])
+    sums[0] * weight[0] + T::of(2.0) * ((sums[1] * weight[1] + sums[2] * weight[2]) + sums[3] * weight[3])
 }
 
 /// Integrals over the volume of an element, a full ring, in the unit [`UNIT`].

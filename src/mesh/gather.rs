@@ -1,7 +1,9 @@
 //! From corners of elements to nodes: which corner forces act on which node, in fixed order, so that sums have the same bits on
 //! any number of threads. Never here: arithmetic of elements.
 
+use super::corner_forces::CornerForces;
 use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::real::Real;
 
 /// Corner slots that most nodes of a mesh of quadrilaterals have at most.
 const SLOTS: usize = 4;
@@ -39,7 +41,7 @@ impl Gather {
     }
 
     /// Sum of the corner forces of one node.
-    pub fn one(&self, node: usize, corners: &[Corners]) -> [f64; 2] {
+    pub fn one(&self, node: usize, corners: &CornerForces) -> [f64; 2] {
         let mut force = [[0.0; 2]];
         self.sum(node, corners, &mut force);
         force[0]
@@ -47,10 +49,18 @@ impl Gather {
 
     /// Sums of the corner forces of nodes from `first` on.
     #[inline(always)]
-    pub fn sum(&self, first: usize, corners: &[Corners], forces: &mut [[f64; 2]]) {
+    pub fn sum(&self, first: usize, corners: &CornerForces, forces: &mut [[f64; 2]]) {
+        match corners {
+            CornerForces::Double(list) => self.add_up(first, list, forces),
+            CornerForces::Single(list) => self.add_up(first, list, forces),
+        }
+    }
+
+    #[inline(always)]
+    fn add_up<T: Real>(&self, first: usize, corners: &[Corners<T>], forces: &mut [[f64; 2]]) {
         let pair = |slot: u32| {
             let (block, at) = (slot as usize / (4 * LANES), slot as usize % (4 * LANES));
-            corners[block].0.as_flattened()[at]
+            corners[block].0.as_flattened()[at].map(T::wide)
         };
         let last = first + forces.len();
         for (force, slots) in forces.iter_mut().zip(&self.slots[first..last]) {

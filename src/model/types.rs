@@ -1,6 +1,7 @@
 //! The model: a deck with all names resolved and nothing decided. Validated data, each piece with the span that asked for it.
 //! Never here: arrays for solving, decisions about effects.
 
+use std::str::FromStr;
 use std::sync::Arc;
 
 use std::collections::HashMap;
@@ -94,10 +95,49 @@ pub struct Model {
     pub initial_conditions: Vec<InitialCondition>,
     /// `*TARGET` stacks.
     pub targets: Vec<Target>,
+    /// Precision of what can be in either.
+    pub precision: Precision,
     /// Steps; each lists everything in force in it (propagation and OP=NEW already worked out).
     pub steps: Vec<Step>,
     /// Cards that were read but change nothing in this deck: keyword, span, why.
     pub inert: Vec<Inert>,
+}
+
+/// Precision of the numbers of elements. Nodes, sums and energies are in double precision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 53 bits.
+    #[default]
+    Double,
+    /// 24 bits, of elements that have it; faster.
+    Single,
+}
+
+/// A word that names no precision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("double and single there are")]
+pub struct UnknownPrecision;
+
+impl FromStr for Precision {
+    type Err = UnknownPrecision;
+
+    fn from_str(text: &str) -> Result<Self, UnknownPrecision> {
+        match text {
+            "double" => Ok(Precision::Double),
+            "single" => Ok(Precision::Single),
+            _ => Err(UnknownPrecision),
+        }
+    }
+}
+
+impl Precision {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Precision::Double => "double",
+            Precision::Single => "single",
+        }
+    }
 }
 
 /// Nodes and elements.

@@ -31,6 +31,8 @@ pub struct Identity {
     pub mesh: String,
     /// The user's routines; empty without any.
     pub user: String,
+    /// Precision that was asked for.
+    pub precision: String,
 }
 
 /// What a file holds.
@@ -60,8 +62,8 @@ pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
 
 impl Persist for Identity {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Identity { deck, parameters, mesh, user } = self;
-        persist_fields!(archive; deck, parameters, mesh, user);
+        let Identity { deck, parameters, mesh, user, precision } = self;
+        persist_fields!(archive; deck, parameters, mesh, user, precision);
     }
 }
 
@@ -128,9 +130,9 @@ impl Checkpoint {
     /// Whether it is a state of this job.
     ///
     /// # Errors
-    /// K003 to K005: what is another.
+    /// K003 to K005 and K010: what is another.
     pub fn accept(&self, identity: &Identity) -> Result<(), Diagnostic> {
-        let Identity { deck, parameters, mesh, user } = &self.identity;
+        let Identity { deck, parameters, mesh, user, precision } = &self.identity;
         let refused = |code, what: String| {
             Err(Diagnostic::error(code, what).help("run without --resume to start anew, or give what the run had"))
         };
@@ -154,6 +156,13 @@ impl Checkpoint {
                 _ => "sources, flags or compiler have changed",
             };
             return refused("K005", format!("the checkpoint is of a run with other routines of the user: {why}"));
+        }
+        if *precision != identity.precision {
+            let what = format!(
+                "the checkpoint is of a run in {precision} precision, and this one is in {}",
+                identity.precision
+            );
+            return refused("K010", what);
         }
         Ok(())
     }
@@ -216,5 +225,6 @@ mod tests {
         assert_eq!(super::differences("a = 1.0, b = 2.0", "a = 1.0, b = 3.0"), "b = 2.0 there, b = 3.0 here");
         assert_eq!(super::differences("", "b = 3.0"), "nothing there, b = 3.0 here");
         assert_eq!(code(Identity { user: "u".into(), ..identity.clone() }), "K005");
+        assert_eq!(code(Identity { precision: "single".into(), ..identity.clone() }), "K010");
     }
 }

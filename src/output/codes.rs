@@ -51,6 +51,11 @@ pub const CODES: &[Code] = &[
         text: "SAVE, COMMON, modules and static variables of user routines are kept in a checkpoint and given back, as far as they mean the same in another process. What does not: an address (an ALLOCATABLE or POINTER with SAVE, memory of malloc, a FILE), a variable of which each thread has its own, a file that is open, a thread that still runs, the seed of random_number. The message names what was found. `--resume-anyway` goes on: where only a file, a thread or a seed is lost, the variables are as they were, else as in a new run; vexternaldb is called with lOp = 0 and kInc above 0, and can open and read what it needs.",
     },
     Code {
+        code: "K010",
+        title: "checkpoint of another precision",
+        text: "The run went in double precision and is to go on in single, or the other way round. Give the `--precision` that it had.",
+    },
+    Code {
         code: "K101",
         title: "no checkpoint",
         text: "`--resume` found no `<job>.checkpoint` in the folder of the results, and the run starts at its beginning. A checkpoint is written if the deck has *RESTART, WRITE, with `--checkpoint-every`, and when SIGINT or SIGTERM ends a run; it is removed when the run is complete.",

@@ -237,6 +237,11 @@ pub const CODES: &[Code] = &[
         text: "What deforms meets a surface with gaps weighted over its faces. A rounding of a rigid surface within one face is seen as a corner, and late by up to a third of the face.",
     },
     Code {
+        code: "P119",
+        title: "nothing is in single precision",
+        text: "`--precision single` is of solid elements with *ELASTIC, which may flow, heat and fail. What has an equation of state, rubber, foam, routines of the user, shells, HOURGLASS=ENHANCED and WEIGHTING=AREA stay in double precision, and rigid bodies have no other; beside elements in single precision the ledger lists those that stay.",
+    },
+    Code {
         code: "R201",
         title: "the user's routine failed",
         text: "It returned an error, ended the analysis (STOP, xplb_exit), or gave a value that is not a finite number. The message names what it was called for, step, increment and time; the last good state is in the last frame.",

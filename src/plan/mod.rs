@@ -28,6 +28,7 @@ mod outputs;
 mod overlaps;
 mod penalty;
 mod pieces;
+mod precision;
 mod shells;
 mod soft_material;
 mod solid;
@@ -53,7 +54,8 @@ use crate::heat::Thermal;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
-    EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model, SurfaceContact,
+    EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model, Precision,
+    SurfaceContact,
 };
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
@@ -97,6 +99,8 @@ pub struct Plan {
     /// Whether elements may give energy that no load has given them: gases, explosives, stress at the start, temperatures,
     /// moduli that change, routines of the user.
     pub stores_energy: bool,
+    /// Precision that was asked for.
+    pub precision: Precision,
 }
 
 /// Rows of the ledger for what no card asks for by name.
@@ -250,6 +254,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.tell_overlaps();
     compiler.list_inert();
     compiler.doubts(&state);
+    compiler.tell_precision(&state);
     compiler.events_row();
     compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
@@ -277,6 +282,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         rows,
         labels,
         stores_energy,
+        precision: model.precision,
     };
     bytes::book(&mut plan, &state);
     (plan, state, diagnostics)

@@ -52,6 +52,7 @@ impl<'a> Compiler<'a> {
     ) -> Option<Group> {
         let model = self.model;
         let material = &model.materials[section.material];
+        self.stays_double(section.span, elements.len(), "shells");
         let section_of_group = self.shell(section, material, elements.len())?;
         let corners = |&e: &usize| {
             let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);

@@ -1,12 +1,15 @@
 //! Materials of deformable bodies: which laws a group of elements is made of.
 //! Never here: nodes, loads, arithmetic of elements.
 
+use std::marker::PhantomData;
+
 use super::Compiler;
 use super::solid::add_masses;
 use super::user_material::asks_at_points;
 use crate::deck::{Diagnostic, Span};
 use crate::element::constants::{Constants, HourglassControl};
 use crate::element::group::{ElementGroup, Quads};
+use crate::element::numbers::Numbers;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature};
 use crate::kernel::heating::Heating;
 use crate::kernel::levels::Levels;
@@ -47,7 +50,7 @@ pub(super) enum Equation {
 
 /// What every group needs beside its laws.
 #[derive(Clone, Copy)]
-pub(super) struct Make<'a, const AREA: bool> {
+pub(super) struct Make<'a, const AREA: bool, T = f64> {
     constants: Constants,
     density: f64,
     corners: &'a [[u32; 4]],
@@ -60,9 +63,11 @@ pub(super) struct Make<'a, const AREA: bool> {
     kept: bool,
     /// Whether quarters of elements push back.
     subzonal: bool,
+    /// Of which numbers.
+    numbers: PhantomData<T>,
 }
 
-impl<'a, const AREA: bool> Make<'a, AREA> {
+impl<'a, const AREA: bool, T: Numbers> Make<'a, AREA, T> {
     pub(super) fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
         self.failing(hardening, volumetric, NoDamage)
     }
@@ -75,14 +80,14 @@ impl<'a, const AREA: bool> Make<'a, AREA> {
     ) -> Box<dyn ElementGroup> {
         let laws = (hardening, volumetric, failure);
         let Make { constants, density, corners, nodes, subzonal, .. } = self;
-        let quads = Quads::<_, _, _, AREA>::weighted(laws, constants, density, corners, nodes);
+        let quads = Quads::<_, _, _, AREA, T>::weighted(laws, constants, density, corners, nodes);
         Box::new(if subzonal { quads.with_subzones(corners, nodes) } else { quads })
     }
 
-    /// The same, weighted by area.
-    fn by_area(self) -> Make<'a, true> {
-        let Make { constants, density, corners, nodes, heats, spared, kept, subzonal } = self;
-        Make { constants, density, corners, nodes, heats, spared, kept, subzonal }
+    /// The same with other weights and numbers.
+    fn turned<const BY_AREA: bool, U>(self) -> Make<'a, BY_AREA, U> {
+        let Make { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: _ } = self;
+        Make { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: PhantomData }
     }
 }
 
@@ -116,9 +121,13 @@ impl Compiler<'_> {
         self.solid_rows(section, elements.len(), &constants, (material, heats));
         let (spared, kept) = self.spared(section, material);
         let subzonal = self.subzonal(section, material, elements.len())?;
-        let make = Make::<false> { constants, density, corners, nodes, heats, spared, kept, subzonal };
+        let make =
+            Make::<false> { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: PhantomData };
+        if self.is_single(section, material, &constants) {
+            return self.with_volumetric(material, section.span, Linear, make.turned::<false, f32>());
+        }
         if self.is_by_area(section) {
-            return self.by_area(section, material, make.by_area());
+            return self.by_area(section, material, make.turned());
         }
         if let Some(rubber) = &material.hyperelastic {
             return Some(self.rubber(rubber, make));
@@ -221,12 +230,12 @@ impl Compiler<'_> {
     }
 
     /// The group of a volumetric law, with the yield stress of the material.
-    fn with_volumetric<V: Volumetric, const AREA: bool>(
+    fn with_volumetric<V: Volumetric, const AREA: bool, T: Numbers>(
         &mut self,
         material: &Material,
         span: Span,
         volumetric: V,
-        make: Make<'_, AREA>,
+        make: Make<'_, AREA, T>,
     ) -> Option<Box<dyn ElementGroup>> {
         let heating = if make.heats { heating(material, make.density) } else { Heating::None };
         let failing =

@@ -51,6 +51,7 @@ impl Compiler<'_> {
             None => self.user_flow(section, material)?,
         };
         let density = material.density?;
+        self.stays_double(section.span, elements.len(), "routines of the user");
         self.ask_fields(section, material)?;
         let takes_lengths = material.user.is_some() || material.fields.is_some();
         self.asks_lengths(section, material, takes_lengths)?;

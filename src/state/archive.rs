@@ -149,7 +149,7 @@ macro_rules! numbers {
         }
     )*};
 }
-numbers!(f64, u64, u32, i32, u8);
+numbers!(f64, f32, u64, u32, i32, u8);
 
 impl Persist for usize {
     #[inline]

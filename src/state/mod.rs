@@ -113,7 +113,7 @@ pub fn direction(value: f64) -> f64 {
     f64::from(i8::from(value > 0.0) - i8::from(value < 0.0))
 }
 
-impl Persist for Corners {
+impl<T: Persist> Persist for Corners<T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         self.0.persist(archive);
     }

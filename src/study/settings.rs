@@ -4,10 +4,12 @@
 use super::StudyError;
 use super::grid::Grid;
 use crate::deck::names::nearest;
-use crate::model::{Hourglass, IncrementControl, Load, LoadKind, LoadVelocity, Model, SectionControls, Step};
+use crate::model::{
+    Hourglass, IncrementControl, Load, LoadKind, LoadVelocity, Model, Precision, SectionControls, Step,
+};
 
 /// Names of the knobs.
-pub const KNOBS: [&str; 4] = ["increment", "load-velocity", "hourglass", "estimate"];
+pub const KNOBS: [&str; 5] = ["increment", "load-velocity", "hourglass", "estimate", "precision"];
 
 /// What an axis of a study changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,6 +24,8 @@ pub enum Knob {
     Hourglass,
     /// Stable increment element by element or by the global estimate.
     Estimate,
+    /// Precision of elements.
+    Precision,
 }
 
 /// One `--refine`.
@@ -101,6 +105,7 @@ fn knob(name: &str, parameters: &[String]) -> Result<Knob, String> {
         "load-velocity" => Ok(Knob::LoadVelocity),
         "hourglass" => Ok(Knob::Hourglass),
         "estimate" => Ok(Knob::Estimate),
+        "precision" => Ok(Knob::Precision),
         _ => Err(unknown(name, parameters)),
     }
 }
@@ -148,6 +153,7 @@ pub(super) fn edit(knob: &Knob, value: &str) -> Result<Option<Edit>, String> {
         Knob::LoadVelocity => load_velocity(value).map(Some),
         Knob::Hourglass => hourglass(value).map(Some),
         Knob::Estimate => stable_estimate(value).map(Some),
+        Knob::Precision => precision(value).map(Some),
     }
 }
 
@@ -298,6 +304,17 @@ fn stable_estimate(value: &str) -> Result<Edit, String> {
                 *element_by_element = each;
             }
         }
+        Ok(())
+    }))
+}
+
+fn precision(value: &str) -> Result<Edit, String> {
+    let precision: Precision = value.parse().map_err(|known| format!("--refine precision={value}: {known}"))?;
+    Ok(Box::new(move |model| {
+        if !deforms(model) {
+            return refuse("--refine precision: nothing here deforms");
+        }
+        model.precision = precision;
         Ok(())
     }))
 }

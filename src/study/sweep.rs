@@ -11,6 +11,7 @@ use super::compare::{Reference, rms};
 use super::grid::Grid;
 use super::quantity::{Quantity, Recorder};
 use crate::job;
+use crate::model::Precision;
 use crate::output::Job;
 use crate::user::compile::Compiled;
 
@@ -25,21 +26,22 @@ pub struct Results {
     pub doubts: Vec<Vec<String>>,
 }
 
-/// Runs every combination. The results do not depend on the number of threads: runs share nothing, and the user's
+/// Runs every combination of a deck, with elements in a precision. The results do not depend on the number of threads: runs share nothing, and the user's
 /// routines start afresh in each.
 ///
 /// ```
+/// use revolve::model::Precision;
 /// use revolve::study::{StudyError, grid::Grid, quantity::Quantity, sweep};
 ///
 /// let grid = Grid::parse(&["V=569,781".into()])?;
 /// let depth = Quantity::parse("-1000*final(U2@REF)")?;
-/// let results = sweep::run("input/ogive.inp".as_ref(), &grid, &[depth], None, &|| {});
+/// let results = sweep::run(("input/ogive.inp".as_ref(), Precision::Double), &grid, &[depth], None, &|| {});
 /// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
 /// assert!(depths[1][0] > depths[0][0]); // The faster one goes deeper.
 /// # Ok::<(), StudyError>(())
 /// ```
 pub fn run(
-    deck: &Path,
+    deck: (&Path, Precision),
     grid: &Grid,
     quantities: &[Quantity],
     user: Option<&Compiled>,
@@ -50,7 +52,7 @@ pub fn run(
 
 /// The same; with a job, summary and histories of each run are written in a folder of its own beside it.
 pub fn run_keeping(
-    deck: &Path,
+    deck: (&Path, Precision),
     grid: &Grid,
     quantities: &[Quantity],
     user: Option<&Compiled>,
@@ -79,14 +81,14 @@ pub fn run_keeping(
 
 /// One run: the quantities and what is to be known of them, or the first thing that was wrong.
 fn one(
-    deck: &Path,
+    (deck, precision): (&Path, Precision),
     overrides: &job::Overrides,
     quantities: &[Quantity],
     user: Option<&Compiled>,
     kept: Option<&Job>,
 ) -> Result<(Vec<f64>, Vec<String>), StudyError> {
     let routines = Compiled::open_any(user)?;
-    let prepared = job::prepare(deck, overrides, &routines);
+    let prepared = job::prepare_in(precision, deck, overrides, &routines);
     if prepared.diagnostics.has_errors() {
         return Err(StudyError::refused(&prepared));
     }

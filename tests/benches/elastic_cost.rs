@@ -4,9 +4,10 @@
 use std::time::Instant as Stopwatch;
 
 use revolve::internals::constants::{Constants, HourglassControl};
+use revolve::internals::corner_forces::CornerForces;
 use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Pass, Quads};
-use revolve::internals::lanes::{Corners, LANES};
+use revolve::internals::lanes::LANES;
 use revolve::internals::nodes::Node;
 use revolve::internals::volumetric::Linear;
 use revolve::solve::Instant;
@@ -17,7 +18,7 @@ use crate::common::routines::Bare;
 use crate::common::solid::{grid, material};
 
 /// Nanoseconds an element of one pass, the best of some.
-fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], best: &mut f64) {
+fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut CornerForces, best: &mut f64) {
     let begin = Stopwatch::now();
     for _ in 0..4 {
         group.update(Pass {
@@ -27,7 +28,7 @@ fn pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut [Corners], b
             now: &Instant::default(),
             threads: false,
             user: AtPoints::default(),
-            corners,
+            corners: corners.slots(0..group.len().div_ceil(LANES)),
             lacking: None,
         });
     }
@@ -58,7 +59,7 @@ pub fn run() {
         bulk_viscosity: [0.06, 1.2],
     };
     let mut bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, nodes);
-    let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
+    let mut corners = CornerForces::new(elements.len().div_ceil(LANES), false);
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
     for _ in 0..150 {
         pass(&mut *elastic.elements.groups[0], nodes, &mut corners, &mut deck);

@@ -11,7 +11,9 @@ pub mod spheres;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use revolve::deck;
 use revolve::job::{self, Overrides, Prepared};
+use revolve::model::Precision;
 use revolve::output::{Frame, Job};
 use revolve::solve::{self, Outcome, Sink, SinkError};
 use revolve::user::Routines;
@@ -84,6 +86,23 @@ pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> P
     let prepared = job::prepare_text("test.inp", text, overrides, routines);
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     prepared
+}
+
+/// The same with elements in single precision.
+pub fn prepared_in_single(text: &str, settings: &[(&str, &str)], routines: &Routines) -> Prepared {
+    let read = deck::read_text("test.inp", text, &pairs(settings));
+    let prepared = job::prepare_edited(read, &mut |model| model.precision = Precision::Single, routines);
+    assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
+    prepared
+}
+
+/// Runs a deck text in memory, in double precision and in single.
+pub fn run_in_both(text: &str, settings: &[(&str, &str)], routines: &Routines) -> [(Outcome, Memory); 2] {
+    [prepared(text, settings, routines), prepared_in_single(text, settings, routines)].map(|prepared| {
+        let mut memory = Memory::default();
+        let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+        (outcome, memory)
+    })
 }
 
 /// Runs a deck text in memory.

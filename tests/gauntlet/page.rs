@@ -56,3 +56,29 @@ fn write_the_page() {
     std::fs::write(project("docs/stability.md"), format!("{}{text}\n{}", &page[..begin], &page[end..]))
         .expect("written");
 }
+
+/// Every case in single precision beside double: what stands in `docs/accuracy.md`. Alone in its process, for all cases share
+/// the precision: `cargo test --release --test gauntlet -- --ignored in_single_precision --show-output`.
+#[test]
+#[ignore = "runs all cases twice"]
+fn in_single_precision_too() {
+    let mut lost = Vec::new();
+    println!("| case | double | single |\n|---|---|---|");
+    for case in crate::all() {
+        let double = (case.run)();
+        crate::scene::in_single(true);
+        let single = std::panic::catch_unwind(case.run);
+        crate::scene::in_single(false);
+        let (figure, holds) = single.map_or(("no answer".into(), false), |verdict| (verdict.figure, verdict.holds));
+        let mark = if holds { "" } else { " (**not met**)" };
+        println!("| `{}` | {} | {figure}{mark} |", case.name, double.figure);
+        if !holds {
+            lost.push(case.name);
+        }
+    }
+    println!("not met: {lost:?}");
+    assert_eq!(lost, NOT_IN_SINGLE, "docs/accuracy.md names them");
+}
+
+/// Cases whose criteria ask for more digits than single precision has.
+const NOT_IN_SINGLE: &[&str] = &[];

@@ -1,7 +1,11 @@
 //! A deck of `input/gauntlet/`, run in memory, and what is read from it.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use revolve::deck;
 use revolve::internals::quad;
 use revolve::job::{self, Prepared};
+use revolve::model::Precision;
 use revolve::solve::{self, Outcome};
 use revolve::user::Routines;
 
@@ -13,6 +17,18 @@ pub struct Scene {
     pub memory: Memory,
 }
 
+/// Precision of elements in the cases of the gauntlet.
+static SINGLE: AtomicBool = AtomicBool::new(false);
+
+fn precision() -> Precision {
+    if SINGLE.load(Ordering::Relaxed) { Precision::Single } else { Precision::Double }
+}
+
+/// From now on elements are in single precision where they can be; or in double again.
+pub fn in_single(single: bool) {
+    SINGLE.store(single, Ordering::Relaxed);
+}
+
 /// Runs a deck of `input/gauntlet/` with `--set` pairs.
 pub fn deck(name: &str, settings: &[(&str, &str)]) -> Scene {
     with(name, settings, &Routines::none())
@@ -21,12 +37,13 @@ pub fn deck(name: &str, settings: &[(&str, &str)]) -> Scene {
 /// The same with the user's routines.
 pub fn with(name: &str, settings: &[(&str, &str)], routines: &Routines) -> Scene {
     let path = common::project("input/gauntlet").join(name);
-    run(job::prepare(&path, &common::pairs(settings), routines))
+    run(job::prepare_in(precision(), &path, &common::pairs(settings), routines))
 }
 
 /// A deck given as text.
 pub fn text(text: &str, routines: &Routines) -> Scene {
-    run(job::prepare_text("gauntlet.inp", text, &[], routines))
+    let read = deck::read_text("gauntlet.inp", text, &[]);
+    run(job::prepare_edited(read, &mut |model| model.precision = precision(), routines))
 }
 
 fn run(prepared: Prepared) -> Scene {

@@ -307,7 +307,13 @@ fn checkpoints() {
     assert!(states.iter().all(|s| s.len() > 100));
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("job.checkpoint");
-    let identity = Identity { deck: "d".into(), parameters: "p".into(), mesh: "m".into(), user: String::new() };
+    let identity = Identity {
+        deck: "d".into(),
+        parameters: "p".into(),
+        mesh: "m".into(),
+        user: String::new(),
+        precision: "double".into(),
+    };
     let version = env!("CARGO_PKG_VERSION").to_owned();
     let whole = Checkpoint { version, identity, shown: vec![1, 2, 3], state: states[0].clone(), ..Default::default() };
     whole.clone().write(&path).expect("a file");

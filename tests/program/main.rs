@@ -11,6 +11,7 @@ mod growth;
 mod hostile;
 mod matrix;
 mod memory;
+mod precision;
 mod report;
 mod reproducibility;
 mod restart;

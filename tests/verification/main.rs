@@ -30,6 +30,7 @@ mod loads;
 mod mass_scaling;
 mod materials;
 mod over_temperature;
+mod precision;
 mod properties;
 mod rates;
 mod reference_nodes;

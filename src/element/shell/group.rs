@@ -176,7 +176,8 @@ impl Shells {
             resultants[i] += force;
             resultants[2 + i] += moment;
         }
-        let work = put(&frame.forces(&resultants), &steps, &mut pass.corners[element / LANES], element % LANES);
+        let work =
+            put(&frame.forces(&resultants), &steps, &mut pass.corners.double()[element / LANES], element % LANES);
         let area = frame.area();
         let (plastic, viscous) = (area * dissipated, area * (force * sums[0] + moment * sums[1]));
         if let Some(record) = &mut self.record {

@@ -1,0 +1,175 @@
+//! `--precision single` as a user asks for it: what runs in it, what is told, what is refused, going on.
+//!
+//! Goal: what the job asks for is what the ledger says, and the bits of such a run are as firm as those of others.
+//! Source: the run in double precision, the run that is not interrupted. Tolerance: none.
+
+use std::sync::atomic::AtomicUsize;
+
+use revolve::deck;
+use revolve::job::{self, Options, Prepared};
+use revolve::model::Precision;
+use revolve::output::Job;
+use revolve::study::settings;
+use revolve::user::Routines;
+
+use crate::common::solid::{grid, material};
+use crate::common::{prepared_in_single, revolve, run_in_both};
+
+/// A bar that meets a wall, with more elements than it takes to spread them.
+fn bar(cards: &str, material: &str) -> String {
+    grid(25, 60, false, |i, j| [0.128 * i as f64, 0.2 * j as f64])
+        + material
+        + &format!(
+            "{cards}*Initial Conditions, type=VELOCITY\n ALL, 2, -2.e5\n*Step\n*Dynamic, Explicit\n , 1.e-6\n*Boundary\n \
+             I0, 1, 1\n J0, 2, 2\n*Output, field, number interval=2\n*Node Output\n U, V\n*Element Output\n S, PEEQ, LE, \
+             ELEN, STATUS\n*Output, history, number interval=10\n*Energy Output\n ALL\n*End Step\n"
+        )
+}
+
+fn steel(cards: &str) -> String {
+    material(206e3, 0.3, 7.83e-9, cards)
+}
+
+fn rows(prepared: &Prepared) -> Vec<(&str, usize, &str)> {
+    let rows = prepared.plan.ledger.effects.iter().filter(|row| row.effect.ends_with("precision"));
+    rows.map(|row| (row.effect.as_str(), row.count, row.detail.as_str())).collect()
+}
+
+fn single(text: &str) -> Prepared {
+    prepared_in_single(text, &[], &Routines::none())
+}
+
+#[test]
+fn the_ledger_says_what_is_in_single_precision_and_what_is_not() {
+    let text = bar("", &steel("*Plastic\n 400., 0.\n 500., 0.1\n"));
+    let prepared = single(&text);
+    let [("single precision", 1500, detail)] = rows(&prepared)[..] else { panic!("{:?}", rows(&prepared)) };
+    assert!(detail.contains("plastic strains"), "{detail}");
+    let double = job::prepare_text("test.inp", &text, &[], &Routines::none());
+    assert_eq!(rows(&double), []);
+    // Half of it is controlled by assumed strains, which have no single form.
+    let halves = text.replace(
+        "*Solid Section, elset=SOLID, material=M\n",
+        "*Elset, elset=BELOW, generate\n 1, 750, 1\n*Elset, elset=ABOVE, generate\n 751, 1500, 1\n\
+         *Section Controls, name=C, hourglass=ENHANCED\n*Solid Section, elset=BELOW, material=M\n\
+         *Solid Section, elset=ABOVE, material=M, controls=C\n",
+    );
+    let prepared = single(&halves);
+    assert_eq!(
+        rows(&prepared).iter().map(|row| (row.0, row.1)).collect::<Vec<_>>(),
+        [("single precision", 750), ("double precision", 750)]
+    );
+    assert!(rows(&prepared)[1].2.contains("ENHANCED") && prepared.diagnostics.iter().all(|d| d.code != "P119"));
+    // Corner forces are then those of double precision, wherever they come from.
+    let [(double, _), (mixed, _)] = run_in_both(&halves, &[], &Routines::none());
+    assert_eq!((&double.halt, &mixed.halt), (&None, &None));
+    let [a, b] = [double, mixed].map(|outcome| outcome.energy.plastic);
+    assert!(a != b && (a / b - 1.0).abs() < 1e-5, "{a:e} {b:e}");
+}
+
+#[test]
+fn what_has_no_single_form_is_told() {
+    let without = [
+        (
+            "an equation of state",
+            "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 7.83e-9,\n*Eos, type=USUP\n 4.6e6, 1.5, 2.\n*Elastic, type=SHEAR\n 79.e3,\n",
+        ),
+        (
+            "rubber",
+            "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.e-9,\n*Hyperelastic, neo hooke\n 0.5, 0.1\n",
+        ),
+        (
+            "crushable foam",
+            "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 3.2e-10,\n*Elastic\n 150., 0.\n*Crushable Foam\n 1.1, 0.1\n*Crushable Foam Hardening\n 6., 0.\n 20., 0.8\n",
+        ),
+    ];
+    for (why, material) in without {
+        let prepared = single(&bar("", material));
+        let [("double precision", 1500, detail)] = rows(&prepared)[..] else { panic!("{why}: {:?}", rows(&prepared)) };
+        assert!(detail.contains(why), "{why}: {detail}");
+        assert!(prepared.diagnostics.iter().any(|d| d.code == "P119"), "{why}");
+    }
+    // A rigid body alone has no elements that could be in either.
+    let output = revolve(&["run", "input/ogive.inp", "--precision", "single", "--out", "target/precision"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && told.contains("P119") && told.contains("solid elements"), "{told}");
+    let output = revolve(&["run", "input/ogive.inp", "--precision", "half"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && told.contains("double and single"), "{told}");
+}
+
+/// Bits of a run on so many threads.
+fn digest(prepared: &Prepared, threads: usize) -> String {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    let (outcome, _) = pool.install(|| job::run_in_memory(prepared));
+    assert!(outcome.halt.is_none() && outcome.increments > 10, "{:?}", outcome.halt);
+    outcome.digest
+}
+
+const LAWS: [&str; 4] = [
+    "",
+    "*Plastic\n 400., 0.\n 500., 0.1\n*Shear Failure\n 0.02,\n",
+    "*Plastic, hardening=KINEMATIC\n 400., 0.\n 500., 0.1\n",
+    "*Plastic, hardening=JOHNSON COOK\n 90., 292., 0.31, 1.09, 1058., 25.\n*Rate Dependent, type=JOHNSON COOK\n 0.025, 1.\n",
+];
+
+#[test]
+fn threads_change_no_bit() {
+    for law in LAWS {
+        let prepared = single(&bar("", &steel(law)));
+        let one = digest(&prepared, 1);
+        assert!([2, 5].iter().all(|threads| digest(&prepared, *threads) == one), "{law}");
+    }
+}
+
+/// Interrupted behind its first increments, it goes on to the same bits; in the other precision it does not go on.
+#[test]
+fn a_checkpoint_goes_on_in_its_precision() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (i, law) in LAWS.iter().enumerate() {
+        let text = bar("", &steel(law));
+        let prepare = |precision| {
+            let read = deck::read_text("bar.inp", &text, &[]);
+            job::prepare_edited(read, &mut |model| model.precision = precision, &Routines::none())
+        };
+        let (single, double) = (prepare(Precision::Single), prepare(Precision::Double));
+        let whole = digest(&single, 1);
+        let job = Job { folder: folder.path().join(i.to_string()), name: "bar".into() };
+        let signal = AtomicUsize::new(0);
+        let mut seen = 0;
+        let mut progress = |_: &str, _: f64, _: u64| {
+            seen += 1;
+            if seen == 5 {
+                signal.store(15, std::sync::atomic::Ordering::Relaxed);
+            }
+        };
+        let options = Options { interrupt: Some(&signal), ..Options::default() };
+        let summary = job::run_with(&single, &job, options, &mut progress).expect("a folder");
+        assert!(summary.interrupted, "{law}: {:?}", summary.reason);
+        let refused = job::find_checkpoint(&double, &job, "").expect_err("another precision");
+        assert!(refused.code == "K010" && refused.message.contains("single"), "{refused:?}");
+        let (from, _) = job::find_checkpoint(&single, &job, "").expect("it fits");
+        assert!(from.is_some(), "{law}: a checkpoint");
+        let options = Options { from, ..Options::default() };
+        let summary = job::run_with(&single, &job, options, &mut |_, _, _| {}).expect("a folder");
+        assert_eq!(summary.digest, whole, "{law}");
+    }
+}
+
+#[test]
+fn precision_is_a_knob_of_studies() {
+    let of = |text: &str| settings::axes(&[text.to_owned()], &[]);
+    assert!(!of("precision=double,single").expect("choices")[0].is_refinement());
+    assert!(of("precision=double,half").is_err_and(|e| e.to_string().contains("double and single there are")));
+    let out = tempfile::tempdir().expect("a folder");
+    let quantity = ["--quantity", "1000*final(COOR2@TIP)", "--exact", "21.42", "--repeat", "1"];
+    let asked =
+        ["study", "input/taylor_copper.inp", "--refine", "precision=double,single", "--set", "nr=4", "--set", "nz=20"];
+    let folder = ["--out", out.path().to_str().expect("a name")];
+    let output = revolve(&[&asked[..], &quantity[..], &folder[..]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let record = std::fs::read_to_string(out.path().join("taylor_copper_study.json")).expect("a record");
+    let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");
+    let value = |row: usize| record["runs"][row]["value"].as_f64().expect("a number");
+    assert!(value(0) != value(1) && (value(1) / value(0) - 1.0).abs() < 1e-5, "{} {}", value(0), value(1));
+}
