@@ -145,7 +145,7 @@ fn run<'a>(study: &'a Study, row: &'a Row) -> RunRecord<'a> {
         element_cycles: ran.map(|r| r.element_cycles()),
         seconds: ran.map(|r| r.seconds),
         loop_seconds: ran.map(|r| r.loop_seconds),
-        warnings: ran.map_or(&[], |r| &r.warnings),
+        warnings: ran.map_or(&[], |r| &r.doubts),
     }
 }
 
@@ -203,7 +203,7 @@ fn note(row: &Row, on_front: bool) -> String {
     if on_front {
         words.insert(0, "front");
     }
-    if !run.warnings.is_empty() {
+    if !run.doubts.is_empty() {
         words.push("warned");
     }
     words.join(", ")

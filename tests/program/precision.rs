@@ -6,7 +6,7 @@
 use std::sync::atomic::AtomicUsize;
 
 use revolve::deck;
-use revolve::job::{self, Options, Prepared};
+use revolve::job::{self, Demand, Options, Prepared};
 use revolve::model::Precision;
 use revolve::output::Job;
 use revolve::study::settings;
@@ -137,7 +137,7 @@ fn a_checkpoint_goes_on_in_its_precision() {
         let job = Job { folder: folder.path().join(i.to_string()), name: "bar".into() };
         let signal = AtomicUsize::new(0);
         let mut seen = 0;
-        let mut progress = |_: &str, _: f64, _: u64| {
+        let mut progress = |_: &revolve::solve::Progress<'_>| {
             seen += 1;
             if seen == 5 {
                 signal.store(15, std::sync::atomic::Ordering::Relaxed);
@@ -146,12 +146,12 @@ fn a_checkpoint_goes_on_in_its_precision() {
         let options = Options { interrupt: Some(&signal), ..Options::default() };
         let summary = job::run_with(&single, &job, options, &mut progress).expect("a folder");
         assert!(summary.interrupted, "{law}: {:?}", summary.reason);
-        let refused = job::find_checkpoint(&double, &job, "").expect_err("another precision");
+        let refused = job::find_checkpoint(&double, &job, "", Demand::Whole).expect_err("another precision");
         assert!(refused.code == "K010" && refused.message.contains("single"), "{refused:?}");
-        let (from, _) = job::find_checkpoint(&single, &job, "").expect("it fits");
+        let (from, _) = job::find_checkpoint(&single, &job, "", Demand::Whole).expect("it fits");
         assert!(from.is_some(), "{law}: a checkpoint");
         let options = Options { from, ..Options::default() };
-        let summary = job::run_with(&single, &job, options, &mut |_, _, _| {}).expect("a folder");
+        let summary = job::run_with(&single, &job, options, &mut |_| {}).expect("a folder");
         assert_eq!(summary.digest, whole, "{law}");
     }
 }
