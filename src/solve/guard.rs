@@ -130,9 +130,10 @@ impl Run<'_> {
     /// Where energies have not been kept.
     pub(super) fn judge_end(&self) -> Result<(), Halt> {
         let is_early = self.now.increment < EARLY;
-        let is_met = self.watch.beyond > u64::from(self.now.increment > LASTING);
+        let drift = self.balance.drift();
+        let is_met = drift > LARGEST_DRIFT && self.watch.beyond > u64::from(self.now.increment > LASTING);
         let own = self.plan.steps.iter().any(StepPlan::has_drift_limit);
-        if !is_early || !is_met || own || self.is_noise() { Ok(()) } else { Err(self.drifted(self.balance.drift())) }
+        if !is_early || !is_met || own || self.is_noise() { Ok(()) } else { Err(self.drifted(drift)) }
     }
 
     fn drifted(&self, drift: f64) -> Halt {
