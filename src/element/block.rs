@@ -13,7 +13,7 @@ use crate::element::record::{Flows, Record};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares, sums};
 use crate::kernel::real::Real;
-use crate::kernel::rotation::{SpinOver, turned};
+use crate::kernel::rotation::{SpinOver, turned, turned_by};
 use crate::kernel::stress::mises;
 use crate::material::failure::Failure;
 use crate::material::plasticity::{Flow, Hardening};
@@ -196,11 +196,11 @@ pub struct Workspace<T = f64> {
     inverse: Lanes<T>,
     /// The elements where they are now.
     now: Geometry<T>,
-    /// Part of the elastic trial that the return to the yield surface left.
+    /// Part of the elastic trial that the return to the yield surface left; in single precision the part that it took.
     left: Lanes<T>,
     /// Stress before the increment, carried along by the rotation.
     pub(super) carried: [Lanes<T>; 4],
-    /// Mean stress and deviator of the trial.
+    /// Mean stress (in single precision what the increment adds to it) and deviator of the trial.
     pub(super) mean: Lanes<T>,
     pub(super) deviator: [Lanes<T>; 4],
     /// At the middle of the increment, 0 for lanes without element.
@@ -378,7 +378,8 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
             let spin = SpinOver { dividend: difference, divisor: scratch.middle[l], inverse: scratch.inverse[l] };
             let per = dt * spin.per();
             let (d_rr, d_zz, d_hoop, d_rz) = (per * rr, per * zz, per * around, half * (per * both));
-            let carried = turned(column(&self.stress, l), spin.turn());
+            let stress = column(&self.stress, l);
+            let carried = if T::SINGLE { turned_by(stress, spin.turn_by()) } else { turned(stress, spin.turn()) };
             if H::BACKSTRESS || V::TOTAL || T::SINGLE {
                 scratch.spin[l] = difference * spin.per();
             }
@@ -396,7 +397,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 scratch.carried[i][l] = carried[i];
                 scratch.deviator[i][l] = deviator[i];
             }
-            scratch.mean[l] = mean + bulk * dilation;
+            scratch.mean[l] = if T::SINGLE { bulk * dilation } else { mean + bulk * dilation };
             scratch.volume[l] = unit * scratch.weight[l] * scratch.middle[l];
             if H::PLASTIC {
                 let [a, b, c, d] = deviator.map(|s| s * s);
@@ -413,14 +414,20 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
         kept: &mut Kept<T>,
         scratch: &mut Workspace<T>,
     ) {
-        let shear3 = T::of(3.0 * constants.shear);
+        let [shear2, shear3] = [2.0, 3.0].map(|times| T::of(times * constants.shear));
         let relaxes = constants.hourglass.relaxes;
         if H::PLASTIC {
             for l in 0..LANES {
                 let (trial, flow) = (scratch.trial[l], scratch.flow[l]);
                 let returned = trial - shear3 * flow;
-                let factor = if flow > T::ZERO { returned / trial } else { T::ONE };
-                scratch.left[l] = factor;
+                let (factor, left) = if T::SINGLE {
+                    let taken = if flow > T::ZERO { shear3 * flow / trial } else { T::ZERO };
+                    (T::ONE - taken, taken)
+                } else {
+                    let factor = if flow > T::ZERO { returned / trial } else { T::ONE };
+                    (factor, factor)
+                };
+                scratch.left[l] = left;
                 kept.returned[l] = if relaxes { factor } else { T::ONE };
                 scratch.sums.plastic[l] += scratch.volume[l] * returned * flow;
             }
@@ -433,10 +440,15 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 mean + factor * scratch.deviator[2][l],
                 factor * scratch.deviator[3][l],
             ];
+            if T::SINGLE {
+                s = self.added::<H>(shear2, scratch, l);
+            }
             if H::BACKSTRESS {
                 scratch.sums.plastic[l] += scratch.work_against_back(l);
-                for i in 0..4 {
-                    s[i] += scratch.back[i][l];
+                if !T::SINGLE {
+                    for i in 0..4 {
+                        s[i] += scratch.back[i][l];
+                    }
                 }
             }
             let double = |i: usize| scratch.strain[i][l] * (scratch.carried[i][l] + s[i]);
@@ -446,6 +458,20 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 self.stress[i][l] = s[i];
             }
         }
+    }
+
+    /// The stress of a lane by what the increment adds to it and the return takes: where nothing is added or taken no digit
+    /// changes, so that rounding of what stays does not add up over increments.
+    #[inline(always)]
+    fn added<H: Hardening>(&self, shear2: T, scratch: &Workspace<T>, l: usize) -> [T; 4] {
+        let (carried, strain) = (column(&scratch.carried, l), column(&scratch.strain, l));
+        let dilation = strain[0] + strain[1] + strain[2];
+        let even = scratch.mean[l] - shear2 * T::of(1.0 / 3.0) * dilation;
+        [0, 1, 2, 3].map(|i| {
+            let more = if i < 3 { shear2 * strain[i] + even } else { shear2 * strain[i] };
+            let trial = carried[i] + more;
+            if H::PLASTIC { trial - scratch.left[l] * scratch.deviator[i][l] } else { trial }
+        })
     }
 
     /// The elements where they are now: operators, the bound of their highest frequencies, the hourglass pattern. What takes long

@@ -43,6 +43,13 @@ impl<T: Real> SpinOver<T> {
         (self.divisor * self.divisor + T::of(0.25) * self.dividend * self.dividend) * self.inverse
     }
 
+    /// The sine of the rotation and one less its cosine.
+    #[inline(always)]
+    pub fn turn_by(&self) -> [T; 2] {
+        let per = self.divisor * self.inverse;
+        [self.dividend * self.divisor * per, T::of(0.5) * self.dividend * self.dividend * per]
+    }
+
     /// The rotation, as [`of_spin`] gives it.
     #[inline(always)]
     pub fn turn(&self) -> [T; 2] {
@@ -50,6 +57,17 @@ impl<T: Real> SpinOver<T> {
         let per = self.divisor * self.inverse;
         [(square - quarter) * per, self.dividend * self.divisor * per]
     }
+}
+
+/// The same tensor by what the rotation adds to it, given the sine of the angle and one less the cosine: without rotation no digit
+/// changes, however often.
+#[inline(always)]
+pub fn turned_by<T: Real>([rr, zz, hoop, rz]: [T; 4], [sine, versine]: [T; 2]) -> [T; 4] {
+    let two = T::of(2.0);
+    let (sine2, versine2) = (two * sine * (T::ONE - versine), two * sine * sine);
+    let radius = T::of(0.5) * (rr - zz);
+    let more = rz * sine2 - radius * versine2;
+    [rr + more, zz - more, hoop, rz - (radius * sine2 + rz * versine2)]
 }
 
 /// A tensor rr, zz, hoop, rz turned by an angle of this cosine and sine.

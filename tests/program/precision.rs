@@ -9,6 +9,7 @@ use revolve::deck;
 use revolve::job::{self, Demand, Options, Prepared};
 use revolve::model::Precision;
 use revolve::output::Job;
+use revolve::solve::{self, Control, Every, Instant, Sink, SinkError};
 use revolve::study::settings;
 use revolve::user::Routines;
 
@@ -122,38 +123,67 @@ fn threads_change_no_bit() {
     }
 }
 
-/// Interrupted behind its first increments, it goes on to the same bits; in the other precision it does not go on.
-#[test]
-fn a_checkpoint_goes_on_in_its_precision() {
-    let folder = tempfile::tempdir().expect("a folder");
-    for (i, law) in LAWS.iter().enumerate() {
-        let text = bar("", &steel(law));
-        let prepare = |precision| {
-            let read = deck::read_text("bar.inp", &text, &[]);
-            job::prepare_edited(read, &mut |model| model.precision = precision, &Routines::none())
-        };
-        let (single, double) = (prepare(Precision::Single), prepare(Precision::Double));
-        let whole = digest(&single, 1);
-        let job = Job { folder: folder.path().join(i.to_string()), name: "bar".into() };
-        let signal = AtomicUsize::new(0);
-        let mut seen = 0;
-        let mut progress = |_: &revolve::solve::Progress<'_>| {
-            seen += 1;
-            if seen == 5 {
-                signal.store(15, std::sync::atomic::Ordering::Relaxed);
-            }
-        };
-        let options = Options { interrupt: Some(&signal), ..Options::default() };
-        let summary = job::run_with(&single, &job, options, &mut progress).expect("a folder");
-        assert!(summary.interrupted, "{law}: {:?}", summary.reason);
-        let refused = job::find_checkpoint(&double, &job, "", Demand::Whole).expect_err("another precision");
-        assert!(refused.code == "K010" && refused.message.contains("single"), "{refused:?}");
-        let (from, _) = job::find_checkpoint(&single, &job, "", Demand::Whole).expect("it fits");
-        assert!(from.is_some(), "{law}: a checkpoint");
-        let options = Options { from, ..Options::default() };
-        let summary = job::run_with(&single, &job, options, &mut |_| {}).expect("a folder");
-        assert_eq!(summary.digest, whole, "{law}");
+/// Keeps states.
+#[derive(Default)]
+struct Keeper(Vec<Vec<u8>>);
+
+impl Sink for Keeper {
+    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), SinkError> {
+        Ok(())
     }
+    fn keeps(&self) -> bool {
+        true
+    }
+    fn keep(&mut self, state: &[u8], _now: &Instant) -> Result<(), SinkError> {
+        self.0.push(state.to_vec());
+        Ok(())
+    }
+}
+
+#[test]
+fn a_run_goes_on_to_the_same_bits() {
+    for law in LAWS {
+        let prepared = single(&bar("", &steel(law)));
+        let run = |control: Control<'_>| {
+            let mut keeper = Keeper::default();
+            let state = prepared.state.clone();
+            let (outcome, _) = solve::run_with(&prepared.plan, state, &mut keeper, control).expect("it fits");
+            (outcome, keeper.0)
+        };
+        let (whole, states) = run(Control { every: Some(Every::Increments(7)), ..Control::default() });
+        assert!(states.len() > 1, "{law}: {}", states.len());
+        for state in &states {
+            assert_eq!(run(Control { state: Some(state), ..Control::default() }).0.digest, whole.digest, "{law}");
+        }
+        // A state in double precision does not fit.
+        let double = job::prepare_text("test.inp", &bar("", &steel(law)), &[], &Routines::none());
+        let control = Control { state: Some(&states[0]), ..Control::default() };
+        assert!(solve::run_with(&double.plan, double.state, &mut Keeper::default(), control).is_err(), "{law}");
+    }
+}
+
+/// A checkpoint of a run that is interrupted behind its first increment is one of its precision alone.
+#[test]
+fn a_checkpoint_has_its_precision() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = bar("", &steel(""));
+    let prepare = |precision| {
+        let read = deck::read_text("bar.inp", &text, &[]);
+        job::prepare_edited(read, &mut |model| model.precision = precision, &Routines::none())
+    };
+    let (single, double) = (prepare(Precision::Single), prepare(Precision::Double));
+    let job = Job { folder: folder.path().join("bar"), name: "bar".into() };
+    let signal = AtomicUsize::new(15);
+    let options = Options { interrupt: Some(&signal), ..Options::default() };
+    let summary = job::run_with(&single, &job, options, &mut |_| {}).expect("a folder");
+    assert!(summary.interrupted, "{:?}", summary.reason);
+    let refused = job::find_checkpoint(&double, &job, "", Demand::Whole).err().expect("another precision");
+    assert!(refused.code == "K010" && refused.message.contains("single"), "{refused:?}");
+    let (from, _) = job::find_checkpoint(&single, &job, "", Demand::Whole).expect("it fits");
+    let options = Options { from, ..Options::default() };
+    let summary = job::run_with(&single, &job, options, &mut |_| {}).expect("a folder");
+    assert!(summary.timing.resumed_at.is_some());
+    assert_eq!(summary.digest, digest(&single, 1));
 }
 
 #[test]

@@ -79,8 +79,7 @@ fn units_and_sizes_cost_no_digit() {
 }
 
 /// A bar that rings, 1e6 elements away from the origin and at 50 times the speed of what rings in it: differences of coordinates
-/// are formed in double precision, and what remains is the rounding of coordinates that double precision has there, 1e-10 of an
-/// element, over strains of 1e-3.
+/// are formed in double precision. 500 increments round stresses and strains to 6e-8 of them each; far away it is no more.
 #[test]
 fn distance_and_speed_cost_no_digit() {
     let deck = |away: f64, speed: f64| {
@@ -102,8 +101,8 @@ fn distance_and_speed_cost_no_digit() {
     let [_, far] = relative(1e5, 0.5);
     println!("{here:?} {single:?} {far:?}");
     for i in 0..2 {
-        assert!((single[i] - here[i]).abs() < 2e-6 * here[0].abs(), "{here:?} {single:?}");
-        assert!((far[i] - here[i]).abs() < 2e-6 * here[0].abs(), "{here:?} {far:?}");
+        assert!((single[i] - here[i]).abs() < 1e-5 * here[0].abs(), "{here:?} {single:?}");
+        assert!((far[i] - here[i]).abs() < 1e-5 * here[0].abs(), "{here:?} {far:?}");
     }
 }
 
