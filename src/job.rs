@@ -55,7 +55,7 @@ pub struct Prepared {
     /// What no mesh shows.
     scene: Scene,
     /// Names of the units.
-    units: Option<Units>,
+    pub units: Option<Units>,
     /// Whether routines of the user take part.
     has_routines: bool,
     /// What tells a model that is composed in Rust from others.

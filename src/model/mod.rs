@@ -63,7 +63,7 @@ pub(crate) mod vtk_file;
 mod vtk_file;
 
 pub use types::*;
-pub use units::{SYSTEMS, System, Units};
+pub use units::{SYSTEMS, System, Units, is_without_units};
 pub use vtk_file::silence_caught_panics;
 
 use crate::deck::{Deck, Diagnostics};

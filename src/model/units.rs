@@ -84,6 +84,13 @@ impl System {
     }
 }
 
+/// Whether a density is one of decks without units: a single digit near one.
+pub fn is_without_units(density: f64) -> bool {
+    let digit = format!("{density:e}");
+    let single = digit.split_once('e').is_some_and(|(mantissa, _)| mantissa.len() == 1);
+    single && (0.01..=100.0).contains(&density)
+}
+
 fn within(value: f64, [from, to]: [f64; 2]) -> bool {
     (from..=to).contains(&value)
 }
@@ -145,7 +152,7 @@ impl Builder<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{SYSTEMS, Units};
+    use super::{SYSTEMS, Units, is_without_units};
 
     /// Steel, rubber, foam, lead, concrete and diamond in every system: each fits its own; and steel whose modulus is of another
     /// system fits none.
@@ -160,12 +167,14 @@ mod tests {
                 assert!(system.fits(here[0], here[1]), "{system:?} {density}");
             }
         }
-        for [density, modulus] in
-            [[7850.0, 210e3], [7.85e-9, 2.1e11], [7.85e-9, 210.0], [7850.0, 210.0], [7.85e-6, 2.1e5]]
-        {
+        for [density, modulus] in [[7850.0, 210e3], [7.85e-9, 2.1e11], [7850.0, 210.0], [7.85e-6, 2.1e5]] {
             let found: Vec<_> = SYSTEMS.iter().filter(|s| s.fits(density, modulus)).collect();
             assert!(found.is_empty(), "{density} {modulus}: {found:?}");
         }
+        assert_eq!(
+            [1.0, 0.5, 20.0, 7.85, 7850.0, 1000.0].map(is_without_units),
+            [true, true, true, false, false, false]
+        );
     }
 
     #[test]

@@ -229,7 +229,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P119",
         title: "units of no solid",
-        text: "Density and Young's modulus say how fast sound is. In none of the usual consistent systems (m, kg, s; mm, t, s; mm, kg, ms; mm, g, ms; mm, kg, s; cm, g, us; cm, g, s; in, lbf s2/in, s), or not in that of *UNITS, are both those of a solid: 20 m/s to 25 km/s, in what is denser than 3000 kg/m3 above 500 m/s. A density in kg/m3 beside a modulus in MPa is the usual case.",
+        text: "Density and Young's modulus say how fast sound is. In none of the usual consistent systems (m, kg, s; mm, t, s; mm, kg, ms; mm, g, ms; mm, kg, s; cm, g, us; cm, g, s; in, lbf s2/in, s), or not in that of *UNITS, are both those of a solid: 20 m/s to 25 km/s, in what is denser than 3000 kg/m3 above 500 m/s. Nothing is said of a density of one digit near 1 without *UNITS: such decks have no units. A density in kg/m3 beside a modulus in MPa is the usual case.",
     },
     Code {
         code: "P118",
@@ -237,7 +237,7 @@ pub const CODES: &[Code] = &[
         text: "What deforms meets a surface with gaps weighted over its faces. A rounding of a rigid surface within one face is seen as a corner, and late by up to a third of the face.",
     },
     Code {
-        code: "P119",
+        code: "P120",
         title: "nothing is in single precision",
         text: "`--precision single` is of solid elements with *ELASTIC, which may flow, heat and fail. What has an equation of state, rubber, foam, routines of the user, shells, HOURGLASS=ENHANCED and WEIGHTING=AREA stay in double precision, and rigid bodies have no other; beside elements in single precision the ledger lists those that stay.",
     },

@@ -8,7 +8,7 @@ use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::model::{
     Element, ElementKind, IncrementControl, InitialCondition, InitialKind, Model, SYSTEMS, SolidSection, Step, System,
-    Units,
+    Units, is_without_units,
 };
 
 /// Velocities above so many times the speed of sound are taken for a slip in the units.
@@ -50,6 +50,9 @@ impl<'m> Compiler<'m> {
         for section in &self.model.sections {
             let Some(material) = self.model.materials.get(section.material) else { continue };
             let (Some([modulus, _]), Some(density)) = (material.elastic, material.density) else { continue };
+            if own.is_none() && is_without_units(density) {
+                continue;
+            }
             let fits = |system: &System| system.fits(density, modulus);
             if own.map_or_else(|| SYSTEMS.iter().any(fits), fits) || !told.insert(section.material) {
                 continue;

@@ -46,7 +46,7 @@ impl Compiler<'_> {
             return;
         }
         let message = "single precision was asked for, and nothing here has it: the run is one in double precision";
-        let mut finding = Diagnostic::warning("P119", message);
+        let mut finding = Diagnostic::warning("P120", message);
         if let Some(step) = self.model.steps.first() {
             finding = finding.at(step.span, "this step");
         }

@@ -167,7 +167,7 @@ fn results(folder: &Path, text: &str) -> String {
     if prepared.diagnostics.has_errors() {
         return told;
     }
-    writeln!(told, "{:?}", prepared.title).expect("text");
+    writeln!(told, "{:?} {:?}", prepared.title, prepared.units).expect("text");
     for row in &prepared.plan.ledger.effects {
         writeln!(told, "{} {} {} {}", row.effect, row.count, row.unit, row.detail).expect("text");
     }

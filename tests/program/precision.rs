@@ -60,7 +60,7 @@ fn the_ledger_says_what_is_in_single_precision_and_what_is_not() {
         rows(&prepared).iter().map(|row| (row.0, row.1)).collect::<Vec<_>>(),
         [("single precision", 750), ("double precision", 750)]
     );
-    assert!(rows(&prepared)[1].2.contains("ENHANCED") && prepared.diagnostics.iter().all(|d| d.code != "P119"));
+    assert!(rows(&prepared)[1].2.contains("ENHANCED") && prepared.diagnostics.iter().all(|d| d.code != "P120"));
     // Corner forces are then those of double precision, wherever they come from.
     let [(double, _), (mixed, _)] = run_in_both(&halves, &[], &Routines::none());
     assert_eq!((&double.halt, &mixed.halt), (&None, &None));
@@ -88,12 +88,12 @@ fn what_has_no_single_form_is_told() {
         let prepared = single(&bar("", material));
         let [("double precision", 1500, detail)] = rows(&prepared)[..] else { panic!("{why}: {:?}", rows(&prepared)) };
         assert!(detail.contains(why), "{why}: {detail}");
-        assert!(prepared.diagnostics.iter().any(|d| d.code == "P119"), "{why}");
+        assert!(prepared.diagnostics.iter().any(|d| d.code == "P120"), "{why}");
     }
     // A rigid body alone has no elements that could be in either.
     let output = revolve(&["run", "input/ogive.inp", "--precision", "single", "--out", "target/precision"]);
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && told.contains("P119") && told.contains("solid elements"), "{told}");
+    assert!(output.status.success() && told.contains("P120") && told.contains("solid elements"), "{told}");
     let output = revolve(&["run", "input/ogive.inp", "--precision", "half"]);
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && told.contains("double and single"), "{told}");
