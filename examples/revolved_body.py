@@ -4,7 +4,8 @@
     python examples/revolved_body.py out/taylor_copper/taylor_copper.pvd PEEQ body.vtp body.png
 
 Needs the `vtk` wheel (pip install vtk). The same by hand in ParaView: Extract Surface, Rotational Extrusion with the axis
-(0, 1, 0); the axis of symmetry is y there. Deleted elements are hidden in the frames and stay so.
+(0, 1, 0); the axis of symmetry is y there. Deleted elements are hidden in the frames; what extrudes needs
+a Threshold by vtkGhostType below 0.5 before it, as here.
 """
 import os
 import sys
@@ -13,6 +14,8 @@ import xml.etree.ElementTree as ElementTree
 import vtkmodules.vtkInteractionStyle  # noqa: F401
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.vtkCommonCore import vtkLookupTable
+from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkFiltersCore import vtkThreshold
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 from vtkmodules.vtkFiltersModeling import vtkRotationalExtrusionFilter
 from vtkmodules.vtkIOImage import vtkPNGWriter
@@ -40,8 +43,16 @@ def revolved(path):
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
     reader.Update()
+    there = vtkThreshold()
+    there.SetInputConnection(reader.GetOutputPort())
     surface = vtkGeometryFilter()
     surface.SetInputConnection(reader.GetOutputPort())
+    if reader.GetOutput().GetCellData().HasArray("vtkGhostType"):
+        # Deleted elements: what extrudes a skin would take them along.
+        there.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_CELLS, "vtkGhostType")
+        there.SetThresholdFunction(vtkThreshold.THRESHOLD_LOWER)
+        there.SetLowerThreshold(0.5)
+        surface.SetInputConnection(there.GetOutputPort())
     turned = vtkRotationalExtrusionFilter()
     turned.SetInputConnection(surface.GetOutputPort())
     turned.SetRotationAxis(0.0, 1.0, 0.0)

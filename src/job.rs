@@ -395,7 +395,10 @@ struct StatusLines {
 impl StatusLines {
     fn open(job: &Job, goes_on: bool) -> io::Result<Self> {
         let (file, begin) = (Status::open(job, goes_on)?, Stopwatch::now());
-        Ok(StatusLines { file, begin, written: None, step: 0, failed: None })
+        let mut lines = StatusLines { file, begin, written: None, step: 0, failed: None };
+        let begins = if goes_on { "goes on" } else { "begins" };
+        lines.note(&format!("Revolve {}: {} {begins}", env!("CARGO_PKG_VERSION"), job.name));
+        Ok(lines)
     }
 
     fn tell(&mut self, progress: &Progress<'_>, frame: Option<&str>) {

@@ -4,7 +4,7 @@
 use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
 use super::record::spins;
-use crate::kernel::lanes::{Corners, LANES, Lanes, near, wide};
+use crate::kernel::lanes::{Corners, Lanes, near, wide};
 use crate::kernel::quad::UNIT;
 use crate::kernel::real::Real;
 use crate::material::failure::Failure;
@@ -160,9 +160,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X, f32> {
         self.strain::<H, V, AREA>(constants, own_dt, nodes, scratch);
         if let Some(lacking) = &scratch.lacking {
             let bulk = f32::of(constants.bulk);
-            for l in 0..LANES {
-                scratch.mean[l] += bulk * f32::of(lacking[l]);
-            }
+            scratch.mean.iter_mut().zip(lacking).for_each(|(mean, lacks)| *mean += bulk * f32::of(*lacks));
         }
         if scratch.cap < f32::INFINITY {
             scratch.measure();

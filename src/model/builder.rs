@@ -286,13 +286,6 @@ impl<'a> Builder<'a> {
         (self.model, self.diagnostics)
     }
 
-    fn heading(&mut self, card: &Card) {
-        for word in card.lines.iter().filter_map(|l| l.fields.first()) {
-            let gap = if self.model.title.is_empty() { "" } else { "\n" };
-            self.model.title += &format!("{gap}{}", word.text);
-        }
-    }
-
     pub fn inert(&mut self, card: &Card, why: String) {
         self.model.inert.push(Inert { keyword: card.keyword.name.into(), span: card.span, why });
     }

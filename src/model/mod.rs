@@ -29,6 +29,7 @@ mod failure;
 mod fields;
 mod general_contact;
 mod gmsh_file;
+mod heading;
 mod heat_loads;
 mod history;
 mod inp_file;

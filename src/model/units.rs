@@ -1,11 +1,8 @@
-//! Units: `*UNITS`, which only names axes and tables, and the systems of units that constants of a solid may belong to by their
+//! Units: their names, which only name axes and tables, and the systems of units that constants of a solid may belong to by their
 //! look.
 //! Never here: conversion; the program computes in the deck's units, whatever they are.
 
 use serde::{Deserialize, Serialize};
-
-use super::builder::Builder;
-use crate::deck::{Card, Diagnostic};
 
 /// Names of the units of a deck.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -131,22 +128,6 @@ impl Units {
             (above, below) if above.is_empty() => format!("1/{below}"),
             (above, below) => format!("{above}/{below}"),
         }
-    }
-}
-
-impl Builder<'_> {
-    /// `*UNITS`: names of length, mass, time and, if it is not K, temperature.
-    pub(super) fn units(&mut self, card: &Card) {
-        let Some(line) = self.first_line(card) else { return };
-        let word = |i: usize| line.fields.get(i).map(|w| w.text.trim().to_owned()).filter(|w| !w.is_empty());
-        let (Some(length), Some(mass), Some(time)) = (word(0), word(1), word(2)) else {
-            let finding =
-                Diagnostic::error("M107", "*UNITS names length, mass and time").at(line.span, "one is missing");
-            self.diagnostics.push(finding.help("as in `m, kg, s` or `mm, t, s`"));
-            return;
-        };
-        let temperature = word(3).unwrap_or_else(|| "K".into());
-        self.model.units = Some(Units { length, mass, time, temperature });
     }
 }
 

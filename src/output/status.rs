@@ -47,16 +47,13 @@ impl Status {
     /// Begins the file of a job, or goes on with it.
     ///
     /// # Errors
-    /// Where it cannot be opened or written, with its path.
+    /// Where it cannot be opened, with its path.
     pub fn open(job: &Job, goes_on: bool) -> io::Result<Self> {
         let path = job.path(STATUS);
         let open = || OpenOptions::new().create(true).append(goes_on).truncate(!goes_on).write(true).open(&path);
-        let mut status = open()
+        open()
             .map(|file| Status { file })
-            .map_err(|e| io::Error::new(e.kind(), format!("cannot write {}: {e}", path.display())))?;
-        let begins = if goes_on { "goes on" } else { "begins" };
-        status.note(&format!("Revolve {}: {} {begins}", env!("CARGO_PKG_VERSION"), job.name))?;
-        Ok(status)
+            .map_err(|e| io::Error::new(e.kind(), format!("cannot write {}: {e}", path.display())))
     }
 
     /// A step begins, or goes on.

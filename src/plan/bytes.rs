@@ -50,6 +50,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
         for (name, bytes) in [
             ("mesh", plan.mesh.bytes()),
             ("places", plan.places.bytes()),
+            ("labels", plan.labels.bytes()),
             ("bodies", bodies),
             ("columns", columns),
             ("fields", fields),

@@ -12,8 +12,8 @@ const SETS: usize = 32;
 pub struct Labels {
     /// Of each element of the mesh, the place of its material in the deck, from 1; 0 without any.
     materials: Vec<i32>,
-    node_sets: Vec<(String, Vec<usize>)>,
-    element_sets: Vec<(String, Vec<usize>)>,
+    node_sets: Vec<(String, Vec<u32>)>,
+    element_sets: Vec<(String, Vec<u32>)>,
 }
 
 impl Labels {
@@ -27,11 +27,20 @@ impl Labels {
         Labels { materials, node_sets: named(&model.node_sets), element_sets: named(&model.element_sets) }
     }
 
+    /// Bytes of its lists.
+    pub(super) fn bytes(&self) -> usize {
+        let sets = |list: &Vec<(String, Vec<u32>)>| {
+            let of = |(name, members): &(String, Vec<u32>)| name.capacity() + size_of::<u32>() * members.capacity();
+            size_of::<(String, Vec<u32>)>() * list.capacity() + list.iter().map(of).sum::<usize>()
+        };
+        size_of::<i32>() * self.materials.capacity() + sets(&self.node_sets) + sets(&self.element_sets)
+    }
+
     /// Labels of these nodes and elements of the mesh, which are the points and cells of a frame.
     pub fn of_frame(&self, mesh: &Mesh, nodes: &[usize], elements: &[usize]) -> (Vec<Label>, Vec<Label>) {
         let label = |name: &str, values: Vec<i32>| Label { name: name.into(), values };
         let mut points = vec![label("NODE", nodes.iter().map(|&n| number(&mesh.node_names[n], n)).collect())];
-        let of = |kind: &str, (name, members): &(String, Vec<usize>), count: usize, items: &[usize]| {
+        let of = |kind: &str, (name, members): &(String, Vec<u32>), count: usize, items: &[usize]| {
             label(&format!("{kind} {name}"), marks(members, count, items))
         };
         points.extend(self.node_sets.iter().map(|set| of("NSET", set, mesh.points.len(), nodes)));
@@ -44,10 +53,10 @@ impl Labels {
 }
 
 /// Sets by name, without those that CAE writes for itself.
-fn named(sets: &indexmap::IndexMap<String, Set>) -> Vec<(String, Vec<usize>)> {
+fn named(sets: &indexmap::IndexMap<String, Set>) -> Vec<(String, Vec<u32>)> {
     let own = |name: &str| name.rsplit('.').next().is_some_and(|last| last.starts_with('_'));
     let named = sets.iter().filter(|(name, _)| !own(name)).take(SETS);
-    named.map(|(name, set)| (name.clone(), set.members.clone())).collect()
+    named.map(|(name, set)| (name.clone(), set.members.iter().map(|&m| m as u32).collect())).collect()
 }
 
 /// The deck's number; of a name that is none the place, from 1.
@@ -56,8 +65,8 @@ fn number(name: &str, place: usize) -> i32 {
 }
 
 /// 1 for members of a set, 0 for others.
-fn marks(members: &[usize], count: usize, items: &[usize]) -> Vec<i32> {
+fn marks(members: &[u32], count: usize, items: &[usize]) -> Vec<i32> {
     let mut of_all = vec![0; count];
-    members.iter().for_each(|&member| of_all[member] = 1);
+    members.iter().for_each(|&member| of_all[member as usize] = 1);
     items.iter().map(|&item| of_all[item]).collect()
 }

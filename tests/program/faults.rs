@@ -82,6 +82,8 @@ impl Case {
             let whole = match name.rsplit_once('.').expect("an ending").1 {
                 "vtu" | "pvd" => bytes.ends_with(b"</VTKFile>\n"),
                 "json" => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
+                // It grows line by line.
+                "sta" => bytes.is_empty() || bytes.starts_with(b"Revolve "),
                 "sfv" => bytes.ends_with(b"\n"),
                 "csv" => self.results.iter().any(|(n, all)| n == name && rows_begin(all, &bytes)),
                 "checkpoint" => Checkpoint::read(&folder.join(name)).is_ok_and(|c| c.is_some()),

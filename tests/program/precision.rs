@@ -177,7 +177,7 @@ fn a_checkpoint_has_its_precision() {
     let options = Options { interrupt: Some(&signal), ..Options::default() };
     let summary = job::run_with(&single, &job, options, &mut |_| {}).expect("a folder");
     assert!(summary.interrupted, "{:?}", summary.reason);
-    let refused = job::find_checkpoint(&double, &job, "", Demand::Whole).err().expect("another precision");
+    let Err(refused) = job::find_checkpoint(&double, &job, "", Demand::Whole) else { panic!("another precision") };
     assert!(refused.code == "K010" && refused.message.contains("single"), "{refused:?}");
     let (from, _) = job::find_checkpoint(&single, &job, "", Demand::Whole).expect("it fits");
     let options = Options { from, ..Options::default() };
