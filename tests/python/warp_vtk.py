@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSetAttributes
 from vtkmodules.vtkFiltersGeneral import vtkWarpVector
+from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 
@@ -26,13 +27,16 @@ warp.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_POINTS, "U"
 warp.Update()
 there = vtk_to_numpy(current.GetOutput().GetPoints().GetData())
 warped = vtk_to_numpy(warp.GetOutput().GetPoints().GetData())
+surface = vtkDataSetSurfaceFilter()
+surface.SetInputConnection(current.GetOutputPort())
+surface.Update()
 cells = current.GetOutput().GetCellData()
 print(json.dumps({
     "moved": float(abs(there - vtk_to_numpy(reference.GetOutput().GetPoints().GetData())).max()),
     "apart": float(abs(there - warped).max()),
     "cells": current.GetOutput().GetNumberOfCells(),
     "hidden": int((vtk_to_numpy(cells.GetArray("vtkGhostType")) == vtkDataSetAttributes.HIDDENCELL).sum()),
-    "blank": bool(current.GetOutput().HasAnyBlankCells()),
+    "shown": surface.GetOutput().GetNumberOfCells(),
     "deleted": int((vtk_to_numpy(cells.GetArray("STATUS")) == 0).sum()) if cells.HasArray("STATUS") else 0,
     "stress": [cells.GetArray("S").GetComponentName(i) for i in range(cells.GetArray("S").GetNumberOfComponents())],
     "elements": vtk_to_numpy(cells.GetArray("ELEMENT")).tolist(),
