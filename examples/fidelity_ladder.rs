@@ -11,7 +11,7 @@ use std::time::Instant;
 use revolve::job;
 use revolve::study::chart::{Chart, Series};
 use revolve::study::compare::{Reference, rms};
-use revolve::study::quantity::Quantity;
+use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::Routines;
 
 /// A rung: what stands in the table, and how the depth of a shot is found, mm.
@@ -93,11 +93,11 @@ fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -
         return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
     }
     let quantity = Quantity::parse(quantity)?;
-    let mut recorder = quantity.recorder(&prepared.plan);
-    let (outcome, state) = job::run_into(&prepared, &mut recorder);
+    let mut history = quantity.history(&prepared.plan);
+    let (outcome, state) = job::run_into(&prepared, &mut history);
     match outcome.halt {
         Some(halt) => Err(format!("{deck} at {velocity}: {halt}").into()),
-        None => Ok(quantity.number(&recorder, Some(&state))?),
+        None => Ok(quantity.number(Finished { history: &history, end: Some((outcome.total_time(), &state)) })?),
     }
 }
 

@@ -89,9 +89,7 @@ impl UserFiles {
         match opened {
             Ok(routines) => Some((routines, compiled.identity())),
             Err(fault) => {
-                let mut faults = Diagnostics::default();
-                faults.push(fault);
-                print_findings(&faults, &Sources::default());
+                print_finding(fault);
                 None
             }
         }
@@ -157,6 +155,12 @@ pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
 /// The exit status of what is only shown.
 fn shown() -> ExitCode {
     if words::arrived() { ExitCode::SUCCESS } else { ExitCode::from(HALTED) }
+}
+
+/// What a run was given: `V = 600, n = 20`.
+fn given<'a>(settings: impl Iterator<Item = (&'a str, &'a String)>) -> String {
+    let each: Vec<String> = settings.map(|(name, value)| format!("{name} = {value}")).collect();
+    each.join(", ")
 }
 
 /// Tells of runs whose values are not what they seem, each with what it ran with.

@@ -1,12 +1,10 @@
 //! The end of a run in a few lines: the verdict first, then what it warns of, key results, what it took.
 //! Never here: anything that is not in the summary.
 
-use std::time::Duration;
-
 use revolve::job::{Frames, Summary};
-use revolve::output;
-use revolve::output::clock::span;
+use revolve::output::clock::seconds;
 use revolve::output::columns::lined_up;
+use revolve::output::{self, HISTORY};
 
 use super::words::{say, write};
 
@@ -36,12 +34,12 @@ pub fn print(summary: &Summary, job: &output::Job, frames: Frames, profile: bool
         print_profile(summary);
     }
     say!("digest {}", summary.digest);
-    let ending = if frames == Frames::Absent { "_history.csv" } else { ".pvd" };
+    let ending = if frames == Frames::Absent { HISTORY } else { ".pvd" };
     say!("results in {}", job.path(ending).display());
 }
 
 fn verdict(summary: &Summary) -> String {
-    let took = span(Duration::try_from_secs_f64(summary.timing.seconds).unwrap_or_default());
+    let took = seconds(summary.timing.seconds);
     let how = if summary.ended_by_user { "ended by the user's routine" } else { summary.status };
     let resumed = summary.timing.resumed_at.map_or(String::new(), |at| format!(", gone on from increment {at}"));
     format!("{how}: {} increments in {took}{resumed}", summary.timing.increments)
@@ -55,7 +53,7 @@ fn warnings(summary: &Summary) {
 }
 
 fn histories(summary: &Summary, job: &output::Job) {
-    let columns = &summary.history.0;
+    let columns = &summary.history.summary.0;
     if columns.is_empty() {
         return;
     }
@@ -66,7 +64,7 @@ fn histories(summary: &Summary, job: &output::Job) {
     let rows: Vec<_> = columns.iter().take(SHOWN).map(row).collect();
     write(format_args!("{}", lined_up(&["history", "final", "min", "max"], &rows, false)), false);
     if columns.len() > SHOWN {
-        say!("  and {} more columns in {}", columns.len() - SHOWN, job.path("_history.csv").display());
+        say!("  and {} more columns in {}", columns.len() - SHOWN, job.path(HISTORY).display());
     }
 }
 
@@ -83,13 +81,13 @@ fn print_profile(summary: &Summary) {
     let mut rows: Vec<_> = summary.ledger.effects.iter().filter_map(|row| Some((row, row.share?))).collect();
     rows.sort_by(|a, b| b.1.total_cmp(&a.1));
     let cells = |(row, share): &(&revolve::plan::ledger::Row, f64)| {
-        let seconds = Duration::try_from_secs_f64(share * summary.timing.seconds).unwrap_or_default();
-        let per = share * summary.timing.seconds / summary.timing.increments.max(1) as f64;
+        let time = share * summary.timing.seconds;
+        let per = time / summary.timing.increments.max(1) as f64;
         vec![
             row.effect.clone(),
             format!("{} {}", row.count, row.unit),
             format!("{:.1} %", 100.0 * share),
-            span(seconds),
+            seconds(time),
             format!("{:.0}", 1e9 * per),
             format!("{:.2}", 1e9 * per / row.count.max(1) as f64),
             "#".repeat((BAR as f64 * share).round() as usize),

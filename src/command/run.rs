@@ -3,7 +3,6 @@
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
@@ -11,10 +10,10 @@ use indexmap::IndexMap;
 use revolve::deck::Diagnostic;
 use revolve::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal, Summary};
 use revolve::model::Precision;
-use revolve::output;
 use revolve::output::checkpoint::Checkpoint;
+use revolve::output::{self, History, Points};
 use revolve::solve::{Every, LOST, Progress};
-use revolve::study::quantity::{Quantity, Recorder};
+use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::host;
 use serde::Serialize;
 
@@ -144,19 +143,9 @@ impl Run {
         let signal = watch_signals()?;
         // Only once: the state itself, which may be large, and not a copy.
         let state = Some(std::mem::take(&mut prepared.state));
-        let recorder = Mutex::new(Recorder::of(&quantities, &prepared.plan));
-        let rows = |time: f64, row: &[f64]| recorder.lock().unwrap_or_else(PoisonError::into_inner).keep_row(time, row);
         let frames = self.frames();
-        let options = Options {
-            every: self.checkpoint_every,
-            interrupt: Some(&*signal),
-            from,
-            state,
-            user,
-            frames,
-            warn: None,
-            rows: Some(&rows),
-        };
+        let options =
+            Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user, frames, warn: None };
         let summary = match run(&prepared, &job, options, self.is_silent()) {
             Ok(summary) => summary,
             Err(Refusal::Folder(e)) => return Err(e.into()),
@@ -166,14 +155,14 @@ impl Run {
         if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
         }
-        let values = values(&quantities, &recorder.into_inner().unwrap_or_else(PoisonError::into_inner));
+        let values = values(&quantities, &summary.history);
         if self.json {
             print_json(&summary, &values)?;
         } else {
             values.iter().for_each(|(text, value)| print_value(text, value));
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
-        let end = print_end(&summary, &job, signal);
+        let end = print_end(&summary, &job, frames, signal);
         if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
             revolve::user::library::leave(HALTED);
         }
@@ -186,8 +175,8 @@ impl Run {
     fn frames(&self) -> Frames {
         match self.points {
             _ if self.no_frames => Frames::Absent,
-            PointsAt::Current => Frames::Written,
-            PointsAt::Reference => Frames::OnReference,
+            PointsAt::Current => Frames::Written(Points::Current),
+            PointsAt::Reference => Frames::Written(Points::Reference),
         }
     }
 
@@ -220,8 +209,9 @@ impl Run {
 /// Quantities with their values, or why there is none.
 type Values = IndexMap<String, Result<f64, String>>;
 
-fn values(quantities: &[Quantity], recorder: &Recorder) -> Values {
-    let value = |q: &Quantity| (q.text.clone(), q.number(recorder, None).map_err(|e| e.to_string()));
+fn values(quantities: &[Quantity], history: &History) -> Values {
+    let run = Finished { history, end: None };
+    let value = |q: &Quantity| (q.text.clone(), q.number(run).map_err(|e| e.to_string()));
     quantities.iter().map(value).collect()
 }
 
@@ -264,9 +254,13 @@ fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool
 }
 
 /// Says how it ended; the exit status is 0, that of a halt, or that of a signal as shells have it.
-fn print_end(summary: &Summary, job: &output::Job, signal: usize) -> ExitCode {
+fn print_end(summary: &Summary, job: &output::Job, frames: Frames, signal: usize) -> ExitCode {
     let Some(reason) = &summary.reason else { return ExitCode::SUCCESS };
-    tell!("halted: {reason}\nthe last good state is in {}", job.path(".pvd").display());
+    let last = match frames {
+        Frames::Written(_) => format!("\nthe last good state is in {}", job.path(".pvd").display()),
+        Frames::Absent => String::new(),
+    };
+    tell!("halted: {reason}{last}");
     if !summary.interrupted {
         return ExitCode::from(HALTED);
     }

@@ -21,7 +21,7 @@ use revolve::user::compile::Compiled;
 use revolve::{deck, job, model, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, pairs, progress, tell_doubts};
+use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, given, pairs, progress, tell_doubts};
 
 /// Refine a deck: observed order, error, and what accuracy costs.
 #[derive(Args)]
@@ -228,12 +228,8 @@ fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job
 
 /// Each setting, and what is to be known of its run.
 fn doubts<'a>(axes: &[Axis], results: &'a Results) -> Vec<(String, &'a [String])> {
-    let given = |values: &[String]| {
-        let given: Vec<String> =
-            axes.iter().zip(values).map(|(axis, value)| format!("{} = {value}", axis.name)).collect();
-        given.join(", ")
-    };
-    let of_row = |row: &'a Row| Some((given(&row.values), &row.run.as_ref().ok()?.doubts[..]));
+    let names = || axes.iter().map(|axis| &axis.name[..]);
+    let of_row = |row: &'a Row| Some((given(names().zip(&row.values)), &row.run.as_ref().ok()?.doubts[..]));
     results.rows.iter().filter_map(of_row).collect()
 }
 

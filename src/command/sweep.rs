@@ -17,7 +17,7 @@ use revolve::{deck, job, output};
 use serde::Serialize;
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, progress, tell_doubts};
+use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, given, progress, tell_doubts};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -163,11 +163,8 @@ fn print_sweep(sheet: &sweep::Sheet, job: &output::Job) {
 /// Each run's parameters, and what is to be known of its values.
 fn doubts<'a>(grid: &Grid, results: &'a sweep::Results) -> Vec<(String, &'a [String])> {
     let names = grid.names();
-    let given = |parameters: &[String]| {
-        let given: Vec<String> = names.iter().zip(parameters).map(|(n, p)| format!("{n} = {p}")).collect();
-        given.join(", ")
-    };
-    results.parameters.iter().zip(&results.doubts).map(|(p, doubts)| (given(p), &doubts[..])).collect()
+    let runs = results.parameters.iter().zip(&results.doubts);
+    runs.map(|(values, doubts)| (given(names.iter().copied().zip(values)), &doubts[..])).collect()
 }
 
 fn report_failures(results: &sweep::Results) -> ExitCode {

@@ -92,9 +92,7 @@ impl Builder<'_> {
                 condition.members.iter().for_each(|&n| nodes[n] = value);
             }
         }
-        let sections = self.model.sections.iter().filter(|s| s.material == material);
-        let shells = self.model.shell_sections.iter().filter(|s| s.material == material);
-        let elements = sections.flat_map(|s| &s.elements).chain(shells.flat_map(|s| &s.elements));
+        let elements = self.model.made_of().filter(|s| s.0 == material).flat_map(|s| s.1);
         let elements = elements.flat_map(|&e| &self.model.mesh.elements[e].nodes);
         let mut temperatures = elements.map(|&n| nodes[n]);
         let first = temperatures.next().ok_or("a density over temperature needs elements that have a temperature")?;

@@ -12,6 +12,12 @@ use crate::variables::asked::Asked;
 use crate::variables::{Part, Variable};
 
 impl Model {
+    /// What deforms is made of: index of the material and elements of each section, solids before shells.
+    pub fn made_of(&self) -> impl Iterator<Item = (usize, &[usize])> {
+        let solids = self.sections.iter().map(|s| (s.material, &s.elements[..]));
+        solids.chain(self.shell_sections.iter().map(|s| (s.material, &s.elements[..])))
+    }
+
     /// Adds a node at `[r, z]`, named by its number from 1 on, and returns its index.
     pub fn node(&mut self, r: f64, z: f64) -> usize {
         self.mesh.points.push([r, z]);

@@ -17,6 +17,11 @@ pub fn span(time: Duration) -> String {
     }
 }
 
+/// The same of a number of seconds; one that is no time, or longer than any, is the longest.
+pub fn seconds(seconds: f64) -> String {
+    span(Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX))
+}
+
 #[cfg(test)]
 mod tests {
     use super::span;

@@ -9,22 +9,48 @@ use serde::Serialize;
 use super::csv;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
-/// History samples: one row a time.
+/// The histories of a run: what each column came to, and the rows where they are kept.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// Column names without time (`U2@REF`, `ALLKE`).
     pub columns: Vec<String>,
-    /// Total time of each row.
-    pub times: Vec<f64>,
-    /// Row-major values.
-    pub values: Vec<f64>,
+    /// What they came to over all rows shown.
+    pub summary: HistorySummary,
+    keeps_rows: bool,
+    /// Total time of each row that was kept.
+    times: Vec<f64>,
+    /// Row-major values of rows that were kept.
+    values: Vec<f64>,
 }
 
 impl History {
-    /// Adds a row.
+    /// Of these columns, with all rows.
+    pub fn of_rows(columns: Vec<String>) -> Self {
+        History { columns, keeps_rows: true, ..History::default() }
+    }
+
+    /// Of these columns, with what they come to and no rows: a few bytes however long the run.
+    pub fn of_sums(columns: Vec<String>) -> Self {
+        History { columns, ..History::default() }
+    }
+
+    /// Takes a row in: total time, and a value a column.
     pub fn push(&mut self, time: f64, values: &[f64]) {
-        self.times.push(time);
-        self.values.extend_from_slice(values);
+        self.summary.observe(&self.columns, time, values);
+        if self.keeps_rows {
+            self.times.push(time);
+            self.values.extend_from_slice(values);
+        }
+    }
+
+    /// Total time of each row that was kept.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Value of a column in a row that was kept.
+    pub fn cell(&self, row: usize, column: usize) -> f64 {
+        self.values[row * self.columns.len() + column]
     }
 
     /// The text of `<job>_history.csv`: `time` and the columns, numbers in the shortest form that reads back the same.
@@ -65,8 +91,7 @@ pub struct ColumnSummary {
 pub struct HistorySummary(pub IndexMap<String, ColumnSummary>);
 
 impl HistorySummary {
-    /// Takes a row in.
-    pub fn observe(&mut self, columns: &[String], time: f64, values: &[f64]) {
+    fn observe(&mut self, columns: &[String], time: f64, values: &[f64]) {
         if self.0.is_empty() {
             let first = |(name, &v): (&String, &f64)| {
                 (name.clone(), ColumnSummary { last: v, min: v, max: v, time_min: time, time_max: time })
@@ -88,12 +113,13 @@ impl HistorySummary {
 
 impl Persist for History {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let History { columns: _, times, values } = self;
+        let History { columns, summary, keeps_rows: _, times, values } = self;
         persist_fields!(archive; times, values);
-        let rows = values.len().checked_div(self.columns.len());
-        if rows.is_some_and(|rows| rows != self.times.len()) {
+        let rows = values.len().checked_div(columns.len());
+        if rows.is_some_and(|rows| rows != times.len()) {
             archive.refuse(|| "its histories have other columns".into());
         }
+        summary.persist(columns, archive);
     }
 }
 
@@ -106,7 +132,7 @@ impl Persist for ColumnSummary {
 
 impl HistorySummary {
     /// Visits what the columns came to, which are those of the plan once a row has been seen.
-    pub fn persist(&mut self, columns: &[String], archive: &mut Archive<'_>) {
+    fn persist(&mut self, columns: &[String], archive: &mut Archive<'_>) {
         let mut seen = !self.0.is_empty();
         seen.persist(archive);
         if seen && self.0.is_empty() {

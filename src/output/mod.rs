@@ -9,7 +9,6 @@ pub mod csv;
 pub mod history;
 pub mod lock;
 pub mod pvd;
-pub mod status;
 pub mod sums;
 pub mod vtu;
 pub mod whole;
@@ -21,6 +20,11 @@ use serde::Serialize;
 
 pub use history::{ColumnSummary, History, HistorySummary};
 pub use whole::{write_durable, write_whole};
+
+/// Ending of the file with the histories.
+pub const HISTORY: &str = "_history.csv";
+/// Ending of the status file.
+pub const STATUS: &str = ".sta";
 
 /// An array over points or cells.
 #[derive(Clone, Debug)]

@@ -6,14 +6,13 @@ use std::path::PathBuf;
 use std::{fs, io};
 
 use super::checkpoint::CHECKPOINT;
-use super::status::STATUS;
 use super::sums::{SUMS, Sums, sum};
 use super::vtu::{VtuWriter, escape};
 use super::whole::{remove, unfinished};
-use super::{Frame, Job, Points, write_whole};
+use super::{Frame, HISTORY, Job, Points, STATUS, write_whole};
 
 /// Files of a job beside its frames.
-const OTHERS: [&str; 6] = [SUMS, ".pvd", ".json", "_history.csv", CHECKPOINT, STATUS];
+const OTHERS: [&str; 6] = [SUMS, ".pvd", ".json", HISTORY, CHECKPOINT, STATUS];
 
 /// A frame that has been written: its time and the checksum of its file.
 pub type Written = (f64, u32);

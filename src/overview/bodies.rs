@@ -30,9 +30,7 @@ pub struct Part {
 
 /// All parts, in the order of the deck.
 pub(super) fn parts(model: &Model, plan: &Plan, state: &State) -> Vec<Part> {
-    let solids = model.sections.iter().map(|s| (s.material, &s.elements));
-    let shells = model.shell_sections.iter().map(|s| (s.material, &s.elements));
-    let sections = solids.chain(shells).filter_map(|(material, elements)| {
+    let sections = model.made_of().filter_map(|(material, elements)| {
         let name = model.materials.get(material).map_or(String::new(), |m| m.name.clone());
         deformable(name, elements, model, plan, state)
     });

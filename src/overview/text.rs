@@ -2,9 +2,9 @@
 //! Never here: numbers that are not in it.
 
 use std::fmt::Write as _;
-use std::time::Duration;
 
 use super::{Effort, Overview, Part};
+use crate::output::clock::seconds;
 use crate::output::columns::lined_up;
 
 /// Powers of length, mass, time and temperature.
@@ -103,7 +103,7 @@ fn effort(effort: &Effort, unit: &str) -> String {
     };
     // Elements that are squeezed shorten the increment.
     let least = if effort.looked_at < 1.0 { "at least " } else { "" };
-    let time = span(effort.seconds);
+    let time = seconds(effort.seconds);
     let looked = if effort.looked_at < 1.0 {
         format!("by its first {}", percent(effort.looked_at))
     } else {
@@ -127,12 +127,6 @@ fn round(count: f64) -> f64 {
     }
     let step = 10f64.powi(count.log10().floor() as i32 - 1);
     (count / step).round() * step
-}
-
-/// A time as people say it.
-fn span(seconds: f64) -> String {
-    let time = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-    crate::output::clock::span(time)
 }
 
 #[cfg(test)]

@@ -208,9 +208,7 @@ impl Compiler<'_> {
 
     fn refuse_stray_elements(&mut self) {
         // Elements of a section that was refused have a section.
-        let solids = self.model.sections.iter().flat_map(|s| &s.elements);
-        let shells = self.model.shell_sections.iter().flat_map(|s| &s.elements);
-        let in_section: HashSet<usize> = solids.chain(shells).copied().collect();
+        let in_section: HashSet<usize> = self.model.made_of().flat_map(|s| s.1).copied().collect();
         let free = |e: &usize| !self.body_of_element.contains_key(e) && !in_section.contains(e);
         let mesh = &self.model.mesh;
         let first = (0..mesh.elements.len()).find(|e| !mesh.elements[*e].kind.is_discrete() && free(e));

@@ -20,8 +20,7 @@ impl Labels {
     /// Of a model.
     pub(super) fn of(model: &Model) -> Labels {
         let mut materials = vec![0; model.mesh.elements.len()];
-        let solids = model.sections.iter().map(|s| (&s.elements, s.material));
-        for (elements, material) in solids.chain(model.shell_sections.iter().map(|s| (&s.elements, s.material))) {
+        for (material, elements) in model.made_of() {
             elements.iter().for_each(|&e| materials[e] = material as i32 + 1);
         }
         Labels { materials, node_sets: named(&model.node_sets), element_sets: named(&model.element_sets) }

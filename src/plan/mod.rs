@@ -161,6 +161,11 @@ impl StepPlan {
 }
 
 impl Plan {
+    /// Names of the history columns.
+    pub fn column_names(&self) -> Vec<String> {
+        self.columns.iter().map(|c| c.name.clone()).collect()
+    }
+
     /// Name of an element by its group and its number there.
     pub fn element_name(&self, group: usize, element: usize) -> &str {
         let found = self.places.elements.iter().find(|e| *e.1 == (group, element));

@@ -10,6 +10,7 @@ use super::data::{Column, Page, Run};
 use super::units::Names;
 use super::{frames, history, study, sweep};
 use crate::deck::files;
+use crate::output::HISTORY;
 use crate::output::sums::Sums;
 
 /// Runs beyond these are left out.
@@ -63,7 +64,7 @@ pub fn page(folder: &Path) -> Result<Page, String> {
 /// In words: none, or several.
 pub fn only_run(folder: &Path) -> Result<String, String> {
     let names = file_names(folder)?;
-    let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix("_history.csv")).collect();
+    let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(HISTORY)).collect();
     let series: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(".pvd")).collect();
     let all: BTreeSet<&str> = runs.into_iter().chain(series).collect();
     let mut all = all.into_iter();
@@ -109,7 +110,7 @@ fn is_run(path: &Path) -> bool {
 fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
     let file = |ending: &str| folder.join(format!("{name}{ending}"));
     let mut run = Run { name: name.to_owned(), ..Run::default() };
-    if !sums.has(&file(".pvd")) && !sums.has(&file("_history.csv")) {
+    if !sums.has(&file(".pvd")) && !sums.has(&file(HISTORY)) {
         run.notes.push(
             "there is no list of checksums (.sfv): nobody can tell whether its files are as they were written".into(),
         );
@@ -123,9 +124,9 @@ fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
     if let Some(Value::Object(history)) = run.summary.as_object_mut().and_then(|s| s.shift_remove("history")) {
         run.columns = history.iter().map(|(name, values)| column(name, values)).collect();
     }
-    if file("_history.csv").is_file() {
-        sums.hold(&file("_history.csv"))?;
-        histories(&file("_history.csv"), &mut run)?;
+    if file(HISTORY).is_file() {
+        sums.hold(&file(HISTORY))?;
+        histories(&file(HISTORY), &mut run)?;
     }
     run.columns.truncate(COLUMNS);
     if file(".pvd").is_file() {
@@ -142,7 +143,7 @@ fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
 
 /// Names of units of the run that a history file belongs to.
 pub(super) fn units(history: &Path) -> Names {
-    let name = history.file_name().and_then(|n| n.to_str()?.strip_suffix("_history.csv"));
+    let name = history.file_name().and_then(|n| n.to_str()?.strip_suffix(HISTORY));
     let summary = name.and_then(|name| json(&history.with_file_name(format!("{name}.json"))).ok());
     Names::of(&summary.unwrap_or_default())
 }

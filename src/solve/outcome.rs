@@ -43,6 +43,13 @@ pub struct Outcome {
     pub effect_seconds: Vec<f64>,
 }
 
+impl Outcome {
+    /// Total time reached.
+    pub fn total_time(&self) -> f64 {
+        self.steps.iter().map(|step| step.time).sum()
+    }
+}
+
 /// What a step took.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StepSummary {

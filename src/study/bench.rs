@@ -6,7 +6,7 @@ use std::time::Instant as Stopwatch;
 use serde::Serialize;
 
 use super::StudyError;
-use super::quantity::{Found, Quantity};
+use super::quantity::{Finished, Found, Quantity};
 use super::settings::{Axis, Edit, Knob, edit};
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, Overrides};
@@ -142,13 +142,12 @@ impl<'a> Bench<'a> {
             return Err(StudyError::refused(&prepared));
         }
         fault?;
-        let mut recorder = self.measure.recorder(&prepared.plan);
-        let (outcome, state) = job::run_into(&prepared, &mut recorder);
+        let mut history = self.measure.history(&prepared.plan);
+        let (outcome, state) = job::run_into(&prepared, &mut history);
         if let Some(halt) = outcome.halt {
             return Err(StudyError::Halted(halt));
         }
-        recorder.end(outcome.steps.iter().map(|s| s.time).sum());
-        let found = self.measure.evaluate(&recorder, &state)?;
+        let found = self.measure.evaluate(Finished { history: &history, end: Some((outcome.total_time(), &state)) })?;
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
         let seconds = Spread { median: outcome.seconds, ..Spread::default() };
         let doubts = outcome.unfinished.into_iter().chain(outcome.warnings).collect();

@@ -6,12 +6,13 @@ use super::StudyError;
 use super::field::{Field, FieldName};
 use super::histories::{FUNCTIONS, parse, value};
 use crate::deck::expression::{Argument, Expression};
-use crate::output::HistorySummary;
+use crate::output::History;
 use crate::plan::{Plan, State};
-use crate::solve::{Sink, SinkError};
 
 /// Functions beside those of what columns came to.
 const MORE: [&str; 3] = ["at", "mean", "norm"];
+/// Why there is no norm of a run without its end.
+const NO_NORM: &str = "a norm is taken by sweep and study";
 
 /// A quantity that has been parsed.
 #[derive(Clone, Debug)]
@@ -75,9 +76,9 @@ impl Quantity {
         arguments.next().is_none() && self.text.split_whitespace().eq(alone.split_whitespace())
     }
 
-    /// A sink that keeps what this quantity looks at.
-    pub fn recorder(&self, plan: &Plan) -> Recorder {
-        Recorder::of(std::slice::from_ref(self), plan)
+    /// Histories that keep what this quantity looks at.
+    pub fn history(&self, plan: &Plan) -> History {
+        history(std::slice::from_ref(self), plan)
     }
 
     /// Refuses what compares with the finest mesh: only a study has one.
@@ -99,15 +100,14 @@ impl Quantity {
         let Kind::Number(expression) = &self.kind else {
             return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
         };
-        let mut recorder = self.recorder(plan);
-        let zeros = vec![0.0; recorder.columns.len()];
-        recorder.keep_row(0.0, &zeros);
+        let mut empty = self.history(plan);
+        empty.push(0.0, &vec![0.0; plan.columns.len()]);
         for (function, argument) in expression.raw_arguments() {
-            let column = argument.split(',').next().unwrap_or_default().trim();
+            let name = argument.split(',').next().unwrap_or_default().trim();
             match function {
                 "norm" if plan.places.elements.is_empty() => return Err(wrong(nothing.into())),
                 "norm" => {}
-                _ => drop(recorder.column(column).map_err(wrong)?),
+                _ => drop(column(&empty, name).map_err(wrong)?),
             }
         }
         if expression.raw_arguments().next().is_none() {
@@ -120,34 +120,32 @@ impl Quantity {
     ///
     /// # Errors
     /// In words: what does not exist, with the nearest that does; a value that is not finite.
-    pub fn evaluate(&self, recorder: &Recorder, state: &State) -> Result<Found, StudyError> {
+    pub fn evaluate(&self, run: Finished<'_>) -> Result<Found, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         match &self.kind {
             Kind::Field(name) => {
-                Field::of(state, *name, recorder.time).map(|f| Found::Field(Box::new(f))).map_err(wrong)
+                let (time, state) = run.end.ok_or_else(|| wrong(NO_NORM.into()))?;
+                Field::of(state, *name, time).map(|f| Found::Field(Box::new(f))).map_err(wrong)
             }
-            Kind::Number(_) => self.number(recorder, Some(state)).map(Found::Number),
+            Kind::Number(_) => self.number(run).map(Found::Number),
         }
     }
 
-    /// The number of a run; without its state no norm can be taken.
+    /// The number of a run.
     ///
     /// # Errors
     /// As [`Quantity::evaluate`].
-    pub fn number(&self, recorder: &Recorder, state: Option<&State>) -> Result<f64, StudyError> {
+    pub fn number(&self, run: Finished<'_>) -> Result<f64, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         self.stands_alone()?;
         let Kind::Number(expression) = &self.kind else { return Err(wrong("it is no number".into())) };
         let call = |function: &str, arguments: &[Argument]| {
             let [Argument::Raw(argument)] = arguments else { return None };
             Some(match function {
-                "at" => at(recorder, argument),
-                "mean" => mean(recorder, argument),
-                "norm" => match state {
-                    Some(state) => norm(recorder, state, argument),
-                    None => Err("a norm is taken by sweep and study".into()),
-                },
-                _ => value(&recorder.summary, function, argument),
+                "at" => at(run.history, argument),
+                "mean" => mean(run.history, argument),
+                "norm" => run.end.ok_or(NO_NORM.to_owned()).and_then(|end| norm(end, argument)),
+                _ => value(&run.history.summary, function, argument),
             })
         };
         let number = expression.evaluate(&|_| None, &call).map_err(|e| wrong(e.message))?;
@@ -155,72 +153,45 @@ impl Quantity {
     }
 }
 
-/// Keeps what histories came to, and their rows where they are looked at.
-#[derive(Debug, Default)]
-pub struct Recorder {
-    columns: Vec<String>,
-    summary: HistorySummary,
-    keeps_rows: bool,
-    times: Vec<f64>,
-    rows: Vec<f64>,
-    time: f64,
+/// A run that is over: its histories, and what it left behind where that is at hand.
+#[derive(Clone, Copy)]
+pub struct Finished<'a> {
+    /// Its histories, with their rows where a quantity [looks at rows](history).
+    pub history: &'a History,
+    /// Total time and state at its end; without them no norm can be taken.
+    pub end: Option<(f64, &'a State)>,
 }
 
-impl Recorder {
-    /// Keeps what all of these quantities look at.
-    pub fn of(quantities: &[Quantity], plan: &Plan) -> Recorder {
-        let columns = plan.columns.iter().map(|c| c.name.clone()).collect();
-        Recorder { columns, keeps_rows: quantities.iter().any(|q| q.rows), ..Recorder::default() }
-    }
-
-    /// Tells the total time at the end of the run.
-    pub fn end(&mut self, time: f64) {
-        self.time = time;
-    }
-
-    /// Keeps a row of the histories.
-    pub fn keep_row(&mut self, time: f64, values: &[f64]) {
-        self.summary.observe(&self.columns, time, values);
-        if self.keeps_rows {
-            self.times.push(time);
-            self.rows.extend_from_slice(values);
-        }
-    }
-
-    fn cell(&self, i: usize, column: usize) -> f64 {
-        self.rows[i * self.columns.len() + column]
-    }
-
-    fn column(&self, name: &str) -> Result<usize, String> {
-        // The summary knows how to tell what is missing.
-        value(&self.summary, "final", name)?;
-        self.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
-    }
-
-    /// A column at a time between two rows, by a straight line.
-    fn between(&self, column: usize, time: f64) -> Result<f64, String> {
-        let after = self.times.partition_point(|t| *t < time);
-        let last = self.times.last().copied().unwrap_or(0.0);
-        if after == self.times.len() && time <= last * (1.0 + 1e-9) && after > 0 {
-            return Ok(self.cell(after - 1, column));
-        }
-        if after == self.times.len() || after == 0 && self.times[0] > time {
-            return Err(format!("no history row reaches the time {time:e}; the last is at {last:e}"));
-        }
-        if after == 0 || self.times[after] == time {
-            return Ok(self.cell(after, column));
-        }
-        let (a, b) = (self.times[after - 1], self.times[after]);
-        let (u, v) = (self.cell(after - 1, column), self.cell(after, column));
-        Ok(u + (v - u) * (time - a) / (b - a))
-    }
+/// Histories that keep what all of these quantities look at.
+pub fn history(quantities: &[Quantity], plan: &Plan) -> History {
+    let rows = quantities.iter().any(|q| q.rows);
+    if rows { History::of_rows(plan.column_names()) } else { History::of_sums(plan.column_names()) }
 }
 
-impl Sink for Recorder {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.keep_row(time, values);
-        Ok(())
+/// Its number among the columns.
+fn column(history: &History, name: &str) -> Result<usize, String> {
+    // The summary knows how to tell what is missing.
+    value(&history.summary, "final", name)?;
+    history.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
+}
+
+/// A column at a time between two rows, by a straight line.
+fn between(history: &History, column: usize, time: f64) -> Result<f64, String> {
+    let times = history.times();
+    let after = times.partition_point(|t| *t < time);
+    let last = times.last().copied().unwrap_or(0.0);
+    if after == times.len() && time <= last * (1.0 + 1e-9) && after > 0 {
+        return Ok(history.cell(after - 1, column));
     }
+    if after == times.len() || after == 0 && times[0] > time {
+        return Err(format!("no history row reaches the time {time:e}; the last is at {last:e}"));
+    }
+    if after == 0 || times[after] == time {
+        return Ok(history.cell(after, column));
+    }
+    let (a, b) = (times[after - 1], times[after]);
+    let (u, v) = (history.cell(after - 1, column), history.cell(after, column));
+    Ok(u + (v - u) * (time - a) / (b - a))
 }
 
 /// What can be said of an argument before any run.
@@ -247,20 +218,20 @@ fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a s
     Ok((column, numbers))
 }
 
-fn at(recorder: &Recorder, argument: &str) -> Result<f64, String> {
-    let (column, [time]) = parts::<1>("at", argument)?;
-    recorder.between(recorder.column(column)?, time)
+fn at(history: &History, argument: &str) -> Result<f64, String> {
+    let (name, [time]) = parts::<1>("at", argument)?;
+    between(history, column(history, name)?, time)
 }
 
 /// Mean over time, by the trapezoid of the rows.
-fn mean(recorder: &Recorder, argument: &str) -> Result<f64, String> {
-    let (column, [from, to]) = parts::<2>("mean", argument)?;
-    let column = recorder.column(column)?;
-    let mut before = (from, recorder.between(column, from)?);
-    let end = (to, recorder.between(column, to)?);
-    let inside = (0..recorder.times.len()).filter(|&i| recorder.times[i] > from && recorder.times[i] < to);
+fn mean(history: &History, argument: &str) -> Result<f64, String> {
+    let (name, [from, to]) = parts::<2>("mean", argument)?;
+    let (column, times) = (column(history, name)?, history.times());
+    let mut before = (from, between(history, column, from)?);
+    let end = (to, between(history, column, to)?);
+    let inside = (0..times.len()).filter(|&i| times[i] > from && times[i] < to);
     let mut sum = 0.0;
-    for (time, value) in inside.map(|i| (recorder.times[i], recorder.cell(i, column))).chain([end]) {
+    for (time, value) in inside.map(|i| (times[i], history.cell(i, column))).chain([end]) {
         sum += 0.5 * (value + before.1) * (time - before.0);
         before = (time, value);
     }
@@ -282,16 +253,16 @@ fn norm_parts(argument: &str) -> Result<(FieldName, Expression), String> {
     Ok((FieldName::parse(variable)?, exact))
 }
 
-fn norm(recorder: &Recorder, state: &State, argument: &str) -> Result<f64, String> {
+fn norm((time, state): (f64, &State), argument: &str) -> Result<f64, String> {
     let (name, exact) = norm_parts(argument)?;
-    let field = Field::of(state, name, recorder.time)?;
+    let field = Field::of(state, name, time)?;
     field.relative_norm(|point| {
         let known = |name: &str| match name {
             "r" => Some(point.now[0]),
             "z" => Some(point.now[1]),
             "r0" => Some(point.start[0]),
             "z0" => Some(point.start[1]),
-            "t" => Some(recorder.time),
+            "t" => Some(time),
             _ => None,
         };
         exact.evaluate(&known, &|_, _| None).map_err(|e| e.message)
@@ -304,18 +275,18 @@ mod tests {
 
     #[test]
     fn histories_are_read_between_rows() {
-        let mut recorder = Recorder { columns: vec!["U2@REF".into()], keeps_rows: true, ..Recorder::default() };
+        let mut history = History::of_rows(vec!["U2@REF".into()]);
         for (t, u) in [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)] {
-            recorder.row(t, &[u]).expect("kept");
+            history.push(t, &[u]);
         }
-        assert_eq!(at(&recorder, "u2@ref, 0.5"), Ok(1.0));
-        assert_eq!(at(&recorder, "U2@REF, 1+1"), Ok(0.0));
-        assert_eq!(mean(&recorder, "U2@REF, 0, 2"), Ok(1.0));
-        assert_eq!(mean(&recorder, "U2@REF, 0.5, 1.5"), Ok(1.5));
+        assert_eq!(at(&history, "u2@ref, 0.5"), Ok(1.0));
+        assert_eq!(at(&history, "U2@REF, 1+1"), Ok(0.0));
+        assert_eq!(mean(&history, "U2@REF, 0, 2"), Ok(1.0));
+        assert_eq!(mean(&history, "U2@REF, 0.5, 1.5"), Ok(1.5));
         for wrong in ["U2@REF, 3", "U2@REF", "U2@RFE, 1", "U2@REF, x"] {
-            assert!(at(&recorder, wrong).is_err(), "{wrong}");
+            assert!(at(&history, wrong).is_err(), "{wrong}");
         }
-        assert!(mean(&recorder, "U2@REF, 1, 1").is_err());
+        assert!(mean(&history, "U2@REF, 1, 1").is_err());
     }
 
     #[test]
@@ -331,11 +302,12 @@ mod tests {
 
     #[test]
     fn quantities_read_columns() {
-        let mut recorder = Recorder { columns: vec!["U2@REF".into()], ..Recorder::default() };
+        let mut history = History::of_sums(vec!["U2@REF".into()]);
         for (t, u) in [(0.0, 0.0), (1.0, -0.06), (2.0, -0.05)] {
-            recorder.keep_row(t, &[u]);
+            history.push(t, &[u]);
         }
-        let value = |text: &str| Quantity::parse(text).and_then(|q| q.number(&recorder, None));
+        let value =
+            |text: &str| Quantity::parse(text).and_then(|q| q.number(Finished { history: &history, end: None }));
         assert_eq!(value("-1000*final(U2@REF)"), Ok(50.0));
         assert_eq!(value("time_min(u2@ref) + max(U2@REF)"), Ok(1.0));
         assert!(value("final(U2@RFE)").is_err_and(|e| e.to_string().contains("did you mean U2@REF")));

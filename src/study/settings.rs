@@ -213,8 +213,7 @@ fn reads_velocity(model: &Model) -> bool {
 /// Whether something of the model deforms: a section holds elements of no rigid body.
 pub fn deforms(model: &Model) -> bool {
     let rigid = |e: &usize| model.rigid_bodies.iter().any(|b| b.elements.contains(e));
-    let shells = model.shell_sections.iter().map(|s| &s.elements);
-    model.sections.iter().map(|s| &s.elements).chain(shells).any(|list| list.iter().any(|e| !rigid(e)))
+    model.made_of().any(|(_, elements)| elements.iter().any(|e| !rigid(e)))
 }
 
 fn load_velocity(value: &str) -> Result<Edit, String> {

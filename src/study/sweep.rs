@@ -9,10 +9,10 @@ use super::StudyError;
 use super::chart::{Chart, Series};
 use super::compare::{Reference, rms};
 use super::grid::Grid;
-use super::quantity::{Quantity, Recorder};
+use super::quantity::{self, Finished, Quantity};
 use crate::job;
 use crate::model::Precision;
-use crate::output::Job;
+use crate::output::{History, Job};
 use crate::user::compile::Compiled;
 
 /// The results of a sweep, in the grid's order.
@@ -92,19 +92,21 @@ fn one(
     if prepared.diagnostics.has_errors() {
         return Err(StudyError::refused(&prepared));
     }
-    let mut recorder = Recorder::of(quantities, &prepared.plan);
-    let (outcome, state) = match kept {
-        None => job::run_into(&prepared, &mut recorder),
-        Some(job) => {
-            job::run_and_keep(&prepared, job, &mut recorder).map_err(|e| StudyError::Setting(e.to_string()))?
-        }
+    let mut history = match kept {
+        None => quantity::history(quantities, &prepared.plan),
+        Some(_) => History::of_rows(prepared.plan.column_names()),
     };
-    recorder.end(outcome.steps.iter().map(|s| s.time).sum());
-    if let Some(halt) = outcome.halt {
-        return Err(StudyError::Halted(halt));
+    let (outcome, state) = job::run_into(&prepared, &mut history);
+    let run = Finished { history: &history, end: Some((outcome.total_time(), &state)) };
+    let values = quantities.iter().map(|q| q.number(run)).collect::<Result<_, _>>();
+    let doubts = outcome.unfinished.iter().chain(&outcome.warnings).cloned().collect();
+    let halt = outcome.halt.clone();
+    if let Some(job) = kept {
+        let written = job::write_run(&prepared, job, outcome, history);
+        written.map_err(|e| StudyError::Setting(e.to_string()))?;
     }
-    let values = quantities.iter().map(|q| q.number(&recorder, Some(&state))).collect::<Result<_, _>>()?;
-    Ok((values, outcome.unfinished.into_iter().chain(outcome.warnings).collect()))
+    halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
+    Ok((values?, doubts))
 }
 
 /// What keeps a reference table from standing beside a sweep: none of its rows has a value of the first parameter.

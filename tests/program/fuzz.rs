@@ -19,8 +19,36 @@ use revolve::output::vtu::VtuWriter;
 use revolve::solve::{self, Control, Every, Sink, SinkError};
 use revolve::user::Routines;
 
+#[path = "../fuzz/readers/mod.rs"]
+mod readers;
+
 use crate::common;
 use crate::common::mesh::mesh_frame;
+
+/// The corpus of the targets of `tests/fuzz`: what broke a reader once is read again with each test.
+#[test]
+fn the_corpus_is_read() {
+    type Read = fn(&[u8]);
+    let targets: [(&str, Read); 6] = [
+        ("checkpoints", readers::checkpoints::read),
+        ("decks", readers::decks::read),
+        ("meshes", readers::meshes::read),
+        ("parameters", readers::parameters::read),
+        ("references", readers::references::read),
+        ("results", readers::results::read),
+    ];
+    for (name, read) in targets {
+        let entries = std::fs::read_dir(common::project("tests/fuzz/corpus").join(name)).expect("a corpus");
+        let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+        paths.sort();
+        assert!(!paths.is_empty(), "{name}");
+        for path in paths {
+            let begin = Instant::now();
+            read(&std::fs::read(&path).expect("bytes"));
+            println!("{}: {:.2} s", path.display(), begin.elapsed().as_secs_f64());
+        }
+    }
+}
 
 /// What is done to a text: kind, place, and what with.
 type Change = (u8, u32, u32);

@@ -7,7 +7,8 @@ use revolve::internals::constants::{Constants, HourglassControl};
 use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Quads};
 use revolve::internals::volumetric::Linear;
-use revolve::job::{self, HistoryOnly};
+use revolve::job;
+use revolve::output::History;
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
@@ -196,7 +197,7 @@ fn told_and_held(text: &str, routines: &Routines) -> (usize, usize) {
     let (plan, state, found) = compiled.expect("a plan");
     assert!(!found.has_errors(), "{}", found.render(&deck.sources));
     let told = plan.ledger.effects.iter().flat_map(|row| &row.arrays).map(|array| array.1).sum();
-    let mut memory = HistoryOnly::default();
+    let mut memory = History::default();
     let running = allocation_counter::measure(|| drop(revolve::solve::run(&plan, state, &mut memory)));
     (told, compiling.bytes_current as usize + running.bytes_max as usize)
 }

@@ -5,12 +5,13 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use revolve::job::{self, Demand, Options};
 use revolve::output::{Frame, Job};
 use revolve::solve::Instant;
-use revolve::solve::{self, Control, Every, Outcome, Sink, SinkError};
+use revolve::solve::{self, Control, Every, Outcome, Progress, Sink, SinkError};
+use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::compile::compile;
 use revolve::user::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
@@ -654,6 +655,34 @@ fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str)
     let summary = job::run_with(&prepared, &job, options, &mut |_| {}).expect("a run");
     assert!(summary.interrupted && summary.reason.is_some_and(|r| r.starts_with("R207: interrupted by SIGTERM")));
     job
+}
+
+/// Rows from before the interruption count as those behind it: the peak of the velocity is at the start.
+#[test]
+fn quantities_of_a_run_that_went_on_are_those_of_the_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let prepared = prepared(&common::ogive(), &[], &Routines::none());
+    let job = |name: &str| Job { folder: folder.path().join(name), name: "test".into() };
+    let whole = job::run_to_files(&prepared, &job("whole"), &mut |_| {}).expect("a run");
+    let (signal, cut) = (AtomicUsize::new(0), job("cut"));
+    let mut stop = |progress: &Progress<'_>| {
+        if progress.fraction > 0.4 {
+            signal.store(15, Ordering::Relaxed);
+        }
+    };
+    let every = Some(Every::Increments(50));
+    let options = Options { interrupt: Some(&signal), every, ..Options::default() };
+    assert!(job::run_with(&prepared, &cut, options, &mut stop).expect("a run").interrupted);
+    let from = job::find_checkpoint(&prepared, &cut, "", Demand::Whole).expect("accepted").0;
+    assert!(from.is_some());
+    let options = Options { from, ..Options::default() };
+    let gone_on = job::run_with(&prepared, &cut, options, &mut |_| {}).expect("a run");
+    assert!(gone_on.timing.resumed_at.is_some_and(|increment| increment > 0));
+    for text in ["min(V2@REF)", "time_min(V2@REF)", "at(U2@REF, 5e-5)", "mean(V2@REF, 1e-5, 9e-4)"] {
+        let quantity = Quantity::parse(text).expect("a quantity");
+        let [a, b] = [&whole, &gone_on].map(|run| quantity.number(Finished { history: &run.history, end: None }));
+        assert_eq!(a.expect("a number").to_bits(), b.expect("a number").to_bits(), "{text}");
+    }
 }
 
 #[test]

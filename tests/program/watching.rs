@@ -57,7 +57,9 @@ fn check_says_what_a_run_will_take() {
     };
     let whole = effort("input/ogive.inp");
     assert_eq!(number(&whole["looked_at"]), 1.0);
-    let output = revolve(&["run", "input/ogive.inp", "--json", "--no-frames", "-o", &scratch("look")]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let output =
+        revolve(&["run", "input/ogive.inp", "--json", "--no-frames", "-o", folder.path().to_str().expect("a name")]);
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(number(&whole["increments"]), number(&summary["timing"]["increments"]));
     let part = effort("input/taylor_copper.inp");
@@ -65,8 +67,8 @@ fn check_says_what_a_run_will_take() {
     assert!(part["limiting_element"].as_str().is_some_and(|e| e.parse::<u32>().is_ok()), "{part}");
 }
 
-fn scratch(name: &str) -> String {
-    project(&format!("target/tmp/watching/{name}")).to_str().expect("a name").to_owned()
+fn path_in(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().expect("a name").to_owned()
 }
 
 /// Density and modulus of different systems: told by `check` with what would fit; not where they fit.
@@ -98,7 +100,8 @@ fn units_of_no_solid_are_told() {
 
 #[test]
 fn a_run_keeps_a_status_file() {
-    let out = scratch("status");
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = path_in(&folder, "status");
     let output =
         revolve(&["run", "input/taylor_copper.inp", "-o", &out, "--profile", "--quantity", "at(U2@TIP, 4e-5)"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -131,7 +134,8 @@ fn a_run_keeps_a_status_file() {
 
 #[test]
 fn a_run_without_frames_has_the_same_end() {
-    let (with, without) = (scratch("frames"), scratch("no-frames"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let (with, without) = (path_in(&folder, "frames"), path_in(&folder, "no-frames"));
     let json = |arguments: &[&str]| -> serde_json::Value {
         let output = revolve(&[&["run", "input/ogive.inp", "--json"], arguments].concat());
         serde_json::from_slice(&output.stdout).expect("JSON and nothing else")
@@ -153,7 +157,7 @@ fn depths_on_the_way_are_told() {
     let deck = std::fs::read_to_string(project("input/ogive.inp")).expect("a deck");
     let path = folder.path().join("ogive.inp");
     std::fs::write(&path, deck.replace(" , 1.e-3", " , 1.e-4")).expect("a deck");
-    let (short, out) = (path.to_str().expect("a name"), scratch("depths"));
+    let (short, out) = (path.to_str().expect("a name"), path_in(&folder, "depths"));
     let run = revolve(&["run", short, "-o", &out]);
     assert!(text(&run.stdout).contains("NOSE still moves in the target"), "{}", text(&run.stdout));
     let arguments = ["-o", &out, "--quantity", "-1000*final(U2@REF)"];
@@ -191,15 +195,27 @@ fn samples_run_row_by_row_and_keep_their_results() {
 
 #[test]
 fn a_deck_comes_from_standard_input() {
+    let folder = tempfile::tempdir().expect("a folder");
     let deck = std::fs::read(project("input/ogive.inp")).expect("a deck");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_revolve"))
-        .args(["run", "-", "-q", "--no-frames", "-o", &scratch("stdin")])
-        .stdin(Stdio::piped())
-        .spawn()
-        .expect("the program");
-    child.stdin.take().expect("a pipe").write_all(&deck).expect("a reader");
-    assert!(child.wait().expect("an end").success());
-    assert!(std::path::Path::new(&scratch("stdin")).join("job.json").is_file());
+    let piped = |arguments: &[&str]| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_revolve"))
+            .args(arguments)
+            .args(["-o", &path_in(&folder, "out")])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the program");
+        child.stdin.take().expect("a pipe").write_all(&deck).expect("a reader");
+        let output = child.wait_with_output().expect("an end");
+        assert!(output.status.success(), "{arguments:?}");
+        text(&output.stdout)
+    };
+    piped(&["run", "-", "-q", "--no-frames"]);
+    assert!(folder.path().join("out/job.json").is_file());
+    // A sweep reads its deck for each run.
+    let swept = piped(&["sweep", "-", "-q", "--json", "-s", "V=569,821", "--quantity", "-1000*final(U2@REF)"]);
+    let found: serde_json::Value = serde_json::from_str(&swept).expect("JSON");
+    assert!(found["runs"].as_array().is_some_and(|runs| runs.iter().all(|run| run["error"].is_null())), "{found}");
 }
 
 /// Each deck to start from is accepted as it is written, with its routine beside it; nothing that is there is overwritten.

@@ -74,9 +74,7 @@ const NO_CONDUCTION: f64 = 1e-100;
 
 /// Materials that something which deforms is made of.
 fn any(model: &Model, which: impl Fn(&Material) -> bool) -> bool {
-    let solids = model.sections.iter().map(|s| s.material);
-    let mut all = solids.chain(model.shell_sections.iter().map(|s| s.material));
-    super::super::settings::deforms(model) && all.any(|m| which(&model.materials[m]))
+    super::super::settings::deforms(model) && model.made_of().any(|(m, _)| which(&model.materials[m]))
 }
 
 fn fails(material: &Material) -> bool {

@@ -1,29 +1,7 @@
-//! Expressions: of `*PARAMETER`, of `--set`, of quantities of studies and sweeps.
+//! The target `parameters`: see `readers/parameters.rs`.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use revolve::deck::expression::Expression;
-use revolve::job;
-use revolve::study::grid::Grid;
-use revolve::study::measure::Measure;
-use revolve::study::quantity::Quantity;
-use revolve::study::target::Target;
-use revolve::user::Routines;
+#[path = "../readers/mod.rs"]
+mod readers;
 
-fuzz_target!(|data: &[u8]| {
-    let text = String::from_utf8_lossy(data);
-    let (first, rest) = text.split_once('\n').unwrap_or((&text, ""));
-    if let Ok(expression) = Expression::parse(first) {
-        let _ = expression.evaluate(&|_| Some(2.0), &|_, _| None);
-    }
-    let _ = (Quantity::parse(first), Measure::parse(first), Target::parse(first));
-    if let Ok(grid) = Grid::parse(&[first.to_owned()]) {
-        let _ = (grid.count() > 0).then(|| grid.combination(0));
-    }
-    let deck = format!("*Parameter\n{text}\n*Node\n 1, <a>, <b>\n <c>, 1., 1.\n");
-    let overrides = [("a".to_owned(), first.to_owned()), ("b".to_owned(), rest.to_owned())];
-    for overrides in [&[][..], &overrides[..]] {
-        let prepared = job::prepare_text("fuzz.inp", &deck, overrides, &Routines::none());
-        let _ = prepared.diagnostics.render(&prepared.deck.sources);
-    }
-});
+libfuzzer_sys::fuzz_target!(|data: &[u8]| readers::parameters::read(data));

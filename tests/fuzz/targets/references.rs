@@ -1,28 +1,7 @@
-//! Tables of `--compare`, and the sheet and chart that they come into.
+//! The target `references`: see `readers/references.rs`.
 #![no_main]
 
-mod common;
+#[path = "../readers/mod.rs"]
+mod readers;
 
-use libfuzzer_sys::fuzz_target;
-use revolve::output::csv;
-use revolve::study::compare::Reference;
-use revolve::study::grid::Grid;
-use revolve::study::quantity::Quantity;
-use revolve::study::{sweep, table};
-
-fuzz_target!(|data: &[u8]| {
-    let path = common::folder().join("reference.csv");
-    std::fs::write(&path, data).expect("a file");
-    let Ok(reference) = Reference::read(&path) else { return };
-    let grid = Grid::parse(&["V=1,2".to_owned()]).expect("a grid");
-    let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
-    let _ = sweep::comparable(&grid, &path, &reference);
-    let parameters = vec![vec!["1".to_owned()], vec!["2".to_owned()]];
-    let results = sweep::Results { parameters, values: vec![Ok(vec![3.0]), Ok(vec![4.0])], warnings: Vec::new() };
-    let sheet = sweep::sheet(&grid, &quantities, &results, Some(&reference));
-    let text = table::csv(&sheet.header, &sheet.rows);
-    for line in text.lines() {
-        assert_eq!(csv::fields(line).len(), sheet.header.len(), "{line}");
-    }
-    let _ = sweep::chart("fuzz", &grid, &quantities, &results, Some(&reference)).svg();
-});
+libfuzzer_sys::fuzz_target!(|data: &[u8]| readers::references::read(data));

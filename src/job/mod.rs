@@ -1,13 +1,15 @@
 //! A job: a deck taken through the whole pipeline. Text to deck, deck to model, model to plan, plan to results.
 //! Never here: printing, arguments.
 
+mod status;
+
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant as Stopwatch};
 
 use indexmap::IndexMap;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 use crate::deck::files::STANDARD_INPUT;
@@ -17,9 +19,10 @@ use crate::model::{self, Model, Precision, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, Written, missing_frames};
-use crate::output::status::{Line, Status};
-use crate::output::sums::{SUMS, Sums};
-use crate::output::{Frame, History, HistorySummary, Job, Points, write_summary, write_whole, write_with_sums};
+use crate::output::sums::{SUMS, Sums, sum};
+use crate::output::{
+    Frame, HISTORY, History, HistorySummary, Job, Points, write_summary, write_whole, write_with_sums,
+};
 use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
@@ -28,6 +31,7 @@ use crate::solve::{
 };
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
+use status::Status;
 
 /// Errors of the plan on what bodies are made of: elements, sections, materials.
 const OF_BODIES: &[&str] = &["P001", "P012", "P013", "P014", "P016", "P017", "P019", "P041"];
@@ -183,7 +187,8 @@ pub struct Summary {
     /// Steps begun.
     pub steps: Vec<StepSummary>,
     /// History columns.
-    pub history: HistorySummary,
+    #[serde(serialize_with = "what_they_came_to")]
+    pub history: History,
     /// Energies at the end.
     pub energy: Energy,
     /// SHA-256 over the bits of the state at the end.
@@ -221,6 +226,11 @@ pub struct Summary {
     pub lost: Vec<String>,
 }
 
+/// The rows are in a file of their own.
+fn what_they_came_to<S: Serializer>(history: &History, serializer: S) -> Result<S::Ok, S::Error> {
+    history.summary.serialize(serializer)
+}
+
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference")]
 fn is_zero(count: &usize) -> bool {
     *count == 0
@@ -253,27 +263,16 @@ pub struct DeckSummary {
     pub parameters: IndexMap<String, f64>,
 }
 
-/// Keeps histories in memory; frames are not wanted. What sweeps use.
-#[derive(Debug, Default)]
-pub struct HistoryOnly {
-    /// Column names.
-    pub columns: Vec<String>,
-    /// What each came to.
-    pub summary: HistorySummary,
-}
-
-impl Sink for HistoryOnly {
+/// Histories in memory and nothing else: frames are not wanted. What sweeps and studies use.
+impl Sink for History {
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.summary.observe(&self.columns, time, values);
+        self.push(time, values);
         Ok(())
     }
 }
 
 /// Is told how far a run is, some times a second.
 pub type Follower<'a> = dyn FnMut(&Progress<'_>) + 'a;
-
-/// Is shown total time and values of each row of the histories.
-pub type RowsShown<'a> = dyn Fn(f64, &[f64]) + Sync + 'a;
 
 /// How a job runs, beside its deck.
 #[derive(Default)]
@@ -292,20 +291,21 @@ pub struct Options<'a> {
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
     /// What becomes of the frames.
     pub frames: Frames,
-    /// Is shown each row of the histories, beside their file.
-    pub rows: Option<&'a RowsShown<'a>>,
 }
 
 /// What becomes of the frames of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frames {
-    /// They are written, with the points where they are.
-    #[default]
-    Written,
-    /// They are written, with the points where they were at the start.
-    OnReference,
+    /// They are written, with their points there.
+    Written(Points),
     /// There are none: histories and the summary alone.
     Absent,
+}
+
+impl Default for Frames {
+    fn default() -> Self {
+        Frames::Written(Points::default())
+    }
 }
 
 /// Why a job does not begin.
@@ -383,101 +383,43 @@ fn forgotten(prepared: &Prepared, from: Option<&Checkpoint>, left: &[String]) ->
 /// Histories are written with a frame if they are older than this: a killed process then loses little of them.
 const STALE: Duration = Duration::from_secs(1);
 
-/// The status file gets a line this often, beside those of frames and steps.
-const STATUS_EVERY: Duration = Duration::from_secs(5);
-
-/// The status file over a run. Where it cannot be written the run goes on; the end tells.
-struct StatusLines {
-    file: Status,
-    begin: Stopwatch,
-    written: Option<Stopwatch>,
-    step: u32,
-    failed: Option<io::Error>,
-}
-
-impl StatusLines {
-    fn open(job: &Job, goes_on: bool) -> io::Result<Self> {
-        let (file, begin) = (Status::open(job, goes_on)?, Stopwatch::now());
-        let mut lines = StatusLines { file, begin, written: None, step: 0, failed: None };
-        let begins = if goes_on { "goes on" } else { "begins" };
-        lines.note(&format!("Revolve {}: {} {begins}", env!("CARGO_PKG_VERSION"), job.name));
-        Ok(lines)
-    }
-
-    fn tell(&mut self, progress: &Progress<'_>, frame: Option<&str>) {
-        let new = progress.now.step != self.step;
-        let due = new || frame.is_some() || progress.ends || self.written.is_none_or(|w| w.elapsed() >= STATUS_EVERY);
-        if due && self.failed.is_none() {
-            self.failed = self.write(progress, frame, new).err();
-        }
-    }
-
-    fn write(&mut self, progress: &Progress<'_>, frame: Option<&str>, new: bool) -> io::Result<()> {
-        let now = progress.now;
-        if new {
-            self.step = now.step;
-            self.file.step(now.step, progress.step)?;
-        }
-        self.written = Some(Stopwatch::now());
-        self.file.line(&Line {
-            increment: now.increment,
-            step_time: now.step_time,
-            total_time: now.total_time,
-            wall: self.begin.elapsed(),
-            stable: progress.increment,
-            element: progress.limiting,
-            kinetic: progress.energy.kinetic,
-            total: progress.energy.total,
-        })?;
-        frame.map_or(Ok(()), |name| self.file.note(&format!("          frame {name}")))
-    }
-
-    fn note(&mut self, text: &str) {
-        if self.failed.is_none() {
-            self.failed = self.file.note(text).err();
-        }
-    }
-}
-
 /// Writes frames as they come, and histories and states now and then.
 struct Files<'a> {
     job: &'a Job,
     frames: FrameWriter,
     wanted: Frames,
-    status: StatusLines,
+    status: Status,
     history: History,
-    summary: HistorySummary,
     identity: Identity,
     progress: &'a mut Follower<'a>,
     warn: &'a dyn Fn(&str),
-    rows: Option<&'a RowsShown<'a>>,
     history_written: Stopwatch,
 }
 
 impl Files<'_> {
-    fn write_history(&mut self) -> Result<(), SinkError> {
+    /// Writes the histories so far; their checksum.
+    fn write_history(&mut self) -> io::Result<u32> {
         self.history_written = Stopwatch::now();
-        Ok(write_whole(&self.job.path("_history.csv"), self.history.csv().as_bytes())?)
+        let text = self.history.csv();
+        write_whole(&self.job.path(HISTORY), text.as_bytes())?;
+        Ok(sum(text.as_bytes()))
     }
 
-    /// Checksums of all but the summary.
-    fn sums(&self) -> Sums {
+    /// Writes the histories; checksums of all but the summary, and why the histories could not be written.
+    fn end(&mut self) -> (Sums, Option<io::Error>) {
         let mut sums = if self.wanted == Frames::Absent { Sums::default() } else { self.frames.sums() };
-        sums.add(self.job, "_history.csv", self.history.csv().as_bytes());
-        sums
+        let written = self.write_history();
+        if let Ok(sum) = &written {
+            sums.add_sum(self.job, HISTORY, *sum);
+        }
+        (sums, written.err())
     }
 }
 
 /// What has been shown so far: frames, histories, messages.
-fn persist_shown(
-    frames: &mut Vec<Written>,
-    history: &mut History,
-    summary: &mut HistorySummary,
-    archive: &mut Archive<'_>,
-) {
+fn persist_shown(frames: &mut Vec<Written>, history: &mut History, archive: &mut Archive<'_>) {
     frames.persist(archive);
     history.persist(archive);
-    summary.persist(&history.columns, archive);
     host::persist_messages(archive);
 }
 
@@ -488,15 +430,14 @@ impl Sink for Files<'_> {
 
     fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
         self.frames.write(frame)?;
-        if self.history_written.elapsed() < STALE { Ok(()) } else { self.write_history() }
+        if self.history_written.elapsed() >= STALE {
+            self.write_history()?;
+        }
+        Ok(())
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
         self.history.push(time, values);
-        if let Some(rows) = self.rows {
-            rows(time, values);
-        }
-        self.summary.observe(&self.history.columns, time, values);
         Ok(())
     }
 
@@ -519,7 +460,7 @@ impl Sink for Files<'_> {
         self.write_history()?;
         let mut shown = Vec::new();
         let mut frames = self.frames.frames().to_vec();
-        persist_shown(&mut frames, &mut self.history, &mut self.summary, &mut Archive::writer(&mut shown));
+        persist_shown(&mut frames, &mut self.history, &mut Archive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
         let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
         Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
@@ -528,9 +469,9 @@ impl Sink for Files<'_> {
 
 /// Runs a prepared deck and keeps only what its histories came to.
 pub fn run_in_memory(prepared: &Prepared) -> (Outcome, HistorySummary) {
-    let mut sink = HistoryOnly { columns: column_names(&prepared.plan), ..HistoryOnly::default() };
-    let (outcome, _) = run_into(prepared, &mut sink);
-    (outcome, sink.summary)
+    let mut history = History::of_sums(prepared.plan.column_names());
+    let (outcome, _) = run_into(prepared, &mut history);
+    (outcome, history.summary)
 }
 
 /// Runs a prepared deck into a sink of the caller's; no file is written.
@@ -539,39 +480,22 @@ pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
     solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
-/// Shows a sink of the caller's what a run shows, and keeps the histories.
-struct Keeping<'a> {
-    history: History,
-    summary: HistorySummary,
-    sink: &'a mut dyn Sink,
-}
-
-impl Sink for Keeping<'_> {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.history.push(time, values);
-        self.summary.observe(&self.history.columns, time, values);
-        self.sink.row(time, values)
-    }
-}
-
-/// The same, with summary and histories in the folder of a job; frames there are none.
+/// Writes summary and histories of a run in memory into the folder of a job; frames there are none.
 ///
 /// # Errors
 /// Where a file cannot be written.
-pub fn run_and_keep(prepared: &Prepared, job: &Job, sink: &mut dyn Sink) -> io::Result<(Outcome, State)> {
-    let unmade =
-        |e: io::Error| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display()));
-    std::fs::create_dir_all(&job.folder).map_err(unmade)?;
-    let history = History { columns: column_names(&prepared.plan), ..History::default() };
-    let mut keeping = Keeping { history, summary: HistorySummary::default(), sink };
-    let (outcome, state) = solve::run(&prepared.plan, prepared.state.clone(), &mut keeping);
-    let Keeping { history, summary, .. } = keeping;
+pub fn write_run(prepared: &Prepared, job: &Job, outcome: Outcome, history: History) -> io::Result<()> {
+    make_folder(job)?;
     // Several runs at once share the messages of routines: whose they are is not known.
-    let summary = Summary { messages: Vec::new(), ..summarise(prepared, outcome.clone(), summary) };
-    let text = serde_json::to_string_pretty(&summary)? + "\n";
-    let files = [("_history.csv".to_owned(), history.csv().into_bytes()), (".json".to_owned(), text.into_bytes())];
-    write_with_sums(job, &files, SUMS)?;
-    Ok((outcome, state))
+    let summary = Summary { messages: Vec::new(), ..summarise(prepared, outcome, history) };
+    let (text, rows) = (serde_json::to_string_pretty(&summary)? + "\n", summary.history.csv());
+    let files = [(HISTORY.to_owned(), rows.into_bytes()), (".json".to_owned(), text.into_bytes())];
+    write_with_sums(job, &files, SUMS)
+}
+
+fn make_folder(job: &Job) -> io::Result<()> {
+    let made = std::fs::create_dir_all(&job.folder);
+    made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))
 }
 
 /// Runs a prepared deck and writes its files.
@@ -595,45 +519,32 @@ pub fn run_with<'a>(
     let identity = prepared.identity(&options.user);
     let _lock = take(job)?;
     announce(prepared, job);
-    let mut history = History { columns: column_names(&prepared.plan), ..History::default() };
-    let mut summary = HistorySummary::default();
+    let mut history = History::of_rows(prepared.plan.column_names());
     let goes_on = options.from.is_some();
-    let points = if options.frames == Frames::OnReference { Points::Reference } else { Points::Current };
+    let points = if let Frames::Written(points) = options.frames { points } else { Points::default() };
     let frames = match &options.from {
         None => FrameWriter::new(job.clone(), points),
         Some(checkpoint) => {
             let (mut frames, mut archive) = (Vec::new(), Archive::reader(&checkpoint.shown));
-            persist_shown(&mut frames, &mut history, &mut summary, &mut archive);
+            persist_shown(&mut frames, &mut history, &mut archive);
             archive.finish().map_err(unfit)?;
             FrameWriter::go_on(job.clone(), frames, points)
         }
     };
     let frames = frames.map_err(Refusal::Folder)?;
-    let status = StatusLines::open(job, goes_on).map_err(Refusal::Folder)?;
+    let status = Status::open(job, goes_on).map_err(Refusal::Folder)?;
     let history_written = Stopwatch::now();
     let warn = options.warn.unwrap_or(&|_| {});
-    let mut files = Files {
-        job,
-        frames,
-        wanted: options.frames,
-        status,
-        history,
-        summary,
-        identity,
-        progress,
-        warn,
-        rows: options.rows,
-        history_written,
-    };
+    let mut files =
+        Files { job, frames, wanted: options.frames, status, history, identity, progress, warn, history_written };
     let kept = options.from.as_ref().map(|c| &c.state[..]);
     let control = Control { every: options.every, interrupt: options.interrupt, state: kept };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(unfit)?;
     let kept = outcome.checkpoint_seconds;
-    let history_failed = files.write_history().err();
-    let sums = files.sums();
-    let Files { mut status, summary: columns, .. } = files;
-    let mut summary = summarise(prepared, outcome, columns);
+    let (sums, history_failed) = files.end();
+    let Files { mut status, history, .. } = files;
+    let mut summary = summarise(prepared, outcome, history);
     let forgotten = forgotten(prepared, options.from.as_ref(), &summary.lost);
     summary.diagnostics.extend(forgotten.findings(&prepared.deck.sources));
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
@@ -651,8 +562,7 @@ pub fn run_with<'a>(
 /// # Errors
 /// Where it cannot be made, or another job is at work in it.
 pub fn take(job: &Job) -> Result<Lock, Refusal> {
-    let made = std::fs::create_dir_all(&job.folder);
-    made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))?;
+    make_folder(job)?;
     Lock::take(&job.folder, &job.name).map_err(|why| match why {
         Refused::Busy(finding) => Refusal::Checkpoint(finding),
         Refused::File(error) => Refusal::Folder(error),
@@ -701,11 +611,7 @@ fn announce(prepared: &Prepared, job: &Job) {
     });
 }
 
-fn column_names(plan: &Plan) -> Vec<String> {
-    plan.columns.iter().map(|c| c.name.clone()).collect()
-}
-
-fn summarise(prepared: &Prepared, outcome: Outcome, history: HistorySummary) -> Summary {
+fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary {
     let deck = &prepared.deck;
     let mut ledger = prepared.plan.ledger.clone();
     ledger.share(&outcome.effect_seconds, outcome.seconds);

@@ -1,5 +1,13 @@
-//! What several targets share: a folder in memory, a run of one increment.
+//! What is fuzzed: a function from bytes to a reading for each target. The tests of the project build them too, and read the corpus.
+//! Here: what several share, a folder in memory and a run of one increment.
 #![allow(dead_code)] // Each target uses a part.
+
+pub mod checkpoints;
+pub mod decks;
+pub mod meshes;
+pub mod parameters;
+pub mod references;
+pub mod results;
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicUsize;

@@ -1,0 +1,80 @@
+//! Checkpoints: the file where its checksum is right, and states of any content and length. What is changed inside of a state that
+//! fits is for the checksum to find (docs/SECURITY.md).
+use std::sync::OnceLock;
+
+use hmac_sha256::Hash;
+use revolve::job::{self, Prepared};
+use revolve::output::checkpoint::{Checkpoint, Identity};
+use revolve::user::Routines;
+
+/// Bytes of the head that stand before what the checksum is about.
+const HEAD: usize = 40;
+
+struct Scene {
+    prepared: Prepared,
+    state: Vec<u8>,
+    file: Vec<u8>,
+}
+
+fn scene() -> &'static Scene {
+    static SCENE: OnceLock<Scene> = OnceLock::new();
+    SCENE.get_or_init(|| {
+        let deck = include_str!("../../../input/taylor_copper.inp");
+        let few = [("nr".to_owned(), "2".to_owned()), ("nz".to_owned(), "4".to_owned())];
+        let prepared = job::prepare_text("fuzz.inp", deck, &few, &Routines::none());
+        assert!(!prepared.diagnostics.has_errors());
+        let state = super::one_increment(&prepared, None).1;
+        let identity = Identity {
+            deck: "d".into(),
+            parameters: "p".into(),
+            mesh: "m".into(),
+            user: String::new(),
+            precision: "double".into(),
+        };
+        let (version, shown) = (env!("CARGO_PKG_VERSION").to_owned(), vec![1, 2, 3]);
+        let path = super::folder().join("whole.checkpoint");
+        let mut whole = Checkpoint { version, identity, shown, state: state.clone(), ..Default::default() };
+        whole.write(&path).expect("a file");
+        Scene { prepared, state, file: std::fs::read(path).expect("bytes") }
+    })
+}
+
+/// Bytes with some put in place of others: place (two bytes), value.
+fn changed(bytes: &[u8], changes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for change in changes.chunks_exact(3) {
+        let at = usize::from(u16::from_le_bytes([change[0], change[1]])) % bytes.len().max(1);
+        bytes[at] = change[2];
+    }
+    bytes
+}
+
+/// Reads it; nothing may panic, hang or grow.
+pub fn read(data: &[u8]) {
+    let Some((kind, rest)) = data.split_first() else { return };
+    let scene = scene();
+    match kind % 4 {
+        0 => drop(super::one_increment(&scene.prepared, Some(rest))),
+        // As much of the state as the first two bytes say, and the rest behind it.
+        1 if rest.len() > 2 => {
+            let kept = usize::from(u16::from_le_bytes([rest[0], rest[1]])) % scene.state.len();
+            let state = [&scene.state[..kept], &rest[2..]].concat();
+            if state.len() != scene.state.len() {
+                assert!(!super::one_increment(&scene.prepared, Some(&state)).0, "a state of another length");
+            }
+        }
+        1 => {}
+        which => {
+            let mut bytes = if which == 2 { rest.to_vec() } else { changed(&scene.file, rest) };
+            if bytes.len() > HEAD {
+                let sum = Hash::hash(&bytes[HEAD..]);
+                bytes[8..HEAD].copy_from_slice(&sum);
+            }
+            let path = super::folder().join("job.checkpoint");
+            std::fs::write(&path, &bytes).expect("a file");
+            if let Ok(Some(checkpoint)) = Checkpoint::read(&path) {
+                let _ = checkpoint.accept(&scene.prepared.identity(""));
+            }
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Tables of `--compare`, and the sheet and chart that they come into.
+use revolve::output::csv;
+use revolve::study::compare::Reference;
+use revolve::study::grid::Grid;
+use revolve::study::quantity::Quantity;
+use revolve::study::{sweep, table};
+
+/// Reads it; nothing may panic, hang or grow.
+pub fn read(data: &[u8]) {
+    let path = super::folder().join("reference.csv");
+    std::fs::write(&path, data).expect("a file");
+    let Ok(reference) = Reference::read(&path) else { return };
+    let grid = Grid::parse(&["V=1,2".to_owned()]).expect("a grid");
+    let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
+    let _ = sweep::comparable(&grid, &path, &reference);
+    let parameters = vec![vec!["1".to_owned()], vec!["2".to_owned()]];
+    let results = sweep::Results { parameters, values: vec![Ok(vec![3.0]), Ok(vec![4.0])], doubts: Vec::new() };
+    let sheet = sweep::sheet(&grid, &quantities, &results, Some(&reference));
+    let text = table::csv(&sheet.header, &sheet.rows);
+    for line in text.lines() {
+        assert_eq!(csv::fields(line).len(), sheet.header.len(), "{line}");
+    }
+    let _ = sweep::chart("fuzz", &grid, &quantities, &results, Some(&reference)).svg();
+}
