@@ -114,14 +114,12 @@ impl Run {
         let Some((routines, user)) = self.user.opened(self.is_silent(), home) else {
             return Ok(ExitCode::from(REFUSED));
         };
-        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK);
-        let pool = pool.num_threads(self.threads.map_or(0, Into::into));
-        pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let mut prepared = job::prepare_in(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if !accepted(&prepared, self.is_silent()) {
             return Ok(ExitCode::from(REFUSED));
         }
+        self.start_threads(&prepared)?;
         for quantity in &quantities {
             quantity.stands_alone()?;
             quantity.check(&prepared.plan)?;
@@ -169,6 +167,14 @@ impl Run {
         // The libraries stay until the process goes: a thread that a routine started may still run in one.
         std::mem::forget((prepared, routines));
         Ok(end)
+    }
+
+    /// As many as there are cores, or as are asked for, and none without anything to do: it would be woken with each pass.
+    fn start_threads(&self, prepared: &Prepared) -> Result<(), Box<dyn Error>> {
+        let cores = || std::thread::available_parallelism().map_or(1, Into::into);
+        let count = self.threads.map_or_else(cores, Into::into).min(prepared.most_threads());
+        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count);
+        Ok(pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?)
     }
 
     /// What becomes of frames.
@@ -246,8 +252,8 @@ fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool
         }
     };
     let mut follow = |progress: &Progress<'_>| bar.follow(progress);
-    let work = || job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut follow);
     // As one of the threads: from outside each pass over the elements would wait to be taken up.
+    let work = || job::run_with(prepared, job, Options { warn: Some(&warn), ..options }, &mut follow);
     let summary = if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() };
     bar.finish();
     summary

@@ -3,13 +3,15 @@
 //! bits. Never here: which elements a block holds, threads.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use pulp::Arch;
+
 use super::assumed::Assumed;
 use super::constants::{CHANGE, Constants, damped};
 use super::control::{Control, Lane, Seen, Spring};
 use super::eroded::Eroded;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
-use crate::element::record::{Flows, Record};
+use crate::element::record::{Flows, Following, Record};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares, sums};
 use crate::kernel::real::Real;
@@ -404,6 +406,9 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 scratch.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
             }
         }
+        if !(H::BACKSTRESS || V::TOTAL || T::SINGLE || scratch.records.is_empty()) {
+            scratch.divide_spins();
+        }
     }
 
     /// The stress on the yield surface, and the work done on the way.
@@ -790,19 +795,43 @@ impl<T: Real> Workspace<T> {
         (self.cap, self.deformed) = (T::of(cap * self.length), [[T::ZERO; LANES]; 2]);
     }
 
-    /// Lets the record of a block of the task follow an increment.
+    /// Lets the record of a block of the task, by its place there, follow an increment.
     #[inline(never)]
-    pub(super) fn follow<S, Q, X>(
+    pub(super) fn follow(
         &mut self,
+        arch: Arch,
         index: usize,
-        block: &Block<S, Q, X, T>,
+        stress: &[Lanes<T>; 4],
         flows: Flows,
-        spins: &Lanes,
-        dt: f64,
+        (spins, dt): (Lanes, f64),
     ) {
-        let mut record = self.records[index];
-        record.follow(block, flows, spins, dt, self);
-        self.records[index] = record;
+        let unit = self.length * self.length * self.length;
+        let Workspace { records, strain, carried, deviator, back, volume, flow, trial, .. } = self;
+        let (record, plastic) = (&mut records[index], &*back);
+        arch.dispatch(Following {
+            record,
+            stress,
+            flows,
+            spins,
+            dt,
+            unit,
+            strain,
+            carried,
+            deviator,
+            plastic,
+            volume,
+            flow,
+            trial,
+        });
+    }
+
+    /// Spin increments, where nothing but records asks for them.
+    #[inline(always)]
+    fn divide_spins(&mut self) {
+        for l in 0..LANES {
+            let (dividend, divisor, inverse) = (self.spin[l], self.middle[l], self.inverse[l]);
+            self.spin[l] = dividend * SpinOver { dividend, divisor, inverse }.per();
+        }
     }
 
     /// Follows the largest strain increment.

@@ -14,7 +14,7 @@ use crate::element::record::{Flows, Followed, Record};
 use crate::element::subzonal::Subzones;
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
-use crate::kernel::lanes::Lanes;
+use crate::kernel::lanes::{Lanes, wide};
 use crate::kernel::quad;
 use crate::kernel::real::Real;
 use crate::material::failure::{Failure, Initiation};
@@ -29,7 +29,7 @@ use crate::user::AtPoints;
 use crate::variables::{Part, Variable};
 
 /// Blocks of one task of a thread: fixed, so that sums do not depend on the number of threads.
-pub(super) const TASK: usize = 16;
+pub(crate) const TASK: usize = 16;
 
 /// What an increment of a group came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -442,8 +442,14 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
             if resting.quiescent && lacking.is_none() && resting.is_still(nodes) {
                 return;
             }
-            let task =
-                Task::<H, V, F, AREA, T> { pass: &pass, index, blocks: &mut *blocks, corners: &mut corners, scratch };
+            let task = Task::<H, V, F, AREA, T> {
+                pass: &pass,
+                arch,
+                index,
+                blocks: &mut *blocks,
+                corners: &mut corners,
+                scratch,
+            };
             arch.dispatch(task);
             // Without an increment behind nothing has been added to the sums, so they hold while the task is quiescent. The
             // pressure of an equation of state is not in the state looked at here.
@@ -658,6 +664,7 @@ struct Common<'a, H, V, F> {
 /// The blocks that a thread takes at once.
 struct Task<'a, 'c, H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> {
     pass: &'a Common<'a, H, V, F>,
+    arch: Arch,
     index: usize,
     blocks: &'a mut [Lawful<H, V, F, T>],
     corners: &'a mut Forces<'c, T>,
@@ -695,8 +702,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Null
                 widen(&own, &mut list[i]);
             }
             if !scratch.records.is_empty() {
-                let spins = T::spins(&places, scratch, pass.behind.dt);
-                scratch.follow(i, block, const { Flows::of::<H, V>() }, &spins, pass.behind.dt);
+                let increment = (wide(&scratch.spin), pass.behind.dt);
+                scratch.follow(self.arch, i, &block.stress, const { Flows::of::<H, V>() }, increment);
             }
         }
     }

@@ -3,8 +3,7 @@
 
 use super::block::{Block, Nodes, Workspace};
 use super::constants::Constants;
-use super::record::spins;
-use crate::kernel::lanes::{Corners, Lanes, near, wide};
+use crate::kernel::lanes::{Corners, near, wide};
 use crate::kernel::quad::UNIT;
 use crate::kernel::real::Real;
 use crate::material::failure::Failure;
@@ -44,9 +43,6 @@ pub trait Numbers: Real + Persist {
     /// The corner forces of a group.
     fn forces(slots: Slots<'_>) -> Forces<'_, Self>;
 
-    /// Spin increments of a block behind its update, as the stress sees them.
-    fn spins(nodes: &Nodes<Self>, scratch: &Workspace<Self>, dt: f64) -> Lanes;
-
     /// One increment of a block.
     fn update<H: Hardening, V: Volumetric, F: Failure, const AREA: bool>(
         block: &mut Lawful<H, V, F, Self>,
@@ -73,10 +69,6 @@ impl Numbers for f64 {
             Slots::Double(list) => Forces::Own(list),
             Slots::Single(_) => unreachable!("corner forces are single where all groups are"),
         }
-    }
-
-    fn spins(nodes: &Nodes, _scratch: &Workspace, dt: f64) -> Lanes {
-        spins(nodes, dt)
     }
 
     #[inline(always)]
@@ -114,10 +106,6 @@ impl Numbers for f32 {
             Slots::Double(list) => Forces::Wider(list),
             Slots::Single(list) => Forces::Own(list),
         }
-    }
-
-    fn spins(_nodes: &Nodes<f32>, scratch: &Workspace<f32>, _dt: f64) -> Lanes {
-        wide(&scratch.spin)
     }
 
     #[inline(always)]

@@ -2,13 +2,15 @@
 //! Never here: anything that stresses or forces need.
 #![allow(clippy::needless_range_loop)] // Loops over lanes, as in the inner loop.
 
-use crate::element::block::{Block, Nodes, Workspace};
+use pulp::NullaryFnOnce;
+
+use crate::element::block::Nodes;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{column, dot};
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::real::Real;
-use crate::kernel::rotation::rotated;
+use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
@@ -103,46 +105,92 @@ pub(super) fn spins(nodes: &Nodes, dt: f64) -> Lanes {
     std::array::from_fn(|l| spin(nodes, l, dt))
 }
 
-impl Record {
-    /// Follows an increment, after the stress of its end is known.
-    pub(super) fn follow<S, Q, X, T: Real>(
-        &mut self,
-        block: &Block<S, Q, X, T>,
-        flows: Flows,
-        spins: &Lanes,
-        dt: f64,
-        scratch: &Workspace<T>,
-    ) {
-        let unit = scratch.length * scratch.length * scratch.length;
-        let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+/// What a record is shown of an increment, after the stress of its end is known. As one call, so that it is compiled for the
+/// machine's instruction set once and not with each law.
+pub(super) struct Following<'a, T> {
+    pub record: &'a mut Record,
+    pub stress: &'a [Lanes<T>; 4],
+    pub flows: Flows,
+    pub spins: Lanes,
+    pub dt: f64,
+    /// Unit of volumes.
+    pub unit: f64,
+    /// Strain increment, stress before it carried along, deviator of the trial.
+    pub strain: &'a [Lanes<T>; 4],
+    pub carried: &'a [Lanes<T>; 4],
+    pub deviator: &'a [Lanes<T>; 4],
+    /// Plastic strain increment, where the law tells it.
+    pub plastic: &'a [Lanes<T>; 4],
+    pub volume: &'a Lanes<T>,
+    pub flow: &'a Lanes<T>,
+    pub trial: &'a Lanes<T>,
+}
+
+impl<T: Real> NullaryFnOnce for Following<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(mut self) {
+        // Values of their own: of numbers behind a reference compilers do not know that writing one leaves the others.
+        let mut record = *self.record;
+        self.follow(&mut record);
+        match self.flows {
+            Flows::Not => {}
+            Flows::Coupled => self.flow_as_told(&mut record),
+            Flows::Deviator => self.flow_along_deviator(&mut record),
+        }
+        *self.record = record;
+    }
+}
+
+impl<T: Real> Following<'_, T> {
+    #[inline(always)]
+    fn follow(&mut self, record: &mut Record) {
+        let per_dt = if self.dt > 0.0 { 1.0 / self.dt } else { 0.0 };
         for l in 0..LANES {
-            let turn = |x: &[Lanes; 4]| rotated([0, 1, 2, 3].map(|i| x[i][l]), spins[l]);
-            let (strain, mut plastic) = (turn(&self.strain), turn(&self.plastic));
-            let [increment, carried, stress, deviator] =
-                [&scratch.strain, &scratch.carried, &block.stress, &scratch.deviator]
-                    .map(|x| column(x, l).map(T::wide));
-            let [volume, flow, trial] =
-                [unit * scratch.volume[l].wide(), scratch.flow[l].wide(), scratch.trial[l].wide()];
+            let turn = of_spin(self.spins[l]);
+            let (strain, plastic) = (turned(column(&record.strain, l), turn), turned(column(&record.plastic, l), turn));
+            let [increment, carried, stress] =
+                [self.strain, self.carried, self.stress].map(|list| column(list, l).map(T::wide));
             let doubled = [0, 1, 2, 3].map(|i| increment[i] * (carried[i] + stress[i]));
-            self.work[0][l] += 0.5 * volume * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
-            if flows == Flows::Coupled {
-                plastic = [0, 1, 2, 3].map(|i| plastic[i] + scratch.back[i][l].wide());
-                self.work[1][l] += volume * flow;
-            }
-            if flows == Flows::Deviator && flow > 0.0 {
-                // Associated flow: 3/2 dp s/q, the direction of the trial.
-                let per = 1.5 * flow / trial;
-                plastic = [0, 1, 2, 3].map(|i| plastic[i] + per * deviator[i]);
-                self.work[1][l] += volume * mises(stress) * flow;
-            }
+            let volume = self.unit * self.volume[l].wide();
+            record.work[0][l] += 0.5 * volume * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
             for i in 0..4 {
-                self.strain[i][l] = strain[i] + increment[i];
-                self.plastic[i][l] = plastic[i];
-                self.rate[i][l] = per_dt * increment[i];
+                record.strain[i][l] = strain[i] + increment[i];
+                record.plastic[i][l] = plastic[i];
+                record.rate[i][l] = per_dt * increment[i];
             }
         }
     }
 
+    #[inline(always)]
+    fn flow_as_told(&self, record: &mut Record) {
+        for l in 0..LANES {
+            record.work[1][l] += self.unit * self.volume[l].wide() * self.flow[l].wide();
+            for i in 0..4 {
+                record.plastic[i][l] += self.plastic[i][l].wide();
+            }
+        }
+    }
+
+    /// Associated flow: 3/2 dp s/q, the direction of the trial.
+    #[inline(always)]
+    fn flow_along_deviator(&self, record: &mut Record) {
+        for l in 0..LANES {
+            let (flow, trial) = (self.flow[l].wide(), self.trial[l].wide());
+            let (flows, per) = (flow > 0.0, 1.5 * flow / trial);
+            let work = self.unit * self.volume[l].wide() * mises(column(self.stress, l).map(T::wide)) * flow;
+            let before = record.work[1][l];
+            record.work[1][l] = if flows { before + work } else { before };
+            for i in 0..4 {
+                let (before, along) = (record.plastic[i][l], self.deviator[i][l].wide());
+                record.plastic[i][l] = if flows { before + per * along } else { before };
+            }
+        }
+    }
+}
+
+impl Record {
     /// What is told of one element.
     pub(super) fn of(&self, lane: usize) -> Followed {
         let tensor = |x: &[Lanes; 4]| [0, 1, 2, 3].map(|i| x[i][lane]);

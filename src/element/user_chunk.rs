@@ -2,6 +2,8 @@
 //! Chunks know nothing of each other, so that several threads take them; the call between is that of one thread.
 //! Never here: the order of chunks, moduli, output.
 
+use pulp::Arch;
+
 use super::group::block;
 use crate::element::block::{Block, Nodes, Sums, Workspace, larger};
 use crate::element::constants::Constants;
@@ -248,7 +250,8 @@ impl Chunk {
             }
             if !workspace.records.is_empty() {
                 let flows = if flows { Flows::Deviator } else { Flows::Not };
-                workspace.follow(place.turn, block, flows, &spins(&scratch.nodes[s], common.dt), common.dt);
+                let increment = (spins(&scratch.nodes[s], common.dt), common.dt);
+                workspace.follow(Arch::new(), place.turn, &block.stress, flows, increment);
             }
         }
     }

@@ -14,7 +14,9 @@ use thiserror::Error;
 
 use crate::deck::files::STANDARD_INPUT;
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
+use crate::element::group::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
+use crate::kernel::lanes::LANES;
 use crate::model::{self, Model, Precision, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
@@ -108,6 +110,11 @@ impl Prepared {
         let arch = instructions.arch().ok_or(MissingInstructions(instructions))?;
         self.state.elements.use_arch(arch);
         Ok(())
+    }
+
+    /// Threads that have something to do in its run, at most.
+    pub fn most_threads(&self) -> usize {
+        self.plan.mesh.elements.len().div_ceil(TASK * LANES).max(1)
     }
 
     /// What tells a checkpoint of this job from others; `user` is that of the user's routines.
