@@ -73,7 +73,7 @@ pub(super) struct Builder<'a> {
     /// Members of UNSORTED node sets in the order given, by the name of the set.
     pub unsorted: HashMap<String, Vec<usize>>,
     /// Where elements were given a section, a mass, a spring or a dashpot.
-    pub property_of: HashMap<(&'static str, usize), Span>,
+    pub property_of: HashMap<&'static str, Vec<Option<Span>>>,
     /// Section controls that sections name.
     pub controls_used: Vec<Word>,
     /// The `*COUPLING` whose kind is to follow.
@@ -341,8 +341,10 @@ impl<'a> Builder<'a> {
     /// An element has one property of a kind: what gives it a second one is an error.
     pub fn claim(&mut self, kind: &'static str, elements: &[usize], span: Span) {
         let mut twice: Vec<(usize, Span)> = Vec::new();
+        let of_kind = self.property_of.entry(kind).or_default();
+        of_kind.resize(of_kind.len().max(self.model.mesh.elements.len()), None);
         for &element in elements {
-            let first = *self.property_of.entry((kind, element)).or_insert(span);
+            let first = *of_kind[element].get_or_insert(span);
             if first != span {
                 twice.push((element, first));
             }

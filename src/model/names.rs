@@ -8,7 +8,8 @@ use crate::deck::Word;
 /// Labels of nodes or elements: each part, instance and the assembly has its own.
 #[derive(Debug, Default)]
 pub struct Labels {
-    scopes: HashMap<String, Scope>,
+    scopes: Vec<(String, Scope)>,
+    places: HashMap<String, usize>,
     count: usize,
 }
 
@@ -55,15 +56,25 @@ impl Scope {
 impl Labels {
     /// Index of a label in a scope (an upper-case instance name, or empty).
     pub fn find(&self, scope: &str, label: i64) -> Option<usize> {
-        self.scopes.get(scope)?.find(label)
+        self.scopes[self.place(scope)?].1.find(label)
+    }
+
+    /// Most questions are on the scope that came last: they need no hash.
+    fn place(&self, scope: &str) -> Option<usize> {
+        match self.scopes.last() {
+            Some((last, _)) if last == scope => Some(self.scopes.len() - 1),
+            _ => self.places.get(scope).copied(),
+        }
     }
 
     /// Sets a label; returns the index it had before.
     pub fn insert(&mut self, scope: &str, label: i64, index: usize) -> Option<usize> {
-        if !self.scopes.contains_key(scope) {
-            self.scopes.insert(scope.to_owned(), Scope::default());
-        }
-        let before = self.scopes.get_mut(scope).and_then(|scope| scope.insert(label, index));
+        let place = self.place(scope).unwrap_or_else(|| {
+            self.scopes.push((scope.to_owned(), Scope::default()));
+            self.places.insert(scope.to_owned(), self.scopes.len() - 1);
+            self.scopes.len() - 1
+        });
+        let before = self.scopes[place].1.insert(label, index);
         self.count += usize::from(before.is_none());
         before
     }
