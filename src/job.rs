@@ -263,8 +263,8 @@ pub struct HistoryOnly {
 }
 
 impl Sink for HistoryOnly {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.summary.observe(&self.columns, time, values);
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.summary.observe(&self.columns, now.total_time, values);
         Ok(())
     }
 }
@@ -491,12 +491,12 @@ impl Sink for Files<'_> {
         if self.history_written.elapsed() < STALE { Ok(()) } else { self.write_history() }
     }
 
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.history.push(time, values);
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.history.push(now, values);
         if let Some(rows) = self.rows {
-            rows(time, values);
+            rows(now.total_time, values);
         }
-        self.summary.observe(&self.history.columns, time, values);
+        self.summary.observe(&self.history.columns, now.total_time, values);
         Ok(())
     }
 
@@ -547,10 +547,10 @@ struct Keeping<'a> {
 }
 
 impl Sink for Keeping<'_> {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.history.push(time, values);
-        self.summary.observe(&self.history.columns, time, values);
-        self.sink.row(time, values)
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.history.push(now, values);
+        self.summary.observe(&self.history.columns, now.total_time, values);
+        self.sink.row(now, values)
     }
 }
 

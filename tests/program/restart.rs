@@ -36,8 +36,8 @@ impl Sink for Keeper {
     fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
         self.shown.frame(frame)
     }
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.shown.row(time, values)
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.shown.row(now, values)
     }
     fn keeps(&self) -> bool {
         true
