@@ -52,7 +52,7 @@ impl Compiler<'_> {
             let OutputExpression { name, text, span, .. } = definition;
             if let Some(why) = taken(name, columns) {
                 let finding =
-                    Diagnostic::error("P024", format!("the history column `{name}` cannot be defined: {why}"));
+                    Diagnostic::error("P076", format!("the history column `{name}` cannot be defined: {why}"));
                 self.diagnostics.push(finding.at(*span, "this name").help("choose another name"));
                 continue;
             }
@@ -77,7 +77,7 @@ impl Compiler<'_> {
             Some(unknown) => (format!("there is no history column `{unknown}`"), "not a column"),
             None => (format!("the expression of the history column `{name}` is wrong"), error.message.as_str()),
         };
-        let finding = Diagnostic::error("P023", what).at(at, told);
+        let finding = Diagnostic::error("P075", what).at(at, told);
         self.diagnostics.push(match &error.unknown {
             Some(unknown) => finding.help(near(unknown, columns)),
             None => finding,

@@ -188,17 +188,17 @@ fn what_is_wrong_is_told_with_its_place() {
     for (line, told) in [
         (
             "S = 2*(U2@TOP - U2@FOOT)",
-            &["error[P023]: there is no history column `U2@TOP`", "did you mean U2@TIP?", "^^^^^^"][..],
+            &["error[P075]: there is no history column `U2@TOP`", "did you mean U2@TIP?", "^^^^^^"][..],
         ),
-        ("S = 2*(U2@TIP", &["P023", "a parenthesis is not closed"]),
-        ("S = sqroot(U2@TIP)", &["P023", "did you mean `sqrt`"]),
-        ("S = ", &["P023", "the expression ends"]),
+        ("S = 2*(U2@TIP", &["P075", "a parenthesis is not closed"]),
+        ("S = sqroot(U2@TIP)", &["P075", "did you mean `sqrt`"]),
+        ("S = ", &["P075", "the expression ends"]),
         ("2*U2@TIP", &["M171", "no equals sign"]),
         ("U2@X = U2@TIP", &["M171", "its name"]),
-        ("ALLKE = U2@TIP", &["P024", "there is one of that name"]),
-        ("time = U2@TIP", &["P024", "has a meaning"]),
-        ("A = B\n B = ALLKE", &["P023", "no history column `B`"]),
-        ("A = ALLKE\n A = ALLKE", &["P024"]),
+        ("ALLKE = U2@TIP", &["P076", "there is one of that name"]),
+        ("time = U2@TIP", &["P076", "has a meaning"]),
+        ("A = B\n B = ALLKE", &["P075", "no history column `B`"]),
+        ("A = ALLKE\n A = ALLKE", &["P076"]),
     ] {
         let found = expression(line);
         assert!(told.iter().all(|t| found.contains(t)), "{line}: {found}");
@@ -229,5 +229,5 @@ fn scenes_in_rust_have_them() {
     let names: Vec<&str> = prepared.plan.columns.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["ALLKE", "U1_MAX@J1", "U2_MAX@J1", "TWICE"]);
     model.expressions[0].text = "2*U2@J1".into();
-    assert!(job::prepare_model(&model, &Routines::none()).diagnostics.iter().any(|d| d.code == "P023"));
+    assert!(job::prepare_model(&model, &Routines::none()).diagnostics.iter().any(|d| d.code == "P075"));
 }
