@@ -85,12 +85,32 @@ impl Expression {
         if text.len() > LONGEST {
             return Err(error(0..text.len(), format!("the expression is longer than {LONGEST} characters")));
         }
-        let mut reader = Reader { text, at: 0, depth: 0, raw_functions, operations: Vec::new() };
-        reader.expression(0)?;
-        match reader.peek() {
-            None => Ok(Expression { operations: reader.operations }),
-            Some(c) => Err(error(reader.at..reader.at + c.len_utf8(), format!("`{c}` is not expected here"))),
+        Reader { text, at: 0, depth: 0, raw_functions, long_names: &|_| 0, operations: Vec::new() }.read()
+    }
+
+    /// The same over names that hold more than letters, digits and `_`, such as `U2@BAR-1.TOP`: `long_names` tells how many bytes
+    /// at the beginning of a text are one of them, 0 if it begins with none.
+    pub fn parse_over(text: &str, long_names: &dyn Fn(&str) -> usize) -> Result<Expression, ExpressionError> {
+        if text.len() > LONGEST {
+            return Err(error(0..text.len(), format!("the expression is longer than {LONGEST} characters")));
         }
+        Reader { text, at: 0, depth: 0, raw_functions: &[], long_names, operations: Vec::new() }.read()
+    }
+
+    /// Refuses names of which nothing is known and calls of functions that there are not.
+    pub fn check(&self, is_known: &dyn Fn(&str) -> bool) -> Result<(), ExpressionError> {
+        for Located { operation, start, end } in &self.operations {
+            let fail = |message: String| error(*start..*end, message);
+            match operation {
+                Operation::Name(name) if !is_known(name) && constant(name).is_none() => {
+                    let unknown = Some(name.clone());
+                    return Err(ExpressionError { unknown, ..fail(format!("`{name}` is not defined")) });
+                }
+                Operation::Call(name, count) => built_in(name, &vec![1.0; *count]).map(|_| ()).map_err(fail)?,
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// The value. `lookup` knows the names; `call` knows functions of its own and answers `None` for others, of which the
@@ -231,10 +251,20 @@ struct Reader<'a> {
     at: usize,
     depth: usize,
     raw_functions: &'a [&'a str],
+    long_names: &'a dyn Fn(&str) -> usize,
     operations: Vec<Located>,
 }
 
 impl Reader<'_> {
+    /// All of the text.
+    fn read(mut self) -> Result<Expression, ExpressionError> {
+        self.expression(0)?;
+        match self.peek() {
+            None => Ok(Expression { operations: self.operations }),
+            Some(c) => Err(error(self.at..self.at + c.len_utf8(), format!("`{c}` is not expected here"))),
+        }
+    }
+
     fn rest(&self) -> &str {
         &self.text[self.at..]
     }
@@ -341,8 +371,20 @@ impl Reader<'_> {
 
     fn name(&mut self) -> Result<(), ExpressionError> {
         let start = self.at;
-        self.at +=
-            self.rest().chars().take_while(|c| c.is_alphanumeric() || *c == '_').map(char::len_utf8).sum::<usize>();
+        let long = (self.long_names)(self.rest());
+        if long > 0 {
+            self.at += long;
+            let name = self.text[start..self.at].to_owned();
+            self.emit(Operation::Name(name), start);
+            return Ok(());
+        }
+        // A history column that is not known is told as a whole.
+        let mut place = false;
+        let is_of_name = |c: &char| {
+            place |= *c == '@';
+            c.is_alphanumeric() || *c == '_' || place && "@.".contains(*c)
+        };
+        self.at += self.rest().chars().take_while(is_of_name).map(char::len_utf8).sum::<usize>();
         let name = self.text[start..self.at].to_owned();
         if self.peek() != Some('(') {
             self.operations.push(Located { end: start + name.len(), start, operation: Operation::Name(name) });
@@ -405,6 +447,23 @@ fn matching(text: &str) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_names_are_read_as_far_as_they_go() {
+        let known = ["U2@BAR-1.TOP", "U2@BAR", "U2@BAR-1.TOP.LEFT"];
+        let longest = |rest: &str| known.iter().filter(|n| rest.starts_with(**n)).map(|n| n.len()).max().unwrap_or(0);
+        let value = |text: &str| {
+            let expression = Expression::parse_over(text, &longest)?;
+            expression.check(&|name| known.contains(&name))?;
+            expression.evaluate(&|name| known.iter().position(|n| *n == name).map(|i| 1.0 + i as f64), &|_, _| None)
+        };
+        assert_eq!(value("10*U2@BAR-1.TOP - U2@BAR"), Ok(8.0));
+        assert_eq!(value("U2@BAR-1.5"), Ok(0.5));
+        assert_eq!(value("max(U2@BAR-1.TOP.LEFT, 2*pi) + abs(-1)"), Ok(2.0 * std::f64::consts::PI + 1.0));
+        let wrong = value("2*U2@BAT.1 + 1").expect_err("no such column");
+        assert_eq!((wrong.start, wrong.end, wrong.unknown.as_deref()), (2, 10, Some("U2@BAT.1")));
+        assert!(value("max()").is_err() && value("1/(U2@BAR - U2@BAR)").is_err() && value("sqroot(1)").is_err());
+    }
 
     fn value(text: &str) -> Result<f64, String> {
         let expression = Expression::parse(text).map_err(|e| e.message)?;

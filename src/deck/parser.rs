@@ -142,8 +142,11 @@ impl Parser {
     fn card_line(&mut self, file: u32, text: &str, line: Line, span: Span) {
         let Some(keyword) = self.deck.cards.last().map(|c| c.keyword) else { return };
         let told = self.diagnostics.len();
+        let whole = || Word { text: text[lexer::trim(text, line.clone())].to_owned(), span, quoted: false };
         let fields = if keyword.name == "HEADING" {
-            vec![Word { text: text[lexer::trim(text, line.clone())].to_owned(), span, quoted: false }]
+            vec![whole()]
+        } else if keyword.name == "OUTPUT EXPRESSION" {
+            vec![self.parameters.substitute(whole(), &mut self.diagnostics)]
         } else {
             let fields = lexer::split(text, line.clone());
             self.check_quotes(file, &line, &fields);

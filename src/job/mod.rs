@@ -272,8 +272,8 @@ pub struct DeckSummary {
 
 /// Histories in memory and nothing else: frames are not wanted. What sweeps and studies use.
 impl Sink for History {
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.push(time, values);
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.push(now, values);
         Ok(())
     }
 }
@@ -443,8 +443,8 @@ impl Sink for Files<'_> {
         Ok(())
     }
 
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.history.push(time, values);
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.history.push(now, values);
         Ok(())
     }
 

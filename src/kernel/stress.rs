@@ -36,9 +36,14 @@ pub fn triaxiality(stress: [f64; 4]) -> f64 {
     if mean == 0.0 { 0.0 } else { mean / mises }
 }
 
+/// Magnitude of a strain with the shear of a tensor: sqrt(2/3 e:e).
+pub fn magnitude([rr, zz, hoop, rz]: [f64; 4]) -> f64 {
+    (2.0 / 3.0 * (rr * rr + zz * zz + hoop * hoop + 2.0 * rz * rz)).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{mises, pressure, principal, tresca, triaxiality};
+    use super::{magnitude, mises, pressure, principal, tresca, triaxiality};
 
     /// Uniaxial tension, pure shear, uniaxial compression along the hoop, and a plane state against the invariants.
     #[test]
@@ -59,6 +64,9 @@ mod tests {
 
     #[test]
     fn tension_and_shear() {
+        // Uniaxial and without change of volume, and pure shear of the engineering shear 0.3: 0.3/sqrt 3.
+        assert!((magnitude([-0.05, 0.1, -0.05, 0.0]) - 0.1).abs() < 1e-16);
+        assert!((magnitude([0.0, 0.0, 0.0, 0.15]) - 0.3 / 3.0_f64.sqrt()).abs() < 1e-16);
         assert!((mises([300.0_f64, 0.0, 0.0, 0.0]) - 300.0).abs() < 1e-12);
         assert!((mises([0.0_f64, 0.0, 0.0, 100.0]) - 100.0 * 3.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!((mises([5.0, 5.0, 5.0, 0.0]), pressure([1.0, 2.0, -9.0, 4.0])), (0.0, 2.0));

@@ -258,6 +258,7 @@ impl<'a> Builder<'a> {
             | "INCREMENTATION OUTPUT"
             | "CONTACT OUTPUT"
             | "INTEGRATED OUTPUT" => self.output_card(card),
+            "OUTPUT EXPRESSION" => self.output_expressions(card),
             "INTEGRATED OUTPUT SECTION" => self.integrated_section(card),
             "TIME POINTS" => self.time_points(card),
             "RESTART" => self.restart_card(card),

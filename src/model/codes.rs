@@ -152,6 +152,11 @@ pub const CODES: &[Code] = &[
         "arc that does not close",
         "The ends of an arc are not equally far from its centre. Up to a millionth of the radius this is rounding; up to a hundredth the nearest centre is taken that they are equally far from, with a warning; beyond, the arc is refused.",
     ),
+    code(
+        "M171",
+        "history expression without a name",
+        "A line of *OUTPUT EXPRESSION is `name = expression`; the name has letters, digits and `_`.",
+    ),
     code("M180", "section of other elements", "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1."),
     code(
         "M150",

@@ -4,11 +4,13 @@
 use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
 use super::types::{
     Amplitude, AmplitudeDefinition, Boundary, Element, ElementKind, IncrementControl, InitialCondition, InitialKind,
-    Interval, Load, LoadKind, LoadVelocity, Material, Model, Motion, OutputCard, OutputKind, OutputRequest, PointMass,
-    Position, Region, RigidBody, Set, ShellSection, ShellThinning, Side, Sides, SolidSection, Step,
+    Interval, Load, LoadKind, LoadVelocity, Material, Model, Motion, OutputCard, OutputExpression, OutputKind,
+    OutputRequest, PointMass, Position, Region, RigidBody, Set, ShellSection, ShellThinning, Side, Sides, SolidSection,
+    Step,
 };
 use crate::deck::Span;
 use crate::variables::asked::Asked;
+use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Variable};
 
 impl Model {
@@ -283,7 +285,14 @@ impl OutputRequest {
             Region::Pairs(_) => OutputCard::Contact,
         };
         let (interval, position, span) = (Interval::Default, Position::Element, Span::composed());
-        OutputRequest { kind, interval, card, variables, position, region, sensor: None, span }
+        OutputRequest { kind, interval, card, variables, position, region, statistics: Vec::new(), sensor: None, span }
+    }
+
+    /// The same with statistics over the set in place of a column for each member.
+    #[must_use]
+    pub fn with_statistics(mut self, statistics: &[Statistic]) -> OutputRequest {
+        self.statistics = statistics.to_vec();
+        self
     }
 
     /// The same as often as told.
@@ -291,6 +300,15 @@ impl OutputRequest {
     pub fn every(mut self, interval: Interval) -> OutputRequest {
         self.interval = interval;
         self
+    }
+}
+
+impl OutputExpression {
+    /// A history column of that name, by an expression over others (`-1000*(U2@TOP - U2@FOOT)`).
+    #[track_caller]
+    pub fn new(name: &str, text: &str) -> OutputExpression {
+        let span = Span::composed();
+        OutputExpression { name: name.to_uppercase(), text: text.to_owned(), span, place: span }
     }
 }
 

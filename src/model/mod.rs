@@ -25,6 +25,7 @@ mod energy_limit;
 mod eos;
 mod equations;
 mod erosion;
+mod expressions;
 mod failure;
 mod fields;
 mod general_contact;

@@ -9,6 +9,7 @@ use super::types::{
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::asked::{self, Asked, SectionPoint};
+use crate::variables::statistic::Statistic;
 
 impl Builder<'_> {
     pub(super) fn output_card(&mut self, card: &Card) {
@@ -45,6 +46,7 @@ impl Builder<'_> {
             variables,
             position: Position::Element,
             region: Region::Whole,
+            statistics: Vec::new(),
             sensor,
             span: card.span,
         };
@@ -196,6 +198,7 @@ impl Builder<'_> {
             self.inert(card, "the set of a field request: frames show the whole model".into());
         }
         let position = self.position(card, request.kind);
+        let statistics = self.statistics(card, request.kind, &region);
         let mut variables = self.default_variables(card);
         let sides = self.section_points(card, &region);
         let named = if sides.is_some() { &card.lines[1..] } else { &card.lines[..] };
@@ -213,7 +216,8 @@ impl Builder<'_> {
         }
         self.unknown_variables(&unknown, of);
         if !variables.is_empty() {
-            let request = OutputRequest { card: of, variables, position, region, span: card.span, ..request };
+            let request =
+                OutputRequest { card: of, variables, position, region, statistics, span: card.span, ..request };
             self.state().outputs.push(request);
         }
     }
@@ -279,6 +283,25 @@ impl Builder<'_> {
                 Position::Element
             }
         }
+    }
+
+    /// `STATISTICS` (extension): what a history shows of the whole set.
+    fn statistics(&mut self, card: &Card, kind: OutputKind, region: &Region) -> Vec<Statistic> {
+        let Some(word) = card.value("STATISTICS") else { return Vec::new() };
+        if kind == OutputKind::Field || *region == Region::Whole {
+            let message = "STATISTICS are of histories over a set: *OUTPUT, HISTORY, and NSET or ELSET";
+            self.out_of_range(word.span, message);
+            return Vec::new();
+        }
+        let words: Vec<&str> = word.text.split([',', ' ']).filter(|w| !w.is_empty()).collect();
+        let found: Option<Vec<Statistic>> = words.iter().map(|w| Statistic::parse(w)).collect();
+        let Some(mut found) = found.filter(|found| !found.is_empty()) else {
+            self.out_of_range(word.span, "STATISTICS are MIN, MAX, MEAN and SUM, several as in \"MIN, MAX\"");
+            return Vec::new();
+        };
+        found.sort_by_key(|statistic| *statistic as usize);
+        found.dedup();
+        found
     }
 
     /// What `VARIABLE=` asks for.

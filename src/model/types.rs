@@ -14,6 +14,7 @@ pub use crate::kernel::interaction::{Friction, GapHeat, Law, Overclosure};
 pub use crate::kernel::profile::{Profile, Segment};
 use crate::variables::Place;
 use crate::variables::asked::Asked;
+use crate::variables::statistic::Statistic;
 
 /// Everything a deck describes, or a scene composed in Rust: what is wrong with one is told when it is planned.
 ///
@@ -99,6 +100,8 @@ pub struct Model {
     pub precision: Precision,
     /// Steps; each lists everything in force in it (propagation and OP=NEW already worked out).
     pub steps: Vec<Step>,
+    /// `*OUTPUT EXPRESSION`: history columns that follow from others.
+    pub expressions: Vec<OutputExpression>,
     /// Cards that were read but change nothing in this deck: keyword, span, why.
     pub inert: Vec<Inert>,
 }
@@ -1253,10 +1256,25 @@ pub struct OutputRequest {
     pub position: Position,
     /// What the variables are taken from.
     pub region: Region,
+    /// What histories show of the whole set (`STATISTICS`); a column for each member where empty.
+    pub statistics: Vec<Statistic>,
     /// Name of the sensor that it is (`SENSOR, NAME=`), upper case.
     pub sensor: Option<String>,
     /// The card.
     pub span: Span,
+}
+
+/// A history column that follows from others.
+#[derive(Clone, Debug)]
+pub struct OutputExpression {
+    /// Its name, upper case.
+    pub name: String,
+    /// The expression over names of history columns, as written.
+    pub text: String,
+    /// Where the definition stands.
+    pub span: Span,
+    /// Where the expression stands.
+    pub place: Span,
 }
 
 /// Frames or histories.

@@ -7,7 +7,11 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::csv;
+use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
+
+/// Name of the column behind the time: the number of the step, from 1.
+pub const STEP: &str = "step";
 
 /// The histories of a run: what each column came to, and the rows where they are kept.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +23,8 @@ pub struct History {
     keeps_rows: bool,
     /// Total time of each row that was kept.
     times: Vec<f64>,
+    /// Number of the step, from 1, of each row that was kept.
+    steps: Vec<u32>,
     /// Row-major values of rows that were kept.
     values: Vec<f64>,
 }
@@ -34,11 +40,12 @@ impl History {
         History { columns, ..History::default() }
     }
 
-    /// Takes a row in: total time, and a value a column.
-    pub fn push(&mut self, time: f64, values: &[f64]) {
-        self.summary.observe(&self.columns, time, values);
+    /// Takes a row in: a value a column.
+    pub fn push(&mut self, now: &Instant, values: &[f64]) {
+        self.summary.observe(&self.columns, now.total_time, values);
         if self.keeps_rows {
-            self.times.push(time);
+            self.times.push(now.total_time);
+            self.steps.push(now.step);
             self.values.extend_from_slice(values);
         }
     }
@@ -53,14 +60,14 @@ impl History {
         self.values[row * self.columns.len() + column]
     }
 
-    /// The text of `<job>_history.csv`: `time` and the columns, numbers in the shortest form that reads back the same.
+    /// The text of `<job>_history.csv`: `time`, `step` and the columns, numbers in the shortest form that reads back the same.
     pub fn csv(&self) -> String {
-        let mut text = String::from("time");
+        let mut text = format!("time,{STEP}");
         for column in &self.columns {
             let _ = write!(text, ",{}", csv::field(column));
         }
-        for (i, time) in self.times.iter().enumerate() {
-            let _ = write!(text, "\n{time:?}");
+        for (i, (time, step)) in self.times.iter().zip(&self.steps).enumerate() {
+            let _ = write!(text, "\n{time:?},{step}");
             for value in &self.values[i * self.columns.len()..(i + 1) * self.columns.len()] {
                 let _ = write!(text, ",{value:?}");
             }
@@ -101,10 +108,11 @@ impl HistorySummary {
         }
         for (summary, &value) in self.0.values_mut().zip(values) {
             summary.last = value;
-            if value < summary.min {
+            // What had no value so far begins with its first.
+            if value < summary.min || summary.min.is_nan() {
                 (summary.min, summary.time_min) = (value, time);
             }
-            if value > summary.max {
+            if value > summary.max || summary.max.is_nan() {
                 (summary.max, summary.time_max) = (value, time);
             }
         }
@@ -113,10 +121,10 @@ impl HistorySummary {
 
 impl Persist for History {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let History { columns, summary, keeps_rows: _, times, values } = self;
-        persist_fields!(archive; times, values);
+        let History { columns, summary, keeps_rows: _, times, steps, values } = self;
+        persist_fields!(archive; times, steps, values);
         let rows = values.len().checked_div(columns.len());
-        if rows.is_some_and(|rows| rows != times.len()) {
+        if rows.is_some_and(|rows| rows != times.len()) || steps.len() != times.len() {
             archive.refuse(|| "its histories have other columns".into());
         }
         summary.persist(columns, archive);

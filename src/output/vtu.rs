@@ -65,7 +65,7 @@ impl VtuWriter {
         let places = places.iter().flat_map(|p| [p[0], p[1], 0.0]);
         self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
         self.line("</Points>");
-        self.topology(&frame.cells);
+        self.topology(&frame.cells, &frame.deleted);
         self.line("</Piece>\n</UnstructuredGrid>\n</VTKFile>");
         &self.text
     }
@@ -88,8 +88,7 @@ impl VtuWriter {
         self.line("</PointData>");
     }
 
-    /// Arrays over cells. Those of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`), so that ParaView
-    /// leaves them out without being asked.
+    /// Arrays over cells. Those of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`).
     fn cell_data(&mut self, frame: &Frame) {
         self.line("<CellData>");
         frame.cell_fields.iter().for_each(|field| self.field(field));
@@ -141,8 +140,15 @@ impl VtuWriter {
         }
     }
 
-    fn topology(&mut self, cells: &[Vec<usize>]) {
-        let connectivity = cells.iter().flatten().map(|&p| p as i64);
+    /// Cells. Those of deleted elements have shrunk to a point: not all that draws in VTK heeds what is hidden
+    /// (vtkGeometryFilter of 9.7 draws hidden cells of unstructured grids), and their nodes may have flown far apart.
+    fn topology(&mut self, cells: &[Vec<usize>], deleted: &[bool]) {
+        let gone = |cell: usize| deleted.get(cell).copied().unwrap_or(false);
+        let corners = |(c, cell): (usize, &'_ Vec<usize>)| -> [usize; 4] {
+            std::array::from_fn(|i| cell.get(if gone(c) { 0 } else { i }).copied().unwrap_or_default())
+        };
+        let connectivity =
+            cells.iter().enumerate().flat_map(|cell| corners(cell).into_iter().take(cell.1.len())).map(|p| p as i64);
         let offsets = cells.iter().scan(0, |sum, cell| {
             *sum += cell.len() as i64;
             Some(*sum)

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant as Stopwatch};
 use serde::Serialize;
 
 use crate::plan::{Plan, State};
-use crate::solve::{self, Control, Progress, Sink, SinkError};
+use crate::solve::{self, Control, Instant, Progress, Sink, SinkError};
 
 /// What a run will take.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,7 +38,7 @@ struct Look<'a> {
 }
 
 impl Sink for Look<'_> {
-    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), SinkError> {
+    fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
 

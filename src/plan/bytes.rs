@@ -53,6 +53,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
             ("labels", plan.labels.bytes()),
             ("bodies", bodies),
             ("columns", columns),
+            ("sets", plan.sets.iter().map(|set| size_of_val(set) + size_of_val(&set[..])).sum()),
             ("fields", fields),
         ] {
             add(ledger, row, name, bytes);

@@ -151,6 +151,16 @@ pub const CODES: &[Code] = &[
         text: "*EROSION deletes elements that come to its limits. PLASTIC STRAIN is of materials that flow, DISTORTION of solid elements, and at the start no element may be beyond a limit.",
     },
     Code {
+        code: "P075",
+        title: "history expression",
+        text: "An *OUTPUT EXPRESSION is arithmetic over history columns that the deck asks for, `time` and expressions above it; the message says which name or sign is not understood.",
+    },
+    Code {
+        code: "P076",
+        title: "history column twice",
+        text: "The name of an *OUTPUT EXPRESSION is that of another history column, or means something in expressions.",
+    },
+    Code {
         code: "P101",
         title: "held by axial symmetry already",
         text: "A rigid body of revolution moves along z only; holding r or rotation changes nothing.",

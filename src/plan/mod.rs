@@ -13,6 +13,7 @@ mod contact_doubts;
 mod doubts;
 mod equations;
 mod erosion;
+mod expressions;
 mod fields;
 mod general_contact;
 mod heat;
@@ -61,6 +62,7 @@ pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 pub use bodies::Body;
+pub use expressions::RowExpression;
 pub use labels::Labels;
 use ledger::{Ledger, Unused};
 pub use outputs::{Column, FrameField, Outputs, Schedule, Section, Source};
@@ -84,6 +86,10 @@ pub struct Plan {
     pub columns: Vec<Column>,
     /// Surfaces that columns are integrals over.
     pub sections: Vec<Section>,
+    /// Members of sets that columns are statistics over.
+    pub sets: Vec<Vec<Source>>,
+    /// Columns that follow from those before them.
+    pub expressions: Vec<RowExpression>,
     /// Arrays of frames.
     pub fields: Vec<FrameField>,
     /// User amplitudes: asked once an increment, whatever the step.
@@ -196,6 +202,10 @@ struct Compiler<'a> {
     ties: Vec<Tie>,
     /// Surfaces that columns are integrals over.
     sections: Vec<Section>,
+    /// Members of sets that columns are statistics over.
+    sets: Vec<Vec<Source>>,
+    /// Columns that follow from others.
+    expressions: Vec<RowExpression>,
     /// Nodes of slave surfaces with their places on the masters.
     surface_ties: Vec<surface_ties::TiedNode>,
     /// What keeps nodes together.
@@ -228,6 +238,8 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         told: 0,
         ties: Vec::new(),
         sections: Vec::new(),
+        sets: Vec::new(),
+        expressions: Vec::new(),
         surface_ties,
         kept: links::Kept::default(),
         idle: HashSet::new(),
@@ -263,7 +275,8 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.events_row();
     compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
-    let Compiler { ledger, bodies, places, amplitudes, told, sections, diagnostics: found, .. } = compiler;
+    let Compiler { ledger, bodies, places, amplitudes, told, sections, sets, expressions, diagnostics: found, .. } =
+        compiler;
     let labels = Labels::of(model);
     diagnostics.append(found);
     // Notes on a plan that cannot run would only bury what is wrong with it.
@@ -280,6 +293,8 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
         steps,
         columns,
         sections,
+        sets,
+        expressions,
         fields,
         amplitudes,
         told,

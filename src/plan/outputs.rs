@@ -3,11 +3,14 @@
 
 use std::sync::Arc;
 
+use indexmap::IndexMap;
+
 use super::general_contact::pair_name;
 use super::{Compiler, State};
 use crate::element::values;
 use crate::model::{Interval, Model, OutputCard, OutputKind, OutputRequest, Position, Region, Step, WhichPairs};
 use crate::variables::asked::Asked;
+use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Place, Preselected, Variable};
 
 /// Where a history column is taken from.
@@ -28,6 +31,10 @@ pub enum Source {
     Section(usize),
     /// Two surfaces in contact, by their number among those of all steps.
     Pair(usize),
+    /// All of a set, of [`Plan::sets`](super::Plan::sets).
+    Set(Statistic, usize),
+    /// Other columns, by an expression of [`Plan::expressions`](super::Plan::expressions).
+    Expression(usize),
     /// The whole model.
     Model,
 }
@@ -48,8 +55,8 @@ pub struct Section {
 pub struct Column {
     /// `<VARIABLE>@<SET or node>`, or the variable alone for the whole model.
     pub name: String,
-    /// What it holds.
-    pub part: Part,
+    /// What it holds; `None` of an expression.
+    pub part: Option<Part>,
     /// Of what.
     pub source: Source,
 }
@@ -157,7 +164,8 @@ impl Compiler<'_> {
         }
         dedup(&mut columns);
         dedup(&mut fields);
-        let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.iter().map(|c| &c.part));
+        self.expression_columns(&mut columns);
+        let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.iter().filter_map(|c| c.part.as_ref()));
         let follows = parts.any(|p| p.variable.row().followed);
         if follows && !state.elements.is_empty() {
             state.elements.groups.iter_mut().for_each(|g| g.follow());
@@ -169,7 +177,7 @@ impl Compiler<'_> {
 
     /// Books of what deletion takes away, where erosion or an output asks for them.
     fn books_of_deletion(&mut self, columns: &[Column], state: &mut State) {
-        let asked = columns.iter().any(|c| is_removed(c.part.variable));
+        let asked = columns.iter().filter_map(|c| c.part).any(|p| is_removed(p.variable));
         if state.elements.removed.is_none() && !asked {
             return;
         }
@@ -226,8 +234,8 @@ impl Compiler<'_> {
         for &asked in &request.variables {
             let before = columns.len();
             match &request.region {
-                Region::Elements(set) => self.element_columns(asked, set, state, columns),
-                Region::Nodes(set) => self.node_columns(asked, set, columns),
+                Region::Elements(set) => self.element_columns((asked, request), set, state, columns),
+                Region::Nodes(set) => self.node_columns((asked, request), set, columns),
                 Region::Surface(key, name) => self.section_columns(asked, key, name, state, columns),
                 Region::Whole if request.card == OutputCard::Contact => {
                     self.pair_columns(asked, &WhichPairs::default(), columns);
@@ -267,16 +275,17 @@ impl Compiler<'_> {
         self.energies().chain([Variable::TimeIncrement]).filter(meant)
     }
 
-    fn node_columns(&self, asked: Asked, set: &str, columns: &mut Vec<Column>) {
+    fn node_columns(&mut self, (asked, request): (Asked, &OutputRequest), set: &str, columns: &mut Vec<Column>) {
         let model = self.model;
         let Some(members) = model.node_sets.get(set).map(|s| &s.members) else { return };
         let mut parts = self.parts(asked, Variable::is_of_nodes);
         parts.retain(|p| self.has_nodal(p.variable));
-        for &node in members {
-            let place = if members.len() == 1 { set } else { &model.mesh.node_names[node] };
+        let name = |node: usize| model.mesh.node_names[node].as_str();
+        let mut found = Vec::new();
+        for node in by_number(members, name) {
             if let Some(&rotation) = self.places.rotations.get(&node) {
                 let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
-                columns.extend(turning.map(|&part| column(part, place, Source::Node(rotation))));
+                found.extend(turning.map(|&part| (part, name(node), Source::Node(rotation))));
             }
             let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
                 (Some(node), _) => Source::Node(node),
@@ -284,7 +293,42 @@ impl Compiler<'_> {
                 _ => continue,
             };
             let moving = parts.iter().filter(|p| !p.variable.is_of_rotations());
-            columns.extend(moving.map(|&part| column(part, place, source)));
+            found.extend(moving.map(|&part| (part, name(node), source)));
+        }
+        self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
+    }
+
+    /// Columns of the members of a set, which has so many, or of the set as a whole.
+    fn columns_of_set(
+        &mut self,
+        set: &str,
+        members: usize,
+        found: &[(Part, &str, Source)],
+        statistics: &[Statistic],
+        columns: &mut Vec<Column>,
+    ) {
+        if statistics.is_empty() {
+            let place = |name| if members == 1 { set } else { name };
+            columns.extend(found.iter().map(|&(part, name, source)| column(part, place(name), source)));
+            return;
+        }
+        let mut parts: Vec<Part> = found.iter().map(|f| f.0).collect();
+        dedup(&mut parts);
+        for part in parts {
+            let mut sources: Vec<Source> = found.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
+            if part.variable == Variable::Reaction {
+                once_a_body(&mut sources);
+            }
+            let known = self.sets.iter().position(|s| *s == sources);
+            let at = known.unwrap_or_else(|| {
+                self.sets.push(sources);
+                self.sets.len() - 1
+            });
+            columns.extend(statistics.iter().map(|statistic| Column {
+                name: format!("{}_{}@{set}", part.label(), statistic.name()),
+                part: Some(part),
+                source: Source::Set(*statistic, at),
+            }));
         }
     }
 
@@ -307,17 +351,25 @@ impl Compiler<'_> {
         }
     }
 
-    fn element_columns(&self, asked: Asked, set: &str, state: &State, columns: &mut Vec<Column>) {
+    fn element_columns(
+        &mut self,
+        (asked, request): (Asked, &OutputRequest),
+        set: &str,
+        state: &State,
+        columns: &mut Vec<Column>,
+    ) {
         let model = self.model;
         let Some(members) = model.element_sets.get(set).map(|s| &s.members) else { return };
         let parts = self.parts(asked, Variable::is_of_elements);
-        for &element in members {
+        let name = |element: usize| model.mesh.elements[element].name.as_str();
+        let mut found = Vec::new();
+        for element in by_number(members, name) {
             let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
-            let place = if members.len() == 1 { set } else { &model.mesh.elements[element].name };
             let has = |part: &&Part| has(state, group, index, **part);
             let source = Source::Element(group, index);
-            columns.extend(parts.iter().filter(has).map(|&part| column(part, place, source)));
+            found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
         }
+        self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
     }
 
     fn section_columns(&mut self, asked: Asked, key: &str, name: &str, state: &State, columns: &mut Vec<Column>) {
@@ -522,13 +574,40 @@ fn is_in_every_frame(asked: Asked) -> bool {
 }
 
 fn model_column(variable: Variable) -> Column {
-    Column { name: variable.name().into(), part: variable.into(), source: Source::Model }
+    Column { name: variable.name().into(), part: Some(variable.into()), source: Source::Model }
 }
 
 fn column(part: Part, place: &str, source: Source) -> Column {
-    Column { name: format!("{}@{place}", part.label()), part, source }
+    Column { name: format!("{}@{place}", part.label()), part: Some(part), source }
 }
 
+/// Members of a set in the order of their numbers, instance by instance.
+fn by_number<'a>(members: &[usize], name: impl Fn(usize) -> &'a str) -> Vec<usize> {
+    let mut instances: IndexMap<&str, ()> = IndexMap::new();
+    let mut key = |member: &usize| {
+        let (instance, number) = name(*member).rsplit_once('.').unwrap_or(("", name(*member)));
+        (instances.insert_full(instance, ()).0, number.parse().unwrap_or(u64::MAX))
+    };
+    let mut keyed: Vec<_> = members.iter().map(|member| (key(member), *member)).collect();
+    keyed.sort();
+    keyed.into_iter().map(|(_, member)| member).collect()
+}
+
+/// Leaves of the nodes of each rigid body the first alone: they all show the reaction of the body.
+fn once_a_body(sources: &mut Vec<Source>) {
+    let mut seen = Vec::new();
+    sources.retain(|source| match source {
+        Source::Body { body, .. } => {
+            !seen.contains(body) && {
+                seen.push(*body);
+                true
+            }
+        }
+        _ => true,
+    });
+}
+
+/// Leaves of what is alike the first.
 fn dedup<T: PartialEq + Clone>(items: &mut Vec<T>) {
     let mut kept: Vec<T> = Vec::new();
     for item in items.drain(..) {

@@ -101,6 +101,9 @@ impl Compiler<'_> {
 
     fn sensed(&self, request: &OutputRequest) -> Option<Sensed> {
         let Region::Nodes(set) = &request.region else { return None };
+        if !request.statistics.is_empty() {
+            return None;
+        }
         let [node] = self.model.node_sets.get(set)?.members[..] else { return None };
         let [Asked::One(Part { variable, component })] = request.variables[..] else { return None };
         let dof = match (self.places.free_node(node), self.body_of_node.get(&node)) {

@@ -174,7 +174,7 @@ pub fn pack(
     let mut frames = vec![Thin::of(&first, &mesh, &fields)];
     for &i in &chosen[1..] {
         let frame = read(files[i].0, &files[i].1, sums)?;
-        if frame.cells != first.cells || frame.points.len() != first.points.len() {
+        if !is_same_mesh(&first, &frame) {
             notes.push(format!("the frame at time {:e} has another mesh and is left out", frame.time));
             continue;
         }
@@ -186,6 +186,14 @@ pub fn pack(
     meridian.units = units.length_and_time();
     meridian.fields.iter_mut().for_each(|field| field.unit = units.of_column(&field.name));
     Ok(Some(meridian))
+}
+
+/// Whether a frame has the mesh of the first one, but for what is deleted: it has shrunk to a point.
+fn is_same_mesh(first: &Raw, frame: &Raw) -> bool {
+    let gone = |cell: usize| frame.deleted.get(cell).copied().unwrap_or(false);
+    let mut cells = first.cells.iter().zip(&frame.cells).enumerate();
+    let alike = cells.all(|(i, (a, b))| a == b || gone(i) && a.len() == b.len());
+    alike && first.cells.len() == frame.cells.len() && first.points.len() == frame.points.len()
 }
 
 /// Indices into the scalars of a frame.

@@ -8,6 +8,8 @@ use indexmap::IndexMap;
 
 use crate::deck::files;
 use crate::output::csv;
+use crate::output::history::STEP;
+use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Place};
 
 use super::data::{Chart, Column, Series};
@@ -30,15 +32,26 @@ pub struct History {
     pub columns: IndexMap<String, Vec<f64>>,
 }
 
-/// Names of the columns of a `<job>_history.csv`, without time.
+/// Names of the columns of a `<job>_history.csv`, without time and step.
 ///
 /// # Errors
 /// In words, where the file cannot be read.
 pub fn names(path: &Path) -> Result<Vec<String>, String> {
+    let mut names = header(path)?;
+    names.drain(..leading(&names));
+    Ok(names)
+}
+
+fn header(path: &Path) -> Result<Vec<String>, String> {
     let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut header = String::new();
     BufReader::new(file).read_line(&mut header).map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(csv::fields(&header).into_iter().skip(1).collect())
+    Ok(csv::fields(&header))
+}
+
+/// How many columns are before those of the deck: the time, and the step that files of today have.
+fn leading(names: &[String]) -> usize {
+    names.len().min(if names.get(1).is_some_and(|name| name == STEP) { 2 } else { 1 })
 }
 
 /// Reads the chosen columns.
@@ -46,21 +59,23 @@ pub fn names(path: &Path) -> Result<Vec<String>, String> {
 /// # Errors
 /// In words, where the file cannot be read or a row is not whole.
 pub fn read(path: &Path, wanted: &[String]) -> Result<History, String> {
-    let all = names(path)?;
-    let places: Vec<usize> = wanted.iter().filter_map(|w| all.iter().position(|n| n == w)).collect();
+    let all = header(path)?;
+    let first = leading(&all);
+    let place = |name: &String| Some(first + all[first..].iter().position(|n| n == name)?);
+    let places: Vec<usize> = wanted.iter().filter_map(place).collect();
     let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut history = History::default();
     let mut columns = vec![Vec::new(); places.len()];
     for (i, line) in BufReader::new(file).lines().enumerate().skip(1) {
         let line = line.map_err(|e| format!("{}: {e}", path.display()))?;
         let numbers: Vec<f64> = line.split(',').map_while(|f| f.trim().parse().ok()).collect();
-        if numbers.len() != all.len() + 1 || line.split(',').count() != numbers.len() {
-            let expected = all.len() + 1;
+        if numbers.len() != all.len() || line.split(',').count() != numbers.len() {
+            let expected = all.len();
             return Err(format!("{}: line {} is not {expected} numbers: the file is damaged", path.display(), i + 1));
         }
         history.times.push(numbers[0]);
         for (column, place) in columns.iter_mut().zip(&places) {
-            column.push(numbers[place + 1]);
+            column.push(numbers[*place]);
         }
     }
     history.columns = places.iter().map(|p| all[*p].clone()).zip(columns).collect();
@@ -103,9 +118,9 @@ pub fn choose(names: &[String], summary: &[Column]) -> Choice {
     choice
 }
 
-/// The variable of a column; all energies are one group.
+/// The variable of a column, whatever of a set it is; all energies are one group.
 fn group(name: &str) -> String {
-    let variable = name.split('@').next().unwrap_or(name);
+    let variable = Statistic::split(name.split('@').next().unwrap_or(name)).0;
     let energy = !name.contains('@') && Part::parse(variable).is_some_and(|p| p.variable.place() == Place::Energy);
     if energy { "Energy".into() } else { variable.to_owned() }
 }

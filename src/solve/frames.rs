@@ -12,6 +12,7 @@ use crate::model::Position;
 use crate::output::{Field, Frame};
 use crate::plan::{Column, FrameField, Section, Source};
 use crate::state::dofs::{Dof, Dofs};
+use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Place, Preselected, Variable};
 
 /// A number of a node of what deforms; not a number where nodes do not have it.
@@ -63,9 +64,17 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
 }
 
 impl Run<'_> {
-    pub(super) fn value(&self, column: &Column, energy: &Energy) -> f64 {
-        let part = column.part;
-        match column.source {
+    /// A number of a row, of which those before it are known.
+    pub(super) fn column_value(&self, column: &Column, energy: &Energy, before: &[f64]) -> f64 {
+        match (column.source, column.part) {
+            (Source::Expression(index), _) => self.plan.expressions[index].value(self.now.total_time, before),
+            (source, Some(part)) => self.value(source, part, energy),
+            (_, None) => f64::NAN,
+        }
+    }
+
+    fn value(&self, source: Source, part: Part, energy: &Energy) -> f64 {
+        match source {
             Source::Model => model_value(energy, self.last_increment, part.variable),
             Source::Body { body, node } => self.body_value(body, node, part),
             Source::Node(node) => self.node_value(node, part),
@@ -73,7 +82,25 @@ impl Run<'_> {
             Source::Section(index) => self.section_value(&self.plan.sections[index], part),
             // A pair that is not in force in this step transmits nothing.
             Source::Pair(index) => self.constraints.iter().find_map(|c| c.of_pair(index, part)).unwrap_or(0.0),
+            Source::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, energy),
+            Source::Expression(_) => f64::NAN,
         }
+    }
+
+    /// What a set comes to. Deleted elements have no part in it, unless it asks which are deleted; so has what has no value.
+    fn statistic(&self, statistic: Statistic, members: &[Source], part: Part, energy: &Energy) -> f64 {
+        let of_points = statistic == Statistic::Mean && part.variable.place() == Place::Point;
+        let number = |source: &Source| {
+            let weight = match *source {
+                Source::Element(g, e) if part.variable != Variable::Status && self.elements.groups[g].is_deleted(e) => {
+                    return None;
+                }
+                Source::Element(..) if of_points => self.value(*source, Variable::Volume.into(), energy),
+                _ => 1.0,
+            };
+            Some((self.value(*source, part, energy), weight)).filter(|(value, _)| !value.is_nan())
+        };
+        statistic.of(members.iter().filter_map(number))
     }
 
     /// A number of a surface: what holds the elements behind it against their own forces, or its area.

@@ -35,14 +35,14 @@ use run::Run;
 /// Runs a plan from a state at its start to its end, showing every due instant to `sink`.
 ///
 /// ```
-/// use revolve::solve::{self, Sink, SinkError};
+/// use revolve::solve::{self, Instant, Sink, SinkError};
 /// use revolve::{deck, model, plan, user::Routines};
 ///
 /// /// Prints each row of the history.
 /// struct Print;
 /// impl Sink for Print {
-///     fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-///         println!("{time:e} {values:?}");
+///     fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+///         println!("{} {:e} {values:?}", now.step, now.total_time);
 ///         Ok(())
 ///     }
 /// }

@@ -60,11 +60,11 @@ pub trait Sink {
     fn frame(&mut self, _frame: &Frame) -> Result<(), SinkError> {
         Ok(())
     }
-    /// A history row at a total time, one value a column.
+    /// A history row at an instant, one value a column.
     ///
     /// # Errors
     /// If it cannot be kept; the run halts.
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError>;
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError>;
     /// What the run warns of, as soon as it does; all of it is in [`super::Outcome::warnings`] at the end.
     fn warning(&mut self, _text: &str) {}
     /// How far the run is: some times a second, and before each frame.
@@ -252,11 +252,11 @@ impl Observing {
 
     fn show_row(&mut self, run: &Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
         let energy = run.energy();
-        for (value, column) in self.row.iter_mut().zip(&run.plan.columns) {
-            *value = run.value(column, &energy);
+        for (i, column) in run.plan.columns.iter().enumerate() {
+            self.row[i] = run.column_value(column, &energy, &self.row[..i]);
         }
         self.shown[0] = Some(run.now.increment);
-        sink.row(run.now.total_time, &self.row).map_err(unwritten)
+        sink.row(&run.now, &self.row).map_err(unwritten)
     }
 }
 

@@ -204,7 +204,7 @@ impl Sink for Nowhere {
     fn wants_frames(&self) -> bool {
         true
     }
-    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), SinkError> {
+    fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
 }

@@ -8,6 +8,7 @@ use super::histories::{FUNCTIONS, parse, value};
 use crate::deck::expression::{Argument, Expression};
 use crate::output::History;
 use crate::plan::{Plan, State};
+use crate::state::Instant;
 
 /// Functions beside those of what columns came to.
 const MORE: [&str; 3] = ["at", "mean", "norm"];
@@ -101,7 +102,7 @@ impl Quantity {
             return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
         };
         let mut empty = self.history(plan);
-        empty.push(0.0, &vec![0.0; plan.columns.len()]);
+        empty.push(&Instant::default(), &vec![0.0; plan.columns.len()]);
         for (function, argument) in expression.raw_arguments() {
             let name = argument.split(',').next().unwrap_or_default().trim();
             match function {
@@ -273,11 +274,15 @@ fn norm((time, state): (f64, &State), argument: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
+    fn now(total_time: f64) -> Instant {
+        Instant { total_time, ..Instant::default() }
+    }
+
     #[test]
     fn histories_are_read_between_rows() {
         let mut history = History::of_rows(vec!["U2@REF".into()]);
         for (t, u) in [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)] {
-            history.push(t, &[u]);
+            history.push(&now(t), &[u]);
         }
         assert_eq!(at(&history, "u2@ref, 0.5"), Ok(1.0));
         assert_eq!(at(&history, "U2@REF, 1+1"), Ok(0.0));
@@ -304,7 +309,7 @@ mod tests {
     fn quantities_read_columns() {
         let mut history = History::of_sums(vec!["U2@REF".into()]);
         for (t, u) in [(0.0, 0.0), (1.0, -0.06), (2.0, -0.05)] {
-            history.push(t, &[u]);
+            history.push(&now(t), &[u]);
         }
         let value =
             |text: &str| Quantity::parse(text).and_then(|q| q.number(Finished { history: &history, end: None }));

@@ -133,13 +133,8 @@ pub const NOT_SIMULATED: &[Known] = &[
     known("E", Place::Point, "total strain"),
     known("EP", Place::Point, "principal total strains"),
     known("EE", Place::Point, "elastic strain"),
-    known("LEP", Place::Point, "principal logarithmic strains"),
     known("NE", Place::Point, "nominal strain"),
     known("NEP", Place::Point, "principal nominal strains"),
-    known("PEP", Place::Point, "principal plastic strains"),
-    known("PEMAG", Place::Point, "magnitude of the plastic strain"),
-    known("ERP", Place::Point, "principal strain rates"),
-    known("ERV", Place::Point, "volumetric strain rate"),
     known("CE", Place::Point, "creep strain"),
     known("CEEQ", Place::Point, "equivalent creep strain"),
     known("EVF", Place::Point, "volume fraction of an Eulerian material"),
@@ -159,10 +154,6 @@ pub const NOT_SIMULATED: &[Known] = &[
     known("CNORMF", Place::Node, "normal contact force"),
     known("CSHEARF", Place::Node, "frictional force"),
     known("CSTATUS", Place::Node, "contact status"),
-    known("CFNM", Place::Node, "magnitude of the force of contact pressure"),
-    known("CFSM", Place::Node, "magnitude of the force of friction"),
-    known("CFT", Place::Node, "total contact force"),
-    known("CFTM", Place::Node, "magnitude of the total contact force"),
     known("CMN", Place::Node, "moment of contact pressure"),
     known("CMS", Place::Node, "moment of friction"),
     known("CMT", Place::Node, "total contact moment"),
@@ -430,6 +421,9 @@ pub fn help(word: &str, places: &[Place]) -> String {
 /// The name most like a word that names no variable.
 pub fn like(word: &str) -> Option<&'static str> {
     let names = Variable::ALL.iter().map(|v| v.name());
+    if word.contains("PRINC") {
+        return Some(Variable::PrincipalStress.name());
+    }
     if let Some(inside) = names.clone().find(|n| n.len() >= 4 && word.contains(n)) {
         return Some(inside);
     }
@@ -456,6 +450,7 @@ mod tests {
             assert!(matches!(Asked::parse(word), Some(Asked::NotSimulated(_))), "{word}");
         }
         assert_eq!(help("S13", &[]), "S has the components S11, S22, S33, S12");
+        assert_eq!(like("MAXPRINCIPAL"), Some("SP"));
         assert!(help("PEQ", &[Place::Node]).starts_with("did you mean PEEQ?"));
     }
 

@@ -1,6 +1,7 @@
 //! Dimensions of output variables, by which their units are named.
 //! Never here: names of units.
 
+use super::statistic::Statistic;
 use super::{Part, Place, Variable};
 
 /// Powers of length, mass, time and temperature.
@@ -32,16 +33,24 @@ impl Variable {
             | Variable::Thickness => LENGTH,
             Variable::Velocity | Variable::NormalVelocity => VELOCITY,
             Variable::Acceleration => ACCELERATION,
-            Variable::Reaction | Variable::SurfaceForce | Variable::NormalContactForce | Variable::ShearContactForce => {
-                FORCE
-            }
+            Variable::Reaction
+            | Variable::SurfaceForce
+            | Variable::NormalContactForce
+            | Variable::ShearContactForce
+            | Variable::ContactForce
+            | Variable::NormalContactMagnitude
+            | Variable::ShearContactMagnitude
+            | Variable::ContactMagnitude => FORCE,
             Variable::NodalTemperature
             | Variable::Temperature
             | Variable::BottomTemperature
             | Variable::TopTemperature => TEMPERATURE,
             Variable::ReactionFlux => POWER,
             Variable::HeatFlux => [0, 1, -3, 0],
-            Variable::RotationalVelocity | Variable::StrainRate => PER_TIME,
+            Variable::RotationalVelocity
+            | Variable::StrainRate
+            | Variable::PrincipalStrainRate
+            | Variable::VolumetricStrainRate => PER_TIME,
             Variable::RotationalAcceleration => [0, 0, -2, 0],
             Variable::ReactionMoment => ENERGY,
             Variable::SectionForce => [0, 1, -2, 0],
@@ -81,6 +90,7 @@ impl Variable {
 pub fn dimension_of(name: &str) -> Option<Powers> {
     let name = name.split('@').next().unwrap_or(name).trim_matches('|');
     let name = if name == "S_MISES" { "MISES" } else { name };
+    let name = Statistic::split(name).0;
     let whole = Variable::ALL.iter().copied().find(|v| v.name() == name);
     whole.or_else(|| Part::parse(name).map(|part| part.variable))?.dimension()
 }
@@ -91,8 +101,8 @@ mod tests {
 
     #[test]
     fn columns_and_fields_have_the_dimension_of_their_variable() {
-        let names = ["U2@TIP", "|V|", "S_MISES", "S12", "RF2@WALL", "ALLKE", "CFN1@A_B"];
-        let expected = [LENGTH, VELOCITY, STRESS, STRESS, FORCE, ENERGY, FORCE];
+        let names = ["U2@TIP", "|V|", "S_MISES", "S12", "RF2@WALL", "ALLKE", "CFN1@A_B", "PRESS_MEAN@A"];
+        let expected = [LENGTH, VELOCITY, STRESS, STRESS, FORCE, ENERGY, FORCE, STRESS];
         assert_eq!(names.map(dimension_of), expected.map(Some));
         assert_eq!([dimension_of("SDV1"), dimension_of("nothing")], [None, None]);
     }

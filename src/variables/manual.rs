@@ -8,6 +8,13 @@ const HEAD: &str = "# Output variables\n\nWritten from the table of variables; d
 (`REVOLVE_BLESS=1 cargo test --test deck` writes it anew). What a scene does not have is left out of its files and \
 listed as unused. Directions: 1 is r, 2 is z, 3 the hoop.\n";
 
+const SETS: &str = "\n## Of whole sets, and of other columns\n\n`STATISTICS=` on `*NODE OUTPUT` and `*ELEMENT OUTPUT` of a history \
+gives a column `<VARIABLE>_<STATISTIC>@<SET>` in place of one for each member, such as `RF2_SUM@FOOT`, the force on a wall of nodes \
+that are held. MEAN is weighted by the volumes of elements now where a variable lives at integration points, and not weighted at \
+nodes and of whole elements. Deleted elements are left out (of all but STATUS); where none is left MIN, MAX and MEAN are not a number. \
+RF of a rigid body counts once, however many of its nodes are in the set.\n\n`*OUTPUT EXPRESSION` makes columns of others, row by row: \
+`SHORTENING = -1000*(U2@TOP - U2@FOOT)`.\n";
+
 /// Chapters in their order: where variables live, and how decks ask for them.
 const CHAPTERS: &[(Place, &str, &str)] = &[
     (Place::Node, "At nodes", "`*NODE OUTPUT`: in frames on points; histories with NSET"),
@@ -33,6 +40,7 @@ pub fn variable_manual() -> String {
         text += "| name | components | what | by default |\n|---|---|---|---|\n";
         text.extend(Variable::ALL.iter().filter(|v| v.place() == *place).map(|v| line(*v)));
     }
+    text += SETS;
     text += "\n## Names for several\n\n";
     text.extend(FAMILIES.iter().map(|f| format!("- `{}`: {} ({})\n", f.name, f.words, members(f))));
     text += "\n## Known and not simulated\n\nA request for them is listed as unused.\n\n";

@@ -8,6 +8,7 @@
 pub mod asked;
 pub mod dimension;
 pub mod manual;
+pub mod statistic;
 
 use crate::kernel::stress;
 
@@ -141,10 +142,20 @@ variables! {
     HeatFlux: point("HFL", &["HFL1", "HFL2"], "Heat flux along r and z, where temperatures are solved for").conducting(),
     LogarithmicStrain: point("LE", &["LE11", "LE22", "LE33", "LE12"], "Logarithmic strain; LE12 is the engineering shear")
         .preselected(Preselected::Deforming).followed(None),
+    PrincipalStrain: point("LEP", &["LEP1", "LEP2", "LEP3"], "Principal logarithmic strains, ascending").followed(None)
+        .by(|e, i| Some(stress::principal(strain(e, Variable::LogarithmicStrain)?)[i])),
     PlasticComponents: point("PE", &["PE11", "PE22", "PE33", "PE12"], "Plastic strain; PE12 is the engineering shear")
         .preselected(Preselected::Deforming).followed(Some(Variable::PlasticStrain)),
+    PrincipalPlasticStrain: point("PEP", &["PEP1", "PEP2", "PEP3"], "Principal plastic strains, ascending")
+        .followed(Some(Variable::PlasticStrain)).by(|e, i| Some(stress::principal(strain(e, Variable::PlasticComponents)?)[i])),
+    PlasticMagnitude: point("PEMAG", &[], "Magnitude of the plastic strain: sqrt(2/3 PE:PE)").followed(Some(Variable::PlasticStrain))
+        .by(|e, _| Some(stress::magnitude(strain(e, Variable::PlasticComponents)?))),
     StrainRate: point("ER", &["ER11", "ER22", "ER33", "ER12"], "Strain rate of the last increment; ER12 is the engineering shear")
         .followed(None),
+    PrincipalStrainRate: point("ERP", &["ERP1", "ERP2", "ERP3"], "Principal strain rates, ascending").followed(None)
+        .by(|e, i| Some(stress::principal(strain(e, Variable::StrainRate)?)[i])),
+    VolumetricStrainRate: point("ERV", &[], "Volumetric strain rate").followed(None)
+        .by(|e, _| Some(-3.0 * stress::pressure(strain(e, Variable::StrainRate)?))),
     StrainEnergy: point("SENER", &[], "Elastic strain energy per unit of current volume").followed(None)
         .by(|e, _| Some(e.held(Variable::ElementStrainEnergy, 0)? / volume(e))),
     PlasticEnergy: point("PENER", &[], "Energy dissipated by plastic flow per unit of current volume").followed(None)
@@ -193,6 +204,10 @@ variables! {
     SectionArea: section("SOAREA", &[], "Current area of a surface"),
     NormalContactForce: pair("CFN", &["CFN1", "CFN2"], "Force of contact pressure on the first surface of a pair: radial, summed around, and axial"),
     ShearContactForce: pair("CFS", &["CFS1", "CFS2"], "Force of friction on the first surface of a pair"),
+    ContactForce: pair("CFT", &["CFT1", "CFT2"], "Force of contact, CFN and CFS, on the first surface of a pair"),
+    NormalContactMagnitude: pair("CFNM", &[], "Magnitude of CFN"),
+    ShearContactMagnitude: pair("CFSM", &[], "Magnitude of CFS"),
+    ContactMagnitude: pair("CFTM", &[], "Magnitude of CFT"),
     ContactArea: pair("CAREA", &[], "Area in contact"),
     KineticEnergy: energy("ALLKE", "Kinetic energy"),
     Work: energy("ALLWK", "External work: of prescribed loads and motions"),
@@ -303,6 +318,12 @@ impl Row {
 fn tensor(element: &dyn ElementValues, variable: Variable) -> Option<[f64; 4]> {
     let component = |i| element.held(variable, i);
     Some([component(0)?, component(1)?, component(2)?, component(3)?])
+}
+
+/// A strain with the shear of a tensor, half the engineering shear.
+fn strain(element: &dyn ElementValues, variable: Variable) -> Option<[f64; 4]> {
+    let [rr, zz, hoop, rz] = tensor(element, variable)?;
+    Some([rr, zz, hoop, 0.5 * rz])
 }
 
 fn volume(element: &dyn ElementValues) -> f64 {

@@ -15,7 +15,7 @@ use revolve::deck;
 use revolve::job::{self, Overrides, Prepared};
 use revolve::model::Precision;
 use revolve::output::{Frame, Job};
-use revolve::solve::{self, Outcome, Sink, SinkError};
+use revolve::solve::{self, Instant, Outcome, Sink, SinkError};
 use revolve::user::Routines;
 
 /// Runs the program in the project's folder.
@@ -74,8 +74,8 @@ impl Sink for Memory {
         self.frames.push(frame.clone());
         Ok(())
     }
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.rows.push((time, values.to_vec()));
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.rows.push((now.total_time, values.to_vec()));
         Ok(())
     }
 }

@@ -4,6 +4,7 @@
 mod common;
 
 mod dialects;
+mod histories;
 mod language;
 mod mesh_files;
 mod mistakes;

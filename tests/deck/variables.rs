@@ -283,7 +283,7 @@ fn all_and_preselect_mean_what_lives_on_their_card() {
         ["S", "MISES", "PRESS", "PEEQ", "LE", "PE"]
     );
     let elements = names("*Output, field\n*Element Output, variable=ALL\n").1;
-    let expected = "S MISES PRESS SP TRESC TRIAX PEEQ TEMP LE PE ER SENER PENER STATUS EVOL DENSITY ELSE ELPD MASS";
+    let expected = "S MISES PRESS SP TRESC TRIAX PEEQ TEMP LE LEP PE PEP PEMAG ER ERP ERV SENER PENER STATUS EVOL DENSITY ELSE ELPD MASS";
     assert_eq!(elements.join(" "), expected);
 }
 

@@ -27,7 +27,7 @@ fn run_writes_whole_files_with_stable_keys() {
         assert!(summary["history"]["U2@REF"][key].is_number(), "{key}");
     }
     let csv = std::fs::read_to_string(folder.path().join("ogive_history.csv")).expect("a history");
-    assert!(csv.starts_with("time,U2@REF,V2@REF,A2@REF,ALLKE,ALLWK,ALLFD,ALLCAV,ETOTAL\n"));
+    assert!(csv.starts_with("time,step,U2@REF,V2@REF,A2@REF,ALLKE,ALLWK,ALLFD,ALLCAV,ETOTAL\n"));
     let names: Vec<String> = std::fs::read_dir(folder.path())
         .expect("a folder")
         .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())

@@ -300,7 +300,7 @@ fn mesh_files() {
 struct First(Vec<u8>);
 
 impl Sink for First {
-    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), SinkError> {
+    fn row(&mut self, _now: &solve::Instant, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
     fn keeps(&self) -> bool {

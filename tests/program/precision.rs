@@ -128,7 +128,7 @@ fn threads_change_no_bit() {
 struct Keeper(Vec<Vec<u8>>);
 
 impl Sink for Keeper {
-    fn row(&mut self, _time: f64, _values: &[f64]) -> Result<(), SinkError> {
+    fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
     fn keeps(&self) -> bool {

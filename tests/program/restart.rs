@@ -37,8 +37,8 @@ impl Sink for Keeper {
     fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
         self.shown.frame(frame)
     }
-    fn row(&mut self, time: f64, values: &[f64]) -> Result<(), SinkError> {
-        self.shown.row(time, values)
+    fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.shown.row(now, values)
     }
     fn keeps(&self) -> bool {
         true
@@ -103,7 +103,7 @@ fn bar(n: usize, material: &str, speed: f64, time: f64, cards: &str) -> String {
             "*Nset, nset=TOP\n 5\n*Initial Conditions, type=VELOCITY\n ALL, 2, {:e}\n*Step\n*Dynamic, Explicit\n , {time:e}\n\
              *Boundary\n I0, 1, 1\n J0, 2, 2\n{cards}*Output, field, number interval=7\n*Node Output\n U, V, A, RF\n\
              *Element Output\n ALL\n*Output, history, number interval=23\n*Node Output, nset=TOP\n U, V, A\n\
-             *Node Output, nset=J0\n RF2\n*Energy Output\n ALL\n*Incrementation Output\n DT\n*End Step\n",
+             *Node Output, nset=J0\n RF2\n*Node Output, nset=J0, statistics=SUM\n RF2\n*Output Expression\n PUSH = 2*RF2_SUM@J0\n*Energy Output\n ALL\n*Incrementation Output\n DT\n*End Step\n",
             -speed
         )
 }

@@ -31,7 +31,12 @@ surface = vtkDataSetSurfaceFilter()
 surface.SetInputConnection(current.GetOutputPort())
 surface.Update()
 cells = current.GetOutput().GetCellData()
+places = vtk_to_numpy(current.GetOutput().GetPoints().GetData())
+grid = current.GetOutput()
+corners = [[grid.GetCell(i).GetPointId(k) for k in range(grid.GetCell(i).GetNumberOfPoints())]
+           for i in range(grid.GetNumberOfCells()) if cells.GetArray("vtkGhostType").GetValue(i)]
 print(json.dumps({
+    "extent": max(float(abs(places[c] - places[c[0]]).max()) for c in corners),
     "moved": float(abs(there - vtk_to_numpy(reference.GetOutput().GetPoints().GetData())).max()),
     "apart": float(abs(there - warped).max()),
     "cells": current.GetOutput().GetNumberOfCells(),

@@ -146,3 +146,36 @@ fn what_a_group_does_not_have_is_not_shown() {
         assert!(field.values.iter().filter(|v| !v.is_nan()).all(|v| v.is_finite()));
     }
 }
+
+/// Principal strains and rates have the invariants of the tensors that they are of, which for LE12, PE12 and ER12 means half of
+/// them.
+#[test]
+fn principal_values_have_the_invariants_of_their_tensors() {
+    let deck = grid(2, 2, false, |i, j| [1.0 + i as f64 + 0.2 * j as f64, j as f64])
+        + &material(1000.0, 0.3, 2.0, "*Plastic\n 1., 0.\n 2., 1.\n")
+        + "*Initial Conditions, type=VELOCITY\n J1, 1, 1.\n J1, 2, -1.\n*Step\n*Dynamic, Explicit\n , 0.05\n*Boundary\n J0, 1, 2\n\
+           *Output, history, number interval=3\n*Element Output, elset=SOLID\n LE, LEP, PE, PEP, PEMAG, ER, ERP, ERV\n*End Step\n";
+    let (outcome, memory) = run(&deck);
+    assert_eq!(outcome.halt, None);
+    let prepared = common::prepared(&deck, &[], &revolve::user::Routines::none());
+    let row = &memory.rows.last().expect("rows").1;
+    let value = |name: String| row[prepared.plan.columns.iter().position(|c| c.name == name).expect("a column")];
+    let near = |a: f64, b: f64, scale: f64| assert!((a - b).abs() < 1e-13 * scale, "{a} {b}");
+    for element in 1..=4 {
+        for (tensor, principal) in [("LE", "LEP"), ("PE", "PEP"), ("ER", "ERP")] {
+            let [rr, zz, hoop, rz] = ["11", "22", "33", "12"].map(|c| value(format!("{tensor}{c}@{element}")));
+            let [a, b, c] = ["1", "2", "3"].map(|i| value(format!("{principal}{i}@{element}")));
+            let size = a.abs().max(c.abs());
+            assert!(a <= b && b <= c && rz.abs() > 0.01 * size, "{tensor}: {a} {b} {c}, shear {rz}");
+            near(a + b + c, rr + zz + hoop, size);
+            near(a * a + b * b + c * c, rr * rr + zz * zz + hoop * hoop + 0.5 * rz * rz, size * size);
+            near(a * b * c, hoop * (rr * zz - 0.25 * rz * rz), size * size * size);
+            if tensor == "PE" {
+                near(value(format!("PEMAG@{element}")), (2.0 / 3.0 * (a * a + b * b + c * c)).sqrt(), size);
+            }
+            if tensor == "ER" {
+                near(value(format!("ERV@{element}")), rr + zz + hoop, size);
+            }
+        }
+    }
+}

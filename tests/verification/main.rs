@@ -49,4 +49,5 @@ mod thermal_stress;
 mod triangles;
 mod tubes;
 mod vessels;
+mod walls;
 mod waves;

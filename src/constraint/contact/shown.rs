@@ -138,6 +138,10 @@ impl Contact {
         match part.variable {
             Variable::NormalContactForce => Some(sign * forces[part.component]),
             Variable::ShearContactForce => Some(sign * forces[2 + part.component]),
+            Variable::ContactForce => Some(sign * (forces[part.component] + forces[2 + part.component])),
+            Variable::NormalContactMagnitude => Some(libm::hypot(forces[0], forces[1])),
+            Variable::ShearContactMagnitude => Some(libm::hypot(forces[2], forces[3])),
+            Variable::ContactMagnitude => Some(libm::hypot(forces[0] + forces[2], forces[1] + forces[3])),
             Variable::ContactArea => Some(forces[4]),
             _ => None,
         }

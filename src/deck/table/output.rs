@@ -26,6 +26,7 @@ pub const CARDS: &[Keyword] = &[
     row!("NODE OUTPUT", "Nodal variables of an *OUTPUT request", (), {
         "NSET" read "Nodes",
         "VARIABLE" read "PRESELECT or ALL",
+        "STATISTICS" extension "Of histories: MIN, MAX, MEAN or SUM over the set in place of a column for each node, several as in \"MIN, MAX\"; MEAN is not weighted, and RF of a rigid body counts once",
         "EXTERIOR" refused "give NSET",
         "TRACER SET" refused "meshes are not adaptive",
         "FILTER" inert "output is not filtered: it holds what is computed",
@@ -33,6 +34,7 @@ pub const CARDS: &[Keyword] = &[
     row!("ELEMENT OUTPUT", "Element variables of an *OUTPUT request; a first line of numbers names section points of shells: 1 the side SNEG, the last the side SPOS, or the middle one", (), {
         "ELSET" read "Elements",
         "VARIABLE" read "PRESELECT or ALL",
+        "STATISTICS" extension "Of histories: MIN, MAX, MEAN or SUM over the set in place of a column for each element, several as in \"MIN, MAX\"; without deleted elements, but for STATUS; MEAN is weighted by the volumes now, of variables of whole elements it is not",
         "DIRECTIONS" inert "the directions are r, z and the hoop",
         "POSITION" read "INTEGRATION POINTS (default) or CENTROIDAL, which are the same; NODES or AVERAGED AT NODES: in frames, on nodes the mean over the elements around",
         "EXTERIOR" refused "give ELSET",
@@ -67,6 +69,9 @@ pub const CARDS: &[Keyword] = &[
         "VARIABLE" read "PRESELECT or ALL",
         "FILTER" inert "output is not filtered: it holds what is computed",
     }, [(list "incrementation variable")]),
+    row!(extension "OUTPUT EXPRESSION", "History columns that follow from others, row by row; in force in all steps", (), {}, [
+        (text "name = expression" read "Over history columns of the deck, as in SHORTENING = -1000*(U2@TOP - U2@FOOT), `time`, and those defined above; + - * / // % **, functions; not a number where it has no value"),
+    ]),
     row!("TIME POINTS", "Times of the step at which an *OUTPUT writes", (unique "NAME"), {
         "NAME" read "Name that *OUTPUT gives",
         "GENERATE" read "Data lines give first, last and increment",

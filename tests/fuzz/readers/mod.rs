@@ -36,7 +36,7 @@ impl Sink for First {
     fn frame(&mut self, _: &Frame) -> Result<(), SinkError> {
         Ok(())
     }
-    fn row(&mut self, _: f64, _: &[f64]) -> Result<(), SinkError> {
+    fn row(&mut self, _: &solve::Instant, _: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
     fn keeps(&self) -> bool {

@@ -1,0 +1,109 @@
+//! History columns that follow from others (`*OUTPUT EXPRESSION`): their names are looked up among the columns of the plan.
+//! Never here: the evaluator (`deck::expression`).
+
+use super::{Column, Compiler, Source};
+use crate::deck::expression::{Expression, ExpressionError};
+use crate::deck::names::nearest;
+use crate::deck::{Diagnostic, Span};
+use crate::model::OutputExpression;
+
+/// Name of the total time in expressions.
+const TIME: &str = "time";
+
+/// An expression over the columns before it.
+#[derive(Clone, Debug)]
+pub struct RowExpression {
+    expression: Expression,
+    /// Columns it depends on, as it names them.
+    columns: Vec<(String, usize)>,
+}
+
+impl RowExpression {
+    /// An expression over these columns.
+    fn read(text: &str, columns: &[Column]) -> Result<RowExpression, ExpressionError> {
+        let find = |name: &str| columns.iter().position(|c| c.name.eq_ignore_ascii_case(name));
+        let expression = Expression::parse_over(text, &|rest| longest(rest, columns))?;
+        expression.check(&|name| name.eq_ignore_ascii_case(TIME) || find(name).is_some())?;
+        let columns = expression.names().filter_map(|name| Some((name.to_owned(), find(name)?))).collect();
+        Ok(RowExpression { expression, columns })
+    }
+
+    /// The value in a row at a total time; not a number where there is none.
+    pub fn value(&self, time: f64, row: &[f64]) -> f64 {
+        let find = |name: &str| self.columns.iter().find(|c| c.0 == name).map(|c| row[c.1]);
+        let known = |name: &str| find(name).or_else(|| name.eq_ignore_ascii_case(TIME).then_some(time));
+        self.expression.evaluate(&known, &|_, _| None).unwrap_or(f64::NAN)
+    }
+}
+
+/// Bytes of the longest name of a column that a text begins with, in any case; 0 if it goes on behind it or there is none.
+fn longest(text: &str, columns: &[Column]) -> usize {
+    let begins = |name: &str| text.get(..name.len()).is_some_and(|start| start.eq_ignore_ascii_case(name));
+    let ends = |name: &str| !text[name.len()..].starts_with(|c: char| c.is_alphanumeric() || "_@.".contains(c));
+    let names = columns.iter().map(|c| c.name.as_str());
+    names.filter(|name| begins(name) && ends(name)).map(str::len).max().unwrap_or(0)
+}
+
+impl Compiler<'_> {
+    /// The columns of `*OUTPUT EXPRESSION`, behind those they follow from.
+    pub(super) fn expression_columns(&mut self, columns: &mut Vec<Column>) {
+        let model = self.model;
+        for definition in &model.expressions {
+            let OutputExpression { name, text, span, .. } = definition;
+            if let Some(why) = taken(name, columns) {
+                let finding =
+                    Diagnostic::error("P076", format!("the history column `{name}` cannot be defined: {why}"));
+                self.diagnostics.push(finding.at(*span, "this name").help("choose another name"));
+                continue;
+            }
+            match RowExpression::read(text, columns) {
+                Ok(expression) => {
+                    self.cause(*span, "history expression", 1, "column", format!("{name} = {text}"));
+                    let source = Source::Expression(self.expressions.len());
+                    columns.push(Column { name: name.clone(), part: None, source });
+                    self.expressions.push(expression);
+                }
+                Err(error) => self.wrong_expression(definition, &error, columns),
+            }
+        }
+    }
+
+    fn wrong_expression(&mut self, definition: &OutputExpression, error: &ExpressionError, columns: &[Column]) {
+        let OutputExpression { name, text, place, .. } = definition;
+        let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
+        let inside = |at: usize| place.start + at as u32;
+        let at = if whole { *place } else { Span { start: inside(error.start), end: inside(error.end), ..*place } };
+        let (what, told) = match &error.unknown {
+            Some(unknown) => (format!("there is no history column `{unknown}`"), "not a column"),
+            None => (format!("the expression of the history column `{name}` is wrong"), error.message.as_str()),
+        };
+        let finding = Diagnostic::error("P075", what).at(at, told);
+        self.diagnostics.push(match &error.unknown {
+            Some(unknown) => finding.help(near(unknown, columns)),
+            None => finding,
+        });
+    }
+}
+
+/// Why a column cannot have this name.
+fn taken(name: &str, columns: &[Column]) -> Option<&'static str> {
+    match () {
+        () if columns.iter().any(|c| c.name.eq_ignore_ascii_case(name)) => Some("there is one of that name"),
+        () if [TIME, "step", "pi"].iter().any(|n| n.eq_ignore_ascii_case(name)) => Some("the name has a meaning"),
+        () => None,
+    }
+}
+
+/// The columns that may have been meant.
+fn near(unknown: &str, columns: &[Column]) -> String {
+    let names = || columns.iter().map(|c| c.name.as_str());
+    if let Some(near) = nearest(unknown, names()) {
+        return format!("did you mean {near}?");
+    }
+    let shown: Vec<&str> = names().take(12).collect();
+    let more = if columns.len() > 12 { ", …" } else { "" };
+    match shown[..] {
+        [] => "the deck asks for no history: a column must be asked for (*OUTPUT, HISTORY) before others can follow from it".into(),
+        _ => format!("the deck's *OUTPUT, HISTORY asks for {}{more}", shown.join(", ")),
+    }
+}

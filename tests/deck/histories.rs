@@ -1,0 +1,233 @@
+//! Histories of whole sets and histories that follow from others.
+//!
+//! Goal: STATISTICS are what a spreadsheet makes of the columns of the members; an expression is what it says, row by row,
+//! wherever histories are read; what is wrong with either is told when the deck is read, with its place.
+
+use crate::common::solid::{grid, material};
+use crate::common::{Memory, prepared};
+use revolve::job;
+use revolve::model::{OutputExpression, OutputRequest, Region};
+use revolve::solve;
+use revolve::study::quantity::Quantity;
+use revolve::user::Routines;
+use revolve::variables::Variable;
+use revolve::variables::statistic::Statistic;
+
+/// A block of 2 by 2 elements that flies against its held foot; elements fail one after the other. The numbers of nodes do not
+/// follow the order in which they are given.
+fn block(requests: &str) -> String {
+    let grid = grid(2, 2, false, |i, j| [1.0 + i as f64 * (1.0 + 0.3 * j as f64), j as f64]);
+    let (first, rest) = grid.split_once(" 1, ").expect("the first node");
+    let (line, rest) = rest.split_once('\n').expect("a line");
+    let (others, elements) = rest.split_once("*Element").expect("elements");
+    first.to_owned()
+        + others
+        + &format!(" 1, {line}\n*Element{elements}")
+        + &material(1000.0, 0.3, 2.0, "*Plastic\n 1., 0.\n 2., 1.\n*Shear Failure\n 0.04,\n")
+        + "*Elset, elset=FIRST\n 1,\n*Nset, nset=TIP\n 9,\n*Nset, nset=FOOT\n 1,\n*Initial Conditions, type=VELOCITY\n ALL, 2, -1.\n\
+           *Step, name=One\n*Dynamic, Explicit\n , 0.06\n*Boundary\n J0, 2, 2\n"
+        + requests
+        + "*End Step\n*Step, name=Two\n*Dynamic, Explicit\n , 0.02\n*End Step\n"
+}
+
+/// Columns and rows of a run.
+fn run(requests: &str) -> (Vec<String>, Memory) {
+    let prepared = prepared(&block(requests), &[], &Routines::none());
+    let mut memory = Memory::default();
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+    assert_eq!(outcome.halt, None);
+    (prepared.plan.columns.iter().map(|c| c.name.clone()).collect(), memory)
+}
+
+/// Values of the column of that name.
+fn column(columns: &[String], memory: &Memory, name: &str) -> Vec<f64> {
+    let at = columns.iter().position(|c| c == name).unwrap_or_else(|| panic!("no {name} among {columns:?}"));
+    memory.rows.iter().map(|row| row.1[at]).collect()
+}
+
+#[test]
+fn statistics_are_those_of_the_members() {
+    let all = "statistics=\"MIN, max MEAN, SUM\"";
+    let (columns, memory) = run(&format!(
+        "*Output, history, number interval=12\n*Element Output, elset=SOLID\n MISES, EVOL, STATUS\n\
+         *Element Output, elset=SOLID, {all}\n MISES, EVOL, STATUS\n*Node Output, nset=J1\n U\n*Node Output, nset=J1, {all}\n U\n"
+    ));
+    let column = |name: String| column(&columns, &memory, &name);
+    let of = |variable: &str, members: &[&str]| {
+        members.iter().map(|m| column(format!("{variable}@{m}"))).collect::<Vec<_>>()
+    };
+    let status = of("STATUS", &["1", "2", "3", "4"]);
+    let there = |row: usize, e: usize| status[e][row] == 1.0;
+    let volume = of("EVOL", &["1", "2", "3", "4"]);
+    let rows = memory.rows.len();
+    let mut partly = 0;
+    for (variable, set, members) in [
+        ("MISES", "SOLID", &["1", "2", "3", "4"][..]),
+        ("EVOL", "SOLID", &["1", "2", "3", "4"]),
+        ("STATUS", "SOLID", &["1", "2", "3", "4"]),
+        ("U1", "J1", &["7", "8", "9"]),
+        ("U2", "J1", &["7", "8", "9"]),
+    ] {
+        let each = of(variable, members);
+        let found = ["MIN", "MAX", "MEAN", "SUM"].map(|s| column(format!("{variable}_{s}@{set}")));
+        for row in 0..rows {
+            let counts = |e: &usize| variable == "STATUS" || set == "J1" || there(row, *e);
+            let counted: Vec<usize> = (0..members.len()).filter(counts).collect();
+            partly += usize::from(counted.len() < members.len() && !counted.is_empty());
+            let weight = |e: usize| if variable == "MISES" { volume[e][row] } else { 1.0 };
+            let sum: f64 = counted.iter().map(|&e| each[e][row]).sum();
+            let weighted: f64 = counted.iter().map(|&e| weight(e) * each[e][row]).sum();
+            let mean = weighted / counted.iter().map(|&e| weight(e)).sum::<f64>();
+            let least = counted.iter().map(|&e| each[e][row]).fold(f64::NAN, f64::min);
+            let most = counted.iter().map(|&e| each[e][row]).fold(f64::NAN, f64::max);
+            for (found, expected) in found.iter().zip([least, most, mean, sum]) {
+                let same =
+                    (found[row] - expected).abs() <= 1e-14 * expected.abs() || found[row].is_nan() && expected.is_nan();
+                assert!(same, "{variable} in row {row}: {} and not {expected}", found[row]);
+            }
+        }
+    }
+    assert!(partly > 0, "elements are deleted");
+}
+
+#[test]
+fn a_rigid_body_reacts_once() {
+    let rigid = "*Node, nset=REF\n 90, 0., 9.\n*Node, nset=WALLS\n 91, 1., 9.\n 92, 2., 9.\n*Nset, nset=WALLS\n 90,\n\
+                 *Element, type=RAX2, elset=WALL\n 90, 90, 91\n 91, 91, 92\n*Rigid Body, ref node=REF, elset=WALL\n\
+                 *Element, type=MASS, elset=M\n 93, 90\n*Mass, elset=M\n 1.,\n*Surface, name=FACE\n WALL, SPOS\n";
+    let cards = "*Boundary\n REF, 2, 2\n*Dsload\n FACE, P, 3.\n*Output, history, frequency=10\n*Node Output, nset=REF\n RF2\n\
+                 *Node Output, nset=WALLS, statistics=SUM\n RF2, COORD\n";
+    let deck = block(cards).replacen("*Step", &format!("{rigid}*Step"), 1);
+    let prepared = prepared(&deck, &[], &Routines::none());
+    let mut memory = Memory::default();
+    solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+    let columns: Vec<String> = prepared.plan.columns.iter().map(|c| c.name.clone()).collect();
+    let value = |name: &str| column(&columns, &memory, name)[1];
+    assert!((value("RF2@REF").abs() / (3.0 * 4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-12, "{}", value("RF2@REF"));
+    assert_eq!(value("RF2_SUM@WALLS"), value("RF2@REF"));
+    assert_eq!(value("COOR2_SUM@WALLS"), 27.0);
+}
+
+#[test]
+fn members_come_in_the_order_of_their_numbers() {
+    let (columns, _) = run("*Output, history\n*Node Output, nset=ALL\n U2\n");
+    assert_eq!(columns, (1..=9).map(|n| format!("U2@{n}")).collect::<Vec<_>>());
+}
+
+const SHORTENING: &str = "*Output, history, number interval=20\n*Node Output, nset=TIP\n U2\n*Node Output, nset=FOOT\n U2\n\
+                          *Node Output, nset=J1, statistics=MEAN\n U2\n*Energy Output\n ALLKE\n";
+
+#[test]
+fn expressions_are_what_they_say_in_each_row() {
+    let (columns, memory) = run(&format!(
+        "{SHORTENING}*Output Expression\n shortening = -1000*(U2@TIP - u2@FOOT)\n\
+         *Output Expression\n Slope = max(SHORTENING, 0)/(1000*time)\n LOG=log(U2_MEAN@J1)\n"
+    ));
+    assert_eq!(columns[columns.len() - 3..], ["SHORTENING", "SLOPE", "LOG"]);
+    let column = |name: &str| column(&columns, &memory, name);
+    let (tip, foot, found) = (column("U2@TIP"), column("U2@FOOT"), column("SHORTENING"));
+    let (slope, log) = (column("SLOPE"), column("LOG"));
+    for (i, (time, _)) in memory.rows.iter().enumerate() {
+        assert_eq!(found[i], -1000.0 * (tip[i] - foot[i]));
+        // A division by zero has no value, nor has the logarithm of what is below zero.
+        assert!(slope[i] == found[i].max(0.0) / (1000.0 * time) || *time == 0.0 && slope[i].is_nan());
+        assert!(i == 0 || log[i].is_nan());
+    }
+    assert!(found[found.len() - 1] > 10.0 && slope[1] > 0.0, "{found:?}");
+}
+
+/// Expressions belong to all steps, are read by quantities, and stand in the ledger with their text.
+#[test]
+fn expressions_are_columns_like_others() {
+    let deck = block(SHORTENING).replacen(
+        "*Step",
+        "*Parameter\n k = 1000\n*Output Expression\n SHORTENING = -<k>*(U2@TIP - U2@FOOT)\n*Step",
+        1,
+    );
+    let prepared = prepared(&deck, &[], &Routines::none());
+    let row = prepared.plan.ledger.effects.iter().find(|e| e.effect == "history expression").expect("a row");
+    assert_eq!(row.detail, "SHORTENING = -1000*(U2@TIP - U2@FOOT)");
+    let quantity = Quantity::parse("at(SHORTENING, 0.01) + 0*final(shortening)").expect("a quantity");
+    quantity.check(&prepared.plan).expect("its columns are there");
+    let mut recorder = quantity.recorder(&prepared.plan);
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut recorder);
+    let own = Quantity::parse("-1000*(at(U2@TIP, 0.01) - at(U2@FOOT, 0.01))").expect("a quantity");
+    let [found, expected] = [&quantity, &own].map(|q| q.number(&recorder, None).expect("a number"));
+    assert!((found / expected - 1.0).abs() < 1e-12 && outcome.halt.is_none(), "{found} {expected}");
+}
+
+/// Names as CAE writes them, with a minus and points in them.
+#[test]
+fn names_of_instances_are_read_whole() {
+    let part = format!(
+        "*Part, name=BAR\n{}*End Part\n",
+        grid(1, 1, false, |i, j| [i as f64, j as f64]) + "*Solid Section, elset=SOLID, material=M\n"
+    );
+    let deck = part
+        + "*Assembly, name=A\n*Instance, name=BAR-1, part=BAR\n*End Instance\n*Instance, name=BAR-1-2, part=BAR\n 3., 0., 0.\n*End Instance\n\
+           *Nset, nset=PAIR, instance=BAR-1\n 3, 4\n*End Assembly\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 1., 0.\n\
+           *Initial Conditions, type=VELOCITY\n PAIR, 2, 0.1\n*Step\n*Dynamic, Explicit\n , 0.1\n*Output, history, frequency=1\n\
+           *Node Output, nset=PAIR\n U2\n*Node Output, nset=BAR-1-2.J1\n U2\n\
+           *Output Expression\n D = U2@BAR-1.4-1.5*U2@BAR-1-2.4\n*End Step\n";
+    let prepared = prepared(&deck, &[], &Routines::none());
+    let mut memory = Memory::default();
+    solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+    let columns: Vec<String> = prepared.plan.columns.iter().map(|c| c.name.clone()).collect();
+    let [d, a, b] = ["D", "U2@BAR-1.4", "U2@BAR-1-2.4"].map(|name| column(&columns, &memory, name));
+    assert!(d.iter().zip(a.iter().zip(&b)).all(|(d, (a, b))| *d == a - 1.5 * b) && a[1] > 0.0);
+}
+
+fn findings(requests: &str) -> String {
+    let prepared = job::prepare_text("test.inp", &block(requests), &Vec::new(), &Routines::none());
+    prepared.diagnostics.render(&prepared.deck.sources)
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_place() {
+    let expression = |line: &str| findings(&format!("{SHORTENING}*Output Expression\n {line}\n"));
+    for (line, told) in [
+        (
+            "S = 2*(U2@TOP - U2@FOOT)",
+            &["error[P075]: there is no history column `U2@TOP`", "did you mean U2@TIP?", "^^^^^^"][..],
+        ),
+        ("S = 2*(U2@TIP", &["P075", "a parenthesis is not closed"]),
+        ("S = sqroot(U2@TIP)", &["P075", "did you mean `sqrt`"]),
+        ("S = ", &["P075", "the expression ends"]),
+        ("2*U2@TIP", &["M171", "no equals sign"]),
+        ("U2@X = U2@TIP", &["M171", "its name"]),
+        ("ALLKE = U2@TIP", &["P076", "there is one of that name"]),
+        ("time = U2@TIP", &["P076", "has a meaning"]),
+        ("A = B\n B = ALLKE", &["P075", "no history column `B`"]),
+        ("A = ALLKE\n A = ALLKE", &["P076"]),
+    ] {
+        let found = expression(line);
+        assert!(told.iter().all(|t| found.contains(t)), "{line}: {found}");
+    }
+    let asked = "error[M103]";
+    for (requests, told) in [
+        ("*Output, history\n*Node Output, nset=J1, statistics=MEDIAN\n U2\n", "MIN, MAX, MEAN and SUM"),
+        ("*Output, history\n*Node Output, nset=J1, statistics=\"MIN, MEDIAN\"\n U2\n", "MIN, MAX, MEAN and SUM"),
+        ("*Output, field\n*Node Output, nset=J1, statistics=MIN\n U\n", "of histories over a set"),
+        ("*Output, history\n*Element Output, statistics=MIN\n S\n", "of histories over a set"),
+    ] {
+        let found = findings(requests);
+        assert!(found.contains(asked) && found.contains(told), "{requests}: {found}");
+    }
+}
+
+/// The same without a deck.
+#[test]
+fn scenes_in_rust_have_them() {
+    let (deck, _) =
+        revolve::deck::read_text("test.inp", &block("*Output, history\n*Energy Output\n ALLKE\n"), &Vec::new());
+    let (mut model, _) = revolve::model::build(&deck);
+    let statistics =
+        OutputRequest::history(Region::nodes("J1"), [Variable::Displacement]).with_statistics(&[Statistic::Max]);
+    model.steps[0].outputs.push(statistics);
+    model.expressions.push(OutputExpression::new("twice", "2*U2_MAX@J1"));
+    let prepared = job::prepare_model(&model, &Routines::none());
+    let names: Vec<&str> = prepared.plan.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["ALLKE", "U1_MAX@J1", "U2_MAX@J1", "TWICE"]);
+    model.expressions[0].text = "2*U2@J1".into();
+    assert!(job::prepare_model(&model, &Routines::none()).diagnostics.iter().any(|d| d.code == "P075"));
+}
