@@ -13,7 +13,8 @@ use super::{find, history};
 use crate::deck::names::nearest;
 use crate::output::sums::Sums;
 use crate::output::vtu::escape;
-use crate::study::chart::{Chart, Series};
+use crate::study::axis::ticks;
+use crate::study::chart::{Chart, Form, Series};
 
 /// Width of a picture, and the most height of what is drawn, in points.
 const WIDTH: f64 = 1200.0;
@@ -94,7 +95,7 @@ fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> 
     let units = find::units(path);
     let thinned = history::chart("", columns, &history, &units);
     let line =
-        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), joined: true };
+        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), form: Form::Line };
     let series: Vec<Series> = thinned.series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
     let variable = |name: &String| name.split('@').next().unwrap_or(name).to_owned();
     let all_energies = columns.iter().all(|c| !c.contains('@') && (c.starts_with("ALL") || c == "ETOTAL"));
@@ -108,8 +109,7 @@ fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> 
         String::new()
     };
     let [time, unit] = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
-    let named = |label: &str, unit: &str| if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") };
-    Ok(Chart { title: title.into(), x_label: named("time", &time), y_label: named(&y_label, &unit), series })
+    Ok(Chart { title: title.into(), x_label: "time".into(), y_label, units: [time, unit], series })
 }
 
 /// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.
@@ -277,8 +277,8 @@ impl Picture {
         let (level, upright) = if self.lying { ("z", "r") } else { ("r", "z") };
         below(0.5 * (MARGIN[0] + right), bottom + 46.0, level);
         below(18.0, MARGIN[2] + 0.5 * high, upright);
-        let on_z = ticks(low, top).into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
-        let on_r = ticks(-reach, reach).into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
+        let on_z = ticks(low, top, 7.0).into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
+        let on_r = ticks(-reach, reach, 7.0).into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
         for (place, value, is_level) in on_z.chain(on_r) {
             let word = number(value);
             if is_level {
@@ -345,18 +345,6 @@ fn colour(part: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 
-/// Round numbers that divide an interval into about five.
-fn ticks(low: f64, high: f64) -> Vec<f64> {
-    let raw = (high - low) / 7.0;
-    if !(raw > 0.0 && raw.is_finite()) {
-        return Vec::new();
-    }
-    let power = libm::pow(10.0, libm::log10(raw).floor());
-    let step = [1.0, 2.0, 5.0, 10.0].iter().map(|f| f * power).find(|s| *s >= raw).unwrap_or(10.0 * power);
-    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-    (first..=last).map(|i| i as f64 * step).collect()
-}
-
 /// Four digits, plain where that is short.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
@@ -368,10 +356,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ticks_and_colours_are_round() {
-        assert_eq!(ticks(0.0, 1.0).len(), 6);
-        assert_eq!(ticks(-3.1, 7.2), [-2.0, 0.0, 2.0, 4.0, 6.0].map(f64::from).to_vec().as_slice());
-        assert!(ticks(1.0, 1.0).is_empty() && ticks(0.0, f64::INFINITY).is_empty());
+    fn colours_and_numbers_are_as_they_are_read() {
         assert_eq!([colour(0.0), colour(1.0), colour(9.0)], ["#440154", "#fde725", "#fde725"]);
         assert_eq!([number(0.025), number(-1.23456e9), number(0.0)], ["0.025", "-1.235e9", "0"]);
     }
