@@ -6,9 +6,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::ReportError;
 use super::frames::{self, CELLS, Raw};
 use super::mesh::{bounds, drawn};
+use super::{Asked, ReportError, balance, compare};
 use super::{find, history};
 use crate::deck::names::nearest;
 use crate::output::sums::Sums;
@@ -38,21 +38,37 @@ const VIRIDIS: [[f64; 3]; 9] = [
 ///
 /// # Errors
 /// No run, no history, or a column that does not exist, with the nearest that does.
-pub fn columns(folder: &Path, wanted: &[String]) -> Result<Chart, ReportError> {
-    columns_of(folder, wanted).map_err(|reason| ReportError::of(folder, reason))
+pub fn columns(folder: &Path, wanted: &[String], asked: &Asked) -> Result<Drawn, ReportError> {
+    columns_of(folder, wanted, asked).map_err(|reason| ReportError::of(folder, reason))
 }
 
-fn columns_of(folder: &Path, wanted: &[String]) -> Result<Chart, String> {
+fn columns_of(folder: &Path, wanted: &[String], asked: &Asked) -> Result<Drawn, String> {
     let (name, path) = history_file(folder)?;
     let names = history::names(&path)?;
     let find = |wanted: &String| {
         let known = names.iter().find(|n| n.eq_ignore_ascii_case(wanted)).cloned();
         known.ok_or_else(|| missing("column", wanted, &names))
     };
-    chart(&name, &path, &wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?)
+    let wanted = wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+    asked.labels.check(&wanted)?;
+    let mut chart = chart(&name, &path, &wanted, asked)?;
+    let curves = asked.compare.as_ref().map_or(Ok(Vec::new()), |file| compare::curves(file, &path))?;
+    for curve in &curves {
+        chart.series.push(Series { name: curve.name(), points: curve.points.clone(), form: Form::Marks });
+    }
+    Ok(Drawn { chart, deviations: curves.iter().map(compare::Curve::sentence).collect() })
 }
 
-/// A chart of the energies that are in the history.
+/// A chart, and how far the run is from curves that it was compared with, in words.
+#[derive(Clone, Debug, Default)]
+pub struct Drawn {
+    /// The chart.
+    pub chart: Chart,
+    /// A sentence for each curve.
+    pub deviations: Vec<String>,
+}
+
+/// The energies that are in the history, what is stored and what is dissipated on top of each other.
 ///
 /// # Errors
 /// No run, no history, or no energies in it.
@@ -65,10 +81,11 @@ fn energies_of(folder: &Path) -> Result<Chart, String> {
     let choice = history::choose(&history::names(&path)?, &[]);
     match choice.charts.into_iter().find(|c| c.0 == "Energy") {
         Some((_, columns)) => {
-            let mut chart = chart(&name, &path, &columns)?;
-            // Energies that stay zero need no line.
-            chart.series.retain(|s| s.points.iter().any(|p| p.1 != 0.0));
-            Ok(chart)
+            let wanted: Vec<String> = balance::columns().map(str::to_owned).collect();
+            if let Some(balance) = balance::chart(&history::read(&path, &wanted)?, &find::units(&path)) {
+                return Ok(plain(&name, balance));
+            }
+            chart(&name, &path, &columns, &Asked::default())
         }
         None => Err(format!("{} holds no energies: the deck asks for none (*ENERGY OUTPUT)", path.display())),
     }
@@ -90,13 +107,19 @@ fn missing(what: &str, wanted: &str, names: &[String]) -> String {
     format!("there is no {what} `{wanted}`; {hint}")
 }
 
-fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> {
+/// A chart of a page as one of the command line.
+fn plain(title: &str, chart: super::data::Chart) -> Chart {
+    let line =
+        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), form: s.form };
+    let super::data::Chart { x_label, y_label, units, series, .. } = chart;
+    let series = series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    Chart { title: title.into(), x_label, y_label, units, series }
+}
+
+fn chart(title: &str, path: &Path, columns: &[String], asked: &Asked) -> Result<Chart, String> {
     let history = history::read(path, columns)?;
     let units = find::units(path);
-    let thinned = history::chart("", columns, &history, &units);
-    let line =
-        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), form: Form::Line };
-    let series: Vec<Series> = thinned.series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    let mut chart = plain(title, history::chart("", columns, &history, &units));
     let variable = |name: &String| name.split('@').next().unwrap_or(name).to_owned();
     let all_energies = columns.iter().all(|c| !c.contains('@') && (c.starts_with("ALL") || c == "ETOTAL"));
     let first = columns.first().map(variable).unwrap_or_default();
@@ -108,8 +131,11 @@ fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> 
     } else {
         String::new()
     };
-    let [time, unit] = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
-    Ok(Chart { title: title.into(), x_label: "time".into(), y_label, units: [time, unit], series })
+    chart.units = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
+    // One line needs no other name than the axis.
+    chart.y_label = if columns.len() == 1 { asked.labels.of(&columns[0]).to_owned() } else { y_label };
+    chart.series.iter_mut().for_each(|s| s.name = asked.labels.of(&s.name).to_owned());
+    Ok(chart)
 }
 
 /// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.

@@ -4,6 +4,7 @@
 use serde::Serialize;
 
 use super::energy::Energy;
+use super::limits::LimitsOverTime;
 use crate::state::halt::Halt;
 
 /// How a run ended and what it cost.
@@ -65,6 +66,8 @@ pub struct StepSummary {
     /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
+    /// What limited the increments over time.
+    pub limits: LimitsOverTime,
 }
 
 /// A body came to rest.

@@ -300,6 +300,7 @@ impl Persist for Run<'_> {
             told_of_loss: _,
             taken_up: _,
             limiting,
+            limits_over_time,
             warned,
             watch,
             balance,
@@ -309,7 +310,7 @@ impl Persist for Run<'_> {
             outcome,
         } = self;
         persist_fields!(archive; dofs, now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told_complete, limiting, warned, watch, balance);
+        persist_fields!(archive; complete, wish, told_complete, limiting, limits_over_time, warned, watch, balance);
         archive.mark("loads");
         persist_all(loads, archive);
         archive.mark("constraints");
@@ -345,8 +346,8 @@ impl Persist for StepSummary {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let StepSummary { name, increments, time, smallest_increment, largest_increment, .. } = self;
         persist_fields!(archive; name, increments, time, smallest_increment, largest_increment);
-        let StepSummary { limiting_element, global_estimates, added_mass, .. } = self;
-        persist_fields!(archive; limiting_element, global_estimates, added_mass);
+        let StepSummary { limiting_element, global_estimates, added_mass, limits, .. } = self;
+        persist_fields!(archive; limiting_element, global_estimates, added_mass, limits);
     }
 }
 

@@ -4,6 +4,7 @@
 use super::central_difference;
 use super::energy::{Balance, Energy};
 use super::increment::{End, Increment, IncrementController, Scene};
+use super::limits::Limits;
 use super::outcome::{Outcome, Rest, StepSummary};
 use super::timing::Timing;
 use super::watch::Watch;
@@ -78,6 +79,8 @@ pub(super) struct Run<'a> {
     pub(super) taken_up: Kept,
     /// Group and element that limited the smallest increment of the step.
     pub(super) limiting: Option<(usize, usize)>,
+    /// What limits the increments of the step.
+    pub(super) limits_over_time: Limits,
     pub(super) balance: Balance,
     /// Which limits on energies have been told in this step.
     pub(super) warned: [bool; 2],
@@ -122,6 +125,7 @@ impl<'a> Run<'a> {
             told_of_loss: false,
             taken_up: Kept::default(),
             limiting: None,
+            limits_over_time: Limits::default(),
             warned: [false; 2],
             watch: Watch::default(),
             threads: rayon::current_num_threads() > 1,
@@ -163,7 +167,7 @@ impl<'a> Run<'a> {
         next.check(&self.now, self.now.increment)?;
         self.call_routines(next)?;
         self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads will see
-        self.record(next.length);
+        self.record(next);
         self.timing.pause();
         Ok(())
     }
@@ -192,6 +196,7 @@ impl<'a> Run<'a> {
     pub(super) fn name_limiting_element(&mut self) {
         let Some(summary) = self.outcome.steps.last_mut() else { return };
         summary.global_estimates = self.elements.estimates();
+        summary.limits = self.limits_over_time.told(self.plan);
         if let Some((group, element)) = self.limiting.take() {
             summary.limiting_element = Some(self.plan.element_name(group, element).to_owned());
         }
@@ -220,6 +225,7 @@ impl<'a> Run<'a> {
         self.balance.begin(&self.slots, &self.dofs.bodies);
         self.warned = [false; 2];
         self.watch.begin_step();
+        self.limits_over_time.begin();
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
@@ -630,9 +636,10 @@ impl<'a> Run<'a> {
         self.now = self.now_before;
     }
 
-    fn record(&mut self, length: f64) {
+    fn record(&mut self, Increment { length, by, .. }: Increment) {
         self.outcome.increments = self.now.increment;
         let limiting = (!self.elements.is_empty()).then(|| self.limits());
+        self.limits_over_time.take(self.now_before.total_time, length, by, limiting.unwrap_or_default());
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.increments += 1;
             summary.time = self.now.step_time;

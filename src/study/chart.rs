@@ -1,6 +1,8 @@
 //! Charts as data: lines, markers and areas over one axis.
 //! Never here: where the numbers come from, how they are drawn (`draw`).
 
+use serde::Serialize;
+
 /// A chart.
 #[derive(Clone, Debug, Default)]
 pub struct Chart {
@@ -26,7 +28,8 @@ pub enum Scale {
 }
 
 /// How points are shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Form {
     /// Joined by a line.
     #[default]

@@ -28,8 +28,7 @@ const MARKED: usize = 60;
 /// Room beside the outermost values of a logarithmic axis, so that no mark is cut.
 const BESIDE: f64 = 1.15;
 /// Okabe and Ito's palette, safe for colour-blind readers, with a violet and a grey after it.
-const PALETTE: [&str; 8] =
-    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6bb1", "#5a5a5a"];
+const PALETTE: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6bb1", "#5a5a5a"];
 
 impl Chart {
     /// The chart as SVG text.
@@ -100,10 +99,8 @@ impl<'a> Sheet<'a> {
             Scale::LogLog => libm::log(value / low) / libm::log(high / low),
         };
         let [right, bottom] = self.corner();
-        let place = [
-            MARGIN[0] + along(x, self.x) * (right - MARGIN[0]),
-            bottom - along(y, self.y) * (bottom - MARGIN[2]),
-        ];
+        let place =
+            [MARGIN[0] + along(x, self.x) * (right - MARGIN[0]), bottom - along(y, self.y) * (bottom - MARGIN[2])];
         place.iter().all(|p| p.is_finite()).then_some(place)
     }
 
@@ -215,7 +212,12 @@ impl<'a> Sheet<'a> {
                 let colour = PALETTE[index % PALETTE.len()];
                 let _ = match series.form {
                     Form::Marks => {
-                        writeln!(self.text, "<circle cx=\"{}\" cy=\"{}\" r=\"4.5\" fill=\"{colour}\"/>", x + 13.0, y - 5.0)
+                        writeln!(
+                            self.text,
+                            "<circle cx=\"{}\" cy=\"{}\" r=\"4.5\" fill=\"{colour}\"/>",
+                            x + 13.0,
+                            y - 5.0
+                        )
                     }
                     Form::Area => writeln!(
                         self.text,
@@ -280,8 +282,7 @@ fn legend(series: &[Series]) -> Vec<Vec<usize>> {
 /// Extent of values, a little widened; of a logarithmic axis whole decades. `None` without values.
 fn range(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
     let fits = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
-    let (low, high) =
-        values.filter(fits).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    let (low, high) = values.filter(fits).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     if low > high {
         return None;
     }
@@ -332,8 +333,9 @@ mod tests {
 
     #[test]
     fn the_legend_stands_below_the_curves_however_long_it_is() {
-        let series: Vec<Series> =
-            (0..9).map(|i| line(&format!("a quantity with a long name, number {i}"), &[(0.0, 0.0), (1.0, 1.0)])).collect();
+        let series: Vec<Series> = (0..9)
+            .map(|i| line(&format!("a quantity with a long name, number {i}"), &[(0.0, 0.0), (1.0, 1.0)]))
+            .collect();
         let chart = Chart { series, ..Chart::default() };
         let svg = chart.svg().expect("a chart");
         let lowest_mark = numbers(&svg, "cy=\"").into_iter().fold(0.0, f64::max);
