@@ -35,7 +35,7 @@ impl Curve {
         let part =
             if largest > 0.0 { format!(" ({:.3} % of its largest)", 100.0 * rms / largest) } else { String::new() };
         let outside =
-            if self.outside > 0 { format!("; {} times lie outside the run", self.outside) } else { String::new() };
+            if self.outside > 0 { format!("; times outside the run: {}", self.outside) } else { String::new() };
         format!("rms deviation of {} from the reference: {rms:.5e}{part}{outside}", self.column)
     }
 }
@@ -103,6 +103,10 @@ mod tests {
             Reference { columns: vec!["A".into()], rows: vec![(0.5, vec![4.0]), (9.0, vec![1.0])], is_open: false };
         let curve = curve(&reference, 0, "A".into(), &history);
         assert_eq!((curve.rms, curve.outside), (Some(3.0), 1));
-        assert!(curve.sentence().contains("75.000 %") && curve.sentence().contains("1 times"), "{}", curve.sentence());
+        assert!(
+            curve.sentence().contains("75.000 %") && curve.sentence().contains("the run: 1"),
+            "{}",
+            curve.sentence()
+        );
     }
 }

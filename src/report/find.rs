@@ -133,10 +133,8 @@ fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
         histories(&file("_history.csv"), &mut run)?;
     }
     run.columns.truncate(COLUMNS);
-    run.charts.extend(limits::chart(&run.summary["steps"], &Names::of(&run.summary)));
-    if let Some(Value::Array(steps)) = run.summary.get_mut("steps") {
-        steps.iter_mut().filter_map(Value::as_object_mut).for_each(|step| drop(step.shift_remove("limits")));
-    }
+    let limits = run.summary.as_object_mut().and_then(|s| s.shift_remove("limits")).unwrap_or_default();
+    run.charts.extend(limits::chart(&limits, &Names::of(&run.summary)));
     if file(".pvd").is_file() {
         sums.hold(&file(".pvd"))?;
         let series = frames::series(&file(".pvd"))?;

@@ -16,9 +16,9 @@ const NAMES: usize = 7;
 /// A span: time, shortest increment, what limited it.
 type Span = (f64, f64, String);
 
-/// The chart of a run's steps; `None` where a summary tells nothing.
-pub fn chart(steps: &Value, units: &Names) -> Option<Chart> {
-    let spans: Vec<Span> = steps.as_array()?.iter().flat_map(spans).collect();
+/// The chart of what a summary tells of each step; `None` where a summary tells nothing.
+pub fn chart(limits: &Value, units: &Names) -> Option<Chart> {
+    let spans: Vec<Span> = limits.as_array()?.iter().flat_map(spans).collect();
     if spans.len() < 2 {
         return None;
     }
@@ -62,7 +62,7 @@ fn points<'a>(name: &str, form: Form, spans: impl Iterator<Item = &'a Span>) -> 
 }
 
 fn spans(step: &Value) -> Vec<Span> {
-    let list = |key: &str| step.get("limits")?.get(key)?.as_array();
+    let list = |key: &str| step.get(key)?.as_array();
     let (Some(times), Some(increments), Some(by)) = (list("time"), list("increment"), list("by")) else {
         return Vec::new();
     };
@@ -84,7 +84,7 @@ mod tests {
         let time: Vec<usize> = (0..2 * count).collect();
         let by: Vec<usize> = (0..2 * count).map(|i| if i < count { i } else { 0 }).collect();
         let increment = vec![1e-7; 2 * count];
-        let steps = serde_json::json!([{"limits": {"time": time, "increment": increment, "by": by, "names": names}}]);
+        let steps = serde_json::json!([{"time": time, "increment": increment, "by": by, "names": names}]);
         let chart = chart(&steps, &Names::default()).expect("a chart");
         assert_eq!(chart.series.len(), 1 + NAMES + 1);
         assert_eq!((chart.series[1].name.as_str(), chart.series[1].x.len()), ("element 0", count + 1));

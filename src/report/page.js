@@ -127,7 +127,7 @@ function extent(all, tight) {
  * a time axis. Letters have one size on any screen: the chart is drawn anew where its width changes. */
 function drawChart(chart) {
   const log = chart.logarithmic, value = v => log ? Math.log10(v) : v, back = v => log ? 10 ** v : v;
-  const series = chart.series.map((s, i) => ({ ...s, colour: PALETTE[i % PALETTE.length], dashes: s.form === 'guide' ? '5 4' : i < PALETTE.length ? null : '9 3' }));
+  const series = chart.series.map((s, i) => ({ ...s, colour: s.form === 'guide' && chart.series[0].form === 'area' ? 'currentColor' : PALETTE[i % PALETTE.length], dashes: s.form === 'guide' ? '5 4' : i < PALETTE.length ? null : '9 3' }));
   const svg = make('svg', { role: 'img', tabindex: 0, 'aria-label': `${chart.title}: ${chart.y_label} over ${chart.x_label}` });
   const tip = make('div', { class: 'tip', hidden: '' }), plot = make('div', { class: 'plot' }, svg, tip);
   const now = make('line', { class: 'now', visibility: 'hidden' }), cursor = make('line', { class: 'cursor', visibility: 'hidden' });
@@ -324,7 +324,7 @@ function follow(svg, tip, cursor, series, chart, at) {
     }
     tip.hidden = false;
     const left = place / at.width * svg.clientWidth, width = tip.offsetWidth;
-    tip.style.left = `${left + width + 16 > svg.clientWidth ? Math.max(0, left - width - 12) : left + 12}px`;
+    tip.style.left = `${Math.max(0, left + width + 16 <= svg.clientWidth ? left + 12 : Math.min(left - width - 12, svg.clientWidth - width))}px`;
     tip.style.top = `${TOP + 4}px`;
   };
   const hide = () => { tip.hidden = true; cursor.setAttribute('visibility', 'hidden'); };
@@ -699,7 +699,7 @@ function effects(list) {
   const largest = key => Math.max(1e-12, ...list.map(e => Math.abs(e[key] ?? 0)));
   const [error, saved] = [largest('error'), largest('saved')];
   const bar = (value, most, name) => value === null || value === undefined ? 'no result' : make('span', { class: 'whole' },
-    make('i', { class: `bar ${name}`, style: { width: `${Math.max(1, Math.round(90 * Math.abs(value) / most))}px` } }), ` ${show(100 * value, 3)} %`);
+    make('i', { class: `bar ${name}`, style: { width: `${Math.max(1, Math.round(60 * Math.abs(value) / most))}px` } }), ` ${show(100 * value, 3)} %`);
   const rows = list.map(e => [e.name, bar(e.error, error, e.matters ? 'bad' : 'soft-bar'), bar(e.saved, saved, e.saved < 0 ? 'bad' : 'good')]);
   return make('div', { class: 'effects' }, card('Effects left out', table(['effect', 'error that this buys', 'time that it saves'], rows),
     make('p', { class: 'soft' }, 'Grey: below the error of the study itself. Below zero: leaving it out costs time.')));
@@ -785,7 +785,7 @@ function selfTest() {
   entry?.click();
   const first = [...data.runs, ...data.sweeps].flatMap(r => r.charts)[0];
   const result = {
-    width: innerWidth, overflow: document.documentElement.scrollWidth - innerWidth, smallest_text: Math.min(...sizes), contrast: contrasts[0], wide, zooms, switched,
+    width: innerWidth, overflow: Math.max(0, document.documentElement.scrollWidth - innerWidth), smallest_text: Math.min(...sizes), contrast: contrasts[0], wide, zooms, switched,
     ticks: plots.map(p => p.querySelectorAll('.tick').length), axes: plots.map(p => p.querySelectorAll('.axis').length), legends: document.querySelectorAll('.legend button').length,
     areas: document.querySelectorAll('path.area').length, effects: document.querySelectorAll('.effects tbody tr').length,
     csv: first ? csvOf(first).trim().split('\n').map(line => line.split(',').length) : [],

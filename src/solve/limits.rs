@@ -87,7 +87,7 @@ impl Span {
 }
 
 /// What is kept while a step runs.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
     spans: Vec<Span>,
     /// Increments in a span, and in the last one so far.
@@ -96,16 +96,15 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// At the beginning of a step.
-    pub fn begin(&mut self) {
-        self.spans.clear();
-        self.spans.reserve_exact(SPANS);
-        (self.stride, self.in_last) = (1, 0);
+    /// At the beginning of a step: all the room that will be needed.
+    pub fn begin() -> Limits {
+        Limits { spans: Vec::with_capacity(SPANS), stride: 1, in_last: 0 }
     }
 
     /// An increment from a total time on.
     #[inline]
     pub fn take(&mut self, time: f64, length: f64, by: Limiter, place: (usize, usize)) {
+        let place = if matches!(by, Limiter::Elements | Limiter::Conduction) { place } else { (0, 0) };
         let span = Span { time, shortest: length, by, place };
         match self.spans.last_mut() {
             Some(last) if self.in_last < self.stride => last.take(&span),
@@ -128,16 +127,18 @@ impl Limits {
         self.in_last = 0;
     }
 
-    /// With names; empty where no increment was taken.
-    pub fn told(&self, plan: &Plan) -> LimitsOverTime {
+    /// With the names of a plan; empty where no increment was taken.
+    pub fn named(&self, plan: &Plan) -> LimitsOverTime {
         let mut told = LimitsOverTime::default();
+        let mut known: Vec<(Limiter, (usize, usize))> = Vec::new();
         for span in &self.spans {
-            let name = name(span, plan);
-            let known = told.names.iter().position(|n| *n == name);
-            told.by.push(known.unwrap_or(told.names.len()));
-            if known.is_none() {
-                told.names.push(name);
-            }
+            let limit = (span.by, span.place);
+            let by = known.iter().position(|k| *k == limit).unwrap_or_else(|| {
+                known.push(limit);
+                told.names.push(name(span, plan));
+                known.len() - 1
+            });
+            told.by.push(by);
             told.time.push(span.time);
             told.increment.push(span.shortest);
         }
@@ -201,8 +202,7 @@ mod tests {
 
     #[test]
     fn a_long_step_keeps_the_shortest_increment_of_each_span() {
-        let mut limits = Limits::default();
-        limits.begin();
+        let mut limits = Limits::begin();
         let room = limits.spans.capacity();
         for i in 0..10_000_u32 {
             let (length, by) = if i == 7777 { (0.5, Limiter::Rest) } else { (1.0, Limiter::Elements) };

@@ -26,7 +26,7 @@ use crate::user::Wish;
 pub use energy::Energy;
 pub use frames::node_value;
 use increment::IncrementController;
-pub use limits::LimitsOverTime;
+pub use limits::{Limits, LimitsOverTime};
 use observe::Observing;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{Outcome, Rest, StepSummary};

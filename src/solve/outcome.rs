@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::energy::Energy;
-use super::limits::LimitsOverTime;
+use super::limits::Limits;
 use crate::state::halt::Halt;
 
 /// How a run ended and what it cost.
@@ -67,7 +67,8 @@ pub struct StepSummary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
     /// What limited the increments over time.
-    pub limits: LimitsOverTime,
+    #[serde(skip)]
+    pub limits: Limits,
 }
 
 /// A body came to rest.

@@ -300,7 +300,6 @@ impl Persist for Run<'_> {
             told_of_loss: _,
             taken_up: _,
             limiting,
-            limits_over_time,
             warned,
             watch,
             balance,
@@ -310,7 +309,7 @@ impl Persist for Run<'_> {
             outcome,
         } = self;
         persist_fields!(archive; dofs, now, forces.as_mut_slice(), now_before, behind, last_increment);
-        persist_fields!(archive; complete, wish, told_complete, limiting, limits_over_time, warned, watch, balance);
+        persist_fields!(archive; complete, wish, told_complete, limiting, warned, watch, balance);
         archive.mark("loads");
         persist_all(loads, archive);
         archive.mark("constraints");

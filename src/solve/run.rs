@@ -79,8 +79,6 @@ pub(super) struct Run<'a> {
     pub(super) taken_up: Kept,
     /// Group and element that limited the smallest increment of the step.
     pub(super) limiting: Option<(usize, usize)>,
-    /// What limits the increments of the step.
-    pub(super) limits_over_time: Limits,
     pub(super) balance: Balance,
     /// Which limits on energies have been told in this step.
     pub(super) warned: [bool; 2],
@@ -125,7 +123,6 @@ impl<'a> Run<'a> {
             told_of_loss: false,
             taken_up: Kept::default(),
             limiting: None,
-            limits_over_time: Limits::default(),
             warned: [false; 2],
             watch: Watch::default(),
             threads: rayon::current_num_threads() > 1,
@@ -196,7 +193,6 @@ impl<'a> Run<'a> {
     pub(super) fn name_limiting_element(&mut self) {
         let Some(summary) = self.outcome.steps.last_mut() else { return };
         summary.global_estimates = self.elements.estimates();
-        summary.limits = self.limits_over_time.told(self.plan);
         if let Some((group, element)) = self.limiting.take() {
             summary.limiting_element = Some(self.plan.element_name(group, element).to_owned());
         }
@@ -225,7 +221,6 @@ impl<'a> Run<'a> {
         self.balance.begin(&self.slots, &self.dofs.bodies);
         self.warned = [false; 2];
         self.watch.begin_step();
-        self.limits_over_time.begin();
         self.now.step_time = 0.0;
         self.now.lost = 0.0;
         self.now.step += 1;
@@ -233,8 +228,9 @@ impl<'a> Run<'a> {
             self.behind = 0.0;
             self.show_own_velocity();
         }
-        let summary = StepSummary { name: step.name.clone(), smallest_increment: f64::INFINITY, ..Default::default() };
-        self.outcome.steps.push(summary);
+        let (name, smallest_increment) = (step.name.clone(), f64::INFINITY);
+        let limits = Limits::begin();
+        self.outcome.steps.push(StepSummary { name, smallest_increment, limits, ..Default::default() });
     }
 
     fn begin_slots(&mut self) {
@@ -639,10 +635,10 @@ impl<'a> Run<'a> {
     fn record(&mut self, Increment { length, by, .. }: Increment) {
         self.outcome.increments = self.now.increment;
         let limiting = (!self.elements.is_empty()).then(|| self.limits());
-        self.limits_over_time.take(self.now_before.total_time, length, by, limiting.unwrap_or_default());
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.increments += 1;
             summary.time = self.now.step_time;
+            summary.limits.take(self.now_before.total_time, length, by, limiting.unwrap_or_default());
             if length < summary.smallest_increment {
                 summary.smallest_increment = length;
                 self.limiting = limiting;

@@ -124,8 +124,8 @@ impl<'a> Sheet<'a> {
         );
         self.draw_areas();
         let chart = self.chart;
-        for (series, colour) in chart.series.iter().zip(PALETTE.iter().cycle()).filter(|s| s.0.form != Form::Area) {
-            self.draw_series(series, colour);
+        for (index, series) in chart.series.iter().enumerate().filter(|s| s.1.form != Form::Area) {
+            self.draw_series(series, colour(chart, index));
         }
         self.draw_legend();
         self.text + "</svg>\n"
@@ -209,7 +209,7 @@ impl<'a> Sheet<'a> {
             let (mut x, y) = (MARGIN[0], top + ROW * row as f64);
             for index in entries {
                 let series = &self.chart.series[index];
-                let colour = PALETTE[index % PALETTE.len()];
+                let colour = colour(self.chart, index);
                 let _ = match series.form {
                     Form::Marks => {
                         writeln!(
@@ -232,6 +232,12 @@ impl<'a> Sheet<'a> {
             }
         }
     }
+}
+
+/// The colour of a series; what areas are compared with is dark.
+fn colour(chart: &Chart, index: usize) -> &'static str {
+    let on_areas = chart.series.first().is_some_and(|s| s.form == Form::Area);
+    if on_areas && chart.series[index].form == Form::Guide { "#111" } else { PALETTE[index % PALETTE.len()] }
 }
 
 /// Ticks, their labels, and the power of ten that the labels leave out.
