@@ -58,7 +58,7 @@ pub fn chart(history: &History, units: &Names) -> Option<Chart> {
     };
     let mut all: Vec<Series> = parts.into_iter().map(|(name, values)| series(name, values, Form::Area)).collect();
     if let Some(supplied) = supplied(&of) {
-        all.push(series("at the start, and work of loads", supplied, Form::Guide));
+        all.push(series("start + work of loads", supplied, Form::Guide));
     }
     Some(Chart {
         title: TITLE.into(),
@@ -112,7 +112,7 @@ mod tests {
         let history = History { times: vec![0.0, 1.0, 2.0], columns };
         let chart = chart(&history, &Names::default()).expect("a chart");
         let names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
-        assert_eq!(names, ["kinetic", "other internal", "plastic", "at the start, and work of loads"]);
+        assert_eq!(names, ["kinetic", "other internal", "plastic", "start + work of loads"]);
         let (areas, line) = chart.series.split_at(3);
         for i in 0..3 {
             let sum: f64 = areas.iter().map(|a| a.y[i]).sum();

@@ -417,9 +417,10 @@ function drawMeridian(m, onTime) {
     const [low, high] = range(field, frame);
     scale.hidden = !field;
     if (field) {
-      name.textContent = withUnit(field.name, field.unit);
       const values = high > low ? [0, 1, 2, 3, 4].map(i => low + (high - low) * i / 4) : [low];
-      marks.replaceChildren(...values.map(v => make('span', {}, show(v, 4))));
+      const written = labels(values);
+      name.textContent = withUnit(field.name, field.unit, written.exponent);
+      marks.replaceChildren(...written.texts.map(t => make('span', {}, t)));
     }
     onTime(m.times[frame]);
   };
@@ -491,7 +492,7 @@ function drawLayers(g, layers, [a, b, r], project, long) {
       if (z < a || z > b) continue;
       g.beginPath(); g.moveTo(...project(r, z)); g.lineTo(...project(-r, z)); g.stroke();
     }
-    g.fillStyle = ink('--target-line'); g.font = '12px system-ui, sans-serif'; g.textAlign = 'left';
+    g.fillStyle = ink('--soft'); g.font = '12px system-ui, sans-serif'; g.textAlign = 'left';
     g.fillText(layer.name, Math.min(x0, x1) + 8, Math.max(y0, y1) - 8);
   });
 }
@@ -604,7 +605,7 @@ function inside(shape, x, y) {
 function drawTicks(g, [x, y, w, h], long, [a, b, r], project, unit) {
   g.strokeStyle = ink('--line'); g.lineWidth = 1; g.strokeRect(x, y, w, h);
   g.fillStyle = ink('--soft'); g.font = '11.5px system-ui, sans-serif';
-  const zs = ticks(a, b, Math.max(2, Math.round((long ? w : h) / 110))), rs = ticks(-r, r, Math.max(2, Math.round((long ? h : w) / 45)));
+  const zs = ticks(a, b, Math.max(3, Math.round((long ? w : h) / 110))), rs = ticks(-r, r, Math.max(4, Math.round((long ? h : w) / 45)));
   const below = (v, text) => { g.textAlign = 'center'; g.fillText(text, v, y + h + 16); };
   const beside = (v, text) => { g.textAlign = 'right'; g.fillText(text, x - 6, v + 4); };
   // Both axes have one scale, so one power of ten.

@@ -13,7 +13,7 @@ use super::{find, history};
 use crate::deck::names::nearest;
 use crate::output::sums::Sums;
 use crate::output::vtu::escape;
-use crate::study::axis::ticks;
+use crate::study::axis::{self, ticks};
 use crate::study::chart::{Chart, Form, Series};
 
 /// Width of a picture, and the most height of what is drawn, in points.
@@ -266,7 +266,7 @@ impl Picture {
             let _ = writeln!(
                 text,
                 "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\" fill=\"{fill}\" stroke=\"#8d8368\"/>\n\
-                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#8d8368\">{}</text>",
+                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#5f5742\">{}</text>",
                 x + 8.0,
                 y + tall - 9.0,
                 escape(name)
@@ -300,13 +300,17 @@ impl Picture {
         let mut below = |x: f64, y: f64, word: &str| {
             let _ = writeln!(text, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{word}</text>");
         };
-        let (level, upright) = if self.lying { ("z", "r") } else { ("r", "z") };
+        let (zs, rs) = (ticks(low, top, 7.0), ticks(-reach, reach, 7.0));
+        // Both axes have one scale, so one power of ten.
+        let exponent = axis::exponent(&[&zs[..], &rs].concat());
+        let names = ["z", "r"].map(|name| axis::title(name, "", exponent));
+        let (level, upright) = if self.lying { (&*names[0], "r") } else { (&*names[1], "z") };
         below(0.5 * (MARGIN[0] + right), bottom + 46.0, level);
         below(18.0, MARGIN[2] + 0.5 * high, upright);
-        let on_z = ticks(low, top, 7.0).into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
-        let on_r = ticks(-reach, reach, 7.0).into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
+        let on_z = zs.into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
+        let on_r = rs.into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
         for (place, value, is_level) in on_z.chain(on_r) {
-            let word = number(value);
+            let word = axis::label(value, exponent);
             if is_level {
                 let _ = writeln!(
                     text,
