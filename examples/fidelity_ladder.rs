@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use revolve::job;
-use revolve::study::chart::{Chart, Series};
+use revolve::study::chart::{Chart, Form, Series};
 use revolve::study::compare::{Reference, rms};
 use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::Routines;
@@ -129,12 +129,13 @@ fn table(shots: &[(f64, f64)], climbed: &[Climbed]) -> String {
 fn picture(shots: &[(f64, f64)], climbed: &[Climbed]) -> Chart {
     let line = |(rung, climbed): (&Rung, &Climbed)| {
         let points = shots.iter().zip(differences(shots, climbed)).map(|((v, _), d)| (*v, d)).collect();
-        Series { name: rung.name.into(), points, joined: true }
+        Series { name: rung.name.into(), points, form: Form::Line }
     };
     Chart {
         title: "Depth: model minus experiment".into(),
-        x_label: "striking velocity, m/s".into(),
-        y_label: "difference, mm".into(),
+        x_label: "striking velocity".into(),
+        y_label: "difference".into(),
+        units: ["m/s".into(), "mm".into()],
         series: LADDER.iter().zip(climbed).map(line).collect(),
     }
 }

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
 use revolve::output;
-use revolve::report::picture;
+use revolve::report::picture::{self, Drawn};
+use revolve::report::{Asked, Labels};
 use revolve::study::draw;
 
 use super::words::say;
@@ -29,6 +30,12 @@ pub struct Chart {
     /// Which frame, from 1 (default: the last).
     #[arg(long, requires = "field", conflicts_with_all = ["energy", "column"], value_name = "N")]
     frame: Option<usize>,
+    /// Another name for a column, such as U2@REF="depth"; may be given several times.
+    #[arg(long, requires = "column", value_name = "COLUMN=TEXT")]
+    label: Vec<String>,
+    /// CSV file with curves to compare with: times, then columns named as those of the history. Their rms deviation is printed.
+    #[arg(long, requires = "column", value_name = "FILE")]
+    compare: Option<PathBuf>,
     /// The picture, .png or .svg (default chart.png in the folder).
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -45,10 +52,12 @@ impl Chart {
                 if svg { picture.into_bytes() } else { draw::png(&picture)? }
             }
             None => {
-                let chart = match self.energy {
-                    true => picture::energies(&self.folder)?,
-                    false => picture::columns(&self.folder, &self.column)?,
+                let asked = Asked { labels: Labels::parse(&self.label)?, compare: self.compare };
+                let Drawn { chart, deviations } = match self.energy {
+                    true => Drawn { chart: picture::energies(&self.folder)?, ..Drawn::default() },
+                    false => picture::columns(&self.folder, &self.column, &asked)?,
                 };
+                deviations.iter().for_each(|line| say!("{line}"));
                 if svg { chart.svg()?.into_bytes() } else { chart.png()? }
             }
         };

@@ -1,6 +1,7 @@
 //! How far a run is, on the terminal: a bar by the clock with the time simulated, the time left, the increment and the energies.
 //! Never here: what is simulated.
 
+use std::path::Path;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -27,6 +28,14 @@ fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
 /// A bar over a number of runs.
 pub fn over_runs(runs: u64, quiet: bool) -> ProgressBar {
     bar(runs, "{bar:40} {pos} of {len} runs, {elapsed} ({eta} left)", quiet)
+}
+
+/// A line while a deck is read, which takes seconds where it is large.
+pub fn over_reading(deck: &Path, quiet: bool) -> ProgressBar {
+    let line = bar(1, "reading {msg}", quiet);
+    line.set_message(printable(&deck.display().to_string()).to_string());
+    line.tick();
+    line
 }
 
 /// A bar over one run.

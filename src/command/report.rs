@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use revolve::report::{Asked, Labels};
 use revolve::{output, report};
 
 use super::words::say;
@@ -17,6 +18,12 @@ pub struct Report {
     /// The page (default report.html in the folder).
     #[arg(short, long, value_name = "FILE.html")]
     out: Option<PathBuf>,
+    /// Another name for a quantity, such as U2@REF="depth" or MISES="equivalent stress"; may be given several times.
+    #[arg(long, value_name = "COLUMN=TEXT")]
+    label: Vec<String>,
+    /// CSV file with curves to compare with: times, then columns named as those of the history. Their rms deviation is told.
+    #[arg(long, value_name = "FILE")]
+    compare: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -25,13 +32,15 @@ pub struct Report {
 impl Report {
     /// Carries it out.
     pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
-        let page = report::gather(&self.folder)?;
+        let asked = Asked { labels: Labels::parse(&self.label)?, compare: self.compare };
+        let page = report::gather_with(&self.folder, &asked)?;
         let html = report::html(&page)?;
         let out = self.out.unwrap_or_else(|| self.folder.join("report.html"));
         output::write_whole(&out, html.as_bytes()).map_err(|e| e.to_string())?;
         if !self.quiet {
             let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
             let tables = page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table));
+            page.runs.iter().flat_map(|r| &r.deviations).for_each(|line| say!("{line}"));
             for (name, notes) in runs.chain(tables.map(|t| (t.name.as_str(), &t.notes))) {
                 notes.iter().for_each(|note| say!("{name}: {note}"));
             }

@@ -17,7 +17,7 @@ use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::host;
 use serde::Serialize;
 
-use super::progress::RunBar;
+use super::progress::{self, RunBar};
 use super::signals::watch_signals;
 use super::words::{say, tell};
 use super::{HALTED, Home, REFUSED, UserFiles, accepted, outcome, pairs, print_findings, refused};
@@ -115,7 +115,10 @@ impl Run {
             return Ok(ExitCode::from(REFUSED));
         };
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
-        let mut prepared = job::prepare_in(self.precision, &self.deck, &pairs(&self.set)?, &routines);
+        let settings = pairs(&self.set)?;
+        let reading = progress::over_reading(&self.deck, self.is_silent());
+        let mut prepared = job::prepare_in(self.precision, &self.deck, &settings, &routines);
+        reading.finish_and_clear();
         if !accepted(&prepared, self.is_silent()) {
             return Ok(ExitCode::from(REFUSED));
         }

@@ -24,7 +24,8 @@ pub fn keyword_manual() -> String {
         "Known, ignored and told in the ledger: no result depends on them.",
         |k| k.tier == Tier::UnsupportedInert,
     );
-    text
+    // What stands in angle brackets is no HTML.
+    text.replace('<', "\\<")
 }
 
 const HEAD: &str = "# Keywords\n\nWritten from the keyword table; do not edit by hand (`REVOLVE_BLESS=1 cargo test --test deck` writes it anew).\n\

@@ -29,7 +29,8 @@ use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, Control, Energy, Every, Instant, LOST, Outcome, Progress, Rest, Sink, SinkError, StepSummary, UnfitState,
+    self, Control, Energy, Every, Instant, LOST, LimitsOverTime, Outcome, Progress, Rest, Sink, SinkError, StepSummary,
+    UnfitState,
 };
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
@@ -193,6 +194,8 @@ pub struct Summary {
     pub messages: Vec<host::Message>,
     /// Steps begun.
     pub steps: Vec<StepSummary>,
+    /// What limited the increments of each.
+    pub limits: Vec<LimitsOverTime>,
     /// History columns.
     #[serde(serialize_with = "what_they_came_to")]
     pub history: History,
@@ -629,6 +632,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary
         ended_by_user: outcome.ended_by_user,
         warnings: outcome.warnings,
         messages: host::take_messages(),
+        limits: outcome.steps.iter().map(|step| step.limits.named(&prepared.plan)).collect(),
         steps: outcome.steps,
         history,
         energy: outcome.energy,

@@ -4,6 +4,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::study::chart::Form;
+
 /// A page.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Page {
@@ -34,6 +36,9 @@ pub struct Run {
     pub charts: Vec<Chart>,
     /// Final value, minimum and maximum of each column.
     pub columns: Vec<Column>,
+    /// How far the run is from curves that it was compared with, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub deviations: Vec<String>,
     /// Frames, where there are any.
     pub meridian: Option<Meridian>,
     /// What was left out and why.
@@ -66,8 +71,8 @@ pub struct Chart {
 pub struct Series {
     /// Shown in the legend.
     pub name: String,
-    /// Whether the points are joined.
-    pub joined: bool,
+    /// How points are shown.
+    pub form: Form,
     /// Abscissae.
     pub x: Vec<f64>,
     /// Ordinates.
@@ -102,6 +107,8 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
     /// Charts.
     pub charts: Vec<Chart>,
+    /// Single findings: name and value as text.
+    pub facts: Vec<(String, String)>,
     /// What was left out and why.
     pub notes: Vec<String>,
 }
@@ -113,8 +120,22 @@ pub struct Study {
     pub table: Table,
     /// Rows that nothing else beats in both error and time.
     pub pareto: Vec<bool>,
-    /// Single findings: name and value as text.
-    pub facts: Vec<(String, String)>,
+    /// Effects left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<Effect>,
+}
+
+/// An effect left out: what it would have saved, and what error that buys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Effect {
+    /// Its name.
+    pub name: String,
+    /// Size of the change of the quantity, as a fraction of it; `None` where nothing came out.
+    pub error: Option<f64>,
+    /// Time saved, as a fraction of that of the whole; below zero where leaving it out costs time.
+    pub saved: Option<f64>,
+    /// Whether the change is above the error of the study.
+    pub matters: bool,
 }
 
 /// The meridian over time, ready to draw. Numbers are unsigned 16-bit integers in base64, little endian; 65535 stands for

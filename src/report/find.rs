@@ -6,12 +6,13 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::data::{Column, Page, Run};
+use super::data::{Chart, Column, Page, Run, Series};
 use super::units::Names;
-use super::{frames, history, study, sweep};
+use super::{Asked, balance, compare, frames, history, limits, study, sweep};
 use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Sums;
+use crate::study::chart::Form;
 
 /// Runs beyond these are left out.
 const RUNS: usize = 6;
@@ -22,7 +23,7 @@ const COLUMNS: usize = 200;
 ///
 /// # Errors
 /// In words: no such folder, nothing to report in it, or a file that cannot be read.
-pub fn page(folder: &Path) -> Result<Page, String> {
+pub fn page(folder: &Path, asked: &Asked) -> Result<Page, String> {
     let (names, sums) = (file_names(folder)?, Sums::of(folder)?);
     let with = |ending: &str| -> BTreeSet<String> {
         names.iter().filter_map(|n| n.strip_suffix(ending)).filter(|n| !n.is_empty()).map(str::to_owned).collect()
@@ -55,6 +56,10 @@ pub fn page(folder: &Path) -> Result<Page, String> {
         ));
     }
     page.title = all.into_iter().cloned().collect::<Vec<_>>().join(", ");
+    if let Some(file) = &asked.compare {
+        compare_runs(folder, file, &mut page)?;
+    }
+    asked.labels.put(&mut page)?;
     Ok(page)
 }
 
@@ -129,6 +134,8 @@ fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
         histories(&file(HISTORY), &mut run)?;
     }
     run.columns.truncate(COLUMNS);
+    let limits = run.summary.as_object_mut().and_then(|s| s.shift_remove("limits")).unwrap_or_default();
+    run.charts.extend(limits::chart(&limits, &Names::of(&run.summary)));
     if file(".pvd").is_file() {
         sums.hold(&file(".pvd"))?;
         let series = frames::series(&file(".pvd"))?;
@@ -139,6 +146,24 @@ fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
         run.notes.push("there are no frames: the deck asks for no field output".into());
     }
     Ok(run)
+}
+
+/// Puts the curves of a file beside the histories of the one run on a page.
+fn compare_runs(folder: &Path, file: &Path, page: &mut Page) -> Result<(), String> {
+    let [run] = &mut page.runs[..] else {
+        return Err(format!("--compare {}: curves are compared with one run", file.display()));
+    };
+    for curve in compare::curves(file, &folder.join(format!("{}_history.csv", run.name)))? {
+        run.deviations.push(curve.sentence());
+        let has = |chart: &&mut Chart| chart.series.iter().any(|s| s.name == curve.column);
+        let Some(chart) = run.charts.iter_mut().find(has) else {
+            run.notes.push(format!("{} is not drawn, nor what it is compared with", curve.column));
+            continue;
+        };
+        let (x, y) = curve.points.iter().copied().unzip();
+        chart.series.push(Series { name: curve.name(), form: Form::Marks, x, y, words: Vec::new() });
+    }
+    Ok(())
 }
 
 /// Names of units of the run that a history file belongs to.
@@ -155,12 +180,13 @@ fn column(name: &str, values: &Value) -> Column {
 
 fn histories(path: &Path, run: &mut Run) -> Result<(), String> {
     let choice = history::choose(&history::names(path)?, &run.columns);
-    let wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
+    let mut wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
+    wanted.extend(balance::columns().map(str::to_owned).filter(|c| !wanted.contains(c)).collect::<Vec<_>>());
     let history = history::read(path, &wanted)?;
     let units = Names::of(&run.summary);
     if history.times.len() > 1 {
-        run.charts =
-            choice.charts.iter().map(|(title, columns)| history::chart(title, columns, &history, &units)).collect();
+        let of = |(title, columns): &(String, Vec<String>)| history::chart(title, columns, &history, &units);
+        run.charts = balance::chart(&history, &units).into_iter().chain(choice.charts.iter().map(of)).collect();
     }
     if choice.left_out > 0 {
         run.notes.push(format!(

@@ -10,6 +10,7 @@ use crate::deck::files;
 use crate::output::csv;
 use crate::output::history::STEP;
 use crate::variables::statistic::Statistic;
+use crate::study::chart::Form;
 use crate::variables::{Part, Place};
 
 use super::data::{Chart, Column, Series};
@@ -150,7 +151,7 @@ pub fn chart(title: &str, columns: &[String], history: &History, units: &Names) 
     let line = |name: &String| {
         let values = history.columns.get(name)?;
         let (x, y) = thin(&history.times, values);
-        Some(Series { name: name.clone(), joined: true, x, y, words: Vec::new() })
+        Some(Series { name: name.clone(), form: Form::Line, x, y, words: Vec::new() })
     };
     let series = columns.iter().filter_map(line).collect();
     let y_label = if title == "Energy" { "energy" } else { title };

@@ -32,11 +32,26 @@ function show(value, digits = 5) {
   if (size >= 1e5 || size < 1e-3) return value.toExponential(Math.max(0, digits - 1)).replace(/\.?0+e/, 'e').replace('e+', 'e');
   return String(Number(value.toPrecision(digits)));
 }
-/** Labels of an axis, all plain or all scientific. */
-function labels(values) {
-  const plain = values.map(v => show(v, 4)), exponents = plain.some(t => t.includes('e'));
-  return exponents ? values.map(v => v === 0 ? '0' : v.toExponential(3).replace(/\.?0+e/, 'e').replace('e+', 'e')) : plain;
+const raised = number => String(number).replace(/./g, c => '⁰¹²³⁴⁵⁶⁷⁸⁹'[c] ?? '⁻');
+/** The power of ten, a multiple of three, that is taken out of an axis; 0 where plain numbers are short. */
+function exponentOf(values) {
+  const largest = Math.max(0, ...values.map(Math.abs));
+  return largest === 0 || (largest >= 0.1 && largest < 1e4) ? 0 : 3 * Math.floor(Math.log10(largest) / 3 + 1e-9);
 }
+/** Labels of an axis, and the power of ten that they leave out. */
+function labels(values) {
+  const exponent = exponentOf(values);
+  return { texts: values.map(v => String(Number((v / 10 ** exponent).toPrecision(4)))), exponent };
+}
+/** Labels of a logarithmic axis, all plain or all powers of ten. */
+function powers(values) {
+  if (values.every(v => v >= 1e-3 && v < 1e5)) return { texts: values.map(v => show(v, 3)), exponent: 0 };
+  return { exponent: 0, texts: values.map(v => {
+    const power = Math.floor(Math.log10(v) + 1e-9), digit = Math.round(v / 10 ** power);
+    return `${digit === 1 ? '' : `${digit}·`}10${raised(power)}`;
+  }) };
+}
+const withUnit = (label, unit, exponent = 0) => [label, [exponent ? `10${raised(exponent)}` : '', unit].filter(Boolean).join(' ')].filter(Boolean).join(', ');
 /** Round steps that divide an interval. */
 function ticks(low, high, count) {
   if (!(high > low)) return [low];
@@ -90,80 +105,166 @@ function notes(list) {
 }
 
 // ---- charts ----
-// On a narrow page fewer units make the same width, so that letters stay as large as they are.
-const NARROW = innerWidth < 560;
-const WIDTH = NARROW ? 340 : 520, HEIGHT = NARROW ? 250 : 290, LEFT = 78, RIGHT = 24, TOP = 8, BOTTOM = 42;
-/** A chart with a tooltip; `setTime` moves a mark along a time axis. */
+const LEFT = 62, RIGHT = 16, TOP = 8, BOTTOM = 42;
+/** Lower and upper edges of areas on top of each other, above zero and below. */
+function stack(series) {
+  const reached = [[], []];
+  for (const s of series.filter(s => s.form === 'area' && !s.hidden)) {
+    s.edges = [1, -1].map((sign, below) => s.y.map((v, i) => {
+      const from = reached[below][i] ?? 0, to = from + (v * sign > 0 ? v : 0);
+      reached[below][i] = to;
+      return [from, to];
+    }));
+  }
+}
+/** Smallest and largest of values, a little widened. */
+function extent(all, tight) {
+  const low = all.reduce((a, b) => Math.min(a, b), Infinity), high = all.reduce((a, b) => Math.max(a, b), -Infinity);
+  const margin = high > low ? 0.05 * (high - low) : 0.5 * Math.abs(high) || 0.5;
+  return tight ? [low, high > low ? high : low + margin] : [low - margin, high + margin];
+}
+/** A chart with a tooltip; a part of it that is dragged over fills it, a double click shows all again. `setTime` moves a mark along
+ * a time axis. Letters have one size on any screen: the chart is drawn anew where its width changes. */
 function drawChart(chart) {
-  const log = chart.logarithmic, value = v => log ? Math.log10(v) : v;
-  const series = chart.series.map((s, i) => ({ ...s, colour: PALETTE[i % PALETTE.length], dashes: i < PALETTE.length ? null : '7 4' }));
-  const extent = key => {
-    const all = series.flatMap(s => s[key].map(value)).filter(Number.isFinite);
-    const low = all.reduce((a, b) => Math.min(a, b), Infinity), high = all.reduce((a, b) => Math.max(a, b), -Infinity);
-    const margin = high > low ? 0.05 * (high - low) : 0.5 * Math.abs(high) || 0.5;
-    return key === 'x' && series.every(s => s.joined) ? [low, high > low ? high : low + margin] : [low - margin, high + margin];
+  const log = chart.logarithmic, value = v => log ? Math.log10(v) : v, back = v => log ? 10 ** v : v;
+  const series = chart.series.map((s, i) => ({ ...s, colour: s.form === 'guide' && chart.series[0].form === 'area' ? 'currentColor' : PALETTE[i % PALETTE.length], dashes: s.form === 'guide' ? '5 4' : i < PALETTE.length ? null : '9 3' }));
+  const svg = make('svg', { role: 'img', tabindex: 0, 'aria-label': `${chart.title}: ${chart.y_label} over ${chart.x_label}` });
+  const tip = make('div', { class: 'tip', hidden: '' }), plot = make('div', { class: 'plot' }, svg, tip);
+  const now = make('line', { class: 'now', visibility: 'hidden' }), cursor = make('line', { class: 'cursor', visibility: 'hidden' });
+  const rubber = make('rect', { class: 'rubber', visibility: 'hidden' });
+  const whole = make('button', { type: 'button', title: 'show the whole chart (double click, Escape)', hidden: '' }, 'whole');
+  const at = { width: 520, height: 290, zoom: null, time: null };
+  const inner = () => [at.width - LEFT - RIGHT, at.height - TOP - BOTTOM];
+  at.px = v => LEFT + (value(v) - at.x[0]) / (at.x[1] - at.x[0]) * inner()[0];
+  at.py = v => at.height - BOTTOM - (value(v) - at.y[0]) / (at.y[1] - at.y[0]) * inner()[1];
+  at.toX = x => at.x[0] + (x - LEFT) / inner()[0] * (at.x[1] - at.x[0]);
+  at.toY = y => at.y[0] + (at.height - BOTTOM - y) / inner()[1] * (at.y[1] - at.y[0]);
+  const ranges = () => {
+    const seen = x => !at.zoom || (value(x) >= at.zoom.x[0] && value(x) <= at.zoom.x[1]);
+    const ys = s => s.form === 'area' ? s.hidden ? [] : s.edges.flatMap(edge => edge.filter((_, i) => seen(s.x[i])).flat()) : s.y.filter((_, i) => seen(s.x[i])).map(value);
+    at.x = at.zoom ? at.zoom.x : extent(series.flatMap(s => s.x.map(value)).filter(Number.isFinite), series.every(s => s.form !== 'marks'));
+    const visible = series.flatMap(ys).filter(Number.isFinite);
+    at.y = at.zoom && at.zoom.y ? at.zoom.y : extent(visible.length ? visible : [0, 1], false);
   };
-  const [x0, x1] = extent('x'), [y0, y1] = extent('y');
-  const px = v => LEFT + (value(v) - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT);
-  const py = v => HEIGHT - BOTTOM - (value(v) - y0) / (y1 - y0) * (HEIGHT - TOP - BOTTOM);
-  const back = v => log ? 10 ** v : v;
-  const svg = make('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: 'img', tabindex: 0, 'aria-label': `${chart.title}: ${chart.y_label} over ${chart.x_label}` });
-  const ys = log ? decades(y0, y1) : ticks(y0, y1, 5), xs = log ? decades(x0, x1) : ticks(x0, x1, NARROW ? 3 : 5);
-  const yLabels = labels(ys.map(back)), xLabels = labels(xs.map(back));
-  for (const [i, t] of ys.entries()) {
-    const y = py(back(t));
-    svg.append(make('line', { class: 'grid', x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
-    svg.append(make('text', { x: LEFT - 7, y: y + 4, 'text-anchor': 'end' }, yLabels[i]));
-  }
-  for (const [i, t] of xs.entries()) {
-    const x = px(back(t));
-    svg.append(make('line', { class: 'grid', x1: x, x2: x, y1: TOP, y2: HEIGHT - BOTTOM }));
-    svg.append(make('text', { x, y: HEIGHT - BOTTOM + 17, 'text-anchor': 'middle' }, xLabels[i]));
-  }
-  svg.append(make('line', { class: 'axis', x1: LEFT, x2: WIDTH - RIGHT, y1: HEIGHT - BOTTOM, y2: HEIGHT - BOTTOM }));
-  const [xUnit, yUnit] = chart.units || ['', ''];
-  svg.append(make('text', { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 7, 'text-anchor': 'middle' }, withUnit(chart.x_label, xUnit)));
-  const middle = (TOP + HEIGHT - BOTTOM) / 2;
-  svg.append(make('text', { class: 'y-label', x: 12, y: middle, 'text-anchor': 'middle', transform: `rotate(-90 12 ${middle})` }, withUnit(chart.y_label, yUnit)));
-  for (const s of series) {
-    s.group = make('g', {});
-    svg.append(s.group);
-    const points = s.x.map((x, i) => [px(x), py(s.y[i])]).filter(p => p.every(Number.isFinite));
-    if (s.joined && points.length > 1) {
-      s.group.append(make('path', { class: 'series', fill: 'none', stroke: s.colour, 'stroke-width': 2, 'stroke-linejoin': 'round', 'stroke-dasharray': s.dashes, d: 'M' + points.map(p => p.map(v => v.toFixed(1)).join(' ')).join('L') }));
-    }
-    if (!s.joined || points.length <= 25) {
-      for (const [x, y] of points) s.group.append(make('circle', { class: 'point', cx: x, cy: y, r: s.joined ? 3 : 4.5, fill: s.colour }));
-    }
-  }
-  const now = make('line', { class: 'now', y1: TOP, y2: HEIGHT - BOTTOM, visibility: 'hidden' });
-  const cursor = make('line', { class: 'cursor', y1: TOP, y2: HEIGHT - BOTTOM, visibility: 'hidden' });
-  svg.append(now, cursor);
-  const tip = make('div', { class: 'tip', hidden: '' });
-  const plot = make('div', { class: 'plot' }, svg, tip);
-  follow(svg, tip, cursor, series, chart, px, x => back(x0 + (x - LEFT) / (WIDTH - LEFT - RIGHT) * (x1 - x0)));
+  const draw = () => {
+    at.width = Math.max(240, plot.clientWidth || at.width); at.height = at.width < 440 ? 250 : 290;
+    stack(series); ranges();
+    svg.setAttribute('viewBox', `0 0 ${at.width} ${at.height}`);
+    svg.replaceChildren(...drawAxes(chart, at, back));
+    const [wide, high] = inner();
+    const curves = make('svg', { x: LEFT, y: TOP, width: wide, height: high, viewBox: `${LEFT} ${TOP} ${wide} ${high}`, overflow: at.zoom ? 'hidden' : 'visible' });
+    // Lines lie on areas.
+    for (const s of [...series].sort((a, b) => (b.form === 'area') - (a.form === 'area'))) curves.append(s.group = drawSeries(s, at));
+    for (const line of [now, cursor]) { line.setAttribute('y1', TOP); line.setAttribute('y2', at.height - BOTTOM); }
+    cursor.setAttribute('visibility', 'hidden');
+    svg.append(curves, now, cursor, rubber);
+    whole.hidden = !at.zoom;
+    setTime(at.time);
+  };
+  const setTime = time => {
+    at.time = time;
+    const x = time === null || chart.x_label !== 'time' ? NaN : at.px(time), there = x >= LEFT - 1 && x <= at.width - RIGHT + 1;
+    now.setAttribute('visibility', there ? 'visible' : 'hidden');
+    if (there) { now.setAttribute('x1', x); now.setAttribute('x2', x); }
+  };
+  const zoom = part => { at.zoom = part; draw(); };
+  whole.addEventListener('click', () => zoom(null));
+  dragging(svg, rubber, at, zoom);
+  follow(svg, tip, cursor, series, chart, at);
   const legend = make('div', { class: 'legend' }, ...series.map(s => {
-    const mark = make('i', s.joined ? { style: { borderColor: s.colour, borderTopStyle: s.dashes ? 'dashed' : 'solid' } } : { class: 'dot', style: { background: s.colour } });
+    const mark = make('i', s.form === 'marks' ? { class: 'dot', style: { background: s.colour } } : s.form === 'area' ? { class: 'block', style: { background: s.colour } }
+      : { style: { borderColor: s.colour, borderTopStyle: s.dashes ? 'dashed' : 'solid' } });
     const entry = make('button', { type: 'button', 'aria-pressed': 'true', title: 'show or hide' }, mark, s.name);
     entry.addEventListener('click', () => {
       s.hidden = !s.hidden;
       entry.setAttribute('aria-pressed', String(!s.hidden));
-      s.group.setAttribute('visibility', s.hidden ? 'hidden' : 'visible');
+      draw();
     });
     return entry;
   }));
-  const takeAway = make('span', { class: 'take' },
+  const takeAway = make('span', { class: 'take' }, whole,
     download('CSV', () => new Blob([csvOf(chart)], { type: 'text/csv' }), `${fileName(chart.title)}.csv`),
-    download('PNG', () => pngOf(svg), `${fileName(chart.title)}.png`));
-  const setTime = time => {
-    const x = px(time);
-    if (chart.x_label !== 'time' || !(x >= LEFT - 1 && x <= WIDTH - RIGHT + 1)) return now.setAttribute('visibility', 'hidden');
-    now.setAttribute('x1', x); now.setAttribute('x2', x); now.setAttribute('visibility', 'visible');
-  };
+    download('PNG', () => pngOf(svg, at), `${fileName(chart.title)}.png`));
   const title = make('h3', { title: chart.words }, chart.title, make('small', {}, chart.words ? ` ${chart.words}` : ''));
-  return { node: make('figure', { class: 'card', style: { margin: '0' } }, make('div', { class: 'title' }, title, takeAway), legend, plot), setTime };
+  draw();
+  new ResizeObserver(() => { if (plot.clientWidth && Math.abs(plot.clientWidth - at.width) > 1) draw(); }).observe(plot);
+  return { node: make('figure', { class: 'card', style: { margin: '0' } }, make('div', { class: 'title' }, title, takeAway), legend, plot), setTime, draw, at };
 }
-const withUnit = (label, unit) => unit ? `${label}, ${unit}` : label;
+/** Grid, ticks and names of both axes. */
+function drawAxes(chart, at, back) {
+  const log = chart.logarithmic, right = at.width - RIGHT, bottom = at.height - BOTTOM, parts = [];
+  const xs = log ? decades(...at.x) : ticks(...at.x, at.width < 440 ? 4 : 6), ys = log ? decades(...at.y) : ticks(...at.y, 5);
+  const [xLabels, yLabels] = [xs, ys].map(list => (log ? powers : labels)(list.map(back)));
+  const [xUnit, yUnit] = chart.units || ['', ''];
+  ys.forEach((t, i) => {
+    const y = at.py(back(t));
+    parts.push(make('line', { class: 'grid', x1: LEFT, x2: right, y1: y, y2: y }), make('text', { class: 'tick', x: LEFT - 7, y: y + 4, 'text-anchor': 'end' }, yLabels.texts[i]));
+  });
+  xs.forEach((t, i) => {
+    const x = at.px(back(t));
+    parts.push(make('line', { class: 'grid', x1: x, x2: x, y1: TOP, y2: bottom }), make('text', { class: 'tick', x, y: bottom + 17, 'text-anchor': 'middle' }, xLabels.texts[i]));
+  });
+  parts.push(make('line', { class: 'axis', x1: LEFT, x2: right, y1: bottom, y2: bottom }));
+  parts.push(make('line', { class: 'axis', x1: LEFT, x2: LEFT, y1: TOP, y2: bottom }));
+  const middle = (TOP + bottom) / 2;
+  parts.push(make('text', { x: (LEFT + right) / 2, y: at.height - 7, 'text-anchor': 'middle' }, withUnit(chart.x_label, xUnit, xLabels.exponent)));
+  parts.push(make('text', { class: 'y-label', x: 12, y: middle, 'text-anchor': 'middle', transform: `rotate(-90 12 ${middle})` }, withUnit(chart.y_label, yUnit, yLabels.exponent)));
+  return parts;
+}
+function drawSeries(s, at) {
+  const group = make('g', { visibility: s.hidden ? 'hidden' : 'visible' });
+  if (s.hidden) return group;
+  const word = points => 'M' + points.map(p => p.map(v => v.toFixed(1)).join(' ')).join('L');
+  if (s.form === 'area') {
+    for (const edge of s.edges.filter(edge => edge.some(([from, to]) => from !== to))) {
+      const side = k => s.x.map((x, i) => [at.px(x), at.py(edge[i][k])]);
+      group.append(make('path', { class: 'area', fill: s.colour, d: `${word([...side(1), ...side(0).reverse()])}Z` }));
+    }
+    return group;
+  }
+  const points = s.x.map((x, i) => [at.px(x), at.py(s.y[i])]).filter(p => p.every(Number.isFinite));
+  if (s.form !== 'marks' && points.length > 1) {
+    group.append(make('path', { class: 'series', fill: 'none', stroke: s.colour, 'stroke-width': s.form === 'guide' ? 1.3 : 2, 'stroke-linejoin': 'round', 'stroke-dasharray': s.dashes, d: word(points) }));
+  }
+  if (s.form === 'marks' || (s.form === 'line' && points.length <= 25)) {
+    for (const [x, y] of points) group.append(make('circle', { class: 'point', cx: x, cy: y, r: s.form === 'line' ? 3 : 4, fill: s.colour }));
+  }
+  return group;
+}
+/** A drag over a part of a chart shows that part: a box, or all heights where the drag is level. */
+function dragging(svg, rubber, at, zoom) {
+  const ENOUGH = 8;
+  let from = null;
+  const place = e => {
+    const box = svg.getBoundingClientRect();
+    return [Math.min(at.width - RIGHT, Math.max(LEFT, (e.clientX - box.left) / box.width * at.width)),
+      Math.min(at.height - BOTTOM, Math.max(TOP, (e.clientY - box.top) / box.height * at.height))];
+  };
+  const part = to => {
+    const [x, y] = [0, 1].map(k => [from[k], to[k]].sort((a, b) => a - b));
+    return { x, y: y[1] - y[0] > 2 * ENOUGH ? y : [TOP, at.height - BOTTOM], level: y[1] - y[0] <= 2 * ENOUGH };
+  };
+  const end = () => { from = null; rubber.setAttribute('visibility', 'hidden'); };
+  svg.addEventListener('pointerdown', e => {
+    if (e.button !== 0) return;
+    from = place(e);
+    if (e.isTrusted) svg.setPointerCapture(e.pointerId);
+  });
+  svg.addEventListener('pointermove', e => {
+    if (!from) return;
+    const { x, y } = part(place(e));
+    for (const [key, v] of Object.entries({ x: x[0], y: y[0], width: x[1] - x[0], height: y[1] - y[0], visibility: x[1] - x[0] > ENOUGH ? 'visible' : 'hidden' })) rubber.setAttribute(key, v);
+  });
+  svg.addEventListener('pointerup', e => {
+    if (!from) return;
+    const { x, y, level } = part(place(e));
+    end();
+    if (x[1] - x[0] > ENOUGH) zoom({ x: x.map(at.toX), y: level ? null : [at.toY(y[1]), at.toY(y[0])] });
+  });
+  svg.addEventListener('pointercancel', end);
+  svg.addEventListener('dblclick', () => zoom(null));
+  svg.addEventListener('keydown', e => { if (e.key === 'Escape') zoom(null); });
+}
 const fileName = title => title.replace(/[^\w.-]+/g, '_') || 'chart';
 /** A button that saves what `make` gives, a blob or the promise of one. */
 function download(word, contents, name) {
@@ -184,19 +285,19 @@ function csvOf(chart) {
   return [[chart.x_label, ...chart.series.map(s => s.name)].map(quoted).join(','), ...rows].join('\n') + '\n';
 }
 /** A chart as it is drawn, twice as large, with the colours of the page. */
-function pngOf(svg) {
+function pngOf(svg, at) {
   const copy = svg.cloneNode(true), scale = 2;
   const from = [svg, ...svg.querySelectorAll('*')], to = [copy, ...copy.querySelectorAll('*')];
   from.forEach((node, i) => {
     const style = getComputedStyle(node);
-    for (const key of ['fill', 'stroke', 'stroke-width', 'stroke-dasharray', 'font-size', 'visibility', 'opacity']) to[i].style[key] = style.getPropertyValue(key);
+    for (const key of ['fill', 'fill-opacity', 'stroke', 'stroke-width', 'stroke-dasharray', 'font-size', 'visibility', 'opacity']) to[i].style[key] = style.getPropertyValue(key);
     if (node.tagName === 'text') to[i].style.fontFamily = 'sans-serif';
   });
-  copy.setAttribute('width', WIDTH * scale); copy.setAttribute('height', HEIGHT * scale);
+  copy.setAttribute('width', at.width * scale); copy.setAttribute('height', at.height * scale);
   const image = new Image();
   return new Promise((resolve, reject) => {
     image.onload = () => {
-      const canvas = make('canvas', { width: WIDTH * scale, height: HEIGHT * scale }), g = canvas.getContext('2d');
+      const canvas = make('canvas', { width: at.width * scale, height: at.height * scale }), g = canvas.getContext('2d');
       g.fillStyle = ink('--card'); g.fillRect(0, 0, canvas.width, canvas.height);
       g.drawImage(image, 0, 0, canvas.width, canvas.height);
       canvas.toBlob(resolve, 'image/png');
@@ -206,36 +307,36 @@ function pngOf(svg) {
   });
 }
 /** The tooltip follows the pointer, or the arrow keys where the chart has the focus. */
-function follow(svg, tip, cursor, series, chart, px, toValue) {
+function follow(svg, tip, cursor, series, chart, at) {
   const stops = [...new Set(series.flatMap(s => s.x))].sort((a, b) => a - b);
-  const nearest = (list, x) => list.reduce((best, v, i) => Math.abs(px(v) - px(x)) < Math.abs(px(list[best]) - px(x)) ? i : best, 0);
-  let at = -1;
+  const nearest = (list, x) => list.reduce((best, v, i) => Math.abs(at.px(v) - x) < Math.abs(at.px(list[best]) - x) ? i : best, 0);
+  let stop = -1;
   const showAt = index => {
-    at = Math.min(stops.length - 1, Math.max(0, index));
-    const x = stops[at], place = px(x);
+    stop = Math.min(stops.length - 1, Math.max(0, index));
+    const x = stops[stop], place = at.px(x);
     cursor.setAttribute('x1', place); cursor.setAttribute('x2', place); cursor.setAttribute('visibility', 'visible');
     tip.replaceChildren(make('div', {}, make('b', {}, `${chart.x_label} ${show(x, 6)}`)));
     for (const s of series.filter(s => !s.hidden)) {
-      const i = nearest(s.x, x);
-      if (!s.x.length || Math.abs(px(s.x[i]) - place) > (s.joined ? 8 : 1)) continue;
+      const i = nearest(s.x, place);
+      if (!s.x.length || Math.abs(at.px(s.x[i]) - place) > (s.form === 'marks' ? 1 : 8)) continue;
       const words = s.words && s.words[i] ? `: ${s.words[i]}` : '';
       tip.append(make('div', {}, make('i', { style: { background: s.colour } }), `${s.name} ${show(s.y[i], 6)}${words}`));
     }
     tip.hidden = false;
-    const scale = svg.clientWidth / WIDTH, left = place * scale, width = tip.offsetWidth;
-    tip.style.left = `${left + width + 16 > svg.clientWidth ? Math.max(0, left - width - 12) : left + 12}px`;
+    const left = place / at.width * svg.clientWidth, width = tip.offsetWidth;
+    tip.style.left = `${Math.max(0, left + width + 16 <= svg.clientWidth ? left + 12 : Math.min(left - width - 12, svg.clientWidth - width))}px`;
     tip.style.top = `${TOP + 4}px`;
   };
   const hide = () => { tip.hidden = true; cursor.setAttribute('visibility', 'hidden'); };
   svg.addEventListener('pointermove', e => {
-    const box = svg.getBoundingClientRect(), x = (e.clientX - box.left) / box.width * WIDTH;
-    if (stops.length) showAt(nearest(stops, toValue(x)));
+    const box = svg.getBoundingClientRect();
+    if (stops.length) showAt(nearest(stops, (e.clientX - box.left) / box.width * at.width));
   });
   svg.addEventListener('pointerleave', hide);
   svg.addEventListener('blur', hide);
   svg.addEventListener('keydown', e => {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[e.key];
-    if (step && stops.length) { e.preventDefault(); showAt(at + step * (e.shiftKey ? 10 : 1)); }
+    if (step && stops.length) { e.preventDefault(); showAt(stop + step * (e.shiftKey ? 10 : 1)); }
   });
 }
 function chartGrid(charts) {
@@ -292,7 +393,7 @@ function drawMeridian(m, onTime) {
     const width = canvas.clientWidth || 900, ratio = devicePixelRatio || 1, frame = state.frame;
     const [a, b, r] = window_(frame), long = b - a > 2 * r;
     const spanX = long ? b - a : 2 * r, spanY = long ? 2 * r : b - a;
-    const px0 = 62, px1 = width - 18, py0 = 12;
+    const px0 = 54, px1 = width - 18, py0 = 12;
     const unit = Math.min((px1 - px0) / spanX, 520 / spanY), height = Math.round(spanY * unit) + py0 + 44;
     const left = px0 + ((px1 - px0) - spanX * unit) / 2;
     canvas.width = Math.round(width * ratio); canvas.height = Math.round(height * ratio);
@@ -316,9 +417,10 @@ function drawMeridian(m, onTime) {
     const [low, high] = range(field, frame);
     scale.hidden = !field;
     if (field) {
-      name.textContent = withUnit(field.name, field.unit);
       const values = high > low ? [0, 1, 2, 3, 4].map(i => low + (high - low) * i / 4) : [low];
-      marks.replaceChildren(...values.map(v => make('span', {}, show(v, 4))));
+      const written = labels(values);
+      name.textContent = withUnit(field.name, field.unit, written.exponent);
+      marks.replaceChildren(...written.texts.map(t => make('span', {}, t)));
     }
     onTime(m.times[frame]);
   };
@@ -390,7 +492,7 @@ function drawLayers(g, layers, [a, b, r], project, long) {
       if (z < a || z > b) continue;
       g.beginPath(); g.moveTo(...project(r, z)); g.lineTo(...project(-r, z)); g.stroke();
     }
-    g.fillStyle = ink('--target-line'); g.font = '12px system-ui, sans-serif'; g.textAlign = 'left';
+    g.fillStyle = ink('--soft'); g.font = '12px system-ui, sans-serif'; g.textAlign = 'left';
     g.fillText(layer.name, Math.min(x0, x1) + 8, Math.max(y0, y1) - 8);
   });
 }
@@ -503,15 +605,16 @@ function inside(shape, x, y) {
 function drawTicks(g, [x, y, w, h], long, [a, b, r], project, unit) {
   g.strokeStyle = ink('--line'); g.lineWidth = 1; g.strokeRect(x, y, w, h);
   g.fillStyle = ink('--soft'); g.font = '11.5px system-ui, sans-serif';
-  const zs = ticks(a, b, Math.max(2, Math.round((long ? w : h) / 110))), rs = ticks(-r, r, Math.max(2, Math.round((long ? h : w) / 45)));
+  const zs = ticks(a, b, Math.max(3, Math.round((long ? w : h) / 110))), rs = ticks(-r, r, Math.max(4, Math.round((long ? h : w) / 45)));
   const below = (v, text) => { g.textAlign = 'center'; g.fillText(text, v, y + h + 16); };
   const beside = (v, text) => { g.textAlign = 'right'; g.fillText(text, x - 6, v + 4); };
-  const zLabels = labels(zs), rLabels = labels(rs.map(Math.abs));
+  // Both axes have one scale, so one power of ten.
+  const both = labels([...zs, ...rs.map(Math.abs)]), zLabels = both.texts.slice(0, zs.length), rLabels = both.texts.slice(zs.length);
   zs.forEach((z, i) => { const p = project(0, z); long ? below(p[0], zLabels[i]) : beside(p[1], zLabels[i]); });
   rs.forEach((v, i) => { const p = project(v, a); long ? beside(p[1], rLabels[i]) : below(p[0], rLabels[i]); });
   g.textAlign = 'center';
-  g.fillText(withUnit(long ? 'z' : 'r', unit), x + w / 2, y + h + 34);
-  g.fillText(long ? 'r' : 'z', Math.max(8, x - 56), y + h / 2);
+  g.fillText(withUnit(long ? 'z' : 'r', unit, both.exponent), x + w / 2, y + h + 34);
+  g.fillText(long ? 'r' : 'z', Math.max(8, x - 44), y + h / 2);
 }
 
 // ---- sections ----
@@ -524,6 +627,7 @@ function drawRun(run) {
   if (s.ended_by_user) section.append(make('div', { class: 'card' }, 'The user\'s routine ended the analysis.'));
   if (s.warnings && s.warnings.length) section.append(card('Warnings', make('ul', { class: 'warning' }, ...s.warnings.map(w => make('li', {}, w)))));
   section.append(outcome(run, s));
+  if (run.deviations) section.append(card('Compared with a reference', ...run.deviations.map(d => make('p', { class: 'deviation' }, d))));
   const charts = run.charts.map(drawChart);
   const setTime = time => charts.forEach(c => c.setTime(time));
   let meridian = null;
@@ -590,9 +694,22 @@ function columns(run) {
   const rows = run.columns.map(c => [c.name, show(c.final, 7), show(c.min, 7), show(c.max, 7)]);
   return make('div', { class: 'card' }, make('details', rows.length <= 12 ? { open: '' } : {}, make('summary', {}, `History columns (${rows.length})`), table(['column', 'final', 'min', 'max'], rows, i => i > 0)));
 }
-function drawTable(word, t, pareto = [], facts = []) {
+/** Effects left out: what error each buys, and what time it would save. */
+function effects(list) {
+  if (!list || !list.length) return null;
+  const largest = key => Math.max(1e-12, ...list.map(e => Math.abs(e[key] ?? 0)));
+  const [error, saved] = [largest('error'), largest('saved')];
+  const bar = (value, most, name) => value === null || value === undefined ? 'no result' : make('span', { class: 'whole' },
+    make('i', { class: `bar ${name}`, style: { width: `${Math.max(1, Math.round(60 * Math.abs(value) / most))}px` } }), ` ${show(100 * value, 3)} %`);
+  const rows = list.map(e => [e.name, bar(e.error, error, e.matters ? 'bad' : 'soft-bar'), bar(e.saved, saved, e.saved < 0 ? 'bad' : 'good')]);
+  return make('div', { class: 'effects' }, card('Effects left out', table(['effect', 'error that this buys', 'time that it saves'], rows),
+    make('p', { class: 'soft' }, 'Grey: below the error of the study itself. Below zero: leaving it out costs time.')));
+}
+function drawTable(word, t, pareto = [], list = []) {
   const section = make('section', { class: word.toLowerCase() }, make('div', { class: 'head' }, make('h2', {}, `${word} ${t.name}`)));
-  if (facts.length) section.append(card('', factList(facts)));
+  if (t.facts.length) section.append(card('', factList(t.facts)));
+  const bars = effects(list);
+  if (bars) section.append(bars);
   const charts = t.charts.map(drawChart);
   section.append(chartGrid(charts));
   const isNumber = i => t.rows.every(row => row[i] === '' || !Number.isNaN(Number(row[i])));
@@ -607,13 +724,29 @@ function drawTable(word, t, pareto = [], facts = []) {
 // ---- the page ----
 page.replaceChildren(make('header', {}, make('h1', {}, data.title), make('span', { class: 'soft' }, `${data.folder} · Revolve ${data.version}`)));
 const runs = data.runs.map(drawRun);
-const tables = [...data.studies.map(s => drawTable('Study', s.table, s.pareto, s.facts)), ...data.sweeps.map(s => drawTable('Sweep', s))];
+const tables = [...data.studies.map(s => drawTable('Study', s.table, s.pareto, s.effects)), ...data.sweeps.map(s => drawTable('Sweep', s))];
 page.append(...tables.map(t => t.section), ...runs.map(r => r.section));
 if (data.notes.length) page.append(card('Left out', notes(data.notes)));
 runs.forEach(r => r.meridian && r.meridian.draw());
+const allCharts = [...tables, ...runs].flatMap(t => t.charts);
+allCharts.forEach(c => c.draw());
 if (location.hash.startsWith('#frame=')) runs.forEach(r => r.meridian && r.meridian.setFrame(Number(location.hash.slice(7)) - 1));
 if (location.hash === '#selftest') selfTest();
 
+/** Contrast of a text with what lies behind it, as WCAG 2 has it; that of dimmed texts by their opacity. */
+function contrastOf(node) {
+  const parse = text => text.match(/[\d.]+/g).map(Number).map((v, i) => text.startsWith('color(srgb') && i < 3 ? 255 * v : v);
+  const over = ([r, g, b, a = 1], ground) => [r, g, b].map((v, i) => a * v + (1 - a) * ground[i]);
+  let ground = [255, 255, 255];
+  const line = [];
+  for (let n = node; n; n = n.parentElement) line.unshift(n);
+  let opacity = 1;
+  for (const n of line) { ground = over(parse(getComputedStyle(n).backgroundColor), ground); opacity *= Number(getComputedStyle(n).opacity); }
+  const style = getComputedStyle(node), [r, g, b, a = 1] = parse(node.ownerSVGElement ? style.fill : style.color);
+  const light = c => c.map(v => v / 255).map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4).reduce((s, v, i) => s + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const [x, y] = [light(over([r, g, b, a * opacity], ground)), light(ground)].sort((p, q) => q - p);
+  return (x + 0.05) / (y + 0.05);
+}
 /** Moves what can be moved and writes what came of it into the page, for tests. */
 function selfTest() {
   const print = canvas => {
@@ -628,22 +761,37 @@ function selfTest() {
     const byField = m.fields.map((_, i) => { m.setField(i); return print(m.canvas); });
     return { frames: m.frames, different_frames: new Set(prints).size, fields: m.fields.map(f => f.name), different_fields: new Set(byField).size };
   });
-  const tips = [...document.querySelectorAll('.plot svg')].map(svg => {
+  const plots = [...document.querySelectorAll('.plot > svg')];
+  const tips = plots.map(svg => {
     svg.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight' }));
     return svg.nextSibling.textContent;
   });
-  const sizes = [...document.querySelectorAll('.plot svg text')].map(t => parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.clientWidth / WIDTH);
+  const texts = [...document.querySelectorAll('body *')].filter(n => [...n.childNodes].some(c => c.nodeType === 3 && c.data.trim()) && !['SCRIPT', 'STYLE', 'OPTION'].includes(n.tagName) && n.getClientRects().length);
+  const scaleOf = n => n.ownerSVGElement ? n.ownerSVGElement.clientWidth / n.ownerSVGElement.viewBox.baseVal.width : 1;
+  const sizes = texts.map(n => parseFloat(getComputedStyle(n).fontSize) * scaleOf(n));
+  const contrasts = texts.map(n => [contrastOf(n), `${n.tagName} ${n.textContent.slice(0, 20)}`]).sort((a, b) => a[0] - b[0]);
+  const wide = [...document.querySelectorAll('body *')].filter(n => !n.closest('.scroll') && !n.closest('svg') && n.getBoundingClientRect().right > innerWidth + 1).map(n => n.className || n.tagName);
+  const zooms = allCharts.map(({ node, at }) => {
+    const svg = node.querySelector('.plot > svg'), box = svg.getBoundingClientRect(), span = () => at.x[1] - at.x[0], before = span();
+    const pointer = (type, part) => svg.dispatchEvent(new PointerEvent(type, { button: 0, clientX: box.left + part * box.width, clientY: box.top + 0.5 * box.height }));
+    pointer('pointerdown', 0.4); pointer('pointermove', 0.6); pointer('pointerup', 0.6);
+    const near = span() / before;
+    svg.dispatchEvent(new MouseEvent('dblclick'));
+    return [near, span() / before];
+  });
   const entry = document.querySelector('.legend button');
   entry?.click();
-  const shown = run => run.charts.flatMap(c => [...c.node.querySelectorAll('svg g')]).filter(g => g.getAttribute('visibility') === 'hidden').length;
+  const shown = run => run.charts.flatMap(c => [...c.node.querySelectorAll('svg svg g')]).filter(g => g.getAttribute('visibility') === 'hidden').length;
   const switched = [...runs, ...tables].reduce((sum, run) => sum + shown(run), 0);
   entry?.click();
   const first = [...data.runs, ...data.sweeps].flatMap(r => r.charts)[0];
   const result = {
-    width: innerWidth, overflow: document.documentElement.scrollWidth - innerWidth, smallest_text: sizes.length ? Math.min(...sizes) : null, switched,
+    width: innerWidth, overflow: Math.max(0, document.documentElement.scrollWidth - innerWidth), smallest_text: Math.min(...sizes), contrast: contrasts[0], wide, zooms, switched,
+    ticks: plots.map(p => p.querySelectorAll('.tick').length), axes: plots.map(p => p.querySelectorAll('.axis').length), legends: document.querySelectorAll('.legend button').length,
+    areas: document.querySelectorAll('path.area').length, effects: document.querySelectorAll('.effects tbody tr').length,
     csv: first ? csvOf(first).trim().split('\n').map(line => line.split(',').length) : [],
     y_labels: [...document.querySelectorAll('.y-label')].map(t => t.textContent),
-    charts: document.querySelectorAll('.plot svg').length, lines: document.querySelectorAll('path.series').length, points: document.querySelectorAll('circle.point').length,
+    charts: plots.length, lines: document.querySelectorAll('path.series').length, points: document.querySelectorAll('circle.point').length,
     tables: document.querySelectorAll('table').length, tips: tips.filter(t => t.length > 4).length, meridians, faults,
     requests: performance.getEntriesByType('resource').map(e => e.name), not_a_number: page.innerHTML.includes('NaN'),
     warnings: [...document.querySelectorAll('ul.warning li')].map(li => li.textContent),

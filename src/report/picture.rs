@@ -6,14 +6,15 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::ReportError;
 use super::frames::{self, CELLS, Raw};
 use super::mesh::{bounds, drawn};
+use super::{Asked, ReportError, balance, compare};
 use super::{find, history};
 use crate::deck::names::nearest;
 use crate::output::sums::Sums;
 use crate::output::vtu::escape;
-use crate::study::chart::{Chart, Series};
+use crate::study::axis::{self, ticks};
+use crate::study::chart::{Chart, Form, Series};
 
 /// Width of a picture, and the most height of what is drawn, in points.
 const WIDTH: f64 = 1200.0;
@@ -37,21 +38,37 @@ const VIRIDIS: [[f64; 3]; 9] = [
 ///
 /// # Errors
 /// No run, no history, or a column that does not exist, with the nearest that does.
-pub fn columns(folder: &Path, wanted: &[String]) -> Result<Chart, ReportError> {
-    columns_of(folder, wanted).map_err(|reason| ReportError::of(folder, reason))
+pub fn columns(folder: &Path, wanted: &[String], asked: &Asked) -> Result<Drawn, ReportError> {
+    columns_of(folder, wanted, asked).map_err(|reason| ReportError::of(folder, reason))
 }
 
-fn columns_of(folder: &Path, wanted: &[String]) -> Result<Chart, String> {
+fn columns_of(folder: &Path, wanted: &[String], asked: &Asked) -> Result<Drawn, String> {
     let (name, path) = history_file(folder)?;
     let names = history::names(&path)?;
     let find = |wanted: &String| {
         let known = names.iter().find(|n| n.eq_ignore_ascii_case(wanted)).cloned();
         known.ok_or_else(|| missing("column", wanted, &names))
     };
-    chart(&name, &path, &wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?)
+    let wanted = wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+    asked.labels.check(&wanted)?;
+    let mut chart = chart(&name, &path, &wanted, asked)?;
+    let curves = asked.compare.as_ref().map_or(Ok(Vec::new()), |file| compare::curves(file, &path))?;
+    for curve in &curves {
+        chart.series.push(Series { name: curve.name(), points: curve.points.clone(), form: Form::Marks });
+    }
+    Ok(Drawn { chart, deviations: curves.iter().map(compare::Curve::sentence).collect() })
 }
 
-/// A chart of the energies that are in the history.
+/// A chart, and how far the run is from curves that it was compared with, in words.
+#[derive(Clone, Debug, Default)]
+pub struct Drawn {
+    /// The chart.
+    pub chart: Chart,
+    /// A sentence for each curve.
+    pub deviations: Vec<String>,
+}
+
+/// The energies that are in the history, what is stored and what is dissipated on top of each other.
 ///
 /// # Errors
 /// No run, no history, or no energies in it.
@@ -64,10 +81,11 @@ fn energies_of(folder: &Path) -> Result<Chart, String> {
     let choice = history::choose(&history::names(&path)?, &[]);
     match choice.charts.into_iter().find(|c| c.0 == "Energy") {
         Some((_, columns)) => {
-            let mut chart = chart(&name, &path, &columns)?;
-            // Energies that stay zero need no line.
-            chart.series.retain(|s| s.points.iter().any(|p| p.1 != 0.0));
-            Ok(chart)
+            let wanted: Vec<String> = balance::columns().map(str::to_owned).collect();
+            if let Some(balance) = balance::chart(&history::read(&path, &wanted)?, &find::units(&path)) {
+                return Ok(plain(&name, balance));
+            }
+            chart(&name, &path, &columns, &Asked::default())
         }
         None => Err(format!("{} holds no energies: the deck asks for none (*ENERGY OUTPUT)", path.display())),
     }
@@ -89,13 +107,19 @@ fn missing(what: &str, wanted: &str, names: &[String]) -> String {
     format!("there is no {what} `{wanted}`; {hint}")
 }
 
-fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> {
+/// A chart of a page as one of the command line.
+fn plain(title: &str, chart: super::data::Chart) -> Chart {
+    let line =
+        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), form: s.form };
+    let super::data::Chart { x_label, y_label, units, series, .. } = chart;
+    let series = series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    Chart { title: title.into(), x_label, y_label, units, series }
+}
+
+fn chart(title: &str, path: &Path, columns: &[String], asked: &Asked) -> Result<Chart, String> {
     let history = history::read(path, columns)?;
     let units = find::units(path);
-    let thinned = history::chart("", columns, &history, &units);
-    let line =
-        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), joined: true };
-    let series: Vec<Series> = thinned.series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
+    let mut chart = plain(title, history::chart("", columns, &history, &units));
     let variable = |name: &String| name.split('@').next().unwrap_or(name).to_owned();
     let all_energies = columns.iter().all(|c| !c.contains('@') && (c.starts_with("ALL") || c == "ETOTAL"));
     let first = columns.first().map(variable).unwrap_or_default();
@@ -107,9 +131,11 @@ fn chart(title: &str, path: &Path, columns: &[String]) -> Result<Chart, String> 
     } else {
         String::new()
     };
-    let [time, unit] = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
-    let named = |label: &str, unit: &str| if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") };
-    Ok(Chart { title: title.into(), x_label: named("time", &time), y_label: named(&y_label, &unit), series })
+    chart.units = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
+    // One line needs no other name than the axis.
+    chart.y_label = if columns.len() == 1 { asked.labels.of(&columns[0]).to_owned() } else { y_label };
+    chart.series.iter_mut().for_each(|s| s.name = asked.labels.of(&s.name).to_owned());
+    Ok(chart)
 }
 
 /// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.
@@ -240,7 +266,7 @@ impl Picture {
             let _ = writeln!(
                 text,
                 "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\" fill=\"{fill}\" stroke=\"#8d8368\"/>\n\
-                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#8d8368\">{}</text>",
+                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#5f5742\">{}</text>",
                 x + 8.0,
                 y + tall - 9.0,
                 escape(name)
@@ -274,13 +300,17 @@ impl Picture {
         let mut below = |x: f64, y: f64, word: &str| {
             let _ = writeln!(text, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{word}</text>");
         };
-        let (level, upright) = if self.lying { ("z", "r") } else { ("r", "z") };
+        let (zs, rs) = (ticks(low, top, 7.0), ticks(-reach, reach, 7.0));
+        // Both axes have one scale, so one power of ten.
+        let exponent = axis::exponent(&[&zs[..], &rs].concat());
+        let names = ["z", "r"].map(|name| axis::title(name, "", exponent));
+        let (level, upright) = if self.lying { (&*names[0], "r") } else { (&*names[1], "z") };
         below(0.5 * (MARGIN[0] + right), bottom + 46.0, level);
         below(18.0, MARGIN[2] + 0.5 * high, upright);
-        let on_z = ticks(low, top).into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
-        let on_r = ticks(-reach, reach).into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
+        let on_z = zs.into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
+        let on_r = rs.into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
         for (place, value, is_level) in on_z.chain(on_r) {
-            let word = number(value);
+            let word = axis::label(value, exponent);
             if is_level {
                 let _ = writeln!(
                     text,
@@ -345,18 +375,6 @@ fn colour(part: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 
-/// Round numbers that divide an interval into about five.
-fn ticks(low: f64, high: f64) -> Vec<f64> {
-    let raw = (high - low) / 7.0;
-    if !(raw > 0.0 && raw.is_finite()) {
-        return Vec::new();
-    }
-    let power = libm::pow(10.0, libm::log10(raw).floor());
-    let step = [1.0, 2.0, 5.0, 10.0].iter().map(|f| f * power).find(|s| *s >= raw).unwrap_or(10.0 * power);
-    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-    (first..=last).map(|i| i as f64 * step).collect()
-}
-
 /// Four digits, plain where that is short.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
@@ -368,10 +386,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ticks_and_colours_are_round() {
-        assert_eq!(ticks(0.0, 1.0).len(), 6);
-        assert_eq!(ticks(-3.1, 7.2), [-2.0, 0.0, 2.0, 4.0, 6.0].map(f64::from).to_vec().as_slice());
-        assert!(ticks(1.0, 1.0).is_empty() && ticks(0.0, f64::INFINITY).is_empty());
+    fn colours_and_numbers_are_as_they_are_read() {
         assert_eq!([colour(0.0), colour(1.0), colour(9.0)], ["#440154", "#fde725", "#fde725"]);
         assert_eq!([number(0.025), number(-1.23456e9), number(0.0)], ["0.025", "-1.235e9", "0"]);
     }

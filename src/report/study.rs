@@ -4,10 +4,14 @@
 
 use serde_json::{Map, Value};
 
-use super::data::{Chart, Series, Study, Table};
+use super::data::{Chart, Effect, Series, Study, Table};
+use crate::study::chart::Form;
 
 /// Rows that are shown.
 const ROWS: usize = 500;
+
+/// Lines of the plot of orders.
+const LINES: usize = 8;
 
 /// Names that the list of settings may have.
 const LISTS: [&str; 3] = ["runs", "levels", "combinations"];
@@ -17,9 +21,9 @@ pub fn read(name: &str, file: &Value) -> Study {
     let mut study = Study { table: Table { name: name.to_owned(), ..Table::default() }, ..Study::default() };
     let Some(file) = file.as_object() else { return study };
     for (key, value) in file {
-        facts(key, value, &mut study.facts);
+        facts(key, value, &mut study.table.facts);
     }
-    study.facts.extend(prices(file));
+    study.table.facts.extend(prices(file));
     let left_out = || file.get("ablation")?.get("effects")?.as_array();
     let list = LISTS.iter().find_map(|key| file.get(*key)?.as_array()).or_else(left_out);
     let list: Vec<Map<String, Value>> = list.into_iter().flatten().filter_map(Value::as_object).cloned().collect();
@@ -31,6 +35,8 @@ pub fn read(name: &str, file: &Value) -> Study {
     let best: Vec<bool> = list.iter().enumerate().map(best).collect();
     fill_table(&list, &mut study.table);
     study.table.charts.extend(price(&list, &best));
+    study.table.charts.extend(orders(file));
+    study.effects = effects(file);
     study.pareto = best.into_iter().take(ROWS).collect();
     study
 }
@@ -109,7 +115,7 @@ fn cell(value: &Value) -> String {
 
 /// Error against seconds on logarithmic axes; what nothing beats is joined. Where a bound of the error is told, it counts.
 fn price(list: &[Map<String, Value>], best: &[bool]) -> Option<Chart> {
-    let mut all = Series { name: "all settings".into(), ..Series::default() };
+    let mut all = Series { name: "all settings".into(), form: Form::Marks, ..Series::default() };
     let mut front: Vec<(f64, f64)> = Vec::new();
     for (record, best) in list.iter().zip(best) {
         let columns = flat(record);
@@ -128,7 +134,7 @@ fn price(list: &[Map<String, Value>], best: &[bool]) -> Option<Chart> {
     }
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (x, y) = front.into_iter().unzip();
-    let best = Series { name: "best for its price".into(), joined: true, x, y, words: Vec::new() };
+    let best = Series { name: "best for its price".into(), form: Form::Line, x, y, words: Vec::new() };
     let series: Vec<Series> = [all, best].into_iter().filter(|s| !s.x.is_empty()).collect();
     (!series.is_empty()).then(|| Chart {
         title: "Error against time".into(),
@@ -140,9 +146,94 @@ fn price(list: &[Map<String, Value>], best: &[bool]) -> Option<Chart> {
     })
 }
 
+/// Error over size on logarithmic axes, one line for each refinement, with the slopes of the orders through the finest point of
+/// the first.
+fn orders(file: &Map<String, Value>) -> Option<Chart> {
+    let runs = file.get("runs")?.as_array()?;
+    let error = |run: &Value| {
+        let run = runs.get(usize::try_from(run.as_u64()?).ok()?)?;
+        run.get("error")?.as_f64().map(f64::abs).filter(|error| *error > 0.0)
+    };
+    let line = |refined: &Value| {
+        let (runs, sizes) = (refined.get("runs")?.as_array()?, refined.get("sizes")?.as_array()?);
+        let point = |(run, size): (&Value, &Value)| Some((size.as_f64()?, error(run)?));
+        let (x, y): (Vec<f64>, Vec<f64>) = runs.iter().zip(sizes).filter_map(point).unzip();
+        let words = ["along", "at"].iter().filter_map(|key| refined.get(*key)?.as_str()).filter(|w| !w.is_empty());
+        let order = refined.get("order").and_then(Value::as_f64).map(|order| format!("order {order:.2}"));
+        let name = words.map(str::to_owned).chain(order).collect::<Vec<_>>().join(", ");
+        (x.len() > 1).then(|| Series { name, x, y, ..Series::default() })
+    };
+    let lines: Vec<(Series, &Value)> = file
+        .get("refinements")?
+        .as_array()?
+        .iter()
+        .filter_map(|refined| Some((line(refined)?, refined)))
+        .take(LINES)
+        .collect();
+    let guides = lines.first().map_or(Vec::new(), |(line, refined)| slopes(line, refined));
+    let series: Vec<Series> = lines.into_iter().map(|l| l.0).chain(guides).collect();
+    (!series.is_empty()).then(|| Chart {
+        title: "Error over size".into(),
+        x_label: "size over the finest".into(),
+        y_label: "error".into(),
+        logarithmic: true,
+        series,
+        ..Chart::default()
+    })
+}
+
+/// Straight lines of the observed and of the formal order.
+fn slopes(line: &Series, refined: &Value) -> Vec<Series> {
+    let (coarsest, finest) = (line.x[0], line.x[line.x.len() - 1]);
+    let error = line.y[line.y.len() - 1];
+    let slope = |(key, word): (&str, &str)| {
+        let order = refined.get(key)?.as_f64()?;
+        let end = super::shorten(error * libm::pow(coarsest / finest, order));
+        let name = format!("slope of the {word} order {}", (100.0 * order).round() / 100.0);
+        Some(Series { name, form: Form::Guide, x: vec![coarsest, finest], y: vec![end, error], words: Vec::new() })
+    };
+    [("order", "observed"), ("formal_order", "formal")].into_iter().filter_map(slope).collect()
+}
+
+/// Effects left out, those that save most first.
+fn effects(file: &Map<String, Value>) -> Vec<Effect> {
+    let list = file.get("ablation").and_then(|a| a.get("effects")?.as_array());
+    let effect = |record: &Value| {
+        let number = |key: &str| record.get(key).and_then(Value::as_f64);
+        Some(Effect {
+            name: record.get("effect")?.as_str()?.to_owned(),
+            error: number("relative_change").map(f64::abs),
+            saved: number("time_ratio").map(|ratio| 1.0 - ratio),
+            matters: record.get("matters").and_then(Value::as_bool).unwrap_or(false),
+        })
+    };
+    let mut effects: Vec<Effect> = list.into_iter().flatten().filter_map(effect).collect();
+    effects.sort_by(|a, b| b.saved.unwrap_or(f64::NEG_INFINITY).total_cmp(&a.saved.unwrap_or(f64::NEG_INFINITY)));
+    effects
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn orders_and_effects_are_drawn() {
+        let file = serde_json::json!({
+            "runs": [{"error": 0.16}, {"error": -0.04}, {"error": 0.01}],
+            "refinements": [{"along": "n", "at": "", "runs": [0, 1, 2], "sizes": [4.0, 2.0, 1.0], "order": 1.5, "formal_order": 2.0}],
+        });
+        let chart = &read("job", &file).table.charts[0];
+        let names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["n, order 1.50", "slope of the observed order 1.5", "slope of the formal order 2"]);
+        assert_eq!(chart.series.iter().map(|s| s.y[0]).collect::<Vec<_>>(), [0.16, 0.08, 0.16]);
+        let file = serde_json::json!({"ablation": {"effects": [
+            {"effect": "friction", "relative_change": -0.1, "time_ratio": 0.9, "matters": true},
+            {"effect": "wall", "time_ratio": 0.5, "matters": true},
+        ]}});
+        let effects = read("job", &file).effects;
+        assert_eq!((effects[0].name.as_str(), effects[0].error, effects[0].saved), ("wall", None, Some(0.5)));
+        assert_eq!((effects[1].error, effects[1].matters), (Some(0.1), true));
+    }
 
     #[test]
     fn the_price_list_and_its_front_are_found_by_their_keys() {
@@ -168,12 +259,12 @@ mod tests {
         let other = read("job", &file);
         assert_eq!(other.table.header, ["n", "value", "bound", "seconds", "order"]);
         assert_eq!((&other.table.charts[0].series[1].x, &other.pareto), (&vec![0.5], &vec![true]));
-        assert_eq!(other.facts, [("error below 2e-1".to_owned(), "0.5 s".to_owned())]);
+        assert_eq!(other.table.facts, [("error below 2e-1".to_owned(), "0.5 s".to_owned())]);
         let file =
             serde_json::json!({"ablation": {"value": 64.8, "effects": [{"effect": "entry phase", "change": -5.2}]}});
         let left_out = read("job", &file);
         assert_eq!(left_out.table.rows, [["entry phase", "-5.2"]]);
-        assert_eq!(left_out.facts, [("ablation, value".to_owned(), "64.8".to_owned())]);
-        assert!(study.facts.contains(&("order, observed".into(), "2.01".into())));
+        assert_eq!(left_out.table.facts, [("ablation, value".to_owned(), "64.8".to_owned())]);
+        assert!(study.table.facts.contains(&("order, observed".into(), "2.01".into())));
     }
 }

@@ -2,6 +2,9 @@
 //! Never here: the sweep itself (`study`).
 
 use super::data::{Chart, Series, Table};
+use super::shorten;
+use crate::study::chart::Form;
+use crate::study::compare::rms;
 
 /// Charts of one sweep, and lines of a chart.
 const MOST: usize = 8;
@@ -20,12 +23,13 @@ pub fn table(name: &str, text: &str) -> Result<Table, String> {
         return Err(format!("row {} has {} fields, and the header {}", i + 1, rows[i].len(), header.len()));
     }
     let charts = charts(&header, &rows);
+    let facts = deviations(&header, &rows);
     let mut notes = Vec::new();
     if rows.len() > ROWS {
         notes.push(format!("{ROWS} of {} rows are shown", rows.len()));
         rows.truncate(ROWS);
     }
-    Ok(Table { name: name.to_owned(), header, rows, charts, notes })
+    Ok(Table { name: name.to_owned(), header, rows, charts, facts, notes })
 }
 
 /// A line of CSV taken apart (RFC 4180).
@@ -89,6 +93,16 @@ fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
     charts.filter(|c| !c.series.is_empty()).collect()
 }
 
+/// Root mean square of each column of differences.
+fn deviations(header: &[String], rows: &[Vec<String>]) -> Vec<(String, String)> {
+    let of = |(i, name): (usize, &String)| {
+        let reference = name.strip_prefix("difference from ")?;
+        let differences: Vec<f64> = rows.iter().filter_map(|row| row[i].parse().ok()).collect();
+        Some((format!("rms difference from {reference}"), shorten(rms(&differences)?).to_string()))
+    };
+    header.iter().enumerate().filter_map(of).collect()
+}
+
 fn lines(header: &[String], rows: &[Vec<String>], parameters: usize, quantity: usize) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     for row in rows {
@@ -96,7 +110,7 @@ fn lines(header: &[String], rows: &[Vec<String>], parameters: usize, quantity: u
         let others: Vec<String> = (1..parameters).map(|i| format!("{} = {}", header[i], row[i])).collect();
         let name = if others.is_empty() { header[quantity].clone() } else { others.join(", ") };
         let place = series.iter().position(|s| s.name == name).unwrap_or_else(|| {
-            series.push(Series { name, joined: true, ..Series::default() });
+            series.push(Series { name, form: Form::Line, ..Series::default() });
             series.len() - 1
         });
         series[place].x.push(x);
@@ -112,7 +126,7 @@ fn points(rows: &[Vec<String>], column: usize, name: &str) -> Series {
         rows.iter().filter_map(|r| Some((r[0].parse().ok()?, r[column].parse().ok()?))).collect();
     points.dedup();
     let (x, y) = points.into_iter().unzip();
-    Series { name: name.to_owned(), joined: false, x, y, words: Vec::new() }
+    Series { name: name.to_owned(), form: Form::Marks, x, y, words: Vec::new() }
 }
 
 #[cfg(test)]
@@ -131,5 +145,7 @@ mod tests {
         assert_eq!(table.charts[0].series[0].x, [1.0, 2.0]);
         assert_eq!(table.charts[0].series[2].y, [5.0], "once");
         assert_eq!(table.charts[1].series.len(), 2);
+        let rms = (0.5 * (4.0 + 2.25_f64)).sqrt();
+        assert_eq!(table.facts, [("rms difference from depth".to_owned(), shorten(rms).to_string())]);
     }
 }

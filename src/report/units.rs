@@ -36,6 +36,11 @@ impl Names {
 
     /// Of both axes of a chart over time.
     pub fn over_time(&self, title: &str) -> [String; 2] {
-        [self.name(TIME), if title == "Energy" { self.name(ENERGY) } else { self.of_column(title) }]
+        let unit = match title {
+            "Energy" => self.name(ENERGY),
+            "Increment" => self.name(TIME),
+            title => self.of_column(title),
+        };
+        [self.name(TIME), unit]
     }
 }

@@ -1,6 +1,7 @@
 //! The length of the next increment, and what it ends in.
 //! Never here: forces, the motion itself.
 
+use super::limits::Limiter;
 use crate::constraint::Constraint;
 use crate::element::elements::Elements;
 use crate::heat::field::Heat;
@@ -32,6 +33,8 @@ pub struct Increment {
     pub length: f64,
     /// What it ends in.
     pub end: End,
+    /// What it is no longer for.
+    pub by: Limiter,
 }
 
 impl Increment {
@@ -60,9 +63,15 @@ impl Increment {
         Err(Halt { code: "R204", reason })
     }
 
-    fn shorten(&mut self, limit: Limit) {
+    fn shorten(&mut self, limit: Limit, by: Limiter) {
         if limit.time < self.length {
-            *self = Increment { length: limit.time, end: if limit.jump { End::Jump } else { End::Plain } };
+            *self = Increment { length: limit.time, end: if limit.jump { End::Jump } else { End::Plain }, by };
+        }
+    }
+
+    fn bound(&mut self, length: f64, by: Limiter) {
+        if length < self.length {
+            (self.length, self.by) = (length, by);
         }
     }
 }
@@ -153,23 +162,25 @@ impl IncrementController {
     /// The next increment.
     #[inline]
     pub fn choose(&mut self, scene: &Scene<'_>) -> Increment {
-        let mut next = Increment { length: f64::INFINITY, end: End::Plain };
+        let mut next = Increment { length: f64::INFINITY, end: End::Plain, by: Limiter::Given };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
                 if scene.bodies().iter().any(|b| !b.tied) {
-                    next.length = self.automatic(scene) * self.factor;
+                    next.bound(self.automatic(scene) * self.factor, Limiter::Accuracy);
                 }
                 if !scene.elements.is_empty() {
-                    next.length = next.length.min(scene.stable_increment() * self.factor);
+                    next.bound(scene.stable_increment() * self.factor, Limiter::Elements);
                 }
                 if let Some(heat) = scene.heat {
-                    next.length = next.length.min(heat.stable_increment() * self.factor);
-                    next.shorten(heat.limit(&scene.view.clock));
+                    next.bound(heat.stable_increment() * self.factor, Limiter::Conduction);
+                    next.shorten(heat.limit(&scene.view.clock), Limiter::Heat);
                 }
-                next.length = next.length.min(self.most);
-                scene.loads.iter().for_each(|load| next.shorten(load.limit(&scene.view)));
-                scene.constraints.iter().for_each(|c| next.shorten(c.limit(&scene.view.clock)));
+                next.bound(self.most, Limiter::Longest);
+                let loads = scene.loads.iter();
+                loads.for_each(|load| next.shorten(load.limit(&scene.view), Limiter::Effect(load.id())));
+                let constraints = scene.constraints.iter();
+                constraints.for_each(|c| next.shorten(c.limit(&scene.view.clock), Limiter::Effect(c.id())));
             }
         }
         self.fit_step(&mut next, scene.remaining);
@@ -200,9 +211,9 @@ impl IncrementController {
     #[inline]
     fn fit_step(&self, next: &mut Increment, remaining: f64) {
         if next.length >= remaining * (1.0 - SLIVER) {
-            *next = Increment { length: remaining, end: End::Step };
+            *next = Increment { length: remaining, end: End::Step, by: Limiter::Step };
         } else if self.fixed.is_none() && next.end == End::Plain && next.length > 0.5 * remaining {
-            next.length = 0.5 * remaining;
+            (next.length, next.by) = (0.5 * remaining, Limiter::Step);
         }
     }
 }
@@ -219,9 +230,9 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
         }
         let rest = -v / a;
         if rest <= next.length {
-            *next = Increment { length: rest, end: End::Rest(b) };
+            *next = Increment { length: rest, end: End::Rest(b), by: Limiter::Rest };
         } else {
-            *next = Increment { length: 0.5 * rest, end: End::Plain };
+            *next = Increment { length: 0.5 * rest, end: End::Plain, by: Limiter::Rest };
         }
     }
 }

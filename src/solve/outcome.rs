@@ -4,6 +4,7 @@
 use serde::Serialize;
 
 use super::energy::Energy;
+use super::limits::Limits;
 use crate::state::halt::Halt;
 
 /// How a run ended and what it cost.
@@ -72,6 +73,9 @@ pub struct StepSummary {
     /// Mass that mass scaling has added to the original one, as it was found last; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
+    /// What limited the increments over time.
+    #[serde(skip)]
+    pub limits: Limits,
 }
 
 /// A body came to rest.

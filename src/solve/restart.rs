@@ -345,8 +345,8 @@ impl Persist for StepSummary {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let StepSummary { name, increments, time, smallest_increment, largest_increment, .. } = self;
         persist_fields!(archive; name, increments, time, smallest_increment, largest_increment);
-        let StepSummary { limiting_element, global_estimates, added_mass, .. } = self;
-        persist_fields!(archive; limiting_element, global_estimates, added_mass);
+        let StepSummary { limiting_element, global_estimates, added_mass, limits, .. } = self;
+        persist_fields!(archive; limiting_element, global_estimates, added_mass, limits);
     }
 }
 

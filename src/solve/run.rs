@@ -4,6 +4,7 @@
 use super::central_difference;
 use super::energy::{Balance, Energy};
 use super::increment::{End, Increment, IncrementController, Scene};
+use super::limits::Limits;
 use super::outcome::{Outcome, Rest, StepSummary};
 use super::timing::Timing;
 use super::watch::Watch;
@@ -163,7 +164,7 @@ impl<'a> Run<'a> {
         next.check(&self.now, self.now.increment)?;
         self.call_routines(next)?;
         self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads will see
-        self.record(next.length);
+        self.record(next);
         self.timing.pause();
         Ok(())
     }
@@ -227,8 +228,9 @@ impl<'a> Run<'a> {
             self.behind = 0.0;
             self.show_own_velocity();
         }
-        let summary = StepSummary { name: step.name.clone(), smallest_increment: f64::INFINITY, ..Default::default() };
-        self.outcome.steps.push(summary);
+        let (name, smallest_increment) = (step.name.clone(), f64::INFINITY);
+        let limits = Limits::begin();
+        self.outcome.steps.push(StepSummary { name, smallest_increment, limits, ..Default::default() });
     }
 
     fn begin_slots(&mut self) {
@@ -630,12 +632,13 @@ impl<'a> Run<'a> {
         self.now = self.now_before;
     }
 
-    fn record(&mut self, length: f64) {
+    fn record(&mut self, Increment { length, by, .. }: Increment) {
         self.outcome.increments = self.now.increment;
         let limiting = (!self.elements.is_empty()).then(|| self.limits());
         if let Some(summary) = self.outcome.steps.last_mut() {
             summary.increments += 1;
             summary.time = self.now.step_time;
+            summary.limits.take(self.now_before.total_time, length, by, limiting.unwrap_or_default());
             if length < summary.smallest_increment {
                 summary.smallest_increment = length;
                 self.limiting = limiting;

@@ -1,28 +1,34 @@
-//! Charts drawn as SVG and PNG, on linear or logarithmic axes.
+//! Charts drawn as SVG and PNG, on linear or logarithmic axes; the legend stands below the curves.
 //! Never here: where the numbers come from.
 
+use std::fmt::Write as _;
 use std::sync::Arc;
 
-use plotters::coord::Shift;
-use plotters::coord::ranged1d::{Ranged, ValueFormatter};
-use plotters::prelude::*;
 use resvg::{tiny_skia, usvg};
 
 use super::StudyError;
-use super::chart::{Chart, Scale};
+use super::axis;
+use super::chart::{Chart, Form, Scale, Series, stacked};
+use crate::output::vtu::escape;
 
-const SIZE: (u32, u32) = (960, 640);
+/// Size of a picture, and of its letters, in points.
+const WIDTH: f64 = 960.0;
+const HEIGHT: f64 = 640.0;
+const LETTERS: f64 = 15.0;
+/// Room around what is drawn: left, right, top; what is below holds the legend too.
+const MARGIN: [f64; 3] = [92.0, 28.0, 56.0];
+const BELOW: f64 = 66.0;
+/// Height of a row of the legend, and width of a letter in it.
+const ROW: f64 = 24.0;
+const LETTER: f64 = 0.62 * LETTERS;
+/// Width of a legend's mark with the room beside it.
+const MARK: f64 = 42.0;
+/// Marks on a longer line would hide it.
+const MARKED: usize = 60;
+/// Room beside the outermost values of a logarithmic axis, so that no mark is cut.
+const BESIDE: f64 = 1.15;
 /// Okabe and Ito's palette, safe for colour-blind readers, with a violet and a grey after it.
-const PALETTE: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(140, 107, 177),
-    RGBColor(90, 90, 90),
-];
+const PALETTE: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6bb1", "#5a5a5a"];
 
 impl Chart {
     /// The chart as SVG text.
@@ -38,13 +44,8 @@ impl Chart {
     /// # Errors
     /// In words, where there is nothing to draw.
     pub fn svg_on(&self, scale: Scale) -> Result<String, StudyError> {
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            self.draw(&root, scale).map_err(|e| undrawn(&*e))?;
-            root.present().map_err(|e| undrawn(&e))?;
-        }
-        Ok(text)
+        let sheet = Sheet::of(self, scale).ok_or_else(|| StudyError::Chart("the chart has no points".into()))?;
+        Ok(sheet.svg())
     }
 
     /// The chart as a PNG file's bytes.
@@ -62,98 +63,245 @@ impl Chart {
     pub fn png_on(&self, scale: Scale) -> Result<Vec<u8>, StudyError> {
         png(&self.svg_on(scale)?)
     }
+}
 
-    fn draw(&self, root: &DrawingArea<SVGBackend<'_>, Shift>, scale: Scale) -> Result<(), Box<dyn std::error::Error>> {
-        root.fill(&WHITE)?;
-        let mut builder = ChartBuilder::on(root);
-        builder.caption(&self.title, ("sans-serif", 24)).margin(18).x_label_area_size(56).y_label_area_size(80);
-        match scale {
-            Scale::Linear => {
-                let (x, y) = (self.range(|p| p.0).ok_or("no points")?, self.range(|p| p.1).ok_or("no points")?);
-                self.fill(builder.build_cartesian_2d(x.0..x.1, y.0..y.1)?, scale)
-            }
-            Scale::LogLog => {
-                let (x, y) = (self.decades(|p| p.0).ok_or("no points")?, self.decades(|p| p.1).ok_or("no points")?);
-                let (x, y) = ((x.0..x.1).log_scale(), (y.0..y.1).log_scale());
-                self.fill(builder.build_cartesian_2d(x, y)?, scale)
+/// A chart with the ranges of its axes, and the text that is written.
+struct Sheet<'a> {
+    chart: &'a Chart,
+    scale: Scale,
+    x: [f64; 2],
+    y: [f64; 2],
+    /// Entries of the legend, row by row.
+    legend: Vec<Vec<usize>>,
+    text: String,
+}
+
+impl<'a> Sheet<'a> {
+    /// `None` without points.
+    fn of(chart: &'a Chart, scale: Scale) -> Option<Sheet<'a>> {
+        let points = || chart.series.iter().flat_map(|s| &s.points);
+        let lines = chart.series.iter().filter(|s| s.form != Form::Area).flat_map(|s| &s.points).map(|p| p.1);
+        let stack = stacked(&chart.series);
+        let edges = stack.iter().flatten().flatten().flat_map(|edge| [edge.0, edge.1]);
+        let x = range(points().map(|p| p.0), scale)?;
+        let y = range(lines.chain(edges), scale)?;
+        Some(Sheet { chart, scale, x, y, legend: legend(&chart.series), text: String::new() })
+    }
+
+    /// Where the plot ends: right and bottom.
+    fn corner(&self) -> [f64; 2] {
+        [WIDTH - MARGIN[1], HEIGHT - BELOW - ROW * self.legend.len() as f64]
+    }
+
+    fn place(&self, (x, y): (f64, f64)) -> Option<[f64; 2]> {
+        let along = |value: f64, [low, high]: [f64; 2]| match self.scale {
+            Scale::Linear => (value - low) / (high - low),
+            Scale::LogLog => libm::log(value / low) / libm::log(high / low),
+        };
+        let [right, bottom] = self.corner();
+        let place =
+            [MARGIN[0] + along(x, self.x) * (right - MARGIN[0]), bottom - along(y, self.y) * (bottom - MARGIN[2])];
+        place.iter().all(|p| p.is_finite()).then_some(place)
+    }
+
+    fn svg(mut self) -> String {
+        let _ = writeln!(
+            self.text,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
+             font-family=\"DejaVu Sans, sans-serif\" font-size=\"{LETTERS}\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
+             <text x=\"{}\" y=\"34\" font-size=\"20\" text-anchor=\"middle\">{}</text>",
+            0.5 * WIDTH,
+            escape(&self.chart.title)
+        );
+        self.draw_axis(0);
+        self.draw_axis(1);
+        let [right, bottom] = self.corner();
+        let _ = writeln!(
+            self.text,
+            "<path d=\"M{} {}V{bottom}H{right}\" fill=\"none\" stroke=\"#444\"/>",
+            MARGIN[0], MARGIN[2]
+        );
+        self.draw_areas();
+        let chart = self.chart;
+        for (index, series) in chart.series.iter().enumerate().filter(|s| s.1.form != Form::Area) {
+            self.draw_series(series, colour(chart, index));
+        }
+        self.draw_legend();
+        self.text + "</svg>\n"
+    }
+
+    /// Grid, ticks and name of the horizontal (0) or the vertical axis (1).
+    fn draw_axis(&mut self, axis: usize) {
+        let [low, high] = [self.x, self.y][axis];
+        let (ticks, labels, exponent) = ticks(low, high, self.scale);
+        let [right, bottom] = self.corner();
+        for (tick, label) in ticks.into_iter().zip(labels) {
+            let at = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
+            let Some([x, y]) = self.place(at) else { continue };
+            let (line, text, anchor) = match axis {
+                0 => (format!("M{x:.2} {bottom}V{}", MARGIN[2]), [x, bottom + 22.0], "middle"),
+                _ => (format!("M{} {y:.2}H{right}", MARGIN[0]), [MARGIN[0] - 8.0, y + 5.0], "end"),
+            };
+            let _ = writeln!(
+                self.text,
+                "<path d=\"{line}\" stroke=\"#e2e2e2\"/>\n\
+                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{label}</text>",
+                text[0], text[1]
+            );
+        }
+        let name = [&self.chart.x_label, &self.chart.y_label][axis];
+        let name = escape(&axis::title(name, &self.chart.units[axis], exponent));
+        let (across, up) = (0.5 * (MARGIN[0] + right), 0.5 * (MARGIN[2] + bottom));
+        let _ = match axis {
+            0 => writeln!(
+                self.text,
+                "<text x=\"{across:.1}\" y=\"{:.1}\" font-size=\"17\" text-anchor=\"middle\">{name}</text>",
+                bottom + 48.0
+            ),
+            _ => writeln!(
+                self.text,
+                "<text x=\"24\" y=\"{up:.1}\" font-size=\"17\" text-anchor=\"middle\" transform=\"rotate(-90 24 {up:.1})\">{name}</text>"
+            ),
+        };
+    }
+
+    fn draw_areas(&mut self) {
+        let chart = self.chart;
+        let coloured = chart.series.iter().zip(PALETTE.iter().cycle()).filter(|s| s.0.form == Form::Area);
+        for ((series, colour), edges) in coloured.zip(stacked(&chart.series)) {
+            for side in edges.iter().filter(|side| side.iter().any(|e| e.0 != e.1)) {
+                let x = || series.points.iter().map(|p| p.0);
+                let upper = x().zip(side).map(|(x, edge)| (x, edge.1));
+                let lower = x().zip(side).map(|(x, edge)| (x, edge.0));
+                let outline: Vec<(f64, f64)> = upper.chain(lower.rev()).collect();
+                let path = self.path(&outline);
+                let _ = writeln!(
+                    self.text,
+                    "<path d=\"{path}Z\" fill=\"{colour}\" fill-opacity=\"0.75\" stroke=\"{colour}\" stroke-width=\"0.5\"/>"
+                );
             }
         }
     }
 
-    fn fill<'a, X, Y>(
-        &self,
-        mut chart: ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
-        scale: Scale,
-    ) -> Result<(), Box<dyn std::error::Error>>
-    where
-        X: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
-        Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
-    {
-        let mut mesh = chart.configure_mesh();
-        if scale == Scale::LogLog {
-            mesh.x_label_formatter(&logarithmic_label).y_label_formatter(&logarithmic_label);
+    /// Hundredths of a point keep slopes smooth.
+    fn path(&self, points: &[(f64, f64)]) -> String {
+        let places = points.iter().filter_map(|p| self.place(*p));
+        let words: Vec<String> = places.map(|[x, y]| format!("{x:.2} {y:.2}")).collect();
+        if words.is_empty() { String::new() } else { format!("M{}", words.join("L")) }
+    }
+
+    fn draw_series(&mut self, series: &Series, colour: &str) {
+        let path = self.path(&series.points);
+        if series.form != Form::Marks && !path.is_empty() {
+            let _ = writeln!(self.text, "<path d=\"{path}\" {}/>", stroke(series.form, colour));
         }
-        mesh.light_line_style(WHITE)
-            .bold_line_style(RGBColor(225, 225, 225))
-            .x_desc(&self.x_label)
-            .y_desc(&self.y_label)
-            .axis_desc_style(("sans-serif", 18))
-            .label_style(("sans-serif", 15))
-            .draw()?;
-        for (series, colour) in self.series.iter().zip(PALETTE.iter().cycle()) {
-            let joined = series.joined;
-            if joined {
-                chart.draw_series(LineSeries::new(series.points.iter().copied(), colour.stroke_width(2)))?;
+        if series.form == Form::Marks || series.form == Form::Line && series.points.len() <= MARKED {
+            for [x, y] in series.points.iter().filter_map(|p| self.place(*p)).collect::<Vec<_>>() {
+                let _ = writeln!(self.text, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"4.5\" fill=\"{colour}\"/>");
             }
-            // Marks on a long line would hide it.
-            let marked = if joined && series.points.len() > 60 { &[][..] } else { &series.points };
-            let marks = marked.iter().map(|&p| Circle::new(p, 5, colour.filled()));
-            chart.draw_series(marks)?.label(&series.name).legend(move |(x, y)| {
-                let line = if joined { vec![(x, y), (x + 24, y)] } else { vec![] };
-                EmptyElement::at((0, 0))
-                    + PathElement::new(line, colour.stroke_width(2))
-                    + Circle::new((x + 12, y), 5, colour.filled())
-            });
         }
-        chart
-            .configure_series_labels()
-            .position(if scale == Scale::LogLog {
-                SeriesLabelPosition::LowerLeft
-            } else {
-                SeriesLabelPosition::UpperLeft
-            })
-            .margin(16)
-            .legend_area_size(34)
-            .label_font(("sans-serif", 16))
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(200, 200, 200))
-            .draw()?;
-        Ok(())
     }
 
-    /// Extent of a coordinate on a logarithmic axis: whole decades, for a part of one may hold no tick.
-    fn decades(&self, coordinate: impl Fn(&(f64, f64)) -> f64) -> Option<(f64, f64)> {
-        let values = self.series.iter().flat_map(|s| &s.points).map(&coordinate).filter(|v| *v > 0.0 && v.is_finite());
-        let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
-        let decade = |v: f64, round: fn(f64) -> f64| libm::pow(10.0, round(libm::log10(v)));
-        (low <= high).then(|| (decade(low, f64::floor) / BESIDE, decade(high, f64::ceil) * BESIDE))
-    }
-
-    /// Extent of a coordinate over all series, a little widened; `None` without points.
-    fn range(&self, coordinate: impl Fn(&(f64, f64)) -> f64) -> Option<(f64, f64)> {
-        let values = || self.series.iter().flat_map(|s| &s.points).map(&coordinate).filter(|v| v.is_finite());
-        let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-        let margin = if high > low { 0.06 * (high - low) } else { 0.5 * high.abs().max(1.0) };
-        (low <= high).then_some((low - margin, high + margin))
+    fn draw_legend(&mut self) {
+        let top = self.corner()[1] + BELOW + 4.0;
+        for (row, entries) in std::mem::take(&mut self.legend).into_iter().enumerate() {
+            let (mut x, y) = (MARGIN[0], top + ROW * row as f64);
+            for index in entries {
+                let series = &self.chart.series[index];
+                let colour = colour(self.chart, index);
+                let _ = match series.form {
+                    Form::Marks => {
+                        writeln!(
+                            self.text,
+                            "<circle cx=\"{}\" cy=\"{}\" r=\"4.5\" fill=\"{colour}\"/>",
+                            x + 13.0,
+                            y - 5.0
+                        )
+                    }
+                    Form::Area => writeln!(
+                        self.text,
+                        "<rect x=\"{x}\" y=\"{}\" width=\"26\" height=\"12\" fill=\"{colour}\" fill-opacity=\"0.75\"/>",
+                        y - 11.0
+                    ),
+                    form => writeln!(self.text, "<path d=\"M{x} {}h26\" {}/>", y - 5.0, stroke(form, colour)),
+                };
+                let name = escape(&series.name);
+                let _ = writeln!(self.text, "<text x=\"{}\" y=\"{y}\">{name}</text>", x + 32.0);
+                x += entry_width(series);
+            }
+        }
     }
 }
 
-/// Room beside the outermost decades, so that no mark is cut.
-const BESIDE: f64 = 1.15;
+/// The colour of a series; what areas are compared with is dark.
+fn colour(chart: &Chart, index: usize) -> &'static str {
+    let on_areas = chart.series.first().is_some_and(|s| s.form == Form::Area);
+    if on_areas && chart.series[index].form == Form::Guide { "#111" } else { PALETTE[index % PALETTE.len()] }
+}
 
-/// A number at a tick: plain where it is short.
-fn logarithmic_label(value: &f64) -> String {
-    if (1e-3..1e5).contains(value) { super::price::short(*value) } else { format!("{value:.0e}") }
+/// Ticks, their labels, and the power of ten that the labels leave out.
+fn ticks(low: f64, high: f64, scale: Scale) -> (Vec<f64>, Vec<String>, i32) {
+    match scale {
+        Scale::Linear => {
+            let ticks = axis::ticks(low, high, 7.0);
+            let exponent = axis::exponent(&ticks);
+            let labels = ticks.iter().map(|t| axis::label(*t, exponent)).collect();
+            (ticks, labels, exponent)
+        }
+        Scale::LogLog => {
+            let ticks = axis::decades(low, high);
+            let labels = axis::logarithmic(&ticks);
+            (ticks, labels, 0)
+        }
+    }
+}
+
+fn stroke(form: Form, colour: &str) -> String {
+    match form {
+        Form::Guide => format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\" stroke-dasharray=\"7 5\""),
+        _ => format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.2\" stroke-linejoin=\"round\""),
+    }
+}
+
+fn entry_width(series: &Series) -> f64 {
+    MARK + LETTER * series.name.chars().count() as f64 + 14.0
+}
+
+/// Indices of series, row by row, as many as fit beside each other.
+fn legend(series: &[Series]) -> Vec<Vec<usize>> {
+    let (mut rows, mut used): (Vec<Vec<usize>>, f64) = (Vec::new(), 0.0);
+    for (i, series) in series.iter().enumerate() {
+        let wide = entry_width(series);
+        match rows.last_mut() {
+            Some(row) if used + wide <= WIDTH - MARGIN[0] - MARGIN[1] => row.push(i),
+            _ => {
+                rows.push(vec![i]);
+                used = 0.0;
+            }
+        }
+        used += wide;
+    }
+    rows
+}
+
+/// Extent of values, a little widened; of a logarithmic axis whole decades. `None` without values.
+fn range(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
+    let fits = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
+    let (low, high) = values.filter(fits).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if low > high {
+        return None;
+    }
+    Some(match scale {
+        Scale::Linear => {
+            let margin = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
+            [low - margin, high + margin]
+        }
+        Scale::LogLog => {
+            let decade = |v: f64, round: fn(f64) -> f64| libm::pow(10.0, round(libm::log10(v)));
+            [decade(low, f64::floor) / BESIDE, decade(high, f64::ceil) * BESIDE]
+        }
+    })
 }
 
 /// An SVG picture as a PNG file's bytes. The font comes with the program, so that every machine draws the same.
@@ -161,11 +309,7 @@ fn logarithmic_label(value: &f64) -> String {
 /// # Errors
 /// In words, where the text is no picture.
 pub fn png(svg: &str) -> Result<Vec<u8>, StudyError> {
-    drawn(svg).map_err(|e| StudyError::Chart(e.to_string()))
-}
-
-fn undrawn(why: &dyn std::error::Error) -> StudyError {
-    StudyError::Chart(format!("the chart cannot be drawn: {why}"))
+    drawn(svg).map_err(|e| StudyError::Chart(format!("the chart cannot be drawn: {e}")))
 }
 
 fn drawn(svg: &str) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
@@ -178,4 +322,42 @@ fn drawn(svg: &str) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let mut picture = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory for the picture")?;
     resvg::render(&tree, tiny_skia::Transform::identity(), &mut picture.as_mut());
     Ok(picture.encode_png()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(name: &str, points: &[(f64, f64)]) -> Series {
+        Series { name: name.into(), points: points.to_vec(), ..Series::default() }
+    }
+
+    /// The number behind a word in each line of a text that has it.
+    fn numbers(text: &str, word: &str) -> Vec<f64> {
+        text.split(word).skip(1).filter_map(|rest| rest.split('"').next()?.parse().ok()).collect()
+    }
+
+    #[test]
+    fn the_legend_stands_below_the_curves_however_long_it_is() {
+        let series: Vec<Series> = (0..9)
+            .map(|i| line(&format!("a quantity with a long name, number {i}"), &[(0.0, 0.0), (1.0, 1.0)]))
+            .collect();
+        let chart = Chart { series, ..Chart::default() };
+        let svg = chart.svg().expect("a chart");
+        let lowest_mark = numbers(&svg, "cy=\"").into_iter().fold(0.0, f64::max);
+        let names = svg.lines().filter(|l| l.contains("number ")).flat_map(|l| numbers(l, " y=\""));
+        let names: Vec<f64> = names.collect();
+        assert_eq!(names.len(), 9);
+        assert!(names.iter().all(|y| *y > lowest_mark + 20.0 && *y < HEIGHT), "{names:?} {lowest_mark}");
+    }
+
+    #[test]
+    fn what_cannot_be_placed_is_left_out_and_nothing_is_an_error() {
+        let chart = Chart { series: vec![line("a", &[(1.0, f64::NAN), (2.0, 3.0)])], ..Chart::default() };
+        let svg = chart.svg().expect("a chart");
+        assert!(!svg.contains("NaN") && svg.matches("<circle").count() == 1);
+        assert!(Chart::default().svg().is_err());
+        let below = Chart { series: vec![line("a", &[(1.0, -1.0)])], ..Chart::default() };
+        assert!(below.svg_on(Scale::LogLog).is_err());
+    }
 }

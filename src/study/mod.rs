@@ -2,6 +2,8 @@
 //! Never here: a solver of its own.
 
 mod ablation;
+#[cfg(feature = "cli")]
+pub(crate) mod axis;
 pub mod bench;
 pub mod chart;
 pub mod compare;

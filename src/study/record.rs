@@ -5,11 +5,11 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::bench::Spread;
-use super::chart::{Chart, Series};
+use super::chart::{Chart, Form, Series};
 use super::effects::Effects;
 use super::price::{self, Price, digits, setting, short};
 use super::refinement::{Reference, Row, Study};
-use super::richardson::Estimate;
+use super::richardson::{Estimate, FORMAL_ORDER};
 use super::target::{BEYOND, MOST_CYCLES, Met};
 
 /// What `<job>_study.json` holds. The keys are stable.
@@ -28,6 +28,8 @@ pub struct Record<'a> {
     pub scale: Option<f64>,
     /// All settings, in the order in which they ran.
     pub runs: Vec<RunRecord<'a>>,
+    /// What converges.
+    pub refinements: Vec<Refined<'a>>,
     /// Indices of the runs that no other beats in both time and error.
     pub front: Vec<usize>,
     /// What an accuracy costs.
@@ -41,6 +43,38 @@ pub struct Record<'a> {
     pub timing: Timing,
     /// The program's version.
     pub version: &'static str,
+}
+
+/// Runs that differ in the size of one thing.
+#[derive(Clone, Debug, Serialize)]
+pub struct Refined<'a> {
+    /// What is refined.
+    pub along: &'a str,
+    /// The other values of its setting, as written; empty where there are none.
+    pub at: String,
+    /// Indices of runs, from the coarsest on.
+    pub runs: &'a [usize],
+    /// Size of each over that of the finest.
+    pub sizes: Vec<f64>,
+    /// Observed order, where one is to be seen.
+    pub order: Option<f64>,
+    /// The order of the method.
+    pub formal_order: f64,
+}
+
+impl<'a> Refined<'a> {
+    fn of(study: &'a Study, series: &'a super::refinement::Series) -> Refined<'a> {
+        let finest = series.sizes.last().copied().unwrap_or(1.0);
+        let at = series.rows.first().map_or(String::new(), |&r| setting_but(study, r, &series.along));
+        Refined {
+            along: &series.along,
+            at,
+            runs: &series.rows,
+            sizes: series.sizes.iter().map(|size| size / finest).collect(),
+            order: series.estimate.and_then(|e| e.order),
+            formal_order: FORMAL_ORDER,
+        }
+    }
 }
 
 /// What `<job>_study.json` holds after `--ablate`. The keys are stable.
@@ -120,6 +154,7 @@ pub fn record<'a>(
         reference: study.reference,
         scale: study.scale,
         runs: study.rows.iter().map(|r| run(study, r)).collect(),
+        refinements: study.series.iter().map(|series| Refined::of(study, series)).collect(),
         front: price::front(study),
         prices: price::list(study),
         sentence: price::sentence(study),
@@ -218,40 +253,58 @@ pub fn price_chart(study: &Study, title: &str) -> Chart {
         r.bound.map(|b| (1e3 * seconds, factor * b)).filter(|p| p.0 > 0.0 && p.1 > 0.0)
     };
     let front = price::front(study).into_iter().filter_map(point).collect();
-    let mut series = vec![Series { name: "no setting beats these".into(), points: front, joined: true }];
+    let mut series = vec![Series { name: "no setting beats these".into(), points: front, form: Form::Line }];
     for family in 0..=study.rows.iter().map(|r| r.family).max().unwrap_or(0) {
         let rows: Vec<usize> = (0..study.rows.len()).filter(|&i| study.rows[i].family == family).collect();
         let points: Vec<(f64, f64)> = rows.iter().filter_map(|&i| point(i)).collect();
         if let Some(&first) = rows.first().filter(|_| !points.is_empty()) {
-            series.push(Series { name: family_name(study, first), points, joined: false });
+            series.push(Series { name: family_name(study, first), points, form: Form::Marks });
         }
     }
-    Chart { title: title.into(), x_label: "time, ms".into(), y_label: error_label(study), series }
+    let [x_label, y_label] = ["time", "error"].map(String::from);
+    Chart { title: title.into(), x_label, y_label, units: ["ms".into(), error_unit(study)], series }
 }
 
-/// Error over size of what is refined, one series for each.
+/// Error over size of what is refined, one series for each, and the slopes of the orders through the finest point of the first.
 pub fn order_chart(study: &Study, title: &str) -> Chart {
     let factor = study.scale.map_or(1.0, |s| 100.0 / s);
-    let line = |s: &super::refinement::Series| {
-        let finest = s.sizes.last().copied().unwrap_or(1.0);
-        let error = |row: &usize| study.rows[*row].error.map(|e| factor * e.abs());
-        let points = s.rows.iter().zip(&s.sizes).filter_map(|(row, size)| Some((size / finest, error(row)?)));
-        let points: Vec<(f64, f64)> = points.filter(|p| p.1 > 0.0).collect();
-        let order = s.estimate.and_then(|e| e.order).map(|o| format!(", order {o:.2}")).unwrap_or_default();
-        let others = s.rows.first().map_or(String::new(), |&r| setting_but(study, r, &s.along));
-        Series { name: format!("{}{others}{order}", s.along), points, joined: true }
+    let error = |row: &usize| study.rows[*row].error.map(|e| factor * e.abs()).filter(|e| *e > 0.0);
+    let line = |refined: &Refined<'_>| {
+        let points: Vec<(f64, f64)> =
+            refined.runs.iter().zip(&refined.sizes).filter_map(|(row, size)| Some((*size, error(row)?))).collect();
+        let order = refined.order.map(|o| format!(", order {o:.2}")).unwrap_or_default();
+        let others = if refined.at.is_empty() { String::new() } else { format!(", {}", refined.at) };
+        let name = format!("{}{others}{order}", refined.along);
+        Series { name, points, form: Form::Line }
     };
-    let mut series: Vec<Series> = study.series.iter().map(line).filter(|s| !s.points.is_empty()).collect();
-    series.truncate(MOST_LINES);
-    let x_label = "size over the finest".to_owned();
-    Chart { title: title.into(), x_label, y_label: error_label(study), series }
+    let refined = study.series.iter().map(|s| Refined::of(study, s));
+    let lines = refined.map(|refined| (line(&refined), refined)).filter(|l| !l.0.points.is_empty());
+    let lines: Vec<(Series, Refined<'_>)> = lines.take(MOST_LINES).collect();
+    let guides = lines.first().map_or(Vec::new(), |(line, refined)| slopes(line, refined));
+    let series = lines.into_iter().map(|l| l.0).chain(guides).collect();
+    let [x_label, y_label] = ["size over the finest", "error"].map(String::from);
+    Chart { title: title.into(), x_label, y_label, units: [String::new(), error_unit(study)], series }
+}
+
+/// Straight lines of the observed and the formal order through the finest point of a line.
+fn slopes(line: &Series, refined: &Refined<'_>) -> Vec<Series> {
+    let (Some(&(coarsest, _)), Some(&(finest, error))) = (line.points.first(), line.points.last()) else {
+        return Vec::new();
+    };
+    let guide = |order: f64, word: &str| {
+        let end = error * libm::pow(coarsest / finest, order);
+        let name = format!("slope of the {word} order {}", short(order));
+        Series { name, points: vec![(coarsest, end), (finest, error)], form: Form::Guide }
+    };
+    let observed = refined.order.map(|order| guide(order, "observed"));
+    observed.into_iter().chain([guide(refined.formal_order, "formal")]).filter(|_| coarsest > finest).collect()
 }
 
 /// More lines than this are no picture.
 const MOST_LINES: usize = 12;
 
-fn error_label(study: &Study) -> String {
-    if study.scale.is_some() { "error, %".into() } else { "error".into() }
+fn error_unit(study: &Study) -> String {
+    if study.scale.is_some() { "%".into() } else { String::new() }
 }
 
 fn family_name(study: &Study, row: usize) -> String {
@@ -265,7 +318,7 @@ fn family_name(study: &Study, row: usize) -> String {
 fn setting_but(study: &Study, row: usize, along: &str) -> String {
     let skip: Vec<&str> = along.split(" and ").collect();
     let of = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !skip.contains(&name.as_str()));
-    of.map(|(name, value)| format!(", {name} = {value}")).collect()
+    of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
 /// What is said under the table, a line each.

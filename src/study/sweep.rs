@@ -6,7 +6,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::StudyError;
-use super::chart::{Chart, Series};
+use super::chart::{Chart, Form, Series};
 use super::compare::{Reference, rms};
 use super::grid::Grid;
 use super::quantity::{self, Finished, Quantity};
@@ -195,14 +195,15 @@ pub fn chart(
             };
             match series.iter_mut().find(|s| s.name == name) {
                 Some(known) => known.points.push((x, *value)),
-                None => series.push(Series { name, points: vec![(x, *value)], joined: true }),
+                None => series.push(Series { name, points: vec![(x, *value)], form: Form::Line }),
             }
         }
     }
     for (i, column) in reference.map_or(&[][..], |r| &r.columns).iter().enumerate() {
         let points = reference.into_iter().flat_map(|r| &r.rows).map(|r| (r.0, r.1[i])).collect();
-        series.push(Series { name: column.clone(), points, joined: false });
+        series.push(Series { name: column.clone(), points, form: Form::Marks });
     }
     let y_label = quantities.first().map_or(String::new(), |q| q.text.clone());
-    Chart { title: title.into(), x_label: names.first().map_or(String::new(), |n| (*n).to_owned()), y_label, series }
+    let x_label = names.first().map_or(String::new(), |n| (*n).to_owned());
+    Chart { title: title.into(), x_label, y_label, series, ..Chart::default() }
 }

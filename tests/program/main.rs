@@ -3,12 +3,14 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod browser;
 mod command_line;
 mod composed;
 mod faults;
 mod fuzz;
 mod growth;
 mod hostile;
+mod manual;
 mod matrix;
 mod memory;
 mod precision;

@@ -1,15 +1,20 @@
 //! `revolve report`: what it reads from a folder, what the page carries, and the page in a real browser.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use resvg::tiny_skia::{Pixmap, PremultipliedColorU8};
 use revolve::report;
 use revolve::report::data::Meridian;
 use serde_json::{Value, json};
 
+use crate::browser::{Browser, View};
 use crate::common::{self, revolve};
+
+/// A screen on a desk, by day.
+const DESK: View = View { width: 1400, dark: false };
 
 fn folder() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -46,9 +51,11 @@ fn a_rigid_run_brings_frames_histories_ledger_and_target() {
     assert_eq!((page.runs.len(), page.sweeps.len(), page.studies.len()), (1, 0, 0));
     let run = &page.runs[0];
     let titles: Vec<&str> = run.charts.iter().map(|c| c.title.as_str()).collect();
-    assert_eq!(titles, ["Energy", "U2", "V2", "A2"]);
-    let energies: Vec<&str> = run.charts[0].series.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(titles, ["Energy balance", "Energy", "U2", "V2", "A2", "Increment"]);
+    let energies: Vec<&str> = run.charts[1].series.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(energies, ["ALLKE", "ALLCAV", "ETOTAL"], "those that are not zero throughout");
+    let limits: Vec<&str> = run.charts[5].series.iter().map(|s| s.name.as_str()).collect();
+    assert!(limits.contains(&"accuracy of the motion") && limits.contains(&"a body comes to rest"), "{limits:?}");
     assert!(run.summary.get("history").is_none() && run.summary["ledger"]["effects"].is_array());
     assert_eq!(run.summary["scene"]["targets"][0]["layers"][0], json!({"material": "AL6061", "thickness": 0.5}));
 
@@ -78,7 +85,10 @@ fn a_deformable_run_brings_its_shape_and_the_element_that_limits() {
     let names: Vec<&str> = meridian.fields.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(&names[..3], ["MISES", "PEEQ", "|V|"]);
     assert!(!names.contains(&"S_MISES"), "not twice");
-    assert!(run.summary["steps"][0]["limiting_element"].is_string());
+    let shortest = run.summary["steps"][0]["limiting_element"].as_str().expect("an element");
+    let limits = run.charts.iter().find(|c| c.title == "Increment").expect("a chart");
+    let name = format!("element {shortest}");
+    assert!(limits.series.iter().any(|s| s.name == name || s.words.contains(&name)), "{limits:?}");
     let velocity = meridian.fields.iter().find(|f| f.name == "V2").expect("a field");
     assert!((velocity.low + 227.0).abs() < 23.0, "the bar starts at -227: {}", velocity.low);
 }
@@ -184,7 +194,9 @@ fn charts_and_pictures_on_the_command_line() {
     };
     let columns = svg(&["--column", "u2@ref", "--column", "V2@REF"]);
     assert!(columns.contains("U2@REF") && columns.contains("V2@REF"));
-    assert!(svg(&["--energy"]).contains("ALLCAV"));
+    assert!(svg(&["--energy"]).contains("opening the cavity"));
+    let named = svg(&["--column", "U2@REF", "--label", "U2@REF=depth of the tip"]);
+    assert!(named.contains("depth of the tip") && !named.contains("U2@REF"));
     // Twenty facets on both sides of the axis, and the axis.
     let picture = svg(&["--field", "PRESSURE", "--frame", "3"]);
     assert_eq!(picture.matches("<path").count(), 2 * 20 + 1);
@@ -198,11 +210,48 @@ fn charts_and_pictures_on_the_command_line() {
         (&["--energy"], "b.gif", ".png or .svg"),
         (&["--energy", "--frame", "1"], "b.png", "--frame"),
         (&[], "b.png", "--energy"),
+        (&["--column", "U2@REF", "--label", "V2@REF=speed"], "b.png", "there is no quantity `V2@REF`"),
+        (&["--column", "U2@REF", "--label", "depth"], "b.png", "COLUMN=TEXT"),
     ] {
         let (status, message, bytes) = draw(arguments, file);
         assert_eq!(status, Some(2), "{arguments:?}");
         assert!(message.contains(word) && bytes.is_empty(), "{message}");
     }
+}
+
+/// A curve that is the run itself, shifted, is told with just that deviation, in the chart's command and in the report.
+#[test]
+fn reference_curves_are_compared_by_their_rms() {
+    let (folder, out) = folder();
+    common::run_ogive(folder.path(), &[]);
+    let history = std::fs::read_to_string(folder.path().join("ogive_history.csv")).expect("a history");
+    let column = history.lines().next().and_then(|h| h.split(',').position(|c| c == "U2@REF")).expect("a column");
+    let shifted = |line: &str| {
+        let fields: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
+        format!("{},{}\n", fields[0], fields[column] + 1.5e-3)
+    };
+    let curve: String = history.lines().skip(1).step_by(7).map(shifted).collect();
+    let file = folder.path().join("curve.csv");
+    let put = |head: &str, tail: &str| std::fs::write(&file, format!("{head}\n{curve}{tail}")).expect("a file");
+    put("time,u2@ref", "1.,0.\n");
+    let file = file.to_str().expect("a name");
+    let picture = folder.path().join("chart.svg");
+    let arguments =
+        ["chart", &out, "--column", "U2@REF", "--compare", file, "--out", picture.to_str().expect("a name")];
+    let output = revolve(&arguments);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("rms deviation of U2@REF from the reference: 1.50000e-3"), "{told}");
+    assert!(told.contains("times outside the run: 1"), "{told}");
+    assert!(std::fs::read_to_string(&picture).expect("a picture").contains("U2@REF, reference"));
+    let label = ["--label", "U2@REF=depth"];
+    let output = revolve(&[&["report", &out, "--compare", file][..], &label].concat());
+    assert!(String::from_utf8_lossy(&output.stdout).contains("1.50000e-3"), "{output:?}");
+    let html = std::fs::read_to_string(folder.path().join("report.html")).expect("a page");
+    assert!(html.contains("U2@REF, reference") && html.contains("\"name\":\"depth\""));
+    put("time,U2@TIPP", "");
+    let output = revolve(&["report", &out, "--compare", file]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && told.contains("the history has no column `U2@TIPP`"), "{told}");
 }
 
 /// Ten by ten elements under forces on single nodes live by their hourglass control: told where results are looked at.
@@ -217,45 +266,10 @@ fn energies_out_of_bounds_are_told_in_output_summary_and_report() {
     assert!(told.contains("since time") && told.contains("The mesh is folded most in element"), "{told}");
     assert!(message.contains(&told) && report::html(&page).expect("a page").contains("ALLAE is "));
 
-    let Some(browser) = browser() else { return };
+    let Some(mut browser) = Browser::start() else { return };
     assert!(revolve(&["report", &out]).status.success());
-    let result = self_test(&browser, &folder.path().join("report.html"));
+    let result = browser.self_test(&folder.path().join("report.html"), DESK);
     assert_eq!((&result["faults"], &result["warnings"]), (&json!([]), &json!([told])));
-}
-
-/// A browser without a window, or `None` after saying so. In CI it must be there.
-fn browser() -> Option<PathBuf> {
-    let names = ["chromium", "google-chrome", "chromium-browser", "chrome"];
-    let runs = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
-    let found = names.iter().find(runs).map(PathBuf::from);
-    assert!(found.is_some() || std::env::var_os("CI").is_none(), "in CI chromium must be installed");
-    if found.is_none() {
-        println!("left out: the report in a browser (no chromium)");
-    }
-    found
-}
-
-/// What the page's own test wrote into it.
-fn self_test(browser: &Path, page: &Path) -> Value {
-    self_test_at(browser, page, 1400)
-}
-
-/// The same on a screen of so many points.
-fn self_test_at(browser: &Path, page: &Path, width: u32) -> Value {
-    let profile = tempfile::tempdir().expect("a folder");
-    let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"])
-        .arg(format!("--window-size={width},900"))
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg("--dump-dom")
-        .arg(format!("file://{}#selftest", page.display()))
-        .output()
-        .expect("the browser runs");
-    let text = String::from_utf8_lossy(&output.stdout);
-    let start = text.find("<pre id=\"selftest\">").expect("the page tested itself") + "<pre id=\"selftest\">".len();
-    let end = start + text[start..].find("</pre>").expect("its end");
-    let words = text[start..end].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
-    serde_json::from_str(&words).expect("JSON")
 }
 
 #[test]
@@ -269,11 +283,8 @@ fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
     let arguments =
         ["sweep", "input/ogive.inp", "--quiet", "--set", sweep, "--quantity", quantity, "--compare", reference];
     assert!(revolve(&[&arguments[..], &["--out", &out]].concat()).status.success());
-    let study = json!({"quantity": quantity, "levels": [
-        {"n": 10, "value": 64.9, "error": 0.09, "seconds": 0.001, "pareto": true},
-        {"n": 20, "value": 64.85, "error": 0.02, "seconds": 0.002, "pareto": true},
-    ]});
-    std::fs::write(folder.path().join("ogive_study.json"), study.to_string()).expect("a file");
+    let study = ["study", "input/ogive.inp", "--quiet", "--refine", "n=5,10,20", "--quantity", quantity];
+    assert!(revolve(&[&study[..], &["--out", &out]].concat()).status.success());
     let output = revolve(&["report", &out]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let page = folder.path().join("report.html");
@@ -285,16 +296,23 @@ fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
         assert_eq!(found, usize::from(reference == "http:"), "{reference}");
     }
 
-    let Some(browser) = browser() else { return };
-    let result = self_test(&browser, &page);
+    let Some(mut browser) = Browser::start() else { return };
+    let result = browser.self_test(&page, DESK);
     assert_eq!(result["faults"], json!([]));
-    assert_eq!(result["requests"], json!([]), "nothing is fetched");
+    assert_eq!((&result["requests"], &browser.requests[..]), (&json!([]), &[][..]), "nothing is fetched");
+    assert!(browser.errors.is_empty(), "{:?}", browser.errors);
     assert_eq!(result["not_a_number"], false);
-    // Four charts of the ogive, five of the bar, the sweep's and the study's.
-    assert_eq!(result["charts"], 11);
-    assert_eq!(result["tips"], 11, "every chart answers to its cursor");
-    assert_eq!(result["lines"], 6 + 11 + 1 + 1);
-    assert_eq!(result["points"], 3 * 3 + 2 * 2, "runs, experiment, the paper's; the price list and its front");
+    // Six charts of the ogive, seven of the bar, the sweep's and the study's two.
+    assert_eq!(result["charts"], 16);
+    assert_eq!(result["tips"], 16, "every chart answers to its cursor");
+    let list = |key: &str| result[key].as_array().expect("a list").clone();
+    assert!(list("axes").iter().all(|n| *n == 2) && list("ticks").iter().all(|n| n.as_u64() >= Some(6)));
+    for zoom in list("zooms") {
+        let [near, whole] = [0, 1].map(|i| zoom[i].as_f64().expect("a part"));
+        assert!((0.15..0.35).contains(&near) && (whole - 1.0).abs() < 1e-9, "{zoom}");
+    }
+    assert_eq!(result["areas"], 2 + 5, "kinetic and cavity; the bar's five energies");
+    assert!(result["legends"].as_u64() >= Some(40), "{}", result["legends"]);
     let meridians = result["meridians"].as_array().expect("pictures");
     assert_eq!(meridians.len(), 2);
     // The projectile rests from 221 microseconds on: frames 0 to 4 move, the fifth and all after it are the same.
@@ -306,7 +324,8 @@ fn the_page_draws_itself_in_a_browser_and_fetches_nothing() {
     );
 }
 
-/// On a telephone and on a desk, with units: nothing is cut off or too small to read, lines can be switched off and taken away.
+/// On a telephone and on a desk, by day and by night, with units: nothing is cut off, too small or too pale to read, lines can be
+/// switched off and taken away, and the body is there to be seen.
 #[test]
 fn the_page_is_readable_on_any_screen_and_names_units() {
     let (folder, out) = folder();
@@ -315,17 +334,52 @@ fn the_page_is_readable_on_any_screen_and_names_units() {
     std::fs::write(&path, deck.replacen("*Parameter", "*Units\n m, kg, s\n*Parameter", 1)).expect("a deck");
     let deck = path.to_str().expect("a name");
     assert!(run(deck, &out, &["nr=4", "nz=20"]).status.success());
+    let ablation = ["study", "input/ogive.inp", "--quiet", "--ablate", "--refine", "n=5,10", "--out", &out];
+    assert!(revolve(&[&ablation[..], &["--quantity", "-1000*final(U2@REF)"]].concat()).status.success());
     assert!(revolve(&["report", &out]).status.success());
-    let Some(browser) = browser() else { return };
-    for width in [420, 1400] {
-        let result = self_test_at(&browser, &folder.path().join("report.html"), width);
-        assert_eq!(result["faults"], json!([]), "{width}");
-        assert!(result["overflow"].as_i64().is_some_and(|o| o <= 0), "{width}: {result}");
-        assert!(result["smallest_text"].as_f64().is_some_and(|s| s >= 10.5), "{width}: {}", result["smallest_text"]);
+    let page = folder.path().join("report.html");
+    let Some(mut browser) = Browser::start() else { return };
+    for view in [420, 1000, 1400].into_iter().flat_map(|width| [false, true].map(|dark| View { width, dark })) {
+        let result = browser.self_test(&page, view);
+        assert_eq!((&result["faults"], &result["width"]), (&json!([]), &json!(view.width)), "{view:?}");
+        assert!(
+            browser.errors.is_empty() && browser.requests.is_empty(),
+            "{:?} {:?}",
+            browser.errors,
+            browser.requests
+        );
+        assert_eq!((&result["overflow"], &result["wide"]), (&json!(0), &json!([])), "{view:?}");
+        assert!(result["smallest_text"].as_f64().is_some_and(|s| s >= 11.0), "{view:?}: {}", result["smallest_text"]);
+        // WCAG 2, level AA.
+        assert!(result["contrast"][0].as_f64().is_some_and(|c| c >= 4.5), "{view:?}: {}", result["contrast"]);
         assert_eq!(result["switched"], 1, "one line is switched off");
+        assert!(result["effects"].as_u64() >= Some(2), "{}", result["effects"]);
         let fields: Vec<u64> = result["csv"].as_array().expect("lines").iter().filter_map(Value::as_u64).collect();
         assert!(fields.len() > 20 && fields.iter().all(|n| *n == fields[0]), "{fields:?}");
         let labels = result["y_labels"].to_string();
-        assert!(labels.contains("energy, J") && labels.contains("U2, m\""), "{labels}");
+        assert!(labels.contains("energy, J") && labels.contains("U2, 10⁻³ m\""), "{labels}");
+        look_at(&mut browser, &page, view);
+    }
+}
+
+/// The picture of the page: its ground by day and by night, a body in colours, lines in theirs.
+fn look_at(browser: &mut Browser, page: &Path, view: View) {
+    browser.open(page, "", view);
+    let ground = browser.picture("header");
+    let light = ground.pixels()[0].red() > 128;
+    assert_eq!(light, !view.dark, "{view:?}");
+    // Colours of viridis and of lines are far from grey.
+    let coloured = |picture: &Pixmap| {
+        let is_coloured = |p: &&PremultipliedColorU8| {
+            let [low, high] = [u8::min, u8::max].map(|f| f(f(p.red(), p.green()), p.blue()));
+            high - low > 40
+        };
+        picture.pixels().iter().filter(is_coloured).count() as f64 / picture.pixels().len() as f64
+    };
+    let meridian = browser.picture("canvas");
+    assert!(coloured(&meridian) > 0.05, "{view:?}: the body is {} of its picture", coloured(&meridian));
+    for selector in [".charts .plot", ".charts .card:nth-child(2) .plot"] {
+        let chart = browser.picture(selector);
+        assert!(coloured(&chart) > 0.002 && chart.width() > 240, "{view:?}: {selector} {}", coloured(&chart));
     }
 }

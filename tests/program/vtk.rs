@@ -7,7 +7,7 @@ use vtkio::Vtk;
 use crate::common;
 
 /// Python with the vtk wheel, or `None` after saying so. In CI it must be there.
-fn python() -> Option<String> {
+pub fn python() -> Option<String> {
     let python = std::env::var("REVOLVE_PYTHON").unwrap_or_else(|_| "python3".into());
     let found = Command::new(&python).args(["-c", "import vtkmodules"]).output().is_ok_and(|o| o.status.success());
     assert!(found || std::env::var_os("CI").is_none(), "in CI the vtk wheel must be installed");

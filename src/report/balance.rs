@@ -1,0 +1,124 @@
+//! The energy balance as areas on top of each other: what is stored below, what is dissipated above, and as a line what came in.
+//! Never here: the balance itself (`solve::energy`), reading files.
+
+use super::data::{Chart, Series};
+use super::history::History;
+use super::shorten;
+use super::units::Names;
+use crate::study::chart::Form;
+
+/// Title of the chart.
+pub const TITLE: &str = "Energy balance";
+/// Energies from the bottom of the stack up: column and name. ALLIE is the sum of what is recoverable, plastic and artificial.
+const STORED: [(&str, &str); 2] = [("ALLKE", "kinetic"), ("ALLSE", "elastic")];
+const DISSIPATED: [(&str, &str); 8] = [
+    ("ALLPD", "plastic"),
+    ("ALLAE", "hourglass control"),
+    ("ALLVD", "bulk viscosity"),
+    ("ALLFD", "friction"),
+    ("ALLCW", "contact"),
+    ("ALLPW", "penalty springs"),
+    ("ALLDC", "distortion control"),
+    ("ALLCAV", "opening the cavity"),
+];
+/// Parts of ALLIE.
+const INTERNAL: [&str; 3] = ["ALLSE", "ALLPD", "ALLAE"];
+/// Rows that are drawn: all areas have the same.
+const ROWS: usize = 300;
+/// An energy below this part of the largest is no area that one sees.
+const VISIBLE: f64 = 1e-4;
+
+/// Columns that the balance reads.
+pub fn columns() -> impl Iterator<Item = &'static str> {
+    STORED.into_iter().chain(DISSIPATED).map(|c| c.0).chain(["ALLIE", "ALLWK", "ETOTAL"])
+}
+
+/// The balance of a history; `None` where it holds fewer than two energies.
+pub fn chart(history: &History, units: &Names) -> Option<Chart> {
+    let rows = rows(history.times.len());
+    let of = |column: &str| -> Option<Vec<f64>> {
+        history.columns.get(column).map(|values| rows.iter().map(|&i| values[i]).collect())
+    };
+    let stored = STORED.into_iter().filter_map(|(column, name)| Some((name, of(column)?)));
+    let dissipated = DISSIPATED.into_iter().filter_map(|(column, name)| Some((name, of(column)?)));
+    let mut parts: Vec<(&str, Vec<f64>)> =
+        stored.chain(rest(&of).map(|rest| ("other internal", rest))).chain(dissipated).collect();
+    let largest = parts.iter().flat_map(|p| &p.1).fold(0.0_f64, |m, v| m.max(v.abs()));
+    parts.retain(|(_, values)| values.iter().any(|v| v.abs() > VISIBLE * largest));
+    if parts.len() < 2 || rows.len() < 2 {
+        return None;
+    }
+    let times: Vec<f64> = rows.iter().map(|&i| shorten(history.times[i])).collect();
+    let series = |name: &str, values: Vec<f64>, form: Form| Series {
+        name: name.into(),
+        form,
+        x: times.clone(),
+        y: values.into_iter().map(shorten).collect(),
+        words: Vec::new(),
+    };
+    let mut all: Vec<Series> = parts.into_iter().map(|(name, values)| series(name, values, Form::Area)).collect();
+    if let Some(supplied) = supplied(&of) {
+        all.push(series("start + work of loads", supplied, Form::Guide));
+    }
+    Some(Chart {
+        title: TITLE.into(),
+        x_label: "time".into(),
+        y_label: "energy".into(),
+        units: units.over_time("Energy"),
+        words: "stored below, dissipated above".into(),
+        series: all,
+        ..Chart::default()
+    })
+}
+
+/// Rows at even distances, the first and the last among them.
+fn rows(count: usize) -> Vec<usize> {
+    if count <= ROWS {
+        return (0..count).collect();
+    }
+    (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect()
+}
+
+/// What of ALLIE no column tells.
+fn rest(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let mut rest = of("ALLIE")?;
+    for part in INTERNAL.into_iter().filter_map(of) {
+        rest.iter_mut().zip(part).for_each(|(rest, part)| *rest -= part);
+    }
+    Some(rest)
+}
+
+/// The sum at the start with the work of loads and motions since: what the areas must come to.
+fn supplied(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let initial = *of("ETOTAL")?.first()?;
+    let work = of("ALLWK")?;
+    Some(work.into_iter().map(|work| initial + work).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_come_to_what_was_supplied() {
+        let columns = [
+            ("ALLKE", vec![10.0, 4.0, 1.0]),
+            ("ALLIE", vec![0.0, 5.0, 4.0]),
+            ("ALLPD", vec![0.0, 3.0, 4.5]),
+            ("ALLWK", vec![0.0, -1.0, -5.0]),
+            ("ETOTAL", vec![10.0, 10.0, 10.0]),
+        ];
+        let columns = columns.into_iter().map(|(name, values)| (name.to_owned(), values)).collect();
+        let history = History { times: vec![0.0, 1.0, 2.0], columns };
+        let chart = chart(&history, &Names::default()).expect("a chart");
+        let names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["kinetic", "other internal", "plastic", "start + work of loads"]);
+        let (areas, line) = chart.series.split_at(3);
+        for i in 0..3 {
+            let sum: f64 = areas.iter().map(|a| a.y[i]).sum();
+            assert!((sum - line[0].y[i]).abs() < 1e-12, "{i}");
+        }
+        assert_eq!(areas[1].y[2], -0.5, "what is below zero stays below");
+        assert!(super::chart(&History::default(), &Names::default()).is_none());
+    }
+}

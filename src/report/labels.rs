@@ -1,0 +1,112 @@
+//! Names that the user gives to quantities, for charts and tables: `COLUMN=TEXT`.
+//! Never here: what a column holds.
+
+use super::data::{Chart, Page, Table};
+use crate::deck::names::nearest;
+
+/// Names of quantities: a history column (`U2@REF`), a variable or field (`MISES`), or a column of a sweep or study.
+#[derive(Clone, Debug, Default)]
+pub struct Labels(Vec<(String, String)>);
+
+impl Labels {
+    /// Reads `COLUMN=TEXT`.
+    ///
+    /// # Errors
+    /// In words, where one is of another form.
+    pub fn parse(words: &[String]) -> Result<Labels, String> {
+        let pair = |word: &String| match word.split_once('=') {
+            Some((column, text)) if !column.trim().is_empty() && !text.trim().is_empty() => {
+                Ok((column.trim().to_owned(), text.trim().to_owned()))
+            }
+            _ => Err(format!("--label {word}: COLUMN=TEXT is expected, such as U2@REF=depth")),
+        };
+        words.iter().map(pair).collect::<Result<_, _>>().map(Labels)
+    }
+
+    /// What a quantity is called; itself where nothing is said.
+    pub fn of<'a>(&'a self, name: &'a str) -> &'a str {
+        self.0.iter().find(|(column, _)| column.eq_ignore_ascii_case(name)).map_or(name, |(_, text)| text)
+    }
+
+    /// Refuses what names nothing.
+    ///
+    /// # Errors
+    /// In words, with the nearest that there is.
+    pub fn check(&self, known: &[String]) -> Result<(), String> {
+        let there = |column: &str| known.iter().any(|k| k.eq_ignore_ascii_case(column));
+        match self.0.iter().find(|(column, _)| !there(column)) {
+            None => Ok(()),
+            Some((column, text)) => {
+                let like = nearest(column, known.iter().map(String::as_str));
+                let hint = like.map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+                Err(format!("--label {column}={text}: there is no quantity `{column}`{hint}"))
+            }
+        }
+    }
+
+    /// Puts the names into a page.
+    ///
+    /// # Errors
+    /// In words, where one names nothing on it.
+    pub(super) fn put(&self, page: &mut Page) -> Result<(), String> {
+        if self.0.is_empty() {
+            return Ok(());
+        }
+        self.check(&names(page))?;
+        for run in &mut page.runs {
+            run.charts.iter_mut().for_each(|chart| self.name(chart));
+            run.columns.iter_mut().for_each(|column| column.name = self.of(&column.name).to_owned());
+            let fields = run.meridian.iter_mut().flat_map(|m| &mut m.fields);
+            fields.for_each(|field| field.name = self.of(&field.name).to_owned());
+        }
+        for table in page.sweeps.iter_mut().chain(page.studies.iter_mut().map(|s| &mut s.table)) {
+            table.charts.iter_mut().for_each(|chart| self.name(chart));
+            table.header.iter_mut().for_each(|name| *name = self.of(name).to_owned());
+        }
+        Ok(())
+    }
+
+    fn name(&self, chart: &mut Chart) {
+        for name in [&mut chart.title, &mut chart.x_label, &mut chart.y_label] {
+            *name = self.of(name).to_owned();
+        }
+        chart.series.iter_mut().for_each(|series| series.name = self.of(&series.name).to_owned());
+    }
+}
+
+/// All quantities of a page.
+fn names(page: &Page) -> Vec<String> {
+    let of_chart = |chart: &Chart| {
+        let series = chart.series.iter().map(|s| s.name.clone());
+        series.chain([chart.title.clone(), chart.x_label.clone(), chart.y_label.clone()]).collect::<Vec<_>>()
+    };
+    let of_table = |table: &Table| {
+        let charts = table.charts.iter().flat_map(of_chart);
+        charts.chain(table.header.iter().cloned()).collect::<Vec<_>>()
+    };
+    let mut names: Vec<String> = Vec::new();
+    for run in &page.runs {
+        names.extend(run.charts.iter().flat_map(of_chart));
+        names.extend(run.columns.iter().map(|c| c.name.clone()));
+        names.extend(run.meridian.iter().flat_map(|m| &m.fields).map(|f| f.name.clone()));
+    }
+    names.extend(page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table)).flat_map(of_table));
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_name_what_is_there() {
+        let labels = Labels::parse(&["u2@ref = depth, m".into()]).expect("labels");
+        assert_eq!([labels.of("U2@REF"), labels.of("V2@REF")], ["depth, m", "V2@REF"]);
+        assert!(labels.check(&["U2@REF".into()]).is_ok());
+        let message = labels.check(&["U2@REFF".into()]).expect_err("nothing of this name");
+        assert!(message.contains("did you mean `U2@REFF`?"), "{message}");
+        for wrong in ["depth", "=depth", "U2@REF="] {
+            assert!(Labels::parse(&[wrong.into()]).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! The manual as its readers walk it: pages are bound, links and anchors lead somewhere, common questions are two clicks from the
+//! front page, pictures are small and made by the commands beside them, and the book builds.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::browser::{Browser, View};
+use crate::common::project;
+
+/// Largest picture, bytes.
+const PICTURE: u64 = 150_000;
+
+fn page(path: &str) -> String {
+    fs::read_to_string(project(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+/// All pages, by path from the project: the front page first.
+fn pages() -> Vec<String> {
+    let names = fs::read_dir(project("docs")).expect("pages").map(|e| e.expect("an entry").file_name());
+    let names = names.map(|n| format!("docs/{}", n.to_string_lossy())).filter(|n| n.ends_with(".md"));
+    [vec!["README.md".to_owned()], names.collect()].concat()
+}
+
+/// Lines that are not code.
+fn prose(text: &str) -> impl Iterator<Item = &str> {
+    let mut fenced = false;
+    text.lines().filter(move |line| {
+        let fence = line.starts_with("```");
+        fenced ^= fence;
+        !fence && !fenced && !line.starts_with("    ")
+    })
+}
+
+/// Where links and pictures of a page lead: path from the project and anchor. Addresses elsewhere are left out.
+fn links(path: &str) -> Vec<(String, String)> {
+    let text = page(path);
+    let folder = Path::new(path).parent().expect("a folder");
+    let targets = prose(&text).flat_map(|line| {
+        let plain: String = line.split('`').step_by(2).collect();
+        let ends = |mark: &str, end: char| -> Vec<String> {
+            plain.split(mark).skip(1).filter_map(|rest| Some(rest.split_once(end)?.0.to_owned())).collect()
+        };
+        [ends("](", ')'), ends("src=\"", '"')].concat()
+    });
+    let resolved = targets.filter(|t| !t.contains("://") && !t.starts_with("mailto:")).map(|target| {
+        let (file, anchor) = target.split_once('#').unwrap_or((&target, ""));
+        let file = if file.is_empty() { path.to_owned() } else { plain(&folder.join(file)) };
+        (file, anchor.to_owned())
+    });
+    resolved.collect()
+}
+
+/// A path without `..`.
+fn plain(path: &Path) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for part in path.components().map(|p| p.as_os_str().to_string_lossy().into_owned()) {
+        if part == ".." {
+            parts.pop();
+        } else {
+            parts.push(part);
+        }
+    }
+    parts.join("/")
+}
+
+/// Headings of a page by their anchors, as GitHub and mdBook make them.
+fn headings(path: &str) -> BTreeMap<String, String> {
+    let text = page(path);
+    let titles = prose(&text).filter(|l| l.starts_with('#')).map(|l| l.trim_start_matches('#').trim().to_owned());
+    let anchor = |title: &str| {
+        let kept =
+            title.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>();
+        kept.replace(' ', "-")
+    };
+    titles.map(|title| (anchor(&title), title)).collect()
+}
+
+/// Each page stands in the table of contents, and what it links to is there.
+#[test]
+fn the_book_holds_every_page() {
+    let listed: BTreeSet<String> = links("docs/SUMMARY.md").into_iter().map(|l| l.0).collect();
+    let pages: BTreeSet<String> =
+        pages().into_iter().filter(|p| p.starts_with("docs/") && !p.ends_with("SUMMARY.md")).collect();
+    assert!(pages.len() >= 18, "{pages:?}");
+    assert_eq!(listed, pages);
+}
+
+#[test]
+fn links_and_anchors_lead_somewhere() {
+    let mut wrong = Vec::new();
+    let mut count = 0;
+    for path in pages() {
+        for (file, anchor) in links(&path) {
+            count += 1;
+            let there = project(&file).exists();
+            let anchored = anchor.is_empty() || there && headings(&file).contains_key(&anchor);
+            if !there || !anchored {
+                wrong.push(format!("{path}: {file}#{anchor}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty() && count > 60, "{count} {wrong:#?}");
+}
+
+/// What users ask first: two clicks from the front page at most, on a heading that names it.
+#[test]
+fn common_questions_are_answered_within_two_clicks() {
+    let questions = [
+        ("Which outputs are there?", "docs/variables.md", "At nodes", "`U`"),
+        ("How do I see the body in 3-D?", "docs/paraview.md", "The body of revolution", "Rotational Extrusion"),
+        ("What force acts on a wall?", "docs/running.md", "Forces on walls and bodies", "SOF"),
+        ("Which mesh formats are read?", "docs/running.md", "Meshes", ".msh"),
+        ("Which units?", "docs/running.md", "Units", "*UNITS"),
+        ("How many threads?", "docs/running.md", "Threads", "--threads"),
+        ("How does a run go on?", "docs/restart.md", "Keeping the state", "--resume"),
+        ("How do I write my own load?", "docs/user-subroutines.md", "From an ABAQUS/Explicit job", "--user"),
+        ("How do I cite it?", "docs/running.md", "Citing", "CITATION.cff"),
+        ("How do I install it?", "docs/running.md", "Installing", "cargo install"),
+    ];
+    let first: BTreeSet<(String, String)> = links("README.md").into_iter().collect();
+    let pages = first.iter().filter(|l| l.0.ends_with(".md"));
+    let reached: BTreeSet<(String, String)> = pages.flat_map(|l| links(&l.0)).chain(first.clone()).collect();
+    for (question, file, heading, word) in questions {
+        let heads = headings(file);
+        let (anchor, title) =
+            heads.iter().find(|h| h.1.starts_with(heading)).unwrap_or_else(|| panic!("{question} {file}: {heading}"));
+        assert!(reached.contains(&(file.to_owned(), anchor.clone())), "{question} {file}#{anchor} is not reached");
+        let text = page(file);
+        let section = text.split(title.as_str()).last().expect("a section").split("\n## ").next().expect("its end");
+        assert!(section.contains(word), "{question} {file}, {heading}: no word of {word}");
+    }
+}
+
+/// The first command stands on the first screen of the front page.
+#[test]
+fn the_front_page_comes_to_the_first_run_on_its_first_screen() {
+    let text = page("README.md");
+    let (before, _) = text.split_once("\n    cargo run").expect("a command");
+    assert!(before.len() < 2000 && before.lines().count() < 25, "{} characters", before.len());
+    let pictures = text.matches("docs/gallery/").count();
+    assert!(pictures >= 2, "a body that deforms, and what accuracy costs");
+}
+
+#[test]
+fn pictures_of_the_gallery_are_small_and_made_by_what_stands_beside_them() {
+    let text = page("docs/gallery.md");
+    let commands: Vec<&str> = text.lines().filter_map(|l| l.strip_prefix("    ")).collect();
+    let shown: BTreeSet<String> = links("docs/gallery.md").into_iter().map(|l| l.0).collect();
+    let mut there = BTreeSet::new();
+    for entry in fs::read_dir(project("docs/gallery")).expect("pictures").map(|e| e.expect("an entry")) {
+        let name = format!("docs/gallery/{}", entry.file_name().to_string_lossy());
+        if name.ends_with(".png") {
+            let size = entry.metadata().expect("a file").len();
+            assert!((5_000..PICTURE).contains(&size), "{name}: {size} bytes");
+            assert!(commands.iter().any(|c| c.ends_with(&name)), "{name} is made by no command");
+            there.insert(name);
+        }
+    }
+    assert_eq!(shown, there);
+    for deck in commands.iter().flat_map(|c| c.split(' ')).filter(|w| w.ends_with(".inp")) {
+        assert!(project(deck).is_file(), "{deck}");
+    }
+}
+
+#[test]
+fn every_example_is_listed() {
+    let text = page("docs/examples.md");
+    for (folder, endings) in [("input", &["inp", "f", "f90"][..]), ("examples", &["rs", "py"])] {
+        for entry in fs::read_dir(project(folder)).expect("a folder").map(|e| e.expect("an entry")) {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let named = endings.iter().any(|e| name.ends_with(&format!(".{e}")));
+            assert!(!named || text.contains(&name), "{folder}/{name} is not in docs/examples.md");
+        }
+    }
+}
+
+/// The book as mdBook makes it: every page, a search that finds, letters that can be read by day and by night.
+#[test]
+fn the_book_builds_and_can_be_searched_and_read() {
+    let program = std::env::var("REVOLVE_MDBOOK").unwrap_or_else(|_| "mdbook".into());
+    let found = Command::new(&program).arg("--version").output().is_ok_and(|o| o.status.success());
+    assert!(found || std::env::var_os("CI").is_none(), "in CI mdbook must be installed");
+    if !found {
+        println!("left out: the book (no mdbook)");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = Command::new(program).args(["build", "-d"]).arg(folder.path()).arg(project("docs")).output();
+    let output = output.expect("mdbook runs");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && !told.contains("WARN") && !told.contains("ERROR"), "{told}");
+    for path in pages().iter().filter_map(|p| p.strip_prefix("docs/")).filter(|p| *p != "SUMMARY.md") {
+        let name = if path == "README.md" { "index.html".into() } else { path.replace(".md", ".html") };
+        assert!(folder.path().join(&name).is_file(), "{name}");
+    }
+    let Some(mut browser) = Browser::start() else { return };
+    for dark in [false, true] {
+        browser.open(&folder.path().join("tutorial.html"), "?search=Johnson", View { width: 420, dark });
+        let found = browser.value(
+            "(async () => { for (let i = 0; i < 200; i++) { const n = document.querySelectorAll('#mdbook-searchresults li, #searchresults li').length; \
+             if (n) return n; await new Promise(r => setTimeout(r, 50)); } return 0; })()",
+        );
+        assert!(found.as_u64() >= Some(2), "{found}");
+        assert!(browser.errors.is_empty(), "{:?}", browser.errors);
+        let light = browser.value("getComputedStyle(document.documentElement).backgroundColor.match(/\\d+/g)[0] > 128");
+        assert_eq!(light, !dark);
+        assert_eq!(browser.value("document.documentElement.scrollWidth <= innerWidth"), true);
+    }
+}
