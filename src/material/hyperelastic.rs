@@ -4,6 +4,7 @@
 
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
+use crate::kernel::transcendental::{exp, ln};
 use crate::material::strain_energy::{Compression, Principal, StrainEnergy};
 use crate::material::volumetric::{Squeeze, Stretch, Volumetric};
 use crate::state::archive::{Archive, Persist};
@@ -34,25 +35,36 @@ impl Deformed {
     /// With h, the gradient of the displacement increment in the middle of the increment, the deformation gradient becomes
     /// (1 + h/2)(1 - h/2)^-1 F: exact, since the middle lies halfway.
     #[inline(always)]
-    fn advance(&mut self, ask: &Stretch<'_>, l: usize) -> [f64; 5] {
+    fn advance(&mut self, ask: &Stretch<'_>) {
+        for l in 0..LANES {
+            let now = self.advanced(ask, l);
+            for i in 0..5 {
+                self.gradient[i][l] = now[i];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn of(&self, l: usize) -> [f64; 5] {
+        [0, 1, 2, 3, 4].map(|i| self.gradient[i][l])
+    }
+
+    #[inline(always)]
+    fn advanced(&self, ask: &Stretch<'_>, l: usize) -> [f64; 5] {
         let (a, d) = (0.5 * ask.strain[0][l], 0.5 * ask.strain[1][l]);
         let (b, c) = (0.5 * (ask.strain[3][l] + ask.spin[l]), 0.5 * (ask.strain[3][l] - ask.spin[l]));
-        let [rr, rz, zr, zz, hoop] = [0, 1, 2, 3, 4].map(|i| self.gradient[i][l]);
+        let [rr, rz, zr, zz, hoop] = self.of(l);
         // (1 - h/2)^-1 F, then (1 + h/2) times it.
         let per = 1.0 / ((1.0 - a) * (1.0 - d) - b * c);
         let (m_rr, m_rz) = (per * ((1.0 - d) * rr + b * zr), per * ((1.0 - d) * rz + b * zz));
         let (m_zr, m_zz) = (per * (c * rr + (1.0 - a) * zr), per * (c * rz + (1.0 - a) * zz));
-        let now = [
+        [
             (1.0 + a) * m_rr + b * m_zr,
             (1.0 + a) * m_rz + b * m_zz,
             c * m_rr + (1.0 + d) * m_zr,
             c * m_rz + (1.0 + d) * m_zz,
             hoop * (1.0 + 0.5 * ask.strain[2][l]) / (1.0 - 0.5 * ask.strain[2][l]),
-        ];
-        for i in 0..5 {
-            self.gradient[i][l] = now[i];
-        }
-        now
+        ]
     }
 }
 
@@ -71,13 +83,19 @@ impl Volumetric for NeoHooke {
     #[inline(always)]
     fn stretch(&self, state: &mut Deformed, ask: Stretch<'_>) {
         let (shear, bulk) = (2.0 * self.c10, 2.0 / self.d1);
+        state.advance(&ask);
+        let mut volume = [0.0; LANES];
         for l in 0..LANES {
-            let [rr, rz, zr, zz, hoop] = state.advance(&ask, l);
-            let j = (rr * zz - rz * zr) * hoop;
+            let [rr, rz, zr, zz, hoop] = state.of(l);
+            volume[l] = (rr * zz - rz * zr) * hoop;
+        }
+        // In a loop of its own: a call for each lane keeps the others from becoming vectors.
+        let thirds = volume.map(libm::cbrt);
+        for l in 0..LANES {
+            let ([rr, rz, zr, zz, hoop], j, third) = (state.of(l), volume[l], thirds[l]);
             let left = [rr * rr + rz * rz, zr * zr + zz * zz, hoop * hoop, rr * zr + rz * zz];
             let trace = left[0] + left[1] + left[2];
             // J^(-5/3); a volume that is not above zero gives not a number, and is found.
-            let third = libm::cbrt(j);
             let scale = if j > 0.0 { shear / (j * third * third) } else { f64::NAN };
             for i in 0..3 {
                 ask.deviator[i][l] = scale * (left[i] - trace * (1.0 / 3.0));
@@ -121,46 +139,73 @@ impl<E: StrainEnergy> Volumetric for Rubber<E> {
     /// The principal directions are those of B: two in the plane, which turn, and the hoop.
     #[inline(always)]
     fn stretch(&self, state: &mut Deformed, ask: Stretch<'_>) {
-        let known = 4.0 / 3.0 * self.shear;
-        let least = LEAST * (known + self.volume.initial());
+        state.advance(&ask);
+        let (mut volume, mut squares, mut turn) = ([0.0; LANES], [[0.0; LANES]; 3], [[0.0; LANES]; 2]);
         for l in 0..LANES {
-            let [rr, rz, zr, zz, hoop] = state.advance(&ask, l);
+            let [rr, rz, zr, zz, hoop] = state.of(l);
             let plane = rr * zz - rz * zr;
-            let j = plane * hoop;
+            volume[l] = plane * hoop;
             let (a, d, c) = (rr * rr + rz * rz, zr * zr + zz * zz, rr * zr + rz * zz);
             let half = 0.5 * (a - d);
             let radius = (half * half + c * c).sqrt();
             let first = 0.5 * (a + d) + radius;
-            // J^(-2/3); a volume that is not above zero gives not a number, and is found.
-            let third = libm::cbrt(j);
-            let scale = if j > 0.0 { 1.0 / (third * third) } else { f64::NAN };
-            let squares = [scale * first, scale * (plane * plane / first), scale * (hoop * hoop)];
-            let Principal { stress, stiffness } = self.shape.respond(squares);
-            let [pressing, slope] = self.volume.respond(j);
-            let per = 1.0 / j;
-            let [one, two, three] = stress.map(|t| per * t);
-            let (cosine, sine) = if radius > 0.0 { (half / radius, c / radius) } else { (0.0, 0.0) };
+            (squares[0][l], squares[1][l], squares[2][l]) = (first, plane * plane / first, hoop * hoop);
+            let per = if radius > 0.0 { 1.0 / radius } else { 0.0 };
+            (turn[0][l], turn[1][l]) = (half * per, c * per);
+        }
+        let scale = to_the_minus_two_thirds(&volume);
+        for list in &mut squares {
+            for l in 0..LANES {
+                list[l] *= scale[l];
+            }
+        }
+        let shape = self.shape.respond(&squares);
+        self.answer(&volume, &shape, &turn, ask);
+    }
+}
+
+impl<E: StrainEnergy> Rubber<E> {
+    #[inline(always)]
+    fn answer(&self, volume: &Lanes, shape: &Principal, turn: &[Lanes; 2], ask: Stretch<'_>) {
+        let known = 4.0 / 3.0 * self.shear;
+        let (least, softest) = (LEAST * (known + self.volume.initial()), LEAST * self.shear);
+        let [pressing, slope] = self.volume.respond(volume);
+        for l in 0..LANES {
+            let (j, pressing) = (volume[l], pressing[l]);
+            // A volume that is not above zero gives not a number, and is found.
+            let per = if j > 0.0 { 1.0 / j } else { f64::NAN };
+            let [one, two, three] = [0, 1, 2].map(|k| per * shape.stress[k][l]);
+            let stiffness = [0, 1, 2].map(|k| shape.stiffness[k][l]);
             let (middle, apart) = (0.5 * (one + two), 0.5 * (one - two));
-            ask.deviator[0][l] = middle + apart * cosine;
-            ask.deviator[1][l] = middle - apart * cosine;
+            ask.deviator[0][l] = middle + apart * turn[0][l];
+            ask.deviator[1][l] = middle - apart * turn[0][l];
             ask.deviator[2][l] = three;
-            ask.deviator[3][l] = apart * sine;
+            ask.deviator[3][l] = apart * turn[1][l];
             ask.mean[l] = pressing;
             // Along a principal direction a wave has the modulus (dtau/de - tau)/J, tau the Kirchhoff stress and e the
             // logarithmic stretch; a tension is not counted, which makes it no less.
             let mut modulus = least;
-            for i in 0..3 {
-                let stress = per * stress[i] + pressing;
-                let along = per * stiffness[i] + pressing + j * slope - if stress < 0.0 { stress } else { 0.0 };
+            for (deviator, stiffness) in [one, two, three].into_iter().zip(stiffness) {
+                let stress = deviator + pressing;
+                let along = per * stiffness + pressing + j * slope[l] - if stress < 0.0 { stress } else { 0.0 };
                 modulus = if along <= modulus { modulus } else { along };
             }
             ask.bulk[l] = modulus - known;
             let mean = 0.25 * per * (stiffness[0] + stiffness[1] + stiffness[2]);
-            let softest = LEAST * self.shear;
             ask.shear[l] = if mean > softest { mean } else { softest };
             ask.heat[l] = 0.0;
         }
     }
+}
+
+/// J^(-2/3) of volumes above zero.
+#[inline(always)]
+fn to_the_minus_two_thirds(volume: &Lanes) -> Lanes {
+    let mut exponent = ln(volume);
+    for l in 0..LANES {
+        exponent[l] *= -2.0 / 3.0;
+    }
+    exp(&exponent)
 }
 
 /// The least modulus of a wave, over the initial one: rubber that softens still has an increment.

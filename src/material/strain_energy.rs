@@ -2,20 +2,28 @@
 //! (ABAQUS Analysis User's Guide, "Hyperelastic behavior of rubberlike materials"; Theory Guide, "Hyperelastic material
 //! behavior").
 //! Never here: deformation gradients, rotations.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::transcendental::{exp, ln};
 
 /// Answer of an energy in its principal directions, of the energy a volume at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principal {
     /// Derivative by the logarithm of each stretch: the deviator of the Kirchhoff stress.
-    pub stress: [f64; 3],
+    pub stress: [Lanes; 3],
     /// Second derivative by it.
-    pub stiffness: [f64; 3],
+    pub stiffness: [Lanes; 3],
+}
+
+impl Principal {
+    const NOTHING: Principal = Principal { stress: [[0.0; LANES]; 3], stiffness: [[0.0; LANES]; 3] };
 }
 
 /// Energy of a change of shape.
 pub trait StrainEnergy: Send + Sync + 'static {
     /// Its derivatives at these squares of the principal stretches, their product 1.
-    fn respond(&self, squares: [f64; 3]) -> Principal;
+    fn respond(&self, squares: &[Lanes; 3]) -> Principal;
 }
 
 /// The highest order of a polynomial.
@@ -28,41 +36,63 @@ pub struct Polynomial {
     pub terms: Vec<(f64, usize, usize)>,
 }
 
-/// x^i with its first and second derivative, for each order.
-#[inline(always)]
-fn powers(x: f64) -> [[f64; 3]; ORDER + 1] {
-    let mut list = [[0.0; 3]; ORDER + 1];
-    list[0][0] = 1.0;
-    for i in 1..=ORDER {
-        let [value, first, second] = list[i - 1];
-        list[i] = [value * x, first * x + value, second * x + 2.0 * first];
+/// Derivatives of a polynomial by the two invariants.
+struct ByInvariants {
+    first: [Lanes; 2],
+    /// By the first twice, by both, by the second twice.
+    second: [Lanes; 3],
+}
+
+impl Polynomial {
+    #[inline(always)]
+    fn derivatives(&self, i1: &Lanes, i2: &Lanes) -> ByInvariants {
+        let highest = self.terms.iter().fold(0, |most, term| most.max(term.1).max(term.2));
+        let [mut x, mut y] = [[[1.0; LANES]; ORDER + 1]; 2];
+        for i in 1..=highest {
+            for l in 0..LANES {
+                x[i][l] = x[i - 1][l] * (i1[l] - 3.0);
+                y[i][l] = y[i - 1][l] * (i2[l] - 3.0);
+            }
+        }
+        let mut sums = ByInvariants { first: [[0.0; LANES]; 2], second: [[0.0; LANES]; 3] };
+        for &(c, i, j) in &self.terms {
+            // Of x^i: the power, and its derivatives as powers with their factors.
+            let [a, b] = [i, j].map(|n| [n as f64, (n * n.saturating_sub(1)) as f64]);
+            let [f, g] = [(&x, i), (&y, j)].map(|(list, n)| [0, 1, 2].map(|less| &list[n.saturating_sub(less)]));
+            for l in 0..LANES {
+                sums.first[0][l] += c * (a[0] * f[1][l] * g[0][l]);
+                sums.first[1][l] += c * (b[0] * f[0][l] * g[1][l]);
+                sums.second[0][l] += c * (a[1] * f[2][l] * g[0][l]);
+                sums.second[1][l] += c * (a[0] * b[0] * f[1][l] * g[1][l]);
+                sums.second[2][l] += c * (b[1] * f[0][l] * g[2][l]);
+            }
+        }
+        sums
     }
-    list
 }
 
 impl StrainEnergy for Polynomial {
     #[inline(always)]
-    fn respond(&self, squares: [f64; 3]) -> Principal {
-        let inverse = squares.map(|x| 1.0 / x);
-        let trace = |x: [f64; 3]| x[0] + x[1] + x[2];
-        let (i1, i2) = (trace(squares), trace(inverse));
-        let (x, y) = (powers(i1 - 3.0), powers(i2 - 3.0));
-        let (mut u1, mut u2, mut u11, mut u12, mut u22) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for &(c, i, j) in &self.terms {
-            let ([f, f1, f2], [g, g1, g2]) = (x[i], y[j]);
-            u1 += c * f1 * g;
-            u2 += c * f * g1;
-            u11 += c * f2 * g;
-            u12 += c * f1 * g1;
-            u22 += c * f * g2;
+    fn respond(&self, squares: &[Lanes; 3]) -> Principal {
+        let (mut inverse, mut i1, mut i2) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let [a, b, c] = [0, 1, 2].map(|k| squares[k][l]);
+            let [d, e, f] = [a, b, c].map(|x| 1.0 / x);
+            (inverse[0][l], inverse[1][l], inverse[2][l]) = (d, e, f);
+            (i1[l], i2[l]) = (a + b + c, d + e + f);
         }
-        let mut answer = Principal { stress: [0.0; 3], stiffness: [0.0; 3] };
+        let ByInvariants { first: [u1, u2], second: [u11, u12, u22] } = self.derivatives(&i1, &i2);
+        let mut answer = Principal::NOTHING;
         for k in 0..3 {
-            // Derivatives of the invariants by the logarithm of a stretch of which a third is taken from each.
-            let (a, b) = (2.0 * (squares[k] - i1 * (1.0 / 3.0)), 2.0 * (i2 * (1.0 / 3.0) - inverse[k]));
-            let (aa, bb) = (4.0 / 9.0 * (3.0 * squares[k] + i1), 4.0 / 9.0 * (3.0 * inverse[k] + i2));
-            answer.stress[k] = u1 * a + u2 * b;
-            answer.stiffness[k] = (u11 * a * a + 2.0 * u12 * a * b + u22 * b * b) + (u1 * aa + u2 * bb);
+            for l in 0..LANES {
+                let (x, y, i1, i2) = (squares[k][l], inverse[k][l], i1[l], i2[l]);
+                // Derivatives of the invariants by the logarithm of a stretch of which a third is taken from each.
+                let (a, b) = (2.0 * (x - i1 * (1.0 / 3.0)), 2.0 * (i2 * (1.0 / 3.0) - y));
+                let (aa, bb) = (4.0 / 9.0 * (3.0 * x + i1), 4.0 / 9.0 * (3.0 * y + i2));
+                answer.stress[k][l] = u1[l] * a + u2[l] * b;
+                answer.stiffness[k][l] =
+                    (u11[l] * a * a + 2.0 * u12[l] * a * b + u22[l] * b * b) + (u1[l] * aa + u2[l] * bb);
+            }
         }
         answer
     }
@@ -77,15 +107,24 @@ pub struct Ogden {
 
 impl StrainEnergy for Ogden {
     #[inline(always)]
-    fn respond(&self, squares: [f64; 3]) -> Principal {
-        let logarithms = squares.map(libm::log);
-        let mut answer = Principal { stress: [0.0; 3], stiffness: [0.0; 3] };
+    fn respond(&self, squares: &[Lanes; 3]) -> Principal {
+        let logarithms = [ln(&squares[0]), ln(&squares[1]), ln(&squares[2])];
+        let mut answer = Principal::NOTHING;
         for &[mu, alpha] in &self.terms {
-            let power = logarithms.map(|l| libm::exp(0.5 * alpha * l));
-            let third = (power[0] + power[1] + power[2]) * (1.0 / 3.0);
-            for (k, power) in power.into_iter().enumerate() {
-                answer.stress[k] += 2.0 * mu / alpha * (power - third);
-                answer.stiffness[k] += 2.0 / 3.0 * mu * (power + third);
+            let power = [0, 1, 2].map(|k| {
+                let mut exponent = logarithms[k];
+                for l in 0..LANES {
+                    exponent[l] *= 0.5 * alpha;
+                }
+                exp(&exponent)
+            });
+            let (push, pull) = (2.0 * mu / alpha, 2.0 / 3.0 * mu);
+            for l in 0..LANES {
+                let third = (power[0][l] + power[1][l] + power[2][l]) * (1.0 / 3.0);
+                for k in 0..3 {
+                    answer.stress[k][l] += push * (power[k][l] - third);
+                    answer.stiffness[k][l] += pull * (power[k][l] + third);
+                }
             }
         }
         answer
@@ -107,14 +146,17 @@ impl Compression {
 
     /// First and second derivative by J.
     #[inline(always)]
-    pub fn respond(&self, j: f64) -> [f64; 2] {
-        let (mut first, mut second) = (0.0, 0.0);
+    pub fn respond(&self, j: &Lanes) -> [Lanes; 2] {
+        let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
         // (J - 1)^(2i - 2), and 2i.
-        let (mut power, mut order) = (1.0, 2.0);
+        let (mut power, mut order) = ([1.0; LANES], 2.0);
         for inverse in &self.inverse {
-            first += order * inverse * power * (j - 1.0);
-            second += order * (order - 1.0) * inverse * power;
-            power *= (j - 1.0) * (j - 1.0);
+            for l in 0..LANES {
+                let by = j[l] - 1.0;
+                first[l] += order * inverse * power[l] * by;
+                second[l] += order * (order - 1.0) * inverse * power[l];
+                power[l] *= by * by;
+            }
             order += 2.0;
         }
         [first, second]
@@ -123,7 +165,7 @@ impl Compression {
 
 #[cfg(test)]
 mod tests {
-    use super::{Compression, Ogden, Polynomial, Principal, StrainEnergy};
+    use super::{Compression, LANES, Ogden, Polynomial, StrainEnergy};
 
     /// Squares of stretches of product 1 from two logarithms; a third of the change of one is taken from each.
     fn squares(logarithms: [f64; 3]) -> [f64; 3] {
@@ -134,7 +176,8 @@ mod tests {
     /// The derivatives against differences of the energy itself.
     fn agrees(law: &impl StrainEnergy, energy: impl Fn([f64; 3]) -> f64) {
         for at in [[0.0, 0.0, 0.0], [0.6, -0.2, 0.1], [-0.4, 0.5, -0.9]] {
-            let Principal { stress, stiffness } = law.respond(squares(at));
+            let answer = law.respond(&squares(at).map(|square| [square; LANES]));
+            let [stress, stiffness] = [answer.stress, answer.stiffness].map(|list| list.map(|lanes| lanes[LANES - 1]));
             for k in 0..3 {
                 let moved = |by: f64| {
                     let mut l = at;
@@ -165,7 +208,7 @@ mod tests {
         });
         let volume = Compression { inverse: vec![10.0, 3.0] };
         let energy = |j: f64| 10.0 * (j - 1.0).powi(2) + 3.0 * (j - 1.0).powi(4);
-        let [first, second] = volume.respond(1.3);
+        let [first, second] = volume.respond(&[1.3; LANES]).map(|lanes| lanes[0]);
         assert!((first - (energy(1.3 + 1e-6) - energy(1.3 - 1e-6)) / 2e-6).abs() < 1e-6);
         assert!((second - (20.0 + 36.0 * 0.09)).abs() < 1e-12 && volume.initial() == 20.0);
     }

@@ -9,8 +9,8 @@ use indexmap::IndexMap;
 use crate::deck::files;
 use crate::output::csv;
 use crate::output::history::STEP;
-use crate::variables::statistic::Statistic;
 use crate::study::chart::Form;
+use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Place};
 
 use super::data::{Chart, Column, Series};

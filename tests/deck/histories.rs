@@ -8,7 +8,7 @@ use crate::common::{Memory, prepared};
 use revolve::job;
 use revolve::model::{OutputExpression, OutputRequest, Region};
 use revolve::solve;
-use revolve::study::quantity::Quantity;
+use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::Routines;
 use revolve::variables::Variable;
 use revolve::variables::statistic::Statistic;
@@ -149,10 +149,11 @@ fn expressions_are_columns_like_others() {
     assert_eq!(row.detail, "SHORTENING = -1000*(U2@TIP - U2@FOOT)");
     let quantity = Quantity::parse("at(SHORTENING, 0.01) + 0*final(shortening)").expect("a quantity");
     quantity.check(&prepared.plan).expect("its columns are there");
-    let mut recorder = quantity.recorder(&prepared.plan);
-    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut recorder);
+    let mut history = quantity.history(&prepared.plan);
+    let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut history);
     let own = Quantity::parse("-1000*(at(U2@TIP, 0.01) - at(U2@FOOT, 0.01))").expect("a quantity");
-    let [found, expected] = [&quantity, &own].map(|q| q.number(&recorder, None).expect("a number"));
+    let [found, expected] =
+        [&quantity, &own].map(|q| q.number(Finished { history: &history, end: None }).expect("a number"));
     assert!((found / expected - 1.0).abs() < 1e-12 && outcome.halt.is_none(), "{found} {expected}");
 }
 
