@@ -141,7 +141,9 @@ impl<'a> Builder<'a> {
         if self.record(card) {
             return;
         }
-        if card.keyword.tier == Tier::Used && !card.keyword.name.ends_with(" OUTPUT") {
+        let name = card.keyword.name;
+        let is_of_output = name.ends_with(" OUTPUT") || name == "OUTPUT EXPRESSION";
+        if card.keyword.tier == Tier::Used && !is_of_output {
             self.output = None;
         }
         self.current = card.span;

@@ -120,7 +120,7 @@ const SHORTENING: &str = "*Output, history, number interval=20\n*Node Output, ns
 #[test]
 fn expressions_are_what_they_say_in_each_row() {
     let (columns, memory) = run(&format!(
-        "{SHORTENING}*Output Expression\n shortening = -1000*(U2@TIP - u2@FOOT)\n\
+        "{SHORTENING}*Output Expression\n shortening = -1000*(U2@TIP - u2@FOOT)\n*Incrementation Output\n DT\n\
          *Output Expression\n Slope = max(SHORTENING, 0)/(1000*time)\n LOG=log(U2_MEAN@J1)\n"
     ));
     assert_eq!(columns[columns.len() - 3..], ["SHORTENING", "SLOPE", "LOG"]);
