@@ -7,7 +7,7 @@ use super::mesh_data::{Grouped, MeshFile};
 
 /// Reads a file's text.
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
-    let mut reader = Reader::default();
+    let mut reader = Reader { most: MEMBERS[0] + MEMBERS[1] * text.len(), ..Reader::default() };
     for (number, line) in text.lines().enumerate() {
         let line = line.trim();
         let done = if line.starts_with("**") || line.is_empty() {
@@ -21,6 +21,10 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     }
     reader.finish()
 }
+
+/// Members that sets may have together: so many, and so many a byte of the file. A few bytes name any number of them, by GENERATE or
+/// by sets of sets.
+const MEMBERS: [usize; 2] = [100_000, 64];
 
 /// What the lines below a card are.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,6 +46,9 @@ struct Reader {
     begun: Vec<i64>,
     nodes: HashMap<String, Vec<i64>>,
     elements: HashMap<String, Vec<i64>>,
+    /// Members that sets have so far, and may have.
+    members: usize,
+    most: usize,
 }
 
 /// Nodes and dimension of an element type of ABAQUS, by its name.
@@ -134,14 +141,25 @@ impl Reader {
                     let given = fields().map(whole).collect::<Result<Vec<_>, _>>()?;
                     let (first, last) = (given.first().copied().unwrap_or(0), given.get(1).copied().unwrap_or(0));
                     let step = given.get(2).copied().unwrap_or(1).max(1);
-                    members.extend((first..=last).step_by(step as usize).take(super::builder::MOST));
+                    // One more than there may be: the budget below tells.
+                    members.extend((first..=last).step_by(step as usize).take(self.most + 1));
                 } else {
                     for field in fields() {
                         match known.get(&field.to_uppercase()) {
                             Some(set) => members.extend(set),
                             None => members.push(whole(field)?),
                         }
+                        if members.len() > self.most {
+                            break;
+                        }
                     }
+                }
+                self.members += members.len();
+                if self.members > self.most {
+                    return Err(format!(
+                        "the sets have more than {} members, far beyond what a file of this length holds",
+                        self.most
+                    ));
                 }
                 let all = if of_nodes { &mut self.nodes } else { &mut self.elements };
                 all.entry(name.to_uppercase()).or_default().extend(&members);
