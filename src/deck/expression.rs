@@ -82,18 +82,12 @@ impl Expression {
     /// The same; what stands between the parentheses of the functions named in `raw_functions` is taken as it is
     /// (`final(U2@REF-1)`) and handed over as [`Argument::Raw`].
     pub fn parse_with(text: &str, raw_functions: &[&str]) -> Result<Expression, ExpressionError> {
-        if text.len() > LONGEST {
-            return Err(error(0..text.len(), format!("the expression is longer than {LONGEST} characters")));
-        }
         Reader { text, at: 0, depth: 0, raw_functions, long_names: &|_| 0, operations: Vec::new() }.read()
     }
 
     /// The same over names that hold more than letters, digits and `_`, such as `U2@BAR-1.TOP`: `long_names` tells how many bytes
     /// at the beginning of a text are one of them, 0 if it begins with none.
     pub fn parse_over(text: &str, long_names: &dyn Fn(&str) -> usize) -> Result<Expression, ExpressionError> {
-        if text.len() > LONGEST {
-            return Err(error(0..text.len(), format!("the expression is longer than {LONGEST} characters")));
-        }
         Reader { text, at: 0, depth: 0, raw_functions: &[], long_names, operations: Vec::new() }.read()
     }
 
@@ -258,6 +252,9 @@ struct Reader<'a> {
 impl Reader<'_> {
     /// All of the text.
     fn read(mut self) -> Result<Expression, ExpressionError> {
+        if self.text.len() > LONGEST {
+            return Err(error(0..self.text.len(), format!("the expression is longer than {LONGEST} characters")));
+        }
         self.expression(0)?;
         match self.peek() {
             None => Ok(Expression { operations: self.operations }),

@@ -76,6 +76,17 @@ impl History {
     }
 }
 
+/// What has these values at ascending times, at a time between two of them by a straight line; `None` outside.
+pub fn between(times: &[f64], value: impl Fn(usize) -> f64, time: f64) -> Option<f64> {
+    let after = times.partition_point(|t| *t < time);
+    if *times.get(after)? == time {
+        return Some(value(after));
+    }
+    let before = after.checked_sub(1)?;
+    let (u, v) = (value(before), value(after));
+    Some(u + (v - u) * (time - times[before]) / (times[after] - times[before]))
+}
+
 /// What a column came to over the rows shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ColumnSummary {

@@ -143,12 +143,10 @@ impl VtuWriter {
     /// Cells. Those of deleted elements have shrunk to a point: not all that draws in VTK heeds what is hidden
     /// (vtkGeometryFilter of 9.7 draws hidden cells of unstructured grids), and their nodes may have flown far apart.
     fn topology(&mut self, cells: &[Vec<usize>], deleted: &[bool]) {
-        let gone = |cell: usize| deleted.get(cell).copied().unwrap_or(false);
-        let corners = |(c, cell): (usize, &'_ Vec<usize>)| -> [usize; 4] {
-            std::array::from_fn(|i| cell.get(if gone(c) { 0 } else { i }).copied().unwrap_or_default())
-        };
-        let connectivity =
-            cells.iter().enumerate().flat_map(|cell| corners(cell).into_iter().take(cell.1.len())).map(|p| p as i64);
+        let connectivity = cells.iter().enumerate().flat_map(|(c, cell)| {
+            let point = cell.first().filter(|_| deleted.get(c) == Some(&true)).copied();
+            cell.iter().map(move |&p| point.unwrap_or(p) as i64)
+        });
         let offsets = cells.iter().scan(0, |sum, cell| {
             *sum += cell.len() as i64;
             Some(*sum)

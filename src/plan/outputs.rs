@@ -1,9 +1,10 @@
 //! Output requests as history columns, frame fields and schedules.
 //! Never here: files, the table of variables.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
-use indexmap::IndexMap;
+use indexmap::IndexSet;
 
 use super::general_contact::pair_name;
 use super::{Compiler, State};
@@ -583,10 +584,10 @@ fn column(part: Part, place: &str, source: Source) -> Column {
 
 /// Members of a set in the order of their numbers, instance by instance.
 fn by_number<'a>(members: &[usize], name: impl Fn(usize) -> &'a str) -> Vec<usize> {
-    let mut instances: IndexMap<&str, ()> = IndexMap::new();
+    let mut instances: IndexSet<&str> = IndexSet::new();
     let mut key = |member: &usize| {
         let (instance, number) = name(*member).rsplit_once('.').unwrap_or(("", name(*member)));
-        (instances.insert_full(instance, ()).0, number.parse().unwrap_or(u64::MAX))
+        (instances.insert_full(instance).0, number.parse().unwrap_or(u64::MAX))
     };
     let mut keyed: Vec<_> = members.iter().map(|member| (key(member), *member)).collect();
     keyed.sort();
@@ -595,14 +596,9 @@ fn by_number<'a>(members: &[usize], name: impl Fn(usize) -> &'a str) -> Vec<usiz
 
 /// Leaves of the nodes of each rigid body the first alone: they all show the reaction of the body.
 fn once_a_body(sources: &mut Vec<Source>) {
-    let mut seen = Vec::new();
+    let mut seen = HashSet::new();
     sources.retain(|source| match source {
-        Source::Body { body, .. } => {
-            !seen.contains(body) && {
-                seen.push(*body);
-                true
-            }
-        }
+        Source::Body { body, .. } => seen.insert(*body),
         _ => true,
     });
 }

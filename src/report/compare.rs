@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use super::history::{self, History};
-use crate::deck::names::nearest;
+use super::history::{self, History, hint};
+use crate::output::history::between;
 use crate::study::compare::{Reference, rms};
 
 /// A curve beside a history column.
@@ -50,9 +50,7 @@ pub fn curves(file: &Path, history: &Path) -> Result<Vec<Curve>, String> {
     let mut columns = Vec::new();
     for column in &reference.columns {
         let Some(name) = known.iter().find(|n| n.eq_ignore_ascii_case(column)) else {
-            let like = nearest(column, known.iter().map(String::as_str));
-            let hint =
-                like.map_or_else(|| format!("there are {}", known.join(", ")), |n| format!("did you mean `{n}`?"));
+            let hint = hint(column, &known);
             return Err(format!("--compare {}: the history has no column `{column}`; {hint}", file.display()));
         };
         columns.push(name.clone());
@@ -65,23 +63,18 @@ fn curve(reference: &Reference, index: usize, column: String, history: &History)
     let mut points: Vec<(f64, f64)> = reference.rows.iter().map(|row| (row.0, row.1[index])).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let values = history.columns.get(&column).map_or(&[][..], Vec::as_slice);
-    let deviation = |&(time, value): &(f64, f64)| Some(between(&history.times, values, time)? - value);
+    let deviation = |&(time, value): &(f64, f64)| Some(at(&history.times, values, time)? - value);
     let deviations: Vec<f64> = points.iter().filter_map(deviation).collect();
     Curve { rms: rms(&deviations), outside: points.len() - deviations.len(), column, points }
 }
 
-/// The value at a time, straight between rows; `None` outside.
-fn between(times: &[f64], values: &[f64], time: f64) -> Option<f64> {
+/// The value at a time; `None` outside.
+fn at(times: &[f64], values: &[f64], time: f64) -> Option<f64> {
     let (first, last) = (*times.first()?, *times.last()?);
     // Times of references are written with few digits.
     let near = 1e-6 * (last - first).abs();
-    if !(time >= first - near && time <= last + near) {
-        return None;
-    }
-    let i = times.partition_point(|t| *t <= time).clamp(1, times.len().max(2) - 1);
-    let (Some(&before), Some(&after)) = (times.get(i - 1), times.get(i)) else { return values.first().copied() };
-    let part = if after > before { ((time - before) / (after - before)).clamp(0.0, 1.0) } else { 0.0 };
-    Some(values[i - 1] + part * (values[i] - values[i - 1]))
+    let meant = time.clamp(first, last);
+    between(times, |row| values[row], if (meant - time).abs() <= near { meant } else { time })
 }
 
 #[cfg(test)]
@@ -91,12 +84,9 @@ mod tests {
     #[test]
     fn deviations_are_taken_between_rows() {
         let (times, values) = ([0.0, 1.0, 2.0], [0.0, 2.0, 2.0]);
-        assert_eq!(
-            [0.0, 0.25, 1.5, 2.0].map(|t| between(&times, &values, t)),
-            [Some(0.0), Some(0.5), Some(2.0), Some(2.0)]
-        );
-        assert_eq!([-1.0, 2.1].map(|t| between(&times, &values, t)), [None, None]);
-        assert_eq!((between(&[1.0], &[5.0], 1.0), between(&[], &[], 1.0)), (Some(5.0), None));
+        assert_eq!([0.0, 0.25, 1.5, 2.0].map(|t| at(&times, &values, t)), [Some(0.0), Some(0.5), Some(2.0), Some(2.0)]);
+        assert_eq!([-1.0, 2.1].map(|t| at(&times, &values, t)), [None, None]);
+        assert_eq!((at(&[1.0], &[5.0], 1.0), at(&[], &[], 1.0)), (Some(5.0), None));
         let columns = [("A".to_owned(), values.to_vec())].into_iter().collect();
         let history = History { times: times.to_vec(), columns };
         let reference =

@@ -7,6 +7,7 @@ use std::path::Path;
 use indexmap::IndexMap;
 
 use crate::deck::files;
+use crate::deck::names::nearest;
 use crate::output::csv;
 use crate::output::history::STEP;
 use crate::study::chart::Form;
@@ -41,6 +42,12 @@ pub fn names(path: &Path) -> Result<Vec<String>, String> {
     let mut names = header(path)?;
     names.drain(..leading(&names));
     Ok(names)
+}
+
+/// What may have been meant by a name that is not there.
+pub fn hint(wanted: &str, names: &[String]) -> String {
+    let like = nearest(wanted, names.iter().map(String::as_str));
+    like.map_or_else(|| format!("there are {}", names.join(", ")), |name| format!("did you mean `{name}`?"))
 }
 
 fn header(path: &Path) -> Result<Vec<String>, String> {

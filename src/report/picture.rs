@@ -10,7 +10,6 @@ use super::frames::{self, CELLS, Raw};
 use super::mesh::{bounds, drawn};
 use super::{Asked, ReportError, balance, compare};
 use super::{find, history};
-use crate::deck::names::nearest;
 use crate::output::sums::Sums;
 use crate::output::vtu::escape;
 use crate::study::axis::{self, ticks};
@@ -102,9 +101,7 @@ fn history_file(folder: &Path) -> Result<(String, std::path::PathBuf), String> {
 }
 
 fn missing(what: &str, wanted: &str, names: &[String]) -> String {
-    let like = nearest(wanted, names.iter().map(String::as_str));
-    let hint = like.map_or_else(|| format!("there are {}", names.join(", ")), |n| format!("did you mean `{n}`?"));
-    format!("there is no {what} `{wanted}`; {hint}")
+    format!("there is no {what} `{wanted}`; {}", history::hint(wanted, names))
 }
 
 /// A chart of a page as one of the command line.

@@ -7,6 +7,7 @@ use super::field::{Field, FieldName};
 use super::histories::{FUNCTIONS, parse, value};
 use crate::deck::expression::{Argument, Expression};
 use crate::output::History;
+use crate::output::history::between;
 use crate::plan::{Plan, State};
 use crate::state::Instant;
 
@@ -176,23 +177,13 @@ fn column(history: &History, name: &str) -> Result<usize, String> {
     history.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
 }
 
-/// A column at a time between two rows, by a straight line.
-fn between(history: &History, column: usize, time: f64) -> Result<f64, String> {
-    let times = history.times();
-    let after = times.partition_point(|t| *t < time);
-    let last = times.last().copied().unwrap_or(0.0);
-    if after == times.len() && time <= last * (1.0 + 1e-9) && after > 0 {
-        return Ok(history.cell(after - 1, column));
-    }
-    if after == times.len() || after == 0 && times[0] > time {
-        return Err(format!("no history row reaches the time {time:e}; the last is at {last:e}"));
-    }
-    if after == 0 || times[after] == time {
-        return Ok(history.cell(after, column));
-    }
-    let (a, b) = (times[after - 1], times[after]);
-    let (u, v) = (history.cell(after - 1, column), history.cell(after, column));
-    Ok(u + (v - u) * (time - a) / (b - a))
+/// A column at a time between two rows.
+fn row_between(history: &History, column: usize, time: f64) -> Result<f64, String> {
+    let last = history.times().last().copied().unwrap_or(0.0);
+    // The end of a run as people write it.
+    let meant = if time > last && time <= last * (1.0 + 1e-9) { last } else { time };
+    between(history.times(), |row| history.cell(row, column), meant)
+        .ok_or_else(|| format!("no history row reaches the time {time:e}; the last is at {last:e}"))
 }
 
 /// What can be said of an argument before any run.
@@ -221,15 +212,15 @@ fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a s
 
 fn at(history: &History, argument: &str) -> Result<f64, String> {
     let (name, [time]) = parts::<1>("at", argument)?;
-    between(history, column(history, name)?, time)
+    row_between(history, column(history, name)?, time)
 }
 
 /// Mean over time, by the trapezoid of the rows.
 fn mean(history: &History, argument: &str) -> Result<f64, String> {
     let (name, [from, to]) = parts::<2>("mean", argument)?;
     let (column, times) = (column(history, name)?, history.times());
-    let mut before = (from, between(history, column, from)?);
-    let end = (to, between(history, column, to)?);
+    let mut before = (from, row_between(history, column, from)?);
+    let end = (to, row_between(history, column, to)?);
     let inside = (0..times.len()).filter(|&i| times[i] > from && times[i] < to);
     let mut sum = 0.0;
     for (time, value) in inside.map(|i| (times[i], history.cell(i, column))).chain([end]) {

@@ -7,16 +7,15 @@
 
 use std::cell::Cell;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant};
 
 use hmac_sha256::Hash;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use revolve::job;
-use revolve::output::checkpoint::{Checkpoint, Identity};
+use revolve::output::checkpoint::Checkpoint;
 use revolve::output::vtu::VtuWriter;
-use revolve::solve::{self, Control, Every, Sink, SinkError};
+use revolve::solve::UnfitState;
 use revolve::user::Routines;
 
 #[path = "../fuzz/readers/mod.rs"]
@@ -295,29 +294,9 @@ fn mesh_files() {
     });
 }
 
-/// Keeps the first state and stops there.
-#[derive(Default)]
-struct First(Vec<u8>);
-
-impl Sink for First {
-    fn row(&mut self, _now: &solve::Instant, _values: &[f64]) -> Result<(), SinkError> {
-        Ok(())
-    }
-    fn keeps(&self) -> bool {
-        self.0.is_empty()
-    }
-    fn keep(&mut self, state: &[u8], _now: &solve::Instant) -> Result<(), SinkError> {
-        self.0 = state.to_vec();
-        Ok(())
-    }
-}
-
-/// Takes a state up in a plan and ends behind one increment; the increments behind, or why it does not fit.
-fn take_up(text: &str, control: Control<'_>) -> (Result<u64, String>, Vec<u8>) {
-    let prepared = common::prepared(text, &[], &Routines::none());
-    let mut first = First::default();
-    let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
-    (outcome.map(|(o, _)| o.increments).map_err(|e| e.to_string()), first.0)
+/// Takes a state up in the plan of a deck and ends behind one increment.
+fn take_up(text: &str, state: Option<&[u8]>) -> (Result<u64, UnfitState>, Vec<u8>) {
+    readers::one_increment(&common::prepared(text, &[], &Routines::none()), state)
 }
 
 /// Bytes changed at random, with a checksum that is right again: the file is refused with a reason, or it is the one that
@@ -326,24 +305,11 @@ fn take_up(text: &str, control: Control<'_>) -> (Result<u64, String>, Vec<u8>) {
 #[test]
 fn checkpoints() {
     let decks = [common::ogive(), std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck")];
-    let signal = AtomicUsize::new(15);
-    let end = Control { interrupt: Some(&signal), ..Control::default() };
-    let states = decks.each_ref().map(|text| {
-        let every = Some(Every::Increments(1));
-        take_up(text, Control { every, ..end }).1
-    });
+    let states = decks.each_ref().map(|text| take_up(text, None).1);
     assert!(states.iter().all(|s| s.len() > 100));
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("job.checkpoint");
-    let identity = Identity {
-        deck: "d".into(),
-        parameters: "p".into(),
-        mesh: "m".into(),
-        user: String::new(),
-        precision: "double".into(),
-    };
-    let version = env!("CARGO_PKG_VERSION").to_owned();
-    let whole = Checkpoint { version, identity, shown: vec![1, 2, 3], state: states[0].clone(), ..Default::default() };
+    let whole = readers::checkpoints::whole(states[0].clone());
     whole.clone().write(&path).expect("a file");
     let bytes = std::fs::read(&path).expect("bytes");
     let input = (any::<bool>(), any::<u32>(), any::<u32>(), any::<u8>(), changes());
@@ -370,9 +336,9 @@ fn checkpoints() {
         let cut = *length as usize % own.len();
         let longer = [&own[..], &other[..cut % other.len() + 1]].concat();
         for state in [&own[..cut], &longer[..], &other[..]] {
-            let (taken, _) = take_up(&decks[which], Control { state: Some(state), ..end });
+            let (taken, _) = take_up(&decks[which], Some(state));
             assert!(taken.is_err(), "a state of {} bytes where {} belong", state.len(), own.len());
         }
-        assert!(take_up(&decks[which], Control { state: Some(own), ..end }).0.is_ok());
+        assert!(take_up(&decks[which], Some(own)).0.is_ok());
     });
 }

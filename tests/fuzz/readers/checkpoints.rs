@@ -24,19 +24,23 @@ fn scene() -> &'static Scene {
         let prepared = job::prepare_text("fuzz.inp", deck, &few, &Routines::none());
         assert!(!prepared.diagnostics.has_errors());
         let state = super::one_increment(&prepared, None).1;
-        let identity = Identity {
-            deck: "d".into(),
-            parameters: "p".into(),
-            mesh: "m".into(),
-            user: String::new(),
-            precision: "double".into(),
-        };
-        let (version, shown) = (env!("CARGO_PKG_VERSION").to_owned(), vec![1, 2, 3]);
         let path = super::folder().join("whole.checkpoint");
-        let mut whole = Checkpoint { version, identity, shown, state: state.clone(), ..Default::default() };
-        whole.write(&path).expect("a file");
+        whole(state.clone()).write(&path).expect("a file");
         Scene { prepared, state, file: std::fs::read(path).expect("bytes") }
     })
+}
+
+/// A checkpoint of nobody's with this state.
+pub fn whole(state: Vec<u8>) -> Checkpoint {
+    let identity = Identity {
+        deck: "d".into(),
+        parameters: "p".into(),
+        mesh: "m".into(),
+        user: String::new(),
+        precision: "double".into(),
+    };
+    let (version, shown) = (env!("CARGO_PKG_VERSION").to_owned(), vec![1, 2, 3]);
+    Checkpoint { version, identity, shown, state, ..Default::default() }
 }
 
 /// Bytes with some put in place of others: place (two bytes), value.
@@ -60,7 +64,7 @@ pub fn read(data: &[u8]) {
             let kept = usize::from(u16::from_le_bytes([rest[0], rest[1]])) % scene.state.len();
             let state = [&scene.state[..kept], &rest[2..]].concat();
             if state.len() != scene.state.len() {
-                assert!(!super::one_increment(&scene.prepared, Some(&state)).0, "a state of another length");
+                assert!(super::one_increment(&scene.prepared, Some(&state)).0.is_err(), "a state of another length");
             }
         }
         1 => {}

@@ -20,6 +20,6 @@ pub fn read(data: &[u8]) {
     let _ = prepared.plan.ledger.render(false);
     let mesh = &prepared.plan.mesh;
     if !refused && mesh.points.len() + mesh.elements.len() < SMALL {
-        super::one_increment(&prepared, None);
+        let _ = super::one_increment(&prepared, None);
     }
 }

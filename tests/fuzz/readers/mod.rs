@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicUsize;
 
 use revolve::job::Prepared;
 use revolve::output::Frame;
-use revolve::solve::{self, Control, Every, Sink, SinkError};
+use revolve::solve::{self, Control, Every, Sink, SinkError, UnfitState};
 
 /// A folder of this process where files cost no disk.
 pub fn folder() -> PathBuf {
@@ -48,11 +48,11 @@ impl Sink for First {
     }
 }
 
-/// Ends a run behind its first increment; whether the state fits, and the state then.
-pub fn one_increment(prepared: &Prepared, state: Option<&[u8]>) -> (bool, Vec<u8>) {
+/// Ends a run behind its first increment; its increments or why the state does not fit, and the state then.
+pub fn one_increment(prepared: &Prepared, state: Option<&[u8]>) -> (Result<u64, UnfitState>, Vec<u8>) {
     let mut first = First::default();
     let signal = AtomicUsize::new(15);
     let control = Control { every: Some(Every::Increments(1)), interrupt: Some(&signal), state };
-    let fits = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control).is_ok();
-    (fits, first.0)
+    let outcome = solve::run_with(&prepared.plan, prepared.state.clone(), &mut first, control);
+    (outcome.map(|(outcome, _)| outcome.increments), first.0)
 }
