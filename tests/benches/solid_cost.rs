@@ -1,32 +1,63 @@
 //! Goal: what a whole increment of deformable elements costs, beside a plain scalar loop of the same arithmetic, in one run.
 //! Scene: the copper Taylor bar (CAX4R, von Mises with hardening, stiffness hourglass control, bulk viscosity, all energies)
-//! with 32 768 and 524 288 elements, fixed increments, one thread and two.
+//! with 2 000, 32 768 and 524 288 elements, fixed increments, by instruction set, one thread and two.
 //! The loop: `plain_solid`.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use revolve::deck;
-use revolve::job::{self, Prepared};
+use revolve::job::{self, Instructions, Prepared};
 use revolve::model::Precision;
 use revolve::user::Routines;
 
 use super::plain_solid::Bar;
 use crate::common;
 
-const ROUNDS: usize = 3;
+pub const ROUNDS: usize = 3;
 /// Length of an increment, seconds.
 const DT: f64 = 1e-9;
+/// Elements along r and z, and increments of the shorter of two runs.
+pub const SIZES: [([usize; 2], usize); 3] = [([20, 100], 800), ([128, 256], 300), ([512, 1024], 40)];
+/// By how much the other is longer.
+const LONGER: usize = 4;
 
-/// Nanoseconds an element and increment on so many threads, the best of some runs, and the energy of the motion.
-fn solver(nr: usize, nz: usize, increments: usize, threads: usize) -> (f64, f64) {
-    let prepare = || bar([nr, nz], increments, Precision::Double);
-    let best = (0..ROUNDS).map(|_| timed(prepare(), increments, threads)).min_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or((0.0, 0.0), |(seconds, energy)| (seconds * 1e9 / (increments * nr * nz) as f64, energy))
+/// Instruction sets that are compared, with their names.
+pub const SETS: [(&str, Instructions); 2] = [("AVX2", Instructions::Avx2), ("AVX-512", Instructions::Avx512)];
+
+/// A bar that is run twice, the second time for longer: what runs take at their start and end, and while memory is touched for
+/// the first time, cancels.
+pub struct Pair {
+    runs: [Prepared; 2],
+    best: [f64; 2],
+    elements: usize,
+    increments: usize,
+}
+
+impl Pair {
+    /// A bar of so many elements along r and z; `None` where the machine does not have the instruction set.
+    pub fn new([nr, nz]: [usize; 2], increments: usize, precision: Precision, set: Instructions) -> Option<Pair> {
+        let mut runs = [increments, LONGER * increments].map(|count| bar([nr, nz], count, precision));
+        runs.iter_mut().all(|run| run.use_instructions(set).is_ok()).then_some(())?;
+        Some(Pair { runs, best: [f64::INFINITY; 2], elements: nr * nz, increments })
+    }
+
+    /// Runs both once more. Returns the energy of the motion at the end of the shorter.
+    pub fn run(&mut self, threads: usize) -> f64 {
+        let done = self.runs.each_ref().map(|run| timed(run, threads));
+        self.best = [0, 1].map(|i| self.best[i].min(done[i].0));
+        done[0].1
+    }
+
+    /// Nanoseconds an element and increment so far.
+    pub fn nanoseconds(&self) -> f64 {
+        let more = (LONGER - 1) * self.increments * self.elements;
+        (self.best[1] - self.best[0]) * 1e9 / more as f64
+    }
 }
 
 /// The Taylor bar with so many elements along r and z and increments of a fixed length.
-pub fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> Prepared {
+fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> Prepared {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("the deck");
     let time = DT * increments as f64;
     let text = text.replace(
@@ -43,14 +74,14 @@ pub fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> Pre
 }
 
 /// Seconds in the time loop on so many threads, and the energy of the motion.
-pub fn timed(prepared: Prepared, increments: usize, threads: usize) -> (f64, f64) {
+fn timed(prepared: &Prepared, threads: usize) -> (f64, f64) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    let (outcome, _) = pool.install(|| job::run_in_memory(&prepared));
-    assert_eq!((outcome.halt, outcome.increments), (None, increments as u64));
+    let (outcome, _) = pool.install(|| job::run_in_memory(prepared));
+    assert_eq!(outcome.halt, None);
     (outcome.seconds, outcome.energy.kinetic)
 }
 
-/// The same of the plain loop.
+/// Nanoseconds an element and increment of the plain loop, and the energy of the motion.
 fn plain(nr: usize, nz: usize, increments: usize) -> (f64, f64) {
     let mut best = (f64::INFINITY, 0.0);
     for _ in 0..ROUNDS {
@@ -99,21 +130,24 @@ fn triad() -> f64 {
 
 pub fn run() {
     println!("machine: {:.1} G add-or-mul/s (baseline instructions), triad {:.1} GB/s", arithmetic(), triad());
-    println!("nanoseconds an element and increment, best of {ROUNDS} (ratio to the plain loop)");
-    for (nr, nz, increments) in [(128, 256, 200), (512, 1024, 60)] {
-        let loops = plain(nr, nz, increments);
-        let [one, two] = [1, 2].map(|threads| solver(nr, nz, increments, threads));
-        // The same arithmetic in another order of adding forces.
-        let difference = (one.1 / loops.1 - 1.0).abs();
-        assert!(difference < 1e-10, "kinetic energy differs by {difference:e}");
-        println!(
-            "{} elements: loop {:.1}, one thread {:.1} ({:.2}), two {:.1} ({:.2})",
-            nr * nz,
-            loops.0,
-            one.0,
-            one.0 / loops.0,
-            two.0,
-            two.0 / loops.0
-        );
+    println!("nanoseconds an element and increment, best of {ROUNDS} (the plain loop over them)");
+    for ([nr, nz], increments) in SIZES {
+        let (plain, motion) = plain(nr, nz, increments);
+        println!("{} elements, plain loop {plain:.1}", nr * nz);
+        for (name, set) in SETS {
+            let costs = [1, 2].map(|threads| {
+                let mut pair = Pair::new([nr, nz], increments, Precision::Double, set)?;
+                for _ in 0..ROUNDS {
+                    // The same arithmetic in another order of adding forces.
+                    let difference = (pair.run(threads) / motion - 1.0).abs();
+                    assert!(difference < 1e-10, "kinetic energy differs by {difference:e}");
+                }
+                Some(pair.nanoseconds())
+            });
+            if let [Some(one), Some(two)] = costs {
+                let [first, second] = costs.map(|cost| cost.map_or(0.0, |cost| plain / cost));
+                println!("{name}: one thread {one:.1} ({first:.2}), two {two:.1} ({second:.2}; {:.2} x)", one / two);
+            }
+        }
     }
 }
