@@ -7,6 +7,7 @@ use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::{Keyword, Shape};
 use super::number::{NumberError, parse_number};
 use super::parameters::is_unresolved;
+use super::rows::Row;
 use super::source::{Sources, Span};
 
 /// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
@@ -44,6 +45,8 @@ pub struct Card {
     pub parameters: Vec<Parameter>,
     /// The data lines below it (comments and blank lines dropped).
     pub lines: Vec<DataLine>,
+    /// The data lines of a listing of nodes, elements or members, which has no `lines`.
+    pub rows: Vec<Row>,
     /// Whether an error tells of a word of it already: what it lacks for that need not be told again.
     pub faulty: bool,
 }

@@ -17,7 +17,7 @@ use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 use crate::element::group::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
-use crate::model::{self, Model, Precision, Units, scene::Scene};
+use crate::model::{self, Model, Name, Precision, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, Written, missing_frames};
@@ -616,8 +616,8 @@ fn announce(prepared: &Prepared, job: &Job) {
     host::announce(host::JobInfo {
         name: job.name.clone(),
         folder: folder.to_string_lossy().into_owned(),
-        nodes: prepared.plan.mesh.node_names.clone(),
-        elements: prepared.plan.mesh.elements.iter().map(|e| e.name.clone()).collect(),
+        nodes: prepared.plan.mesh.node_names.iter().map(Name::to_string).collect(),
+        elements: prepared.plan.mesh.elements.iter().map(|e| e.name.to_string()).collect(),
     });
 }
 
