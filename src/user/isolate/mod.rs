@@ -4,7 +4,10 @@
 #![allow(unsafe_code)]
 
 mod arena;
+mod callers;
 mod child;
+mod served;
+mod tape;
 mod words;
 
 use std::io::{self, Write as _};
@@ -13,10 +16,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::host::{self, Message};
 use super::memory::Recall;
-use super::{Kept, LoadFailure, LoadPoints, Misfit, Routines, UserLoad, library};
+use super::{Kept, Misfit, Routines, library};
 use crate::deck::Diagnostic;
 use crate::state::archive::{Archive, Persist, UnfitState};
-use arena::{ASK, Arena, LEAVE, PRESSURE, Side};
+use arena::{ASK, Arena, LEAVE, Side};
+use callers::Caller;
 use words::{Opening, receive, send};
 
 /// The way to the process of the routines.
@@ -44,9 +48,11 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
     if let Some(fault) = opening.refused() {
         return Err(fault);
     }
-    if let Some(name) = opening.routines.iter().find(|name| *name != "vdload") {
-        let finding = Diagnostic::error("U012", format!("{name} cannot run in a process of its own"));
-        return Err(finding.help("--isolate takes vdload alone: run without it, or without that routine"));
+    if opening.routines.iter().any(|name| name == "vusdfld") {
+        let finding = Diagnostic::error("U012", "vusdfld cannot run in a process of its own");
+        return Err(
+            finding.help("it asks the run for what points hold: run without --isolate, or without that routine")
+        );
     }
     let door = Arc::new(door);
     let misfit = |(routine, (code, message)): (String, (String, String))| Misfit { routine, code, message };
@@ -56,8 +62,17 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
         memory: Some(door.clone()),
         ..Routines::none()
     };
-    if !opening.routines.is_empty() {
-        routines = routines.with_load(IsolatedLoad { door });
+    for name in &opening.routines {
+        let caller = Caller::new(&door);
+        routines = match name.as_str() {
+            "vdload" => routines.with_load(caller),
+            "vuamp" => routines.with_amplitude(caller),
+            "vdisp" => routines.with_motion(caller),
+            "vumat" => routines.with_material(caller),
+            "vuhard" => routines.with_hardening(caller),
+            "vucharlength" => routines.with_lengths(caller),
+            _ => routines.with_events(caller),
+        };
     }
     Ok(routines)
 }
@@ -178,42 +193,5 @@ impl Recall for Door {
             Some(Some(reason)) => Err(UnfitState { reason }),
             None => Err(UnfitState { reason: "the process of the routines is gone".into() }),
         }
-    }
-}
-
-struct IsolatedLoad {
-    door: Arc<Door>,
-}
-
-impl UserLoad for IsolatedLoad {
-    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        let arena = &self.door.arena;
-        arena.with(|content| {
-            let name = points.surface.as_bytes();
-            let length = name.len().min(content.name.len());
-            content.name[..length].copy_from_slice(&name[..length]);
-            (content.purpose, content.count, content.name_length) = (PRESSURE, pressure.len() as u32, length as u32);
-            (content.load_type, content.step, content.increment) =
-                (points.load_type, points.now.step, points.now.increment);
-            content.times = [points.now.step_time, points.now.total_time, points.now.lost];
-            content.factors = [points.amplitude, points.magnitude];
-            content.coordinates.update(points.coordinates);
-            content.motion.update(points.motion);
-            content.directions.update(points.directions);
-        });
-        if self.door.turn().is_none() {
-            return Err(LoadFailure::new(format!("vdload {}", self.door.last_words())));
-        }
-        arena.with(|content| {
-            pressure.copy_from_slice(&content.value.0[..pressure.len()]);
-            if content.words.is_empty() {
-                return Ok(());
-            }
-            Err(LoadFailure { point: usize::try_from(content.point).ok(), reason: content.words.get() })
-        })
-    }
-
-    fn reads_motion(&self) -> bool {
-        true
     }
 }
