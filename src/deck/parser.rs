@@ -9,9 +9,9 @@ use super::files;
 use super::keywords::{self, Keyword, Lookup, Rule, Tier, Usage};
 use super::lexer::{self, Fields, Line, LineKind, Lines};
 use super::parameters::Parameters;
-use super::rows::{Row, is_listing};
+use super::rows::is_listing;
 use super::source::{self, SourceFile, Span};
-use super::syntax::{Card, DataLine, Deck, Parameter, Word};
+use super::syntax::{Card, DataLine, Deck, Parameter, Row, Word};
 
 /// Includes nested deeper are refused.
 const DEEPEST: usize = 32;

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use super::lexer;
 use super::number::parse_number;
 use super::source::{Sources, Span};
-use super::syntax::{Card, DataLine};
+use super::syntax::{Card, DataLine, Row};
 
 /// Cards whose data lines are [`Card::rows`].
 const LISTINGS: [&str; 4] = ["NODE", "ELEMENT", "NSET", "ELSET"];
@@ -14,15 +14,6 @@ const LISTINGS: [&str; 4] = ["NODE", "ELEMENT", "NSET", "ELSET"];
 /// Whether a card, by its keyword, lists nodes, elements or members.
 pub(super) fn is_listing(keyword: &str) -> bool {
     LISTINGS.contains(&keyword)
-}
-
-/// A data line of a listing.
-#[derive(Clone, Debug)]
-pub enum Row {
-    /// Where it stands: its fields are what lies between commas.
-    Text(Span),
-    /// One with quotes or parameters, taken apart.
-    Line(Box<DataLine>),
 }
 
 impl Row {

@@ -7,7 +7,6 @@ use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::{Keyword, Shape};
 use super::number::{NumberError, parse_number};
 use super::parameters::is_unresolved;
-use super::rows::Row;
 use super::source::{Sources, Span};
 
 /// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
@@ -80,6 +79,15 @@ pub struct DataLine {
     pub fields: Vec<Word>,
     /// The whole line.
     pub span: Span,
+}
+
+/// A data line of a listing.
+#[derive(Clone, Debug)]
+pub enum Row {
+    /// Where it stands: its fields are what lies between commas.
+    Text(Span),
+    /// One with quotes or parameters, taken apart.
+    Line(Box<DataLine>),
 }
 
 impl Card {

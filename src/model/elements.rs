@@ -10,7 +10,8 @@ use super::builder::Builder;
 use super::name::Name;
 use super::types::{Element, ElementKind};
 use crate::deck::names::nearest;
-use crate::deck::rows::{Row, words};
+use crate::deck::rows::words;
+use crate::deck::syntax::Row;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Types that are simulated.

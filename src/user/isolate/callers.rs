@@ -8,8 +8,8 @@ use super::super::{
     MaterialAnswer, MaterialCall, Moment, MotionCall, UserAmplitude, UserEvents, UserHardening, UserLengths, UserLoad,
     UserMaterial, UserMotion, Wish,
 };
-use super::Door;
 use super::arena::Purpose;
+use super::door::Door;
 use super::tape::{Reader, Writer};
 use crate::state::Instant;
 
@@ -46,6 +46,14 @@ impl Caller {
             }
             Err(LoadFailure { point: usize::try_from(content.point).ok(), reason: content.words.get() })
         })
+    }
+
+    /// Takes the lists of the answer, where some of them are part of the call.
+    fn take<const N: usize>(&self, lists: [&mut [f64]; N]) {
+        self.door.arena.with(|content| {
+            let mut from = content.answer.read();
+            lists.into_iter().for_each(|list| from.take(list));
+        });
     }
 }
 
@@ -87,11 +95,8 @@ impl UserAmplitude for Caller {
             to.list(sensor_values);
             sensor_names.iter().for_each(|name| to.text(name));
         };
-        let kept: Vec<f64> = self.call(Purpose::Amplitude, write, |from| {
-            from.take(&mut answer);
-            from.list().to_vec()
-        })?;
-        variables.copy_from_slice(&kept);
+        self.call(Purpose::Amplitude, write, |_| ())?;
+        self.take([&mut answer, &mut **variables]);
         let [value, derivative, gives, stop, conclude] = answer;
         Ok(AmplitudeAnswer {
             value,
@@ -134,10 +139,7 @@ impl UserMaterial for Caller {
         };
         self.call(Purpose::Material, write, |_| ())?;
         let MaterialAnswer { stress, state, internal, inelastic } = answer;
-        self.door.arena.with(|content| {
-            let mut from = content.answer.read();
-            [&mut **stress, state, internal, inelastic].into_iter().for_each(|list| from.take(list));
-        });
+        self.take([stress, state, internal, inelastic]);
         Ok(())
     }
 }
@@ -156,10 +158,7 @@ impl UserHardening for Caller {
             [call.properties].into_iter().chain(pairs).chain(lists).for_each(|list| to.list(list));
         };
         self.call(Purpose::Hardening, write, |_| ())?;
-        self.door.arena.with(|content| {
-            let mut from = content.answer.read();
-            [&mut **stress, by_temperature, slopes, state].into_iter().for_each(|list| from.take(list));
-        });
+        self.take([stress, by_temperature, slopes, state]);
         Ok(())
     }
 }
@@ -178,7 +177,7 @@ impl UserLengths for Caller {
             lists.into_iter().for_each(|list| to.list(list));
         };
         self.call(Purpose::Lengths, write, |_| ())?;
-        self.door.arena.with(|content| content.answer.read().take(lengths));
+        self.take([lengths]);
         Ok(())
     }
 }
