@@ -226,7 +226,9 @@ impl Builder<'_> {
     }
 
     fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<ShapeFault> {
-        let points: Vec<[f64; 2]> = nodes.iter().map(|&n| self.model.mesh.points[n]).collect();
+        let mut places = [[0.0; 2]; 4];
+        let points = &mut places[..nodes.len()];
+        points.iter_mut().zip(nodes).for_each(|(point, &n)| *point = self.model.mesh.points[n]);
         if kind.is_discrete() {
             return None;
         }
@@ -242,7 +244,7 @@ impl Builder<'_> {
             ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
             kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
             kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
-            ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(&points, area) => Some(ShapeFault::Concave),
+            ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(points, area) => Some(ShapeFault::Concave),
             _ => None,
         }
     }

@@ -186,7 +186,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
     for (b, body) in run.plan.bodies.iter().enumerate() {
-        for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(*n)) {
+        for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(n)) {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.dofs.bodies[b].displacement]);

@@ -178,7 +178,7 @@ fn a_material_that_goes_leaves_the_run() {
         let output = desk.run(&project("input/taylor_vumat.inp"), &[&file], &["--isolate"]);
         assert_eq!(output.status.code(), Some(1), "{}", told(&output));
         let reason = desk.summary("taylor_vumat")["reason"].to_string();
-        for word in ["R201", "vumat", "COPPER", "step 1", words] {
+        for word in ["R201", "COPPER", "step 1", words] {
             assert!(reason.contains(word), "`{word}` in {reason}");
         }
     }

@@ -42,7 +42,10 @@ impl Service {
             Purpose::Moment => self.moment(from, held),
             Purpose::RestartFollows => {
                 let [] = self.answers.lists([]);
-                held.events.as_deref_mut().map(|events| Ok(events.restart_follows()))
+                held.events.as_deref_mut().map(|events| {
+                    events.restart_follows();
+                    Ok(())
+                })
             }
         };
         done.unwrap_or_else(|| Err(LoadFailure::new("there is no such routine")))
