@@ -35,7 +35,7 @@ pub struct Run {
     set: Vec<String>,
     #[command(flatten)]
     user: UserFiles,
-    /// Run the user's routines in a process of their own: whatever they do to it, the run ends in order. So far vdload alone.
+    /// Run the user's routines in a process of their own: whatever they do to it, the run ends in order. All but vusdfld.
     #[arg(long, requires = "files")]
     isolate: bool,
     /// Folder for the results (default out/<deck name>).

@@ -16,6 +16,7 @@ mod parameters;
 mod parser;
 mod printable;
 mod render;
+pub mod rows;
 pub mod source;
 pub mod syntax;
 mod table;

@@ -23,7 +23,9 @@ pub fn parse_number(text: &str) -> Result<f64, NumberError> {
     if number_length(strip_sign(text)) != Some(strip_sign(text).len()) {
         return Err(explain(text));
     }
-    let value: f64 = text.replace(['d', 'D'], "e").parse().map_err(|_| NumberError::Malformed(None))?;
+    let plain = !text.bytes().any(|b| matches!(b, b'd' | b'D'));
+    let value: Result<f64, _> = if plain { text.parse() } else { text.replace(['d', 'D'], "e").parse() };
+    let value = value.map_err(|_| NumberError::Malformed(None))?;
     if value.is_finite() { Ok(value) } else { Err(NumberError::NotFinite) }
 }
 

@@ -9,8 +9,9 @@ use super::files;
 use super::keywords::{self, Keyword, Lookup, Rule, Tier, Usage};
 use super::lexer::{self, Fields, Line, LineKind, Lines};
 use super::parameters::Parameters;
+use super::rows::is_listing;
 use super::source::{self, SourceFile, Span};
-use super::syntax::{Card, DataLine, Deck, Parameter, Word};
+use super::syntax::{Card, DataLine, Deck, Parameter, Row, Word};
 
 /// Includes nested deeper are refused.
 const DEEPEST: usize = 32;
@@ -72,7 +73,7 @@ impl Parser {
     pub fn main_file(&mut self, path: &Path) {
         let standard = path == Path::new(files::STANDARD_INPUT);
         match if standard { files::read_standard_input(MOST_BYTES) } else { files::read(path) } {
-            Ok(bytes) => self.text(path, source::decode(&bytes), None),
+            Ok(bytes) => self.text(path, source::decode(bytes), None),
             Err(e) => {
                 let what = Diagnostic::error("D001", format!("cannot read {}: {e}", path.display()));
                 self.diagnostics.push(what.help("give the path of an existing deck"));
@@ -140,7 +141,11 @@ impl Parser {
     }
 
     fn card_line(&mut self, file: u32, text: &str, line: Line, span: Span) {
-        let Some(keyword) = self.deck.cards.last().map(|c| c.keyword) else { return };
+        let Some(card) = self.deck.cards.last_mut() else { return };
+        let (keyword, listing) = (card.keyword, is_listing(card.keyword.name));
+        if listing && Row::is_plain(&text[span.start as usize..span.end as usize]) {
+            return card.rows.push(Row::Text(span));
+        }
         let told = self.diagnostics.len();
         let whole = || Word { text: text[lexer::trim(text, line.clone())].to_owned(), span, quoted: false };
         let fields = if keyword.name == "HEADING" {
@@ -153,7 +158,12 @@ impl Parser {
             fields.ranges.into_iter().map(|r| self.word(file, text, r)).collect()
         };
         if let Some(card) = self.deck.cards.last_mut() {
-            card.lines.push(DataLine { fields, span });
+            let line = DataLine { fields, span };
+            if listing {
+                card.rows.push(Row::Line(Box::new(line)))
+            } else {
+                card.lines.push(line)
+            }
             card.faulty |= self.diagnostics.len() > told;
         }
     }
@@ -197,7 +207,7 @@ impl Parser {
         }
         let parameters = self.card_parameters(file, text, keyword, fields.ranges.into_iter().skip(1));
         let faulty = self.diagnostics.len() > told;
-        self.card(Card { keyword, span, parameters, lines: Vec::new(), faulty });
+        self.card(Card { keyword, span, parameters, lines: Vec::new(), rows: Vec::new(), faulty });
     }
 
     /// Names that a keyword line may have defined that is not read.
@@ -334,7 +344,7 @@ impl Parser {
         let finding = match self.refusal(&path, file) {
             Some(finding) => finding,
             None => match files::read(&path) {
-                Ok(bytes) => return self.text(&path, source::decode(&bytes), Some(file.span)),
+                Ok(bytes) => return self.text(&path, source::decode(bytes), Some(file.span)),
                 Err(e) => unreadable(&path, file, &e),
             },
         };

@@ -147,13 +147,13 @@ impl Sources {
 
 /// Where each line begins.
 fn line_starts(text: &str) -> Vec<u32> {
-    std::iter::once(0).chain(text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i as u32 + 1)).collect()
+    std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i as u32 + 1)).collect()
 }
 
 /// Bytes as text: byte-order marks (UTF-8, UTF-16) are obeyed, what is not UTF-8 is taken as latin-1, line ends become `\n`.
-pub fn decode(bytes: &[u8]) -> String {
-    let text = match bytes {
-        [0xEF, 0xBB, 0xBF, rest @ ..] => utf8_or_latin1(rest),
+pub fn decode(bytes: Vec<u8>) -> String {
+    let text = match &bytes[..] {
+        [0xEF, 0xBB, 0xBF, rest @ ..] => utf8_or_latin1(rest.to_vec()),
         [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
         [0xFE, 0xFF, rest @ ..] => utf16(rest, u16::from_be_bytes),
         _ => utf8_or_latin1(bytes),
@@ -161,11 +161,8 @@ pub fn decode(bytes: &[u8]) -> String {
     normalise(text)
 }
 
-fn utf8_or_latin1(bytes: &[u8]) -> String {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
-    }
+fn utf8_or_latin1(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap_or_else(|e| e.as_bytes().iter().map(|&b| char::from(b)).collect())
 }
 
 fn utf16(bytes: &[u8], order: fn([u8; 2]) -> u16) -> String {

@@ -44,6 +44,8 @@ pub struct Card {
     pub parameters: Vec<Parameter>,
     /// The data lines below it (comments and blank lines dropped).
     pub lines: Vec<DataLine>,
+    /// The data lines of a listing of nodes, elements or members, which has no `lines`.
+    pub rows: Vec<Row>,
     /// Whether an error tells of a word of it already: what it lacks for that need not be told again.
     pub faulty: bool,
 }
@@ -77,6 +79,15 @@ pub struct DataLine {
     pub fields: Vec<Word>,
     /// The whole line.
     pub span: Span,
+}
+
+/// A data line of a listing.
+#[derive(Clone, Debug)]
+pub enum Row {
+    /// Where it stands: its fields are what lies between commas.
+    Text(Span),
+    /// One with quotes or parameters, taken apart.
+    Line(Box<DataLine>),
 }
 
 impl Card {

@@ -233,19 +233,31 @@ fn dot(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 
 /// Zeros where two nodes share an element.
 fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> Operator {
-    let mut neighbours = vec![Vec::new(); count];
-    for group in groups {
-        for corners in (0..group.len()).map(|e| group.corners(e)) {
-            for a in corners {
-                neighbours[a as usize].extend(corners);
+    // Elements at each node, one behind the other: places in a list, and where each node's begin.
+    let corners = || groups.iter().flat_map(|group| (0..group.len()).map(|e| group.corners(e)));
+    let mut ends = vec![0_u32; count + 1];
+    corners().flatten().for_each(|n| ends[n as usize + 1] += 1);
+    (0..count).for_each(|n| ends[n + 1] += ends[n]);
+    let mut at_node = vec![[0_u32; 2]; ends[count] as usize];
+    let mut next = ends.clone();
+    for (g, group) in groups.iter().enumerate() {
+        for e in 0..group.len() {
+            for n in group.corners(e) {
+                at_node[next[n as usize] as usize] = [g as u32, e as u32];
+                next[n as usize] += 1;
             }
         }
     }
-    let (mut starts, mut columns) = (vec![0_u32], Vec::new());
-    for list in &mut neighbours {
+    drop(next);
+    let (mut starts, mut columns, mut list) = (vec![0_u32], Vec::new(), Vec::new());
+    for n in 0..count {
+        list.clear();
+        for [g, e] in &at_node[ends[n] as usize..ends[n + 1] as usize] {
+            list.extend(groups[*g as usize].corners(*e as usize));
+        }
         list.sort_unstable();
         list.dedup();
-        columns.extend_from_slice(list);
+        columns.extend_from_slice(&list);
         starts.push(columns.len() as u32);
     }
     let zeros = vec![[0.0; 4]; columns.len()];

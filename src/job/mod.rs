@@ -17,7 +17,7 @@ use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
 use crate::element::group::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
-use crate::model::{self, Model, Precision, Units, scene::Scene};
+use crate::model::{self, Model, Name, Precision, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
 use crate::output::lock::{Lock, Refused};
 use crate::output::pvd::{FrameWriter, Written, missing_frames};
@@ -86,14 +86,10 @@ pub fn examine(
     overrides: &Overrides,
     routines: &Routines,
 ) -> (Prepared, Option<Overview>) {
-    let mut model = None;
-    let keep = &mut |built: &mut Model| {
-        built.precision = precision;
-        model = Some(built.clone());
-    };
-    let prepared = prepare_edited(deck::read(path, overrides), keep, routines);
-    let model = model.filter(|_| !prepared.diagnostics.has_errors());
-    let overview = model.map(|model| Overview::of(&model, &prepared.plan, &prepared.state));
+    let set = &mut |model: &mut Model| model.precision = precision;
+    let (prepared, model) = prepared_model(deck::read(path, overrides), set, routines);
+    let accepted = !prepared.diagnostics.has_errors();
+    let overview = accepted.then(|| Overview::of(&model, &prepared.plan, &prepared.state));
     (prepared, overview)
 }
 
@@ -141,11 +137,16 @@ fn resolve(read: (Deck, Diagnostics), routines: &Routines) -> Prepared {
 }
 
 /// The same from a deck that has been read, with a change of the model before it is planned.
-pub fn prepare_edited(
+pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model), routines: &Routines) -> Prepared {
+    prepared_model(read, edit, routines).0
+}
+
+/// The same, with the model.
+fn prepared_model(
     (mut deck, mut diagnostics): (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
     routines: &Routines,
-) -> Prepared {
+) -> (Prepared, Model) {
     let (mut model, found) = model::build(&deck);
     // Nothing asks for the cards again, and of a large mesh they are the largest part.
     deck.cards = Vec::new();
@@ -153,7 +154,7 @@ pub fn prepare_edited(
     if !diagnostics.has_errors() {
         edit(&mut model);
     }
-    planned(deck, &model, diagnostics, routines)
+    (planned(deck, &model, diagnostics, routines), model)
 }
 
 /// Takes a model that is composed in Rust up to the plan.
@@ -616,8 +617,8 @@ fn announce(prepared: &Prepared, job: &Job) {
     host::announce(host::JobInfo {
         name: job.name.clone(),
         folder: folder.to_string_lossy().into_owned(),
-        nodes: prepared.plan.mesh.node_names.clone(),
-        elements: prepared.plan.mesh.elements.iter().map(|e| e.name.clone()).collect(),
+        nodes: prepared.plan.mesh.node_names.iter().map(Name::to_string).collect(),
+        elements: prepared.plan.mesh.elements.iter().map(|e| e.name.to_string()).collect(),
     });
 }
 

@@ -8,7 +8,7 @@ use super::types::Inert;
 use crate::deck::keywords::{Place, Rule, Shape, Tier, Times, Usage};
 use crate::deck::names::fold;
 use crate::deck::number::parse_number;
-use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
+use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Sources, Span, Word};
 
 /// Changes only output that is not written here.
 const OUTPUT_ONLY: &str = "it changes only files that another program would write";
@@ -18,7 +18,9 @@ const NO_EFFECT: &str = "no result depends on it";
 /// Checks every card of a deck; what is inert comes back, once for each kind, with the number of cards, and the cards on which
 /// an error tells of a parameter or a data line.
 pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<Inert>, HashSet<Span>) {
-    let mut checker = Checker { diagnostics, inert: Vec::new(), blocks: Blocks::default(), given: HashMap::new() };
+    let sources = &deck.sources;
+    let mut checker =
+        Checker { sources, diagnostics, inert: Vec::new(), blocks: Blocks::default(), given: HashMap::new() };
     let mut faulty = HashSet::new();
     for card in &deck.cards {
         checker.blocks.pass(card);
@@ -97,6 +99,7 @@ impl Blocks {
 }
 
 struct Checker<'d> {
+    sources: &'d Sources,
     diagnostics: &'d mut Diagnostics,
     inert: Vec<(Inert, usize)>,
     blocks: Blocks,
@@ -177,12 +180,21 @@ impl Checker<'_> {
         }
         let mut faults = Faults::default();
         let mut before = 0;
+        let behind = |before: usize, fields: usize| match shape {
+            Shape::Wrapped(count, _) if before + fields >= *count => 0,
+            _ => before + fields,
+        };
         for (i, line) in card.lines.iter().enumerate() {
             self.line(card, shape, (i, line, before), &mut faults);
-            before += line.fields.len();
-            if let Shape::Wrapped(count, _) = shape {
-                before = if before >= *count { 0 } else { before };
+            before = behind(before, line.fields.len());
+        }
+        for (i, row) in card.rows.iter().enumerate() {
+            let count = row.field_count(self.sources);
+            let read = |k| shape.field(i, k, before).is_some_and(|rule| rule.usage == Usage::Read);
+            if !(0..count).all(read) {
+                self.line(card, shape, (i, &row.line(self.sources), before), &mut faults);
             }
+            before = behind(before, count);
         }
         faults.tell(card, self.diagnostics);
     }
@@ -202,7 +214,7 @@ impl Checker<'_> {
                 return;
             };
             // A temperature on the only row decides nothing.
-            let idle = rule.name == "temperature" && card.lines.len() == 1;
+            let idle = rule.name == "temperature" && card.line_count() == 1;
             match rule.usage {
                 Usage::Read if !idle => {}
                 Usage::Read => {
@@ -275,7 +287,7 @@ impl Faults {
 
 fn finding(card: &Card, fault: &Fault, span: Span, text: &str, line: Span) -> Diagnostic {
     let keyword = card.keyword.name;
-    let table = matches!(card.shape(), Shape::Lines(_, true)) && card.lines.len() == 1;
+    let table = matches!(card.shape(), Shape::Lines(_, true)) && card.line_count() == 1;
     let rows = if table { "a table takes one row a line; " } else { "" };
     let explain = format!("{rows}`revolve explain {keyword}` lists what a line holds");
     match fault {

@@ -1,6 +1,7 @@
 //! Models composed in Rust: constructors of the pieces, and putting them together.
 //! Never here: decks; whether the pieces fit, which `consistency` says.
 
+use super::name::Name;
 use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
 use super::types::{
     Amplitude, AmplitudeDefinition, Boundary, Element, ElementKind, IncrementControl, InitialCondition, InitialKind,
@@ -23,15 +24,16 @@ impl Model {
     /// Adds a node at `[r, z]`, named by its number from 1 on, and returns its index.
     pub fn node(&mut self, r: f64, z: f64) -> usize {
         self.mesh.points.push([r, z]);
-        self.mesh.node_names.push(self.mesh.points.len().to_string());
+        let number = self.mesh.points.len() as i64;
+        self.mesh.node_names.push(Name::of_label("", number));
         self.mesh.points.len() - 1
     }
 
     /// Adds an element, named by its number from 1 on, and returns its index. Nodes of solids run counter-clockwise in (r, z).
     #[track_caller]
     pub fn element(&mut self, kind: ElementKind, nodes: &[usize]) -> usize {
-        let name = (self.mesh.elements.len() + 1).to_string();
-        self.mesh.elements.push(Element { name, kind, nodes: nodes.to_vec(), span: Span::composed() });
+        let name = Name::of_label("", self.mesh.elements.len() as i64 + 1);
+        self.mesh.elements.push(Element { name, kind, nodes: nodes.into(), span: Span::composed() });
         self.mesh.elements.len() - 1
     }
 

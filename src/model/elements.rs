@@ -7,9 +7,11 @@ use indexmap::IndexMap;
 
 use super::budget::Good;
 use super::builder::Builder;
-use super::names::qualified;
+use super::name::Name;
 use super::types::{Element, ElementKind};
 use crate::deck::names::nearest;
+use crate::deck::rows::words;
+use crate::deck::syntax::Row;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Types that are simulated.
@@ -121,13 +123,16 @@ impl Builder<'_> {
             self.lost.elements = true;
             return;
         };
-        let mut made = Vec::new();
+        let listed = card.has("ELSET");
+        let mut made = Vec::with_capacity(if listed { card.rows.len() } else { 0 });
+        self.model.mesh.room_for_elements(card.rows.len());
         let mut at = 0;
-        while at < card.lines.len() {
-            let (words, next) = joined(card, at, kind.node_count() + 1);
-            if let Some(element) = self.element_line(kind, &words, &card.lines[at]) {
-                made.push(element);
-            }
+        while at < card.rows.len() {
+            let (element, next) = match self.plain_element(kind, &card.rows[at]) {
+                Some(element) => (Some(element), at + 1),
+                None => self.element_of_rows(kind, &card.rows, at),
+            };
+            made.extend(element.filter(|_| listed));
             at = next;
         }
         if let Some(name) = card.value("ELSET") {
@@ -157,11 +162,35 @@ impl Builder<'_> {
         None
     }
 
-    fn element_line(&mut self, kind: ElementKind, words: &[&Word], line: &DataLine) -> Option<usize> {
+    /// Most elements are a line of numbers that are all there; `None` of any other.
+    fn plain_element(&mut self, kind: ElementKind, row: &Row) -> Option<usize> {
+        let mut numbers = words(row.text(&self.deck.sources)?).map(|word| word.parse::<i64>().ok());
+        let label = numbers.next()??;
+        let (mut nodes, need) = ([0; 4], kind.node_count());
+        let scope = self.nodes.scope(&self.scope)?;
+        for node in &mut nodes[..need] {
+            *node = scope.find(numbers.next()??)?;
+        }
+        self.add_element(label, kind, &nodes[..need], row.span())
+    }
+
+    /// An element that may go on over several lines, and the row behind it.
+    fn element_of_rows(&mut self, kind: ElementKind, rows: &[Row], at: usize) -> (Option<usize>, usize) {
+        let sources = &self.deck.sources;
+        let mut all: Vec<Word> = Vec::new();
+        let mut next = at;
+        while next < rows.len() && all.len() <= kind.node_count() {
+            all.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
+            next += 1;
+        }
+        (self.element_line(kind, &all, rows[at].span()), next)
+    }
+
+    fn element_line(&mut self, kind: ElementKind, words: &[Word], span: Span) -> Option<usize> {
         let need = kind.node_count();
         if words.len() < need + 1 {
             let message = format!("a {} element has a label and {need} nodes", kind.name());
-            self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, format!("{} given", words.len())));
+            self.diagnostics.push(Diagnostic::error("M102", message).at(span, format!("{} given", words.len())));
             return None;
         }
         let label = words[0].integer(&mut self.diagnostics)?;
@@ -182,28 +211,24 @@ impl Builder<'_> {
                 }
             }
         }
-        self.add_element(label, kind, nodes, line.span)
+        self.add_element(label, kind, &nodes, span)
     }
 
     /// Adds an element of the present scope.
-    pub(super) fn add_element(
-        &mut self,
-        label: i64,
-        kind: ElementKind,
-        nodes: Vec<usize>,
-        span: Span,
-    ) -> Option<usize> {
+    pub(super) fn add_element(&mut self, label: i64, kind: ElementKind, nodes: &[usize], span: Span) -> Option<usize> {
         let index = self.model.mesh.elements.len();
         if let Some(other) = self.elements.insert(&self.scope, label, index) {
             self.used_twice.push((label, span, self.model.mesh.elements[other].span));
         }
-        let name = qualified(&self.scope, &label.to_string());
-        self.model.mesh.elements.push(Element { name, kind, nodes, span });
+        let name = Name::of_label(&self.scope, label);
+        self.model.mesh.elements.push(Element { name, kind, nodes: nodes.into(), span });
         Some(index)
     }
 
     fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<ShapeFault> {
-        let points: Vec<[f64; 2]> = nodes.iter().map(|&n| self.model.mesh.points[n]).collect();
+        let mut places = [[0.0; 2]; 4];
+        let points = &mut places[..nodes.len()];
+        points.iter_mut().zip(nodes).for_each(|(point, &n)| *point = self.model.mesh.points[n]);
         if kind.is_discrete() {
             return None;
         }
@@ -219,7 +244,7 @@ impl Builder<'_> {
             ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
             kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
             kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
-            ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(&points, area) => Some(ShapeFault::Concave),
+            ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(points, area) => Some(ShapeFault::Concave),
             _ => None,
         }
     }
@@ -287,7 +312,8 @@ impl Builder<'_> {
     /// Lines of `*NODE` cards by label.
     fn node_lines(&self) -> HashMap<&str, Span> {
         let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "NODE");
-        cards.flat_map(|c| &c.lines).filter_map(|l| Some((l.field(0)?.text.as_str(), l.span))).collect()
+        let rows = cards.flat_map(|c| &c.rows);
+        rows.filter_map(|row| Some((words(row.text(&self.deck.sources)?).next()?, row.span()))).collect()
     }
 
     /// Repeats elements in rows and rows of rows (ABAQUS Keywords Guide, *ELGEN).
@@ -350,7 +376,7 @@ impl Builder<'_> {
             let shift = sum([node_step, row_node_step, layer_node]);
             let label = master.saturating_add(sum([element_step, row_element_step, layer_element]));
             let nodes = self.shifted(&labels, shift, label, line.span)?;
-            made.extend(self.add_element(label, kind, nodes, line.span));
+            made.extend(self.add_element(label, kind, &nodes, line.span));
         }
         Some(made)
     }

@@ -103,9 +103,16 @@ impl Reader {
     }
 
     fn data(&mut self, line: &str) -> Result<(), String> {
+        let reading = std::mem::take(&mut self.reading);
+        let done = self.data_of(&reading, line);
+        self.reading = reading;
+        done
+    }
+
+    fn data_of(&mut self, reading: &Reading, line: &str) -> Result<(), String> {
         let fields = || line.split(',').map(str::trim).filter(|f| !f.is_empty());
         let whole = |f: &str| f.parse::<i64>().map_err(|_| format!("`{f}` is not a whole number"));
-        match self.reading.clone() {
+        match reading {
             Reading::Nothing => {}
             Reading::Nodes(set) => {
                 let mut words = fields();
@@ -118,26 +125,26 @@ impl Reader {
                 self.mesh.node(label, point);
                 if let Some(set) = set {
                     self.nodes.entry(set.to_uppercase()).or_default().push(label);
-                    self.mesh.add_nodes(&set, &[label]);
+                    self.mesh.add_nodes(set, &[label]);
                 }
             }
             Reading::Elements(count, dimension, set) => {
                 for field in fields() {
                     self.begun.push(whole(field)?);
                 }
-                if self.begun.len() > count {
+                if self.begun.len() > *count {
                     let words = std::mem::take(&mut self.begun);
-                    let sets: Vec<String> = set.into_iter().collect();
+                    let sets = set.as_slice();
                     if let Some(set) = sets.first() {
                         self.elements.entry(set.to_uppercase()).or_default().push(words[0]);
                     }
-                    self.mesh.cell(words[0], dimension, words[1..=count].to_vec(), &sets);
+                    self.mesh.cell(words[0], *dimension, words[1..=*count].to_vec(), sets);
                 }
             }
             Reading::Set(name, of_nodes, generated) => {
-                let known = if of_nodes { &self.nodes } else { &self.elements };
+                let known = if *of_nodes { &self.nodes } else { &self.elements };
                 let mut members = Vec::new();
-                if generated {
+                if *generated {
                     let given = fields().map(whole).collect::<Result<Vec<_>, _>>()?;
                     let (first, last) = (given.first().copied().unwrap_or(0), given.get(1).copied().unwrap_or(0));
                     let step = given.get(2).copied().unwrap_or(1).max(1);
@@ -161,12 +168,12 @@ impl Reader {
                         self.most
                     ));
                 }
-                let all = if of_nodes { &mut self.nodes } else { &mut self.elements };
+                let all = if *of_nodes { &mut self.nodes } else { &mut self.elements };
                 all.entry(name.to_uppercase()).or_default().extend(&members);
-                if of_nodes {
-                    self.mesh.add_nodes(&name, &members);
+                if *of_nodes {
+                    self.mesh.add_nodes(name, &members);
                 } else {
-                    self.mesh.add_cells(&name, &members);
+                    self.mesh.add_cells(name, &members);
                 }
             }
         }

@@ -118,7 +118,7 @@ impl Builder<'_> {
         let fits = kind.filter(|k| k.node_count() == cell.len());
         let corners: Option<Vec<usize>> = cell.iter().map(|&p| nodes.get(p).copied()).collect();
         if let (Some(kind), Some(corners)) = (fits, corners) {
-            return self.add_element(label, kind, corners, span);
+            return self.add_element(label, kind, &corners, span);
         }
         let wanted = kind.map_or("no element type", ElementKind::name);
         let message = format!("cell {label} of the mesh file has {} points; {wanted} does not fit", cell.len());

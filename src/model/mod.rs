@@ -20,6 +20,7 @@ mod controls;
 mod copies;
 mod coupling;
 mod degrees;
+mod element_nodes;
 mod elements;
 mod energy_limit;
 mod eos;
@@ -43,6 +44,7 @@ mod mass_scaling;
 mod materials;
 pub(crate) mod mesh_data;
 mod mesh_file;
+mod name;
 mod names;
 mod nodes;
 mod order;
@@ -51,6 +53,7 @@ mod parts;
 mod rubber;
 pub mod scene;
 mod sets;
+mod shared;
 mod shells;
 mod steps;
 mod surface_contact;
@@ -64,6 +67,9 @@ pub(crate) mod vtk_file;
 #[path = "no_vtk_file.rs"]
 mod vtk_file;
 
+pub use element_nodes::ElementNodes;
+pub use name::Name;
+pub use shared::Shared;
 pub use types::*;
 pub use units::{SYSTEMS, System, Units, is_without_units};
 pub use vtk_file::silence_caught_panics;
@@ -74,7 +80,7 @@ use crate::deck::{Deck, Diagnostics};
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::Builder::new(deck);
     (builder.model.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
-    for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>()) {
+    for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources) {
         builder.card(card);
     }
     let (model, mut diagnostics) = builder.finish();

@@ -4,25 +4,39 @@
 use super::budget::Good;
 use super::builder::Builder;
 use super::copies::polar_point;
+use super::name::Name;
 use super::names::{qualified, upper};
+use crate::deck::rows::label_and_place;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
 impl Builder<'_> {
     pub(super) fn node(&mut self, card: &Card) {
-        let mut made = Vec::with_capacity(card.lines.len());
+        let sources = &self.deck.sources;
+        let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
         let mut again = Again::default();
         let polar = card.value("SYSTEM").is_some_and(|w| w.is("C"));
-        for line in &card.lines {
-            let Some(label) = self.integer(line, 0, "the node label") else { continue };
-            let (Some(r), Some(z)) = (self.number_or(line, 1, 0.0), self.number_or(line, 2, 0.0)) else { continue };
+        self.model.mesh.room_for_nodes(card.rows.len());
+        for row in &card.rows {
+            let plain = row.text(sources).and_then(label_and_place);
+            let Some((label, [r, z])) = plain.or_else(|| self.node_line(&row.line(sources))) else { continue };
             if self.nodes.find(&self.scope, label).is_some() {
-                again.note(label, line.span);
+                again.note(label, row.span());
             }
             let given = if polar { polar_point(r, z) } else { [r, z] };
-            made.push(self.add_node(label, self.in_system(given)));
+            let node = self.add_node(label, self.in_system(given));
+            if made.capacity() > 0 {
+                made.push(node);
+            }
         }
         again.tell(&mut self.diagnostics);
         self.collect_nodes(card, made);
+    }
+
+    fn node_line(&mut self, line: &DataLine) -> Option<(i64, [f64; 2])> {
+        let label = self.integer(line, 0, "the node label")?;
+        // Faults of both are told.
+        let place = [1, 2].map(|at| self.number_or(line, at, 0.0));
+        Some((label, [place[0]?, place[1]?]))
     }
 
     /// Adds a node of the present scope, or moves it if the label is there already (the last definition counts).
@@ -40,7 +54,7 @@ impl Builder<'_> {
         }
         let index = self.model.mesh.points.len();
         self.model.mesh.points.push(place);
-        self.model.mesh.node_names.push(qualified(&self.scope, &label.to_string()));
+        self.model.mesh.node_names.push(Name::of_label(&self.scope, label));
         self.nodes.insert(&self.scope, label, index);
         index
     }

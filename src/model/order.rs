@@ -2,12 +2,13 @@
 //! stands. Decks list them in any order (ABAQUS reads all model data before it resolves a name).
 //! Never here: what cards mean.
 
-use crate::deck::Card;
 use crate::deck::names::fold;
+use crate::deck::rows::words;
+use crate::deck::{Card, Sources};
 
 /// The cards of a deck or a part, each kind of definition before what may name it; cards of one kind keep their order, and
 /// blocks (parts, instances, the assembly, steps) theirs.
-pub(super) fn ordered<'a>(cards: &[&'a Card]) -> Vec<&'a Card> {
+pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card> {
     let mut all = Vec::with_capacity(cards.len());
     let mut region: Vec<Vec<&Card>> = Vec::new();
     let first_step = cards.iter().position(|c| c.keyword.name == "STEP").unwrap_or(cards.len());
@@ -23,7 +24,7 @@ pub(super) fn ordered<'a>(cards: &[&'a Card]) -> Vec<&'a Card> {
                 }
             }
             (None, "ASSEMBLY" | "END ASSEMBLY") => {
-                flush(&mut region, &mut all);
+                flush(&mut region, &mut all, sources);
                 all.push(*card);
             }
             (None, _) => {
@@ -41,13 +42,13 @@ pub(super) fn ordered<'a>(cards: &[&'a Card]) -> Vec<&'a Card> {
     let is_model = |c: &&&Card| DATA.contains(&c.keyword.name);
     let (data, steps): (Vec<&Card>, Vec<&Card>) = steps.iter().partition(is_model);
     region.extend(data.into_iter().map(|card| vec![card]));
-    flush(&mut region, &mut all);
+    flush(&mut region, &mut all, sources);
     all.extend(steps);
     all
 }
 
 /// Units of one region, by rank.
-fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>) {
+fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>, sources: &Sources) {
     let first = |kinds: &[&str]| region.iter().position(|u| kinds.contains(&u[0].keyword.name)).unwrap_or(0);
     let before = [first(&["NODE", "NGEN", "MESH", "INSTANCE"]), first(&["ELEMENT", "ELGEN", "MESH", "INSTANCE"])];
     let mut units: Vec<(u8, Vec<&Card>)> = Vec::new();
@@ -64,7 +65,7 @@ fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>) {
     region.extend(units.into_iter().map(|unit| unit.1));
     let sets = |unit: &Vec<&Card>| matches!(unit[0].keyword.name, "NSET" | "ELSET");
     if region.iter().any(sets) {
-        put_members_first(region);
+        put_members_first(region, sources);
     }
     all.extend(region.drain(..).flatten());
 }
@@ -83,11 +84,11 @@ fn rank(card: &Card) -> u8 {
 }
 
 /// A set that lists a set which is defined further down comes behind it.
-fn put_members_first(region: &mut Vec<Vec<&Card>>) {
+fn put_members_first(region: &mut Vec<Vec<&Card>>, sources: &Sources) {
     let mut at = 0;
     let mut moves = 0;
     while at < region.len() {
-        let later = last_member(region, at).filter(|_| moves < region.len());
+        let later = last_member(region, at, sources).filter(|_| moves < region.len());
         match later {
             Some(to) => {
                 let unit = region.remove(at);
@@ -100,14 +101,18 @@ fn put_members_first(region: &mut Vec<Vec<&Card>>) {
 }
 
 /// Where, behind a set, a set of its kind is defined last that it lists.
-fn last_member(region: &[Vec<&Card>], at: usize) -> Option<usize> {
+fn last_member(region: &[Vec<&Card>], at: usize, sources: &Sources) -> Option<usize> {
     let card = region[at][0];
     let parameter = match card.keyword.name {
         "NSET" => "NSET",
         "ELSET" => "ELSET",
         _ => return None,
     };
-    let names = card.lines.iter().flat_map(|l| &l.fields).filter(|w| w.text.parse::<i64>().is_err());
+    // Most rows are of labels alone.
+    let labels = |text: &str| words(text).all(|word| word.parse::<i64>().is_ok());
+    let named = card.rows.iter().filter(|row| !row.text(sources).is_some_and(labels));
+    let names = named.flat_map(|row| row.line(sources).into_owned().fields);
+    let names = names.filter(|w| w.text.parse::<i64>().is_err());
     let members: Vec<String> = names.map(|w| fold(&w.text)).filter(|n| !n.is_empty()).collect();
     let own = fold(&card.value(parameter)?.text);
     if members.is_empty() || members.contains(&own) {

@@ -90,13 +90,13 @@ impl<'a> Builder<'a> {
             self.unknown("M115", "part", part, |_| names.clone());
             return;
         };
-        let lines = cards.iter().map(|inner| inner.lines.len() as u128).sum();
+        let lines = cards.iter().map(|inner| inner.line_count() as u128).sum();
         if !self.affords(Good::Elements, lines, card.span) {
             return;
         }
         self.scope = upper(&name.text);
         self.instance = self.placement(card);
-        for inner in super::order::ordered(&cards) {
+        for inner in super::order::ordered(&cards, &self.deck.sources) {
             self.card(inner);
         }
         self.scope = upper(&name.text);

@@ -90,7 +90,7 @@ fn target(model: &Model, target: &Target) -> TargetOutline {
 }
 
 fn carrier(model: &Model, surface: &RigidSurface) -> Option<String> {
-    surface.reference.and_then(|node| model.mesh.node_names.get(node).cloned())
+    surface.reference.and_then(|node| model.mesh.node_names.get(node).map(super::Name::to_string))
 }
 
 fn plane(model: &Model, name: &str, surface: &RigidSurface) -> Option<PlaneOutline> {

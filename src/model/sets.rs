@@ -5,6 +5,7 @@ use super::budget::Good;
 use super::builder::Builder;
 use super::names::{qualified, upper};
 use super::types::Set;
+use crate::deck::rows::words;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
 impl Builder<'_> {
@@ -40,17 +41,43 @@ impl Builder<'_> {
 
     fn members(&mut self, card: &Card, nodes: bool) -> Vec<usize> {
         let mut members = Vec::new();
-        for line in &card.lines {
+        let sources = &self.deck.sources;
+        let mut name = String::new();
+        for row in &card.rows {
             if card.has("GENERATE") {
-                self.generated(line, nodes, &mut members);
+                self.generated(&row.line(sources), nodes, &mut members);
                 continue;
             }
-            for word in line.fields.iter().filter(|w| !w.text.is_empty()) {
+            let before = members.len();
+            if row.text(sources).is_some_and(|text| self.labels(text, nodes, &mut name, &mut members)) {
+                continue;
+            }
+            members.truncate(before);
+            for word in row.line(sources).fields.iter().filter(|w| !w.text.is_empty()) {
                 let found = if nodes { self.node_members(word) } else { self.element_members(word) };
                 members.extend(found.unwrap_or_default());
             }
         }
         members
+    }
+
+    /// Most lines hold labels alone, which no set has for its name; `false` of any other line. The name is room to work in.
+    fn labels(&self, text: &str, nodes: bool, name: &mut String, members: &mut Vec<usize>) -> bool {
+        let (labels, sets) = match nodes {
+            true => (&self.nodes, &self.model.node_sets),
+            false => (&self.elements, &self.model.element_sets),
+        };
+        let Some(scope) = labels.scope(&self.scope) else { return false };
+        let is_set = |word: &str, name: &mut String| {
+            name.clear();
+            name.extend([&self.scope, ".", word]);
+            sets.contains_key(word) || !self.scope.is_empty() && sets.contains_key(name)
+        };
+        words(text).all(|word| {
+            let found = word.parse().ok().and_then(|label| scope.find(label)).filter(|_| !is_set(word, name));
+            members.extend(found);
+            found.is_some()
+        })
     }
 
     fn generated(&mut self, line: &DataLine, nodes: bool, members: &mut Vec<usize>) {

@@ -8,6 +8,9 @@ use std::collections::HashMap;
 
 use indexmap::IndexMap;
 
+use super::element_nodes::ElementNodes;
+use super::name::Name;
+use super::shared::Shared;
 use super::units::Units;
 use crate::deck::{Sources, Span, Word};
 pub use crate::kernel::interaction::{Friction, GapHeat, Law, Overclosure};
@@ -49,7 +52,7 @@ pub struct Model {
     /// Names of units; `None` where the deck gives none.
     pub units: Option<Units>,
     /// Nodes and elements, parts and instances flattened.
-    pub mesh: Mesh,
+    pub mesh: Shared<Mesh>,
     /// Node sets by upper-case name (qualified `INSTANCE.SET` where they belong to an instance); members ascending.
     pub node_sets: IndexMap<String, Set>,
     /// Element sets, as node sets.
@@ -147,7 +150,7 @@ impl Precision {
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Node names as the deck knows them (`12` or `INSTANCE.12`).
-    pub node_names: Vec<String>,
+    pub node_names: Vec<Name>,
     /// Node coordinates `[r, z]`, in the deck's length unit.
     pub points: Vec<[f64; 2]>,
     /// Elements.
@@ -157,13 +160,24 @@ pub struct Mesh {
 impl Mesh {
     /// Bytes of its lists.
     pub fn bytes(&self) -> usize {
-        let names: usize = self.node_names.iter().map(String::capacity).sum();
-        let element = |e: &Element| e.name.capacity() + size_of::<usize>() * e.nodes.capacity();
+        let names: usize = self.node_names.iter().map(Name::bytes_elsewhere).sum();
+        let element = |e: &Element| e.name.bytes_elsewhere() + e.nodes.bytes_elsewhere();
         names
-            + size_of::<String>() * self.node_names.capacity()
+            + size_of::<Name>() * self.node_names.capacity()
             + size_of::<[f64; 2]>() * self.points.capacity()
             + size_of::<Element>() * self.elements.capacity()
             + self.elements.iter().map(element).sum::<usize>()
+    }
+
+    /// Makes room for so many nodes more.
+    pub(super) fn room_for_nodes(&mut self, more: usize) {
+        self.points.reserve(more);
+        self.node_names.reserve(more);
+    }
+
+    /// Makes room for so many elements more.
+    pub(super) fn room_for_elements(&mut self, more: usize) {
+        self.elements.reserve(more);
     }
 
     /// The corners of a solid element, counter-clockwise. A triangle is a quadrilateral whose last two corners coincide:
@@ -231,11 +245,11 @@ pub enum ElementKind {
 #[derive(Clone, Debug)]
 pub struct Element {
     /// Name as the deck knows it.
-    pub name: String,
+    pub name: Name,
     /// Type.
     pub kind: ElementKind,
     /// Indices into [`Mesh::points`]; as many as the type has nodes.
-    pub nodes: Vec<usize>,
+    pub nodes: ElementNodes,
     /// The data line (or mesh card) that made it.
     pub span: Span,
 }

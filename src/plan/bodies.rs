@@ -66,7 +66,8 @@ impl Compiler<'_> {
     fn body(&mut self, rigid: &RigidBody) {
         let index = self.bodies.len();
         let mesh = &self.model.mesh;
-        let mut nodes: Vec<usize> = rigid.elements.iter().flat_map(|&e| mesh.elements[e].nodes.clone()).collect();
+        let mut nodes: Vec<usize> =
+            rigid.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()).collect();
         nodes.extend(&rigid.nodes);
         nodes.push(rigid.reference);
         self.carried_along(rigid, &mut nodes);

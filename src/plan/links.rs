@@ -261,7 +261,7 @@ impl Compiler<'_> {
     /// Nodes without mass along axes in which nothing keeps them.
     fn without_resistance(&self, mass: &[f64]) -> HashSet<(usize, usize)> {
         let concerned = self.kept.concerned();
-        let bare = self.places.nodes.iter().filter(|(node, _)| !self.places.tied.contains_key(*node));
+        let bare = self.places.nodes.iter().filter(|(node, _)| !self.places.tied.contains_key(node));
         let light = bare.map(|n| *n.1).filter(|&n| mass[n] == 0.0);
         light.flat_map(|n| [(n, 0), (n, 1)]).filter(|dof| !concerned.contains(dof)).collect()
     }

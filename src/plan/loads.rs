@@ -171,7 +171,7 @@ impl Compiler<'_> {
         for section in &self.model.sections {
             let density = self.model.materials[section.material].density.unwrap_or(0.0);
             let own: HashSet<usize> = section.elements.iter().copied().collect();
-            for &e in elements.iter().filter(|e| own.contains(*e) && self.places.elements.contains_key(*e)) {
+            for &e in elements.iter().filter(|e| own.contains(*e) && self.places.elements.contains_key(e)) {
                 let corners = mesh.corners(e);
                 for (n, mass) in corners.iter().zip(corner_masses(corners.map(|n| mesh.points[n]), density)) {
                     *masses.entry(self.places.nodes[n]).or_default() += mass;

@@ -29,6 +29,7 @@ mod outputs;
 mod overlaps;
 mod penalty;
 mod pieces;
+mod places;
 mod precision;
 mod shells;
 mod soft_material;
@@ -56,7 +57,7 @@ use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
     EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model, Precision,
-    SurfaceContact,
+    Shared, SurfaceContact,
 };
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::{BodyState, EffectId};
@@ -66,6 +67,7 @@ pub use expressions::RowExpression;
 pub use labels::Labels;
 use ledger::{Ledger, Unused};
 pub use outputs::{Column, FrameField, Outputs, Schedule, Section, Source};
+pub use places::Places;
 pub use solid::SolidPlaces;
 
 /// What is to be run: every effect the deck asks for, and nothing else. It never changes: it runs as often as one likes, on
@@ -75,7 +77,7 @@ pub struct Plan {
     /// What exists and why.
     pub ledger: Ledger,
     /// Nodes and elements, for frames.
-    pub mesh: Mesh,
+    pub mesh: Shared<Mesh>,
     /// Rigid bodies.
     pub bodies: Vec<Body>,
     /// Where nodes and elements of what deforms are in the mesh.

@@ -1,8 +1,7 @@
 //! The order in which the solver holds elements and nodes: what is read together lies together.
 //! Never here: the order in which anything is shown, which is the deck's.
 
-use indexmap::IndexMap;
-
+use super::Places;
 use crate::model::Mesh;
 
 /// Elements between two visits to a node, over the root of their number, above which a mesh counts as scattered. Rows of a square
@@ -58,7 +57,7 @@ fn spread(number: u16) -> u32 {
 
 /// Nodes of the solver by those of the mesh: in the order in which elements complete them, so that an element's last nodes follow
 /// each other and its forces are added while they are at hand; what no element has comes last. The map itself is in the order of the mesh.
-pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> IndexMap<usize, usize> {
+pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> Places<usize> {
     let mut last = vec![0_u32; mesh.points.len()];
     let mut touched = Vec::new();
     for (at, element) in elements.enumerate() {
@@ -83,10 +82,10 @@ pub(super) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mes
 #[cfg(test)]
 mod tests {
     use super::{in_order, mean_distance, nodes, spread};
-    use crate::model::{ElementKind, Mesh, Model};
+    use crate::model::{ElementKind, Mesh, Model, Shared};
 
     /// A square of n by n elements, row by row, and its elements with a stride that scatters them.
-    fn square(n: usize) -> (Mesh, Vec<usize>) {
+    fn square(n: usize) -> (Shared<Mesh>, Vec<usize>) {
         let mut model = Model::default();
         for i in 0..(n + 1) * (n + 1) {
             model.node((i % (n + 1)) as f64, (i / (n + 1)) as f64);

@@ -469,8 +469,9 @@ impl Compiler<'_> {
     /// What frames of this scene can show: of nodes, and what some element has. (Others would be NaN everywhere.)
     fn fields_there_are(&self, state: &State) -> Vec<FrameField> {
         let groups = &state.elements.groups;
+        // What one element of a group has they all have.
         let somewhere =
-            |part: &Part| groups.iter().enumerate().any(|(g, group)| (0..group.len()).any(|e| has(state, g, e, *part)));
+            |part: &Part| groups.iter().enumerate().any(|(g, group)| !group.is_empty() && has(state, g, 0, *part));
         let mut fields = Vec::new();
         let turns = !self.places.rotations.is_empty();
         for &variable in Variable::ALL {

@@ -159,7 +159,8 @@ impl Compiler<'_> {
     /// How many nodes of one piece lie within another, further behind its skin than what fits, and how deep.
     fn inside(&self, piece: &Piece, other: &Piece) -> (usize, f64) {
         let mesh = &self.model.mesh;
-        let mut nodes: Vec<usize> = piece.elements.iter().flat_map(|&e| mesh.elements[e].nodes.clone()).collect();
+        let mut nodes: Vec<usize> =
+            piece.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
         nodes.retain(|&n| other.holds(mesh.points[n]));

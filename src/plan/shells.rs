@@ -133,7 +133,7 @@ impl<'a> Compiler<'a> {
             let material = &self.model.materials[section.material];
             let (Some([young, ratio]), Some(density)) = (material.elastic, material.density) else { continue };
             let per_area = density * section.thickness + section.per_area;
-            let own = |e: &&usize| section.elements.contains(e) && self.places.elements.contains_key(*e);
+            let own = |e: &&usize| section.elements.contains(e) && self.places.elements.contains_key(e);
             for &e in elements.iter().filter(own) {
                 let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
                 let places = ends.map(|n| mesh.points[n]);

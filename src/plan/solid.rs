@@ -1,10 +1,8 @@
 //! Deformable bodies of the plan: sections to groups of elements, masses, what is given and what pushes.
 //! Never here: rigid bodies, arithmetic of elements.
 
-use indexmap::IndexMap;
-
 use super::user_material::asks_at_points;
-use super::{Compiler, State, numbering};
+use super::{Compiler, Places, State, numbering};
 use crate::deck::Diagnostic;
 use crate::element::damping::Damping;
 use crate::element::distortion::DistortionControl;
@@ -24,25 +22,19 @@ use crate::variables::Variable;
 #[derive(Clone, Debug, Default)]
 pub struct SolidPlaces {
     /// Node of the solver by node of the mesh.
-    pub nodes: IndexMap<usize, usize>,
+    pub nodes: Places<usize>,
     /// Group and element of the group by element of the mesh.
-    pub elements: IndexMap<usize, (usize, usize)>,
+    pub elements: Places<(usize, usize)>,
     /// Rigid body of the nodes of the mesh that move with one.
-    pub tied: IndexMap<usize, usize>,
+    pub tied: Places<usize>,
     /// Rotation in the list of the solver's nodes, by node of the mesh; of nodes of shells alone.
-    pub rotations: IndexMap<usize, usize>,
-}
-
-/// Bytes of a map: its entries with their hashes, and a table of indices that is at most 7/8 full.
-fn bytes_of<V>(map: &IndexMap<usize, V>) -> usize {
-    let table = if map.capacity() == 0 { 0 } else { (map.capacity() * 8 / 7).next_power_of_two() };
-    map.capacity() * size_of::<(usize, usize, V)>() + table * (size_of::<usize>() + 1)
+    pub rotations: Places<usize>,
 }
 
 impl SolidPlaces {
     /// Bytes of its maps.
     pub fn bytes(&self) -> usize {
-        bytes_of(&self.nodes) + bytes_of(&self.elements) + bytes_of(&self.tied) + bytes_of(&self.rotations)
+        self.nodes.bytes() + self.elements.bytes() + self.tied.bytes() + self.rotations.bytes()
     }
 
     /// Whether a node of the mesh deforms with a body and moves on its own.
@@ -128,7 +120,7 @@ impl Compiler<'_> {
         self.places.nodes = numbering::nodes(sections.flatten().copied(), self.bare_nodes(), mesh);
         self.places.tied = self.places.nodes.keys().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
         let mut nodes = vec![Node::default(); self.places.nodes.len()];
-        for (&n, &place) in &self.places.nodes {
+        for (&n, &place) in self.places.nodes.iter() {
             nodes[place] = Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() };
         }
         nodes
@@ -154,7 +146,7 @@ impl Compiler<'_> {
             group,
             name: material.name.clone(),
             properties: properties.clone(),
-            elements: elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect(),
+            elements: elements.iter().map(|&e| self.model.mesh.elements[e].name.to_string()).collect(),
         })
     }
 
@@ -271,7 +263,7 @@ impl Compiler<'_> {
                 InitialKind::Velocity(..) => {}
                 InitialKind::Temperature(value) => {
                     let mesh = &self.model.mesh;
-                    for (&e, &(group, i)) in &self.places.elements {
+                    for (&e, &(group, i)) in self.places.elements.iter() {
                         if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
                             groups[group].set(i, None, Some(*value));
                         }

@@ -85,7 +85,7 @@ impl Compiler<'_> {
             heating,
             density,
         };
-        let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.clone()).collect();
+        let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.to_string()).collect();
         let mut group = UserQuads::new(description, constants, corners, nodes, names);
         if material.fields.is_some() {
             // The routine may ask for strains.

@@ -179,14 +179,14 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     let mut frame = Frame { time: run.now.total_time, increment: run.now.increment, ..Frame::default() };
     let mut point_of_node = vec![usize::MAX; mesh.points.len()];
     let mut of_point = Vec::new();
-    for (&node, &place) in &run.plan.places.nodes {
+    for (&node, &place) in run.plan.places.nodes.iter() {
         point_of_node[node] = frame.points.len();
         frame.points.push(run.dofs.nodes[place].place());
         of_point.push((Owner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
     for (b, body) in run.plan.bodies.iter().enumerate() {
-        for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(*n)) {
+        for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(n)) {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
             frame.points.push([r, z + run.dofs.bodies[b].displacement]);

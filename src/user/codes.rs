@@ -58,7 +58,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "U012",
         title: "routine that cannot be isolated",
-        text: "`--isolate` runs the user's routines in a process of their own, over memory that it shares with the run. So far that is done for vdload; files that hold another routine are refused. Without `--isolate` all routines run in the process of the run.",
+        text: "`--isolate` runs the user's routines in a process of their own, over memory that it shares with the run. VUSDFLD asks the run for values while it is called, which is not done over there: files that hold it are refused. Without `--isolate` all routines run in the process of the run.",
     },
     Code {
         code: "U011",

@@ -9,11 +9,11 @@ pub fn mesh_frame(model: &Model) -> Frame {
     let mesh = &model.mesh;
     let mut frame = Frame {
         points: mesh.points.clone(),
-        cells: mesh.elements.iter().map(|e| e.nodes.clone()).collect(),
+        cells: mesh.elements.iter().map(|e| e.nodes.to_vec()).collect(),
         ..Frame::default()
     };
     let element_names: Vec<&str> = mesh.elements.iter().map(|e| e.name.as_str()).collect();
-    let node_names: Vec<&str> = mesh.node_names.iter().map(String::as_str).collect();
+    let node_names: Vec<&str> = mesh.node_names.iter().map(|name| name.as_str()).collect();
     frame.point_fields.extend(label_field("NODE_LABEL", &node_names));
     frame.cell_fields.extend(label_field("ELEMENT_LABEL", &element_names));
     for (name, set) in &model.node_sets {

@@ -4,15 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use revolve::deck::{self, Card, Deck, Diagnostics};
+use revolve::deck::{self, Deck, Diagnostics};
 
 /// Every span of a deck and its findings lies in its file, on character boundaries.
 fn assert_spans(deck: &Deck, diagnostics: &Diagnostics) {
-    let words = deck.cards.iter().flat_map(|c| c.lines.iter().flat_map(|l| &l.fields));
-    let values = deck.cards.iter().flat_map(|c| c.parameters.iter().filter_map(|p| p.value.as_ref()));
+    let words = deck.cards.iter().flat_map(|c| c.data(&deck.sources)).flat_map(|l| l.into_owned().fields);
+    let values = deck.cards.iter().flat_map(|c| c.parameters.iter().filter_map(|p| p.value.clone()));
     let mut spans: Vec<_> = words.chain(values).map(|w| w.span).collect();
     spans.extend(deck.cards.iter().flat_map(|c| c.parameters.iter().map(|p| p.span).chain([c.span])));
-    spans.extend(deck.cards.iter().flat_map(|c| c.lines.iter().map(|l| l.span)));
+    spans.extend(deck.cards.iter().flat_map(|c| c.data(&deck.sources).map(|l| l.span)));
     spans.extend(diagnostics.iter().flat_map(|d| d.labels.iter().map(|l| l.span)));
     for span in spans {
         let file = deck.sources.file(span).expect("file of a span");
@@ -26,8 +26,8 @@ fn read(text: &str) -> (Deck, Diagnostics) {
     (deck, diagnostics)
 }
 
-fn fields(card: &Card) -> Vec<Vec<&str>> {
-    card.lines.iter().map(|l| l.fields.iter().map(|w| w.text.as_str()).collect()).collect()
+fn fields(deck: &Deck, card: usize) -> Vec<Vec<String>> {
+    deck.cards[card].data(&deck.sources).map(|l| l.fields.iter().map(|w| w.text.clone()).collect()).collect()
 }
 
 fn codes(diagnostics: &Diagnostics) -> Vec<&str> {
@@ -58,7 +58,7 @@ fn broken_decks_are_explained() {
 
 /// Takes every field of `*NODE` as a number, labels as whole numbers, as the model will.
 fn read_all_numbers(deck: &Deck, diagnostics: &mut Diagnostics) {
-    for line in deck.cards.iter().filter(|c| c.keyword.name == "NODE").flat_map(|c| &c.lines) {
+    for line in deck.cards.iter().filter(|c| c.keyword.name == "NODE").flat_map(|c| c.data(&deck.sources)) {
         line.fields[0].integer(diagnostics);
         for word in &line.fields[1..] {
             word.number(diagnostics);
@@ -75,11 +75,11 @@ fn a_good_deck_with_everything() {
     assert_eq!(names, ["HEADING", "NODE", "MATERIAL", "DENSITY", "ELEMENT OUTPUT", "NSET"]);
     let node = &deck.cards[1];
     assert!(node.has("NSET") && node.has("INTERNAL"));
-    assert_eq!(fields(node), [vec!["1", "0.", "0."], vec!["2", "1.", "4"], vec!["9", "2", "1.57d0"]]);
-    assert_eq!(deck.sources.text(node.lines[1].fields[2].span), "<n>");
+    assert_eq!(fields(&deck, 1), [vec!["1", "0.", "0."], vec!["2", "1.", "4"], vec!["9", "2", "1.57d0"]]);
+    assert_eq!(deck.sources.text(node.rows[1].line(&deck.sources).fields[2].span), "<n>");
     assert_eq!(deck.cards[2].value("NAME").map(|w| w.text.as_str()), Some("PLATE"));
-    assert_eq!(fields(&deck.cards[4]), [vec!["S", "E"]]);
-    assert_eq!(fields(&deck.cards[5]), [vec!["1", "4"]]);
+    assert_eq!(fields(&deck, 4), [vec!["S", "E"]]);
+    assert_eq!(fields(&deck, 5), [vec!["1", "4"]]);
     assert_eq!(deck.parameters, [("n".to_owned(), 4.0), ("r".to_owned(), 2.0)]);
 }
 
@@ -92,7 +92,7 @@ fn overrides_replace_definitions() {
     };
     let (deck, diagnostics) = set(&[("a", "1+4"), ("m", "AL6061-T6")]);
     assert!(diagnostics.is_empty(), "{}", diagnostics.render(&deck.sources));
-    assert_eq!(fields(&deck.cards[0]), [["15"]]);
+    assert_eq!(fields(&deck, 0), [["15"]]);
     assert_eq!(deck.cards[0].value("NSET").map(|w| w.text.as_str()), Some("AL6061-T6"));
     assert_eq!(codes(&set(&[("A", "1")]).1), ["D403"]);
     assert_eq!(codes(&set(&[("a", "1+")]).1), ["D407"]);
@@ -105,7 +105,7 @@ fn keyword_lines_as_written() {
     );
     assert!(diagnostics.is_empty(), "{}", diagnostics.render(&deck.sources));
     assert_eq!(deck.cards[0].value("NAME").map(|w| (w.text.as_str(), w.quoted)), Some(("a, b=c", true)));
-    assert_eq!(fields(&deck.cards[0]), [["210e9", "0.3"]]);
+    assert_eq!(fields(&deck, 0), [["210e9", "0.3"]]);
     assert_eq!(
         deck.cards[1].parameters.iter().map(|p| p.name).collect::<Vec<_>>(),
         ["FIELD", "VARIABLE", "TIME INTERVAL", "OP"]
@@ -125,7 +125,7 @@ fn stray_commas_do_not_eat_data() {
 #[test]
 fn an_empty_data_line_is_no_continuation() {
     let (deck, _) = read("*Solid Section, elset=A, material=B,\n,\n");
-    assert_eq!(fields(&deck.cards[0]), [[""]]);
+    assert_eq!(fields(&deck, 0), [[""]]);
 }
 
 #[test]
@@ -133,9 +133,9 @@ fn data_lines_as_written() {
     let (deck, _) = read(
         "*Dynamic, Explicit\n, 8e-05\n*Solid Section, elset=A, material=B\n,\n*Amplitude, name=A\n0., 0.,\t1.,1.,\n\n** x\n2., 1.",
     );
-    assert_eq!(fields(&deck.cards[0]), [["", "8e-05"]]);
-    assert_eq!(fields(&deck.cards[1]), [[""]]);
-    assert_eq!(fields(&deck.cards[2]), [vec!["0.", "0.", "1.", "1."], vec!["2.", "1."]]);
+    assert_eq!(fields(&deck, 0), [["", "8e-05"]]);
+    assert_eq!(fields(&deck, 1), [[""]]);
+    assert_eq!(fields(&deck, 2), [vec!["0.", "0.", "1.", "1."], vec!["2.", "1."]]);
     assert!(deck.cards[0].lines[0].field(0).is_none());
 }
 
@@ -179,7 +179,7 @@ fn encodings() {
         fs::write(&path, bytes).expect("file");
         let (deck, diagnostics) = deck::read(&path, &[]);
         assert!(diagnostics.is_empty(), "{}", diagnostics.render(&deck.sources));
-        assert_eq!(fields(&deck.cards[0]), [["1", "0.", "1."]]);
+        assert_eq!(fields(&deck, 0), [["1", "0.", "1."]]);
     }
     fs::write(&path, b"\0\0\0").expect("file");
     assert_eq!(codes(&deck::read(&path, &[]).1), ["D005"]);
@@ -289,7 +289,7 @@ proptest! {
 
     #[test]
     fn bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        let (deck, diagnostics) = read(&deck::source::decode(&bytes));
+        let (deck, diagnostics) = read(&deck::source::decode(bytes));
         diagnostics.render(&deck.sources);
     }
 

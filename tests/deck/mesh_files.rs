@@ -162,7 +162,7 @@ fn files_of_meshers_are_read() {
 #[test]
 fn copies_and_maps_are_the_mesh_in_full() {
     let half = "*Node, nset=LOW\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n 4, 1., 1.\n*Element, type=CAX4R, elset=A\n 1, 1, 2, 4, 3\n";
-    let points = |text: &str| build(text).mesh.points;
+    let points = |text: &str| build(text).mesh.points.clone();
     let moved = points(&format!("{half}*Ncopy, old set=LOW, change number=10, shift\n 0., 2., 0.\n"));
     assert_eq!(moved[4..], [[0.0, 2.0], [1.0, 2.0], [0.0, 3.0], [1.0, 3.0]]);
     for reflect in ["LINE\n 0., 1., 0., 1., 1., 0.\n", "MIRROR\n 0., 1., 0., 1., 1., 0.\n 0., 1., 1.\n"] {

@@ -4,13 +4,14 @@
 //! Goal: nothing is parsed and ignored. Source: the table itself; `words/pairs.txt` holds a pair of decks for each entry
 //! that is read, alike but for that entry.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::common::{self, Memory};
 use revolve::deck::keywords::{Keyword, Rule, Shape, Tier, Usage, keywords};
-use revolve::deck::{self, Card, Deck};
+use revolve::deck::{self, Card, DataLine, Deck};
 use revolve::job;
 use revolve::solve;
 use revolve::user::{
@@ -225,6 +226,7 @@ fn differences(a: &Deck, b: &Deck) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let cards = |deck: &Deck| deck.cards.iter().map(|c| c.keyword.name).collect::<Vec<_>>();
     assert_eq!(cards(a), cards(b), "the decks have the same cards");
+    let (sources_a, sources_b) = (&a.sources, &b.sources);
     for (a, b) in a.cards.iter().zip(&b.cards) {
         let values = |card: &Card| -> BTreeMap<&str, Option<String>> {
             card.parameters.iter().map(|p| (p.name, p.value.as_ref().map(|w| w.text.clone()))).collect()
@@ -233,12 +235,14 @@ fn differences(a: &Deck, b: &Deck) -> BTreeSet<String> {
         let names = of_a.keys().chain(of_b.keys()).filter(|name| of_a.get(*name) != of_b.get(*name));
         found.extend(names.map(|name| format!("{}, {name}", a.keyword.name)));
         let mut before = 0;
-        for i in 0..a.lines.len().max(b.lines.len()) {
-            let field = |card: &Card, k: usize| {
-                card.lines.get(i).and_then(|l| l.field(k)).map_or(String::new(), |w| w.text.clone())
+        let [lines_a, lines_b] =
+            [(a, sources_a), (b, sources_b)].map(|(card, sources)| card.data(sources).collect::<Vec<_>>());
+        for i in 0..lines_a.len().max(lines_b.len()) {
+            let field = |lines: &[Cow<'_, DataLine>], k: usize| {
+                lines.get(i).and_then(|l| l.field(k)).map_or(String::new(), |w| w.text.clone())
             };
-            let count = [a, b].iter().filter_map(|c| c.lines.get(i)).map(|l| l.fields.len()).max().unwrap_or(0);
-            for k in (0..count).filter(|&k| field(a, k) != field(b, k)) {
+            let count = [&lines_a, &lines_b].iter().filter_map(|l| l.get(i)).map(|l| l.fields.len()).max().unwrap_or(0);
+            for k in (0..count).filter(|&k| field(&lines_a, k) != field(&lines_b, k)) {
                 let rule = a.shape().field(i, k, before).or(b.shape().field(i, k, before)).map_or("?", |r| r.name);
                 found.insert(format!("{}, {rule}", a.keyword.name));
             }

@@ -3,11 +3,13 @@
 //! Goal: nothing is allocated inside an increment; an elastic deck holds no byte for plasticity.
 //! Source: an allocator that counts; the size of a loop built for a law that holds no code of plasticity.
 
+use revolve::deck;
 use revolve::internals::constants::{Constants, HourglassControl};
 use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Quads};
 use revolve::internals::volumetric::Linear;
 use revolve::job;
+use revolve::model::{self, Mesh, Model};
 use revolve::output::History;
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
@@ -190,10 +192,14 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
 
 /// Bytes that the rows of the ledger name, and those that plan, state and run hold.
 fn told_and_held(text: &str, routines: &Routines) -> (usize, usize) {
-    let (deck, _) = revolve::deck::read_text("test.inp", text, &[]);
-    let (model, _) = revolve::model::build(&deck);
+    let (deck, _) = deck::read_text("test.inp", text, &[]);
+    let (model, _) = model::build(&deck);
     let mut compiled = None;
-    let compiling = allocation_counter::measure(|| compiled = Some(revolve::plan::compile(&model, routines)));
+    let compiling = allocation_counter::measure(|| {
+        // The mesh stays with the plan.
+        let mesh = Mesh::clone(&model.mesh).into();
+        compiled = Some(revolve::plan::compile(&Model { mesh, ..model.clone() }, routines));
+    });
     let (plan, state, found) = compiled.expect("a plan");
     assert!(!found.has_errors(), "{}", found.render(&deck.sources));
     let told = plan.ledger.effects.iter().flat_map(|row| &row.arrays).map(|array| array.1).sum();
@@ -245,4 +251,34 @@ fn the_rows_share_the_time_of_the_loop() {
     for effect in ["deformable elements", "nodes", "pressure", "central difference"] {
         assert!(of(effect) > 0.0, "{effect}");
     }
+}
+
+/// A mesh whose nodes and elements are all listed, as meshers write it. Source: bytes asked for while it is read and resolved, the
+/// text among them.
+#[test]
+fn a_listed_mesh_takes_few_bytes() {
+    let (n, mut text) = (150, String::from("*Node, nset=ALL\n"));
+    for i in 0..(n + 1) * (n + 1) {
+        let (r, z) = (i % (n + 1), i / (n + 1));
+        text += &format!("{:7}, {:13.9}, {:13.9}\n", i + 1, f64::from(r) * 0.01, f64::from(z) * 0.01);
+    }
+    text += "*Element, type=CAX4R, elset=BODY\n";
+    for e in 0..n * n {
+        let a = e % n + e / n * (n + 1) + 1;
+        text += &format!("{:7}, {a:7}, {:7}, {:7}, {:7}\n", e + 1, a + 1, a + n + 2, a + n + 1);
+    }
+    text += "*Nset, nset=SAME\n";
+    for label in 1..=(n + 1) * (n + 1) {
+        text += &format!("{label:6},{}", if label % 16 == 0 { "\n" } else { "" });
+    }
+    let mut elements = 0;
+    let counted = allocation_counter::measure(|| {
+        let (deck, told) = deck::read_text("listed.inp", &text, &[]);
+        let (model, resolved) = model::build(&deck);
+        assert!(!told.has_errors() && !resolved.has_errors());
+        elements = model.mesh.elements.len() as u64;
+    });
+    let (bytes, times) = (counted.bytes_max / elements, counted.count_total);
+    println!("{} bytes of text, at most {bytes} bytes an element, {times} allocations", text.len() as u64 / elements);
+    assert!(elements == u64::try_from(n * n).expect("a number") && bytes < 400 && times < elements / 20);
 }

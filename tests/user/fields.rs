@@ -196,7 +196,7 @@ fn fields_that_nothing_depends_on_are_told_and_change_nothing() {
     assert_eq!(digest(&other), digest(&plain));
 }
 
-const TWICE: &str = "
+pub const TWICE: &str = "
 subroutine vucharlength(nblock, nfieldv, nprops, ncomp, ndim, nnode, nstatev, kSecPt, kLayer, kIntPt, jElType, jElem, &
     totalTime, stepTime, dt, cmname, coordMp, coordNode, direct, T, props, field, stateOld, charLength)
   include 'vaba_param.inc'
@@ -214,6 +214,16 @@ subroutine vucharlength(nblock, nfieldv, nprops, ncomp, ndim, nnode, nstatev, kS
 end subroutine
 ";
 
+/// Simple shear to the end of damage over a plastic displacement, with a card more of its material.
+pub fn sheared(card: &str) -> String {
+    let damage = "*Elastic\n 26000., 0.3\n*Plastic\n 10., 0.\n*Damage Initiation, criterion=JOHNSON COOK\n \
+                  0.1, 0., 0., 0., 0., 0., 0., 1.\n*Damage Evolution, type=DISPLACEMENT\n 0.2,\n";
+    let outputs = " PEEQ, SDEG, STATUS\n*Energy Output\n ALLPD\n";
+    moving(|[r, _]| [0.0, r], &format!("{damage}{card}"), outputs)
+        .replace("number interval=10", "frequency=1")
+        .replace("1.e-3, 1.", "1.e-4, 1.")
+}
+
 /// Simple shear g, which keeps the volume V: dp = dg / sqrt 3. Damage begins at the plastic strain p0 and is linear over a
 /// plastic displacement, so that the element is gone at p0 + u_f / L, and all that it took is dissipated:
 /// V Y (p0 + u_f / 2 L) and the elastic V Y^2 / 6 G.
@@ -222,17 +232,9 @@ fn twice_the_length_in_fortran_halves_the_plastic_strain_of_damage() {
     if !common::fortran("characteristic lengths of the user in Fortran") {
         return;
     }
-    let damage = "*Elastic\n 26000., 0.3\n*Plastic\n 10., 0.\n*Damage Initiation, criterion=JOHNSON COOK\n \
-                  0.1, 0., 0., 0., 0., 0., 0., 1.\n*Damage Evolution, type=DISPLACEMENT\n 0.2,\n";
-    let outputs = " PEEQ, SDEG, STATUS\n*Energy Output\n ALLPD\n";
-    let text = |card: &str| {
-        moving(|[r, _]| [0.0, r], &format!("{damage}{card}"), outputs)
-            .replace("number interval=10", "frequency=1")
-            .replace("1.e-3, 1.", "1.e-4, 1.")
-    };
-    let twice = text("*Characteristic Length, definition=USER, properties=1\n 2.,\n");
+    let twice = sheared("*Characteristic Length, definition=USER, properties=1\n 2.,\n");
     let routines = compiled(TWICE).expect("it compiles");
-    for (text, routines, length) in [(&text(""), &Routines::none(), 1.0), (&twice, &routines, 2.0)] {
+    for (text, routines, length) in [(&sheared(""), &Routines::none(), 1.0), (&twice, &routines, 2.0)] {
         let (outcome, memory) = common::run(text, &[], routines);
         assert_eq!(outcome.halt, None);
         let rows = |name: &str| column(text, routines, &memory, &format!("{name}@ONE"));

@@ -6,7 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use super::subroutines::{Desk, fortran, told, user_deck, vdload};
+use super::fields::{TWICE, sheared};
+use super::subroutines::{Desk, fortran, pushed_and_driven, told, user_deck, vdload};
 use crate::common::project;
 
 /// A load that remembers and does something first.
@@ -28,7 +29,11 @@ fn run(desk: &Desk, file: &Path, more: &[&str]) -> Output {
 
 /// The results but for times and shares of them.
 fn results(desk: &Desk) -> String {
-    let mut summary = desk.summary("ogive_user");
+    results_of(desk, "ogive_user")
+}
+
+fn results_of(desk: &Desk, job: &str) -> String {
+    let mut summary = desk.summary(job);
     summary["timing"] = serde_json::Value::Null;
     for row in summary["ledger"]["effects"].as_array_mut().expect("rows") {
         row.as_object_mut().expect("a row").remove("share");
@@ -117,16 +122,78 @@ fn a_run_goes_on_with_the_memory_of_the_other_process() {
     assert_eq!(results(&desk), expected);
 }
 
+/// A Taylor bar whose flow is in a file of the user.
+fn bar(cards: &str) -> String {
+    let text =
+        std::fs::read_to_string(project("input/taylor_vumat.inp")).expect("the deck").replace("nz = 25", "nz = 10");
+    let [from, to] = ["*User Material", "*Initial Conditions"].map(|card| text.find(card).expect("the card"));
+    format!("{}{cards}{}", &text[..from], &text[to..])
+}
+
+/// Amplitude, motion, events, material, hardening, lengths: arguments are the same over there, state variables and answers too.
+#[test]
+fn other_routines_have_the_same_bits() {
+    if !fortran() {
+        return;
+    }
+    let desk = Desk::new();
+    let hardening = bar("*Elastic\n 117.e9, 0.35\n*Plastic, hardening=USER, properties=8\n \
+                         90.e6, 292.e6, 0.31, 0.025, 1.09, 1., 20., 1083.\n");
+    let shear = sheared("*Characteristic Length, definition=USER, properties=1\n 2.,\n");
+    let runs = [
+        ("two", pushed_and_driven(&desk)),
+        ("taylor_vumat", [project("input/taylor_vumat.inp"), project("input/vumat_hardening.f90")]),
+        ("hardens", [desk.write("hardens.inp", &hardening), project("input/vuhard_johnson_cook.f90")]),
+        ("shears", [desk.write("shears.inp", &shear), desk.write("twice.f90", TWICE)]),
+    ];
+    for (job, [deck, file]) in &runs {
+        let log = || std::fs::read_to_string(desk.path("out/log")).unwrap_or_default();
+        let output = desk.run(deck, &[file], &[]);
+        assert!(output.status.success(), "{job}: {}", told(&output));
+        let expected = (results_of(&desk, job), log());
+        let output = desk.run(deck, &[file], &["--isolate"]);
+        assert!(output.status.success(), "{job}: {}", told(&output));
+        assert_eq!((results_of(&desk, job), log()), expected, "{job}");
+    }
+}
+
+/// A material that goes, or writes past what it was given, leaves the run.
+#[test]
+fn a_material_that_goes_leaves_the_run() {
+    if !fortran() {
+        return;
+    }
+    let source = std::fs::read_to_string(project("input/vumat_hardening.f90")).expect("the example");
+    let first = "  twog = props(1)";
+    assert!(source.contains(first));
+    for (statement, words) in [
+        ("  if (totalTime .gt. 1.d-6) call kill(getpid(), 9)\n", "signal 9 ended its process"),
+        (
+            "  if (totalTime .gt. 1.d-6) stateNew(nblock*nstatev + 1, 1) = 1.d0\n",
+            "past the end of its argument stateNew",
+        ),
+    ] {
+        let desk = Desk::new();
+        let file = desk.write("goes.f90", &source.replacen(first, &format!("{statement}{first}"), 1));
+        let output = desk.run(&project("input/taylor_vumat.inp"), &[&file], &["--isolate"]);
+        assert_eq!(output.status.code(), Some(1), "{}", told(&output));
+        let reason = desk.summary("taylor_vumat")["reason"].to_string();
+        for word in ["R201", "COPPER", "step 1", words] {
+            assert!(reason.contains(word), "`{word}` in {reason}");
+        }
+    }
+}
+
 #[test]
 fn what_is_not_covered_is_refused_by_its_name() {
     let desk = Desk::new();
-    let file = load(&desk, "events", "");
+    let file = load(&desk, "fields", "");
     let mut text = std::fs::read_to_string(&file).expect("a source");
-    text += "void vexternaldb_(const int *lop, int *i, const int *ni, double *r, const int *nr) {}\n";
+    text += "void vusdfld_(void) {}\n";
     std::fs::write(&file, text).expect("a source");
     let output = run(&desk, &file, &[]);
     assert_eq!(output.status.code(), Some(2), "{}", told(&output));
-    for word in ["U012", "vexternaldb"] {
+    for word in ["U012", "vusdfld"] {
         assert!(told(&output).contains(word), "{}", told(&output));
     }
 }

@@ -433,12 +433,8 @@ fn host_routines_answer() {
     assert_eq!((&messages[0]["level"], &messages[1]["level"]), (&"note".into(), &"warning".into()));
 }
 
-/// Amplitude, prescribed motion and events in one file; the motion is the closed form that they describe.
-#[test]
-fn vuamp_vdisp_and_vexternaldb_do_what_they_say() {
-    if !fortran() {
-        return;
-    }
+/// Two bodies: one pushed by an amplitude of the user, one whose motion is the user's; and the routines, which write a log.
+pub fn pushed_and_driven(desk: &Desk) -> [PathBuf; 2] {
     let source = "      subroutine vuamp(ampName, time, ampValueOld, dt, nprops, props, nSvars, svars, lFlagsInfo, nSensor,\n     \
         1 sensorValues, sensorNames, jSensorLookUpTable, ampValueNew, lFlagsDefine, ampDerivative, ampSecDerivative, ampIncIntegral)\n      \
         include 'vaba_param.inc'\n      dimension time(2), props(nprops), svars(nSvars), lFlagsInfo(*), sensorValues(nSensor), lFlagsDefine(*)\n      \
@@ -460,9 +456,17 @@ fn vuamp_vdisp_and_vexternaldb_do_what_they_say() {
         *Step, name=First\n*Dynamic, Explicit\n , 4.\n*Cload, amplitude=RISE\n FREE, 2, 1.\n*Boundary, user, type=VELOCITY\n DRIVEN, 2\n\
         *Output, history, sensor, name=SPEED, number interval=50\n*Node Output, nset=FREE\n V2\n\
         *Output, history, op=ADD, number interval=50\n*Node Output, nset=FREE\n U2, V2\n*Node Output, nset=DRIVEN\n U2, V2\n*End Step\n";
+    [desk.write("two.inp", deck), desk.write("all.f", source)]
+}
+
+/// Amplitude, prescribed motion and events in one file; the motion is the closed form that they describe.
+#[test]
+fn vuamp_vdisp_and_vexternaldb_do_what_they_say() {
+    if !fortran() {
+        return;
+    }
     let desk = Desk::new();
-    let deck = desk.write("two.inp", deck);
-    let file = desk.write("all.f", source);
+    let [deck, file] = pushed_and_driven(&desk);
     let output = desk.run(&deck, &[&file], &[]);
     assert!(output.status.success(), "{}", told(&output));
     let summary = desk.summary("two");

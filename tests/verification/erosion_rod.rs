@@ -95,7 +95,7 @@ fn shot(speed: f64) -> (f64, Ran) {
     let ran = Ran { prepared, outcome, memory, state }.whole();
     let (mesh, status, moved) = (&ran.prepared.plan.mesh, cell_field(ran.end(), "STATUS"), point_field(ran.end(), "U"));
     let target = |e: &usize| status[*e] == 1.0 && mesh.elements[*e].name.parse::<usize>().is_ok_and(|n| n > 100_000);
-    let nodes = (0..mesh.elements.len()).filter(target).flat_map(|e| mesh.elements[e].nodes.clone());
+    let nodes = (0..mesh.elements.len()).filter(target).flat_map(|e| mesh.elements[e].nodes.to_vec());
     let heights = nodes.filter(|&n| mesh.points[n][0] == 0.0).map(|n| mesh.points[n][1] + moved[2 * n + 1]);
     let depth = -heights.fold(f64::NEG_INFINITY, f64::max) / 50e-3;
     (depth, ran)

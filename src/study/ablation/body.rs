@@ -38,7 +38,7 @@ fn velocity(model: &Model) -> Option<f64> {
 
 fn body_nodes(model: &Model) -> Vec<usize> {
     let elements = model.sections.iter().flat_map(|s| &s.elements);
-    let mut nodes: Vec<usize> = elements.flat_map(|&e| model.mesh.elements[e].nodes.clone()).collect();
+    let mut nodes: Vec<usize> = elements.flat_map(|&e| model.mesh.elements[e].nodes.iter().copied()).collect();
     nodes.sort_unstable();
     nodes.dedup();
     nodes

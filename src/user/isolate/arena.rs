@@ -7,8 +7,8 @@ use std::io;
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU32, Ordering, fence};
 
-use super::super::MAX_BLOCK;
 use super::super::call::Words;
+use super::tape::Tape;
 
 /// Looks at the turn before a process lies down: some ten microseconds, longer than a small routine takes.
 const LOOKS: u32 = 1000;
@@ -25,63 +25,92 @@ pub enum Side {
     Routines = 1,
 }
 
-/// A turn for a call of `vdload`,
-pub const PRESSURE: u32 = 1;
-/// one for something that comes over the stream,
-pub const ASK: u32 = 2;
-/// and the last one: the routines are not needed any more.
-pub const LEAVE: u32 = 3;
+/// What a turn is for that calls a routine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Purpose {
+    Load = 1,
+    Amplitude,
+    Motion,
+    Material,
+    Hardening,
+    Lengths,
+    Moment,
+    RestartFollows,
+}
 
-/// What stands in the memory: one call and its answer, of `vdload`.
+/// A turn for something that comes over the stream,
+pub const ASK: u32 = 100;
+/// and the last one: the routines are not needed any more.
+pub const LEAVE: u32 = 101;
+
+impl Purpose {
+    /// All of them.
+    const ALL: [Purpose; 8] = [
+        Purpose::Load,
+        Purpose::Amplitude,
+        Purpose::Motion,
+        Purpose::Material,
+        Purpose::Hardening,
+        Purpose::Lengths,
+        Purpose::Moment,
+        Purpose::RestartFollows,
+    ];
+
+    /// That of a turn, if it calls a routine.
+    pub fn of(turn: u32) -> Option<Purpose> {
+        Self::ALL.into_iter().find(|purpose| *purpose as u32 == turn)
+    }
+
+    /// Name of the routine.
+    pub fn routine(self) -> &'static str {
+        match self {
+            Purpose::Load => "vdload",
+            Purpose::Amplitude => "vuamp",
+            Purpose::Motion => "vdisp",
+            Purpose::Material => "vumat",
+            Purpose::Hardening => "vuhard",
+            Purpose::Lengths => "vucharlength",
+            Purpose::Moment | Purpose::RestartFollows => "vexternaldb",
+        }
+    }
+
+    /// The lists of its answer, in words.
+    pub fn answers(self) -> &'static [&'static str] {
+        match self {
+            Purpose::Load => &["nblock points of its argument value"],
+            Purpose::Amplitude => &["end of its answer", "end of its argument svars"],
+            Purpose::Material => &[
+                "end of its argument stressNew",
+                "end of its argument stateNew",
+                "end of its argument enerInternNew",
+                "end of its argument enerInelasNew",
+            ],
+            Purpose::Hardening => &[
+                "end of its argument yield",
+                "end of its argument dyieldDtemp",
+                "end of its argument dyieldDeqps",
+                "end of its argument stateNew",
+            ],
+            Purpose::Lengths => &["end of its argument charLength"],
+            Purpose::Motion | Purpose::Moment | Purpose::RestartFollows => &[],
+        }
+    }
+}
+
+/// What stands in the memory: one call and its answer.
 #[repr(C, align(64))]
 pub struct Content {
     /// What the turn is for.
     pub purpose: u32,
-    /// Points.
-    pub count: u32,
-    /// `jltyp`.
-    pub load_type: i32,
-    /// Number of the step.
-    pub step: u32,
-    /// Increments behind.
-    pub increment: u64,
-    /// Step time, total time, and what rounding has taken from the first.
-    pub times: [f64; 3],
-    /// The amplitude's value, and the magnitude.
-    pub factors: [f64; 2],
-    /// Bytes of the name, and they.
-    pub name_length: u32,
     /// The point to blame from 0, or -1.
     pub point: i32,
-    /// The name of the surface.
-    pub name: [u8; 512],
     /// Why the call failed; empty where it did not.
     pub words: Words,
-    /// `curCoords`.
-    pub coordinates: Slab<{ 3 * MAX_BLOCK }>,
-    /// `velocity`.
-    pub motion: Slab<{ 6 * MAX_BLOCK }>,
-    /// `dirCos`.
-    pub directions: Slab<{ 9 * MAX_BLOCK }>,
-    /// The answer.
-    pub value: Slab<MAX_BLOCK>,
-}
-
-/// Numbers from the beginning of a cache line on.
-#[repr(C, align(64))]
-pub struct Slab<const N: usize>(pub [f64; N]);
-
-impl<const N: usize> Slab<N> {
-    /// Takes numbers over; cache lines that hold them already stay where they are, which may be with the other process.
-    pub fn update(&mut self, from: &[f64]) {
-        let count = from.len().min(N);
-        for (to, from) in self.0[..count].chunks_mut(8).zip(from[..count].chunks(8)) {
-            let differ = to.iter().zip(from).fold(0, |differ, (a, b)| differ | (a.to_bits() ^ b.to_bits()));
-            if differ != 0 {
-                to.copy_from_slice(from);
-            }
-        }
-    }
+    /// Arguments.
+    pub call: Tape,
+    /// Answer.
+    pub answer: Tape,
 }
 
 /// A number with a cache line of its own.
@@ -113,7 +142,9 @@ impl Arena {
     /// # Errors
     /// That of the system.
     pub fn new() -> io::Result<Arena> {
-        let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_SHARED | libc::MAP_ANONYMOUS);
+        // Of the room for arguments no more is taken than calls fill.
+        let shared = libc::MAP_SHARED | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE;
+        let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, shared);
         // SAFETY: new memory, wherever the system likes.
         let at = unsafe { libc::mmap(std::ptr::null_mut(), size_of::<Memory>(), protection, flags, -1, 0) };
         if at == libc::MAP_FAILED {
@@ -204,8 +235,8 @@ mod tests {
                 for turn in 0..2000 {
                     assert!(arena.wait(Side::Routines, || true));
                     arena.with(|content| {
-                        assert_eq!(content.count, turn);
-                        content.value.0[..10].fill(f64::from(turn));
+                        assert_eq!(content.point, turn);
+                        content.answer.write().list(&[f64::from(turn); 10]);
                     });
                     if turn % 700 == 3 {
                         std::thread::sleep(Duration::from_millis(30));
@@ -213,11 +244,11 @@ mod tests {
                     arena.hand_to(Side::Caller);
                 }
             });
-            for turn in 0..2000_u32 {
-                arena.with(|content| content.count = turn);
+            for turn in 0..2000 {
+                arena.with(|content| content.point = turn);
                 arena.hand_to(Side::Routines);
                 assert!(arena.wait(Side::Caller, || true));
-                assert!(arena.with(|content| content.value.0[9]) == f64::from(turn));
+                assert!(arena.with(|content| content.answer.read().list()[9]) == f64::from(turn));
             }
         });
     }
@@ -232,21 +263,5 @@ mod tests {
             asked < 3
         });
         assert!(!there && asked == 3);
-    }
-
-    #[test]
-    fn arguments_arrive_bit_by_bit() {
-        let arena = Arena::new().expect("memory");
-        let numbers = [1.0, -0.0, f64::from_bits(0x7ff4_0000_0000_0001), 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
-        arena.with(|content| {
-            content.motion.update(&[0.0; 10]);
-            content.motion.update(&numbers);
-            assert!(content.motion.0[..10].iter().zip(&numbers).all(|(a, b)| a.to_bits() == b.to_bits()));
-            content.motion.update(&[3.0]);
-            assert_eq!(
-                content.motion.0[..2].iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
-                [3.0, -0.0].map(f64::to_bits)
-            );
-        });
     }
 }

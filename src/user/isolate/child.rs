@@ -5,11 +5,11 @@
 use std::os::unix::net::UnixStream;
 
 use super::super::host::{self, JobInfo};
-use super::super::{Kept, LoadFailure, LoadPoints, Locked, MAX_BLOCK, Routines, call, guard};
-use super::arena::{ASK, Arena, Content, PRESSURE, Side};
+use super::super::{Kept, Routines, call, guard};
+use super::arena::{ASK, Arena, Purpose, Side};
+use super::served::Service;
 use super::words::{Opening, receive, send};
 use crate::deck::Diagnostic;
-use crate::state::Instant;
 use crate::state::archive::{Archive, Persist};
 
 /// Asked over the stream: a run begins, with its job,
@@ -62,58 +62,17 @@ fn serve(
     send(&mut stream, 0, &mut Opening::of(&opened))?;
     let routines = opened.ok()?;
     let mut held = routines.lock();
-    let mut room = vec![f64::NAN; MAX_BLOCK + 1];
+    let mut service = Service::default();
     while arena.wait(Side::Routines, || is_child_of(run)) {
-        match arena.with(|content| content.purpose) {
-            PRESSURE => arena.with(|content| answer(content, &mut held, &mut room)),
-            ASK => asked(&mut stream, &routines)?,
-            _ => return Some(()),
+        let turn = arena.with(|content| content.purpose);
+        match Purpose::of(turn) {
+            Some(purpose) => arena.with(|content| service.answer(purpose, content, &mut held)),
+            None if turn == ASK => asked(&mut stream, &routines)?,
+            None => return Some(()),
         }
         arena.hand_to(Side::Caller);
     }
     None
-}
-
-/// Calls the load and leaves its answer, or why it failed. The room holds no number before and after.
-fn answer(content: &mut Content, held: &mut Locked<'_>, room: &mut [f64]) {
-    let count = (content.count as usize).min(MAX_BLOCK);
-    let called = pressure(content, held, &mut room[..count]);
-    let intact = room[count].is_nan() && room[MAX_BLOCK].is_nan();
-    let failure = called.err().or_else(|| {
-        let words = format!("it wrote past the nblock = {count} points of its argument value");
-        (!intact).then(|| LoadFailure::new(words))
-    });
-    content.words.set(failure.as_ref().map_or("", |failure| &failure.reason));
-    content.point = failure.and_then(|failure| failure.point).map_or(-1, |point| point as i32);
-    content.value.0[..count].copy_from_slice(&room[..count]);
-    // What the next call leaves out is none.
-    room[..if intact { count } else { MAX_BLOCK + 1 }].fill(f64::NAN);
-}
-
-fn pressure(content: &Content, held: &mut Locked<'_>, value: &mut [f64]) -> Result<(), LoadFailure> {
-    let n = value.len();
-    let name = &content.name[..(content.name_length as usize).min(content.name.len())];
-    let [step_time, total_time, lost] = content.times;
-    let (motion, directions) = (&content.motion.0[..6 * n], &content.directions.0[..9 * n]);
-    let points = LoadPoints {
-        surface: std::str::from_utf8(name).unwrap_or_default(),
-        load_type: content.load_type,
-        now: Instant { step_time, total_time, step: content.step, increment: content.increment, lost },
-        amplitude: content.factors[0],
-        magnitude: content.factors[1],
-        r: &content.coordinates.0[..n],
-        z: &content.coordinates.0[n..2 * n],
-        velocity_r: &motion[..n],
-        velocity_z: &motion[n..2 * n],
-        // A compiled routine has them in `directions`.
-        normal_r: &directions[..n],
-        normal_z: &directions[2 * n..3 * n],
-        coordinates: &content.coordinates.0[..3 * n],
-        motion,
-        directions,
-    };
-    let Some(load) = held.load.as_deref_mut() else { return Err(LoadFailure::new("there is no such routine")) };
-    load.pressure(&points, value)
 }
 
 /// What is asked beside calls; `None` where nobody asks any more.

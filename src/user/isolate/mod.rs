@@ -1,32 +1,24 @@
 //! Routines in a process of their own: what they do to memory, and their end, are theirs alone. The run calls them over memory
 //! that both share; the bits are those of routines in the process of the run.
 //! Never here: compiling, opening libraries.
-#![allow(unsafe_code)]
 
 mod arena;
+mod callers;
 mod child;
+mod door;
+mod served;
+mod tape;
 mod words;
 
-use std::io::{self, Write as _};
-use std::os::unix::net::UnixStream;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::io;
+use std::sync::Arc;
 
-use super::host::{self, Message};
-use super::memory::Recall;
-use super::{Kept, LoadFailure, LoadPoints, Misfit, Routines, UserLoad, library};
+use super::{Misfit, Routines, library};
 use crate::deck::Diagnostic;
-use crate::state::archive::{Archive, Persist, UnfitState};
-use arena::{ASK, Arena, LEAVE, PRESSURE, Side};
-use words::{Opening, receive, send};
-
-/// The way to the process of the routines.
-struct Door {
-    arena: Arena,
-    stream: Mutex<UnixStream>,
-    process: i32,
-    /// How it ended, as the system says it.
-    ended: Mutex<Option<i32>>,
-}
+use crate::state::archive::{Archive, Persist};
+use callers::Caller;
+use door::Door;
+use words::{Opening, receive};
 
 /// Opens routines in a process of their own, which this one makes; it must have no other threads yet.
 ///
@@ -44,9 +36,11 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
     if let Some(fault) = opening.refused() {
         return Err(fault);
     }
-    if let Some(name) = opening.routines.iter().find(|name| *name != "vdload") {
-        let finding = Diagnostic::error("U012", format!("{name} cannot run in a process of its own"));
-        return Err(finding.help("--isolate takes vdload alone: run without it, or without that routine"));
+    if opening.routines.iter().any(|name| name == "vusdfld") {
+        let finding = Diagnostic::error("U012", "vusdfld cannot run in a process of its own");
+        return Err(
+            finding.help("it asks the run for what points hold: run without --isolate, or without that routine")
+        );
     }
     let door = Arc::new(door);
     let misfit = |(routine, (code, message)): (String, (String, String))| Misfit { routine, code, message };
@@ -56,164 +50,17 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
         memory: Some(door.clone()),
         ..Routines::none()
     };
-    if !opening.routines.is_empty() {
-        routines = routines.with_load(IsolatedLoad { door });
+    for name in &opening.routines {
+        let caller = Caller::new(&door);
+        routines = match name.as_str() {
+            "vdload" => routines.with_load(caller),
+            "vuamp" => routines.with_amplitude(caller),
+            "vdisp" => routines.with_motion(caller),
+            "vumat" => routines.with_material(caller),
+            "vuhard" => routines.with_hardening(caller),
+            "vucharlength" => routines.with_lengths(caller),
+            _ => routines.with_events(caller),
+        };
     }
     Ok(routines)
-}
-
-impl Door {
-    /// Makes the process.
-    fn make(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> io::Result<Door> {
-        if std::fs::read_dir("/proc/self/task")?.count() > 1 {
-            return Err(io::Error::other("this one has threads already"));
-        }
-        let arena = Arena::new()?;
-        let (here, there) = UnixStream::pair()?;
-        io::stdout().flush()?;
-        // SAFETY: this process has one thread, so that its copy is as whole as it is itself.
-        let (run, process) = unsafe { (libc::getpid(), libc::fork()) };
-        match process {
-            0 => {
-                drop(here);
-                child::live(arena, there, run, open)
-            }
-            1.. => Ok(Door { arena, stream: Mutex::new(here), process, ended: Mutex::new(None) }),
-            _ => Err(io::Error::last_os_error()),
-        }
-    }
-
-    fn stream(&self) -> MutexGuard<'_, UnixStream> {
-        self.stream.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Whether the process is there.
-    fn is_there(&self) -> bool {
-        let mut ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut status = 0;
-        // SAFETY: asks after a child of this process that nobody else asks after.
-        if ended.is_none() && unsafe { libc::waitpid(self.process, &raw mut status, libc::WNOHANG) } != 0 {
-            *ended = Some(status);
-        }
-        ended.is_none()
-    }
-
-    /// What became of the process that was about to answer.
-    fn last_words(&self) -> String {
-        let gone = std::iter::repeat_with(|| self.is_there()).take(200);
-        for there in gone {
-            if !there {
-                break;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
-        let said = self.arena.with(|content| content.words.get());
-        if !said.is_empty() {
-            return said;
-        }
-        match *self.ended.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(status) if libc::WIFSIGNALED(status) => format!("signal {} ended its process", libc::WTERMSIG(status)),
-            Some(status) => format!("its process ended with status {}", libc::WEXITSTATUS(status)),
-            None => "its process does not answer".into(),
-        }
-    }
-
-    /// Hands the turn over and waits for it to come back; `None` where the process is gone.
-    fn turn(&self) -> Option<()> {
-        self.arena.hand_to(Side::Routines);
-        self.arena.wait(Side::Caller, || self.is_there()).then_some(())
-    }
-
-    /// Asks for something beside calls.
-    fn ask<T: Persist + Default>(&self, what: u8, value: &mut impl Persist) -> Option<T> {
-        if !self.is_there() {
-            return None;
-        }
-        let mut stream = self.stream();
-        self.arena.with(|content| content.purpose = ASK);
-        self.arena.hand_to(Side::Routines);
-        send(&mut stream, what, value)?;
-        let (_, bytes) = receive(&mut stream)?;
-        self.arena.wait(Side::Caller, || self.is_there()).then_some(())?;
-        let mut answer = T::default();
-        answer.persist(&mut Archive::reader(&bytes));
-        Some(answer)
-    }
-}
-
-impl Drop for Door {
-    /// Lets the process go, which may have things to tidy up.
-    fn drop(&mut self) {
-        if self.is_there() {
-            self.arena.with(|content| content.purpose = LEAVE);
-            self.arena.hand_to(Side::Routines);
-        }
-    }
-}
-
-impl Recall for Door {
-    fn begin(&self) {
-        let mut job = host::with_job(Clone::clone);
-        let _: Option<()> = self.ask(child::BEGIN, &mut job);
-    }
-
-    fn end(&self) {
-        let messages: Vec<Message> = self.ask(child::END, &mut ()).unwrap_or_default();
-        host::add_messages(messages);
-    }
-
-    fn keep(&self) -> Kept {
-        match self.ask::<(Kept, Vec<Message>)>(child::KEEP, &mut ()) {
-            Some((kept, messages)) => {
-                host::add_messages(messages);
-                kept
-            }
-            None => Kept::nothing("the process of the routines is gone"),
-        }
-    }
-
-    fn take_up(&self, kept: &Kept) -> Result<(), UnfitState> {
-        match self.ask::<Option<String>>(child::TAKE_UP, &mut kept.clone()) {
-            Some(None) => Ok(()),
-            Some(Some(reason)) => Err(UnfitState { reason }),
-            None => Err(UnfitState { reason: "the process of the routines is gone".into() }),
-        }
-    }
-}
-
-struct IsolatedLoad {
-    door: Arc<Door>,
-}
-
-impl UserLoad for IsolatedLoad {
-    fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-        let arena = &self.door.arena;
-        arena.with(|content| {
-            let name = points.surface.as_bytes();
-            let length = name.len().min(content.name.len());
-            content.name[..length].copy_from_slice(&name[..length]);
-            (content.purpose, content.count, content.name_length) = (PRESSURE, pressure.len() as u32, length as u32);
-            (content.load_type, content.step, content.increment) =
-                (points.load_type, points.now.step, points.now.increment);
-            content.times = [points.now.step_time, points.now.total_time, points.now.lost];
-            content.factors = [points.amplitude, points.magnitude];
-            content.coordinates.update(points.coordinates);
-            content.motion.update(points.motion);
-            content.directions.update(points.directions);
-        });
-        if self.door.turn().is_none() {
-            return Err(LoadFailure::new(format!("vdload {}", self.door.last_words())));
-        }
-        arena.with(|content| {
-            pressure.copy_from_slice(&content.value.0[..pressure.len()]);
-            if content.words.is_empty() {
-                return Ok(());
-            }
-            Err(LoadFailure { point: usize::try_from(content.point).ok(), reason: content.words.get() })
-        })
-    }
-
-    fn reads_motion(&self) -> bool {
-        true
-    }
 }
