@@ -2,22 +2,21 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
+use crate::deck::files;
+use crate::model::Precision;
+use crate::study::compare::Reference;
+use crate::study::grid::Grid;
+use crate::study::quantity::Quantity;
+use crate::study::{sweep, table};
+use crate::user::compile::Compiled;
+use crate::{deck, job, output};
 use clap::Args;
 use indexmap::IndexMap;
-use revolve::deck::files;
-use revolve::model::Precision;
-use revolve::study::compare::Reference;
-use revolve::study::grid::Grid;
-use revolve::study::quantity::Quantity;
-use revolve::study::{sweep, table};
-use revolve::user::compile::Compiled;
-use revolve::{deck, job, output};
 use serde::Serialize;
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, given, progress, tell_doubts};
+use super::{HALTED, REFUSED, Status, UserFiles, accepted, folder_of, given, progress, tell_doubts};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -61,7 +60,7 @@ pub struct Sweep {
 
 impl Sweep {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let grid = match &self.samples {
             None => Grid::parse(&self.set)?,
             Some(path) => {
@@ -80,17 +79,17 @@ impl Sweep {
                 path.display()
             );
         }
-        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(ExitCode::from(REFUSED)) };
+        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(Status::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare_in(self.precision, &self.deck, &grid.combination(0), &routines);
         if !accepted(&first, self.quiet || self.json) {
-            return Ok(ExitCode::from(REFUSED));
+            return Ok(Status::from(REFUSED));
         }
         for quantity in &quantities {
             quantity.stands_alone()?;
             quantity.check(&first.plan)?;
         }
-        let Some((job, _lock)) = folder_of(&self.deck, self.out)? else { return Ok(ExitCode::from(REFUSED)) };
+        let Some((job, _lock)) = folder_of(&self.deck, self.out)? else { return Ok(Status::from(REFUSED)) };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(0))
             .build()
@@ -167,13 +166,13 @@ fn doubts<'a>(grid: &Grid, results: &'a sweep::Results) -> Vec<(String, &'a [Str
     runs.map(|(values, doubts)| (given(names.iter().copied().zip(values)), &doubts[..])).collect()
 }
 
-fn report_failures(results: &sweep::Results) -> ExitCode {
+fn report_failures(results: &sweep::Results) -> Status {
     let failed: Vec<_> = results.values.iter().filter_map(|v| v.as_ref().err()).collect();
     match failed.first() {
-        None => ExitCode::SUCCESS,
+        None => Status::SUCCESS,
         Some(reason) => {
             tell!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
-            ExitCode::from(HALTED)
+            Status::from(HALTED)
         }
     }
 }
