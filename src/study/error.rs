@@ -59,7 +59,7 @@ impl StudyError {
     }
 
     /// What is wrong with a deck that has errors.
-    pub(super) fn refused(prepared: &Prepared) -> StudyError {
+    pub fn refused(prepared: &Prepared) -> StudyError {
         let errors = |d: &&Diagnostic| d.severity == Severity::Error;
         let first = prepared.diagnostics.iter().find(errors).map_or("", |d| d.code);
         let text = prepared.diagnostics.render(&prepared.deck.sources);

@@ -11,6 +11,7 @@ pub mod compare;
 pub mod draw;
 pub mod effects;
 mod error;
+pub mod evaluate;
 pub mod field;
 pub mod grid;
 mod histories;
