@@ -15,6 +15,7 @@ mod manual;
 mod matrix;
 mod memory;
 mod precision;
+mod python;
 mod report;
 mod reproducibility;
 mod restart;

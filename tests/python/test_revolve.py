@@ -20,6 +20,7 @@ OGIVE = ROOT / "input" / "ogive.inp"
 USER = ROOT / "input" / "ogive_user.inp"
 CAVITY = ROOT / "input" / "vdload_cavity.f"
 
+
 @pytest.fixture(scope="module")
 def deck() -> rv.Deck:
     return rv.Deck(OGIVE)
@@ -88,7 +89,7 @@ def test_findings_are_exceptions_and_lists() -> None:
 
 
 def test_a_halt_is_an_exception_with_the_run(deck: rv.Deck) -> None:
-    def fails(coordinates, velocities, normals, time, pressures):  # noqa: ANN001, ANN202
+    def fails(coordinates, velocities, normals, time, pressures):
         pressures[:] = 1e6 if time < 1e-4 else np.nan
 
     with pytest.raises(rv.HaltedError, match="R201") as caught:
@@ -99,7 +100,7 @@ def test_a_halt_is_an_exception_with_the_run(deck: rv.Deck) -> None:
     assert rv.Deck(USER).run(load=fails, check=False).reason == caught.value.run.reason
 
 
-def cavity(coordinates, velocities, normals, time, pressures):  # noqa: ANN001, ANN201
+def cavity(coordinates, velocities, normals, time, pressures):
     """The resistance of ``input/vdload_cavity.f``."""
     into = np.maximum(np.einsum("ij,ij->i", velocities, normals), 0.0)
     x = into * np.sqrt(2710.0 / 276e6)
@@ -118,7 +119,7 @@ def test_a_load_of_numba_is_that_of_python() -> None:
     numba = pytest.importorskip("numba")
 
     @numba.cfunc(rv.cfunc_signature())
-    def load(n, time, coordinates, velocities, normals, pressures):  # noqa: ANN001, ANN202
+    def load(n, time, coordinates, velocities, normals, pressures):
         v = numba.carray(velocities, (2, n))
         normal = numba.carray(normals, (2, n))
         p = numba.carray(pressures, n)
@@ -138,7 +139,7 @@ def test_a_load_of_numba_is_that_of_python() -> None:
 def test_a_load_is_told_where_it_is_and_may_be_told_the_surface() -> None:
     seen = {}
 
-    def load(coordinates, velocities, normals, time, pressures, surface):  # noqa: ANN001, ANN202
+    def load(coordinates, velocities, normals, time, pressures, surface):
         seen.update(surface=surface, shape=coordinates.shape, time=time)
         seen.setdefault("first", (coordinates.copy(), velocities.copy(), normals.copy(), pressures.copy()))
         pressures[:] = 0.0
@@ -155,7 +156,7 @@ def test_a_load_is_told_where_it_is_and_may_be_told_the_surface() -> None:
 
 
 def test_what_a_load_raises_is_raised() -> None:
-    def load(coordinates, velocities, normals, time, pressures):  # noqa: ANN001, ANN202
+    def load(coordinates, velocities, normals, time, pressures):
         raise ZeroDivisionError("in the load")
 
     with pytest.raises(ZeroDivisionError, match="in the load"):
@@ -192,7 +193,7 @@ def test_host_routines_are_found_by_fortran(tmp_path: Path) -> None:
     assert lengths == pytest.approx(len("ogive_user"))
 
 
-def _even(coordinates, velocities, normals, time, pressures):  # noqa: ANN001, ANN202
+def _even(coordinates, velocities, normals, time, pressures):
     pressures[:] = 1e6
 
 
@@ -212,7 +213,9 @@ def test_evaluate_is_runs_side_by_side(deck: rv.Deck) -> None:
     assert np.array_equal(table, np.vstack(halves))
     # Of geometry, too, and numbers for all samples alike.
     shapes = deck.evaluate({"CRH": [2.0, 3.0, 4.5], "V": 700, "n": 12}, quantities[0])
-    assert shapes.values[:, 0].tolist() == [deck.run(CRH=c, V=700, n=12).quantity(quantities[0]) for c in (2.0, 3.0, 4.5)]
+    assert shapes.values[:, 0].tolist() == [
+        deck.run(CRH=c, V=700, n=12).quantity(quantities[0]) for c in (2.0, 3.0, 4.5)
+    ]
 
 
 def test_what_fails_is_no_number_and_says_why(deck: rv.Deck) -> None:
@@ -248,8 +251,8 @@ def test_decks_and_samplers_go_to_other_processes(deck: rv.Deck) -> None:
 
 def test_sobol_indices_of_salib(deck: rv.Deck) -> None:
     pytest.importorskip("SALib")
-    from SALib.analyze import sobol  # noqa: PLC0415
-    from SALib.sample import sobol as sampling  # noqa: PLC0415
+    from SALib.analyze import sobol
+    from SALib.sample import sobol as sampling
 
     problem = {"num_vars": 2, "names": ["V", "friction"], "bounds": [[500, 900], [0.0, 0.04]]}
     samples = sampling.sample(problem, 64, calc_second_order=False, seed=1)
@@ -356,4 +359,7 @@ def test_the_command_line_comes_along() -> None:
     refused = subprocess.run([script, "run", "no such.inp"], capture_output=True, text=True, check=False)
     assert refused.returncode == 2
     assert "D001" in refused.stderr
-    assert subprocess.run([script, "--version"], capture_output=True, text=True, check=True).stdout.split()[1] == rv.__version__
+    assert (
+        subprocess.run([script, "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
+        == rv.__version__
+    )

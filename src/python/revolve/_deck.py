@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +20,9 @@ from ._report import Ledger
 from ._run import Run
 from ._study import Study
 
-User = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]], None]
+User = str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None
 """Files of user subroutines: Fortran, C or shared libraries."""
-Value = Union[float, int, str]
+Value = float | int | str
 """A value of a ``*PARAMETER``."""
 
 _KNOWN = 8

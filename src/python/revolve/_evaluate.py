@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ._deck import Deck
 
 Array = npt.NDArray[np.float64]
-Parameters = Mapping[str, Union[npt.ArrayLike, str]]
+Parameters = Mapping[str, npt.ArrayLike | str]
 """Values by parameter: arrays of one length, numbers for all samples alike, or texts."""
 
 

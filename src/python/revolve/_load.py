@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import Any, Protocol, Union
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ class HasAddress(Protocol):
         """Where the function is."""
 
 
-Load = Union[LoadFunction, HasAddress, int]
+Load = LoadFunction | HasAddress | int
 """A load: a function, the address of a compiled one, or what has an ``address``."""
 
 _ARGUMENTS = 5
@@ -59,7 +59,7 @@ def cfunc_signature() -> Any:
     Of coordinates, velocities and normals come the r of all points, then the z of all points:
     ``numba.carray(coordinates, (2, n))``; pressures are ``numba.carray(pressures, n)``.
     """
-    from numba import types  # noqa: PLC0415
+    from numba import types
 
     numbers = types.CPointer(types.float64)
     return types.void(types.int64, types.float64, numbers, numbers, numbers, numbers)

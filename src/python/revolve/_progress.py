@@ -6,9 +6,9 @@ import html
 import sys
 import time
 from collections.abc import Callable
-from typing import Any, Union
+from typing import Any
 
-Progress = Union[Callable[[float, str], None], bool, None]
+Progress = Callable[[float, str], None] | bool | None
 """A function of a fraction and a text; ``None`` for a bar in notebooks, ``False`` for nothing."""
 
 _SOON = 0.5
@@ -25,7 +25,7 @@ class NotebookBar:
     def __call__(self, fraction: float, words: str) -> None:
         if time.monotonic() - self._began < _SOON:
             return
-        from IPython.display import HTML, display  # noqa: PLC0415
+        from IPython.display import HTML, display
 
         bar = HTML(f'<progress value="{fraction:.4f}" style="width:20em"></progress> {html.escape(words)}')
         if self._handle is None:
@@ -36,7 +36,7 @@ class NotebookBar:
     def close(self) -> None:
         """Takes the bar away."""
         if self._handle is not None:
-            from IPython.display import HTML  # noqa: PLC0415
+            from IPython.display import HTML
 
             self._handle.update(HTML(""))
 

@@ -109,9 +109,7 @@ def preformatted(text: str) -> str:
     return f"<pre>{html.escape(text)}</pre>" if text.strip() else ""
 
 
-def curves(
-    title: str, label: str, time: npt.NDArray[np.float64], columns: dict[str, npt.NDArray[np.float64]]
-) -> str:
+def curves(title: str, label: str, time: npt.NDArray[np.float64], columns: dict[str, npt.NDArray[np.float64]]) -> str:
     """Curves over time as SVG; long ones are thinned."""
     step = max(1, len(time) // _MOST_POINTS)
     thin = slice(None, None, step)

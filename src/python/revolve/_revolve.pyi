@@ -2,16 +2,16 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 __version__: str
 
-_Settings = Sequence[tuple[str, str]]
-_Load = int | tuple[Any, bool] | None
-_Told = Callable[[float, str], None] | None
+_Settings: TypeAlias = Sequence[tuple[str, str]]
+_Load: TypeAlias = int | tuple[Any, bool] | None
+_Told: TypeAlias = Callable[[float, str], None] | None
 
 def main(arguments: Sequence[str]) -> int: ...
 def compile(files: Sequence[Path], checked: bool) -> User: ...

@@ -76,7 +76,7 @@ class Run:
     def history(self) -> dict[str, npt.NDArray[np.float64]] | pd.DataFrame:
         """Histories: a ``pandas.DataFrame`` over ``time`` where pandas is installed, else as :attr:`arrays`."""
         try:
-            import pandas as pd  # noqa: PLC0415
+            import pandas as pd
         except ImportError:
             return self.arrays
         return pd.DataFrame(self.arrays).set_index("time")
@@ -124,7 +124,7 @@ class Frames(Sequence[Any]):
         self._run = run
         self._reader: Any = None
         if run.series is not None and run.series.exists():
-            import pyvista as pv  # noqa: PLC0415
+            import pyvista as pv
 
             self._reader = pv.PVDReader(str(run.series))
 
@@ -156,7 +156,7 @@ class Frames(Sequence[Any]):
 
 
 def _grid(frame: dict[str, Any]) -> pv.UnstructuredGrid:
-    import pyvista as pv  # noqa: PLC0415
+    import pyvista as pv
 
     points = np.column_stack([frame["points"], np.zeros(len(frame["points"]))])
     starts, corners = frame["starts"], frame["corners"]
