@@ -19,7 +19,7 @@ use serde::Serialize;
 use super::progress::{self, RunBar};
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, Home, REFUSED, Status, UserFiles, accepted, outcome, pairs, print_findings, refused};
+use super::{HALTED, Home, REFUSED, Status, UserFiles, accepted, outcome, pairs, print_findings, refused, threads};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -173,8 +173,7 @@ impl Run {
 
     /// As many as there are cores, or as are asked for, and none without anything to do: it would be woken with each pass.
     fn start_threads(&self, prepared: &Prepared) -> Result<(), Box<dyn Error>> {
-        let cores = || std::thread::available_parallelism().map_or(1, Into::into);
-        let count = self.threads.map_or_else(cores, Into::into).min(prepared.most_threads());
+        let count = self.threads.map_or_else(threads::default, Into::into).min(prepared.most_threads());
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count);
         Ok(pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?)
     }

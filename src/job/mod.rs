@@ -513,7 +513,11 @@ pub fn write_run(prepared: &Prepared, job: &Job, outcome: Outcome, history: Hist
     write_with_sums(job, &files, SUMS)
 }
 
-fn make_folder(job: &Job) -> io::Result<()> {
+/// Makes the folder of a job.
+///
+/// # Errors
+/// With the path in the message.
+pub fn make_folder(job: &Job) -> io::Result<()> {
     let made = std::fs::create_dir_all(&job.folder);
     made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))
 }

@@ -48,6 +48,17 @@ pub enum StudyError {
     /// The settings give nothing that could be compared, or the values do not.
     #[error("{0}")]
     Comparison(String),
+    /// What a part of a sweep that ran elsewhere tells of a run without result.
+    #[error("{0}")]
+    Told(String),
+    /// A file of Dakota's that cannot be followed.
+    #[error("--dakota {}: {message}", path.display())]
+    Dakota {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with the line where there is one.
+        message: String,
+    },
     /// A chart that cannot be drawn.
     #[error("{0}")]
     Chart(String),

@@ -5,8 +5,10 @@ mod ablation;
 #[cfg(feature = "cli")]
 pub(crate) mod axis;
 pub mod bench;
+pub mod cases;
 pub mod chart;
 pub mod compare;
+pub mod dakota;
 #[cfg(feature = "cli")]
 pub mod draw;
 pub mod effects;
