@@ -55,6 +55,8 @@
 //!
 //! Without the default feature `cli` neither the program nor its charts and reports are compiled.
 #![warn(missing_docs)]
+#[cfg(feature = "cli")]
+mod command;
 mod constraint;
 pub mod deck;
 mod element;
@@ -76,6 +78,9 @@ mod state;
 pub mod study;
 pub mod user;
 pub mod variables;
+
+#[cfg(feature = "cli")]
+pub use command::{Status, line::command_line};
 
 /// What the project's own tests and benches look into; no part of the library.
 #[doc(hidden)]

@@ -1,14 +1,14 @@
 //! `revolve chart`.
 
+use super::Status;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::output;
+use crate::report::picture::{self, Drawn};
+use crate::report::{Asked, Labels};
+use crate::study::draw;
 use clap::{ArgGroup, Args};
-use revolve::output;
-use revolve::report::picture::{self, Drawn};
-use revolve::report::{Asked, Labels};
-use revolve::study::draw;
 
 use super::words::say;
 
@@ -43,7 +43,7 @@ pub struct Chart {
 
 impl Chart {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let out = self.out.clone().unwrap_or_else(|| self.folder.join("chart.png"));
         let svg = is_svg(&out)?;
         let bytes = match &self.field {
@@ -63,7 +63,7 @@ impl Chart {
         };
         output::write_whole(&out, &bytes).map_err(|e| e.to_string())?;
         say!("picture {}", out.display());
-        Ok(ExitCode::SUCCESS)
+        Ok(Status::SUCCESS)
     }
 }
 

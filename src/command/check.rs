@@ -2,19 +2,18 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Duration;
 
+use crate::deck::Finding;
+use crate::job::{self, Prepared};
+use crate::model::Precision;
+use crate::overview::{self, Overview};
+use crate::plan::ledger::Ledger;
 use clap::Args;
-use revolve::deck::Finding;
-use revolve::job::{self, Prepared};
-use revolve::model::Precision;
-use revolve::overview::{self, Overview};
-use revolve::plan::ledger::Ledger;
 use serde::Serialize;
 
 use super::words::say;
-use super::{REFUSED, UserFiles, accepted, pairs, words};
+use super::{REFUSED, Status, UserFiles, accepted, pairs, words};
 
 /// A run is looked at for so long to say what all of it will take.
 const LOOK: Duration = Duration::from_millis(500);
@@ -56,8 +55,8 @@ struct Report<'a> {
 
 impl Check {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
-        let Some(routines) = self.user.routines(self.json) else { return Ok(ExitCode::from(REFUSED)) };
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+        let Some(routines) = self.user.routines(self.json) else { return Ok(Status::from(REFUSED)) };
         let (prepared, mut overview) = job::examine(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if let Some(overview) = overview.as_mut().filter(|_| !self.no_look) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, LOOK);
@@ -66,7 +65,7 @@ impl Check {
             return print_json(&prepared, overview.as_ref());
         }
         if !accepted(&prepared, false) {
-            return Ok(ExitCode::from(REFUSED));
+            return Ok(Status::from(REFUSED));
         }
         if let Some(overview) = &overview {
             words::write(format_args!("{}", overview.render()), true);
@@ -76,7 +75,7 @@ impl Check {
     }
 }
 
-fn print_json(prepared: &Prepared, overview: Option<&Overview>) -> Result<ExitCode, Box<dyn Error>> {
+fn print_json(prepared: &Prepared, overview: Option<&Overview>) -> Result<Status, Box<dyn Error>> {
     let accepted = overview.is_some();
     let report = Report {
         accepted,
@@ -85,5 +84,5 @@ fn print_json(prepared: &Prepared, overview: Option<&Overview>) -> Result<ExitCo
         ledger: accepted.then_some(&prepared.plan.ledger),
     };
     say!("{}", serde_json::to_string_pretty(&report)?);
-    Ok(if accepted { super::shown() } else { ExitCode::from(REFUSED) })
+    Ok(if accepted { super::shown() } else { Status::from(REFUSED) })
 }

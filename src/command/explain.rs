@@ -1,10 +1,10 @@
 //! `revolve explain`.
 
+use super::Status;
 use std::error::Error;
-use std::process::ExitCode;
 
+use crate::explain::{explain, nearest_word};
 use clap::Args;
-use revolve::explain::{explain, nearest_word};
 
 use super::words::say;
 
@@ -19,7 +19,7 @@ pub struct Explain {
 
 impl Explain {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let word = self.word.join(" ");
         match explain(&word) {
             Some(text) => {

@@ -4,6 +4,7 @@
 pub mod chart;
 pub mod check;
 pub mod explain;
+pub mod line;
 pub mod new;
 mod outcome;
 mod progress;
@@ -13,20 +14,35 @@ pub mod shell;
 pub mod signals;
 pub mod study;
 pub mod sweep;
+mod threads;
 pub mod words;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::deck::{Diagnostic, Diagnostics, Sources};
+use crate::job::{self, Prepared, Refusal};
+use crate::output::Job;
+use crate::output::lock::Lock;
+use crate::user::Routines;
+use crate::user::compile::{Compiled, compile};
 use clap::Args;
-use revolve::deck::{Diagnostic, Diagnostics, Sources};
-use revolve::job::{self, Prepared, Refusal};
-use revolve::output::Job;
-use revolve::output::lock::Lock;
-use revolve::user::Routines;
-use revolve::user::compile::{Compiled, compile};
 use words::tell;
+
+/// How a command ended, as the exit status of a process has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Status(pub u8);
+
+impl Status {
+    /// All went well.
+    const SUCCESS: Status = Status(0);
+}
+
+impl From<u8> for Status {
+    fn from(number: u8) -> Status {
+        Status(number)
+    }
+}
 
 /// Deck or arguments refused.
 pub const REFUSED: u8 = 2;
@@ -122,9 +138,9 @@ fn print_finding(finding: Diagnostic) {
     print_findings(&findings, &Sources::default());
 }
 
-fn refused(finding: Diagnostic) -> ExitCode {
+fn refused(finding: Diagnostic) -> Status {
     print_finding(finding);
-    ExitCode::from(REFUSED)
+    Status::from(REFUSED)
 }
 
 /// The job of a deck with its folder, which no other job has as long as the lock is held; `None` if refused (told).
@@ -153,8 +169,8 @@ pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
 }
 
 /// The exit status of what is only shown.
-fn shown() -> ExitCode {
-    if words::arrived() { ExitCode::SUCCESS } else { ExitCode::from(HALTED) }
+fn shown() -> Status {
+    if words::arrived() { Status::SUCCESS } else { Status::from(HALTED) }
 }
 
 /// What a run was given: `V = 600, n = 20`.

@@ -2,11 +2,11 @@
 //! tests run.
 //! Never here: decks of its own.
 
+use super::Status;
 use std::error::Error;
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
@@ -56,7 +56,7 @@ impl Template {
 
 impl New {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         std::fs::create_dir_all(&self.out)
             .map_err(|e| format!("cannot make the folder {}: {e}", self.out.display()))?;
         let files = self.template.files();

@@ -1,10 +1,10 @@
 //! The end of a run in a few lines: the verdict first, then what it warns of, key results, what it took.
 //! Never here: anything that is not in the summary.
 
-use revolve::job::{Frames, Summary};
-use revolve::output::clock::seconds;
-use revolve::output::columns::lined_up;
-use revolve::output::{self, HISTORY};
+use crate::job::{Frames, Summary};
+use crate::output::clock::seconds;
+use crate::output::columns::lined_up;
+use crate::output::{self, HISTORY};
 
 use super::words::{say, write};
 
@@ -80,7 +80,7 @@ fn increments(summary: &Summary) {
 fn print_profile(summary: &Summary) {
     let mut rows: Vec<_> = summary.ledger.effects.iter().filter_map(|row| Some((row, row.share?))).collect();
     rows.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let cells = |(row, share): &(&revolve::plan::ledger::Row, f64)| {
+    let cells = |(row, share): &(&crate::plan::ledger::Row, f64)| {
         let time = share * summary.timing.seconds;
         let per = time / summary.timing.increments.max(1) as f64;
         vec![

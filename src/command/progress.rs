@@ -4,10 +4,10 @@
 use std::path::Path;
 use std::time::Duration;
 
+use crate::deck::printable;
+use crate::output::clock::span;
+use crate::solve::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use revolve::deck::printable;
-use revolve::output::clock::span;
-use revolve::solve::Progress;
 
 use super::words;
 

@@ -1,12 +1,12 @@
 //! `revolve report`.
 
+use super::Status;
 use std::error::Error;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
+use crate::report::{Asked, Labels};
+use crate::{output, report};
 use clap::Args;
-use revolve::report::{Asked, Labels};
-use revolve::{output, report};
 
 use super::words::say;
 
@@ -31,7 +31,7 @@ pub struct Report {
 
 impl Report {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let asked = Asked { labels: Labels::parse(&self.label)?, compare: self.compare };
         let page = report::gather_with(&self.folder, &asked)?;
         let html = report::html(&page)?;
@@ -47,6 +47,6 @@ impl Report {
             page.notes.iter().for_each(|note| say!("{note}"));
             say!("report {}, {} kB", out.display(), html.len().div_ceil(1000));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(Status::SUCCESS)
     }
 }

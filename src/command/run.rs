@@ -2,25 +2,24 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Duration;
 
+use crate::deck::Diagnostic;
+use crate::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal, Summary};
+use crate::model::Precision;
+use crate::output::checkpoint::Checkpoint;
+use crate::output::{self, History, Points};
+use crate::solve::{Every, LOST, Progress};
+use crate::study::quantity::{Finished, Quantity};
+use crate::user::host;
 use clap::{Args, ValueEnum};
 use indexmap::IndexMap;
-use revolve::deck::Diagnostic;
-use revolve::job::{self, Demand, Frames, Instructions, Options, Prepared, Refusal, Summary};
-use revolve::model::Precision;
-use revolve::output::checkpoint::Checkpoint;
-use revolve::output::{self, History, Points};
-use revolve::solve::{Every, LOST, Progress};
-use revolve::study::quantity::{Finished, Quantity};
-use revolve::user::host;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, Home, REFUSED, UserFiles, accepted, outcome, pairs, print_findings, refused};
+use super::{HALTED, Home, REFUSED, Status, UserFiles, accepted, outcome, pairs, print_findings, refused, threads};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -108,11 +107,11 @@ fn every(text: &str) -> Result<Every, String> {
 
 impl Run {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         // Before there are threads: routines may get a process of their own.
         let home = if self.isolate { Home::Own } else { Home::Here };
         let Some((routines, user)) = self.user.opened(self.is_silent(), home) else {
-            return Ok(ExitCode::from(REFUSED));
+            return Ok(Status::from(REFUSED));
         };
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let settings = pairs(&self.set)?;
@@ -120,7 +119,7 @@ impl Run {
         let mut prepared = job::prepare_in(self.precision, &self.deck, &settings, &routines);
         reading.finish_and_clear();
         if !accepted(&prepared, self.is_silent()) {
-            return Ok(ExitCode::from(REFUSED));
+            return Ok(Status::from(REFUSED));
         }
         self.start_threads(&prepared)?;
         for quantity in &quantities {
@@ -165,7 +164,7 @@ impl Run {
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, frames, signal);
         if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
-            revolve::user::library::leave(HALTED);
+            crate::user::library::leave(HALTED);
         }
         // The libraries stay until the process goes: a thread that a routine started may still run in one.
         std::mem::forget((prepared, routines));
@@ -174,8 +173,7 @@ impl Run {
 
     /// As many as there are cores, or as are asked for, and none without anything to do: it would be woken with each pass.
     fn start_threads(&self, prepared: &Prepared) -> Result<(), Box<dyn Error>> {
-        let cores = || std::thread::available_parallelism().map_or(1, Into::into);
-        let count = self.threads.map_or_else(cores, Into::into).min(prepared.most_threads());
+        let count = self.threads.map_or_else(threads::default, Into::into).min(prepared.most_threads());
         let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count);
         Ok(pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?)
     }
@@ -263,21 +261,21 @@ fn run(prepared: &Prepared, job: &output::Job, options: Options<'_>, quiet: bool
 }
 
 /// Says how it ended; the exit status is 0, that of a halt, or that of a signal as shells have it.
-fn print_end(summary: &Summary, job: &output::Job, frames: Frames, signal: usize) -> ExitCode {
-    let Some(reason) = &summary.reason else { return ExitCode::SUCCESS };
+fn print_end(summary: &Summary, job: &output::Job, frames: Frames, signal: usize) -> Status {
+    let Some(reason) = &summary.reason else { return Status::SUCCESS };
     let last = match frames {
         Frames::Written(_) => format!("\nthe last good state is in {}", job.path(".pvd").display()),
         Frames::Absent => String::new(),
     };
     tell!("halted: {reason}{last}");
     if !summary.interrupted {
-        return ExitCode::from(HALTED);
+        return Status::from(HALTED);
     }
     match &summary.lost[..] {
         [] => tell!("go on with --resume"),
         lost => tell!("{LOST}: {}\n--resume-anyway goes on without it", lost.join("; ")),
     }
-    ExitCode::from(128 + signal as u8)
+    Status::from(128 + signal as u8)
 }
 
 /// What the user's routines had to say.

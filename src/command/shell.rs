@@ -2,14 +2,13 @@
 //! Never here: what commands do.
 
 use std::error::Error;
-use std::process::ExitCode;
 use std::sync::LazyLock;
 
+use crate::job::Instructions;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
-use revolve::job::Instructions;
 
-use super::words;
+use super::{Status, words};
 
 /// Print completions for a shell; `source <(revolve completions bash)` uses them at once.
 #[derive(Args)]
@@ -24,7 +23,7 @@ pub struct Man {}
 
 impl Completions {
     /// Carries it out.
-    pub fn execute<A: CommandFactory>(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute<A: CommandFactory>(self) -> Result<Status, Box<dyn Error>> {
         let mut bytes = Vec::new();
         clap_complete::generate(self.shell, &mut A::command(), "revolve", &mut bytes);
         words::write(format_args!("{}", String::from_utf8(bytes)?), false);
@@ -34,7 +33,7 @@ impl Completions {
 
 impl Man {
     /// Carries it out: the page of the program, and those of its commands behind it.
-    pub fn execute<A: CommandFactory>(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute<A: CommandFactory>(self) -> Result<Status, Box<dyn Error>> {
         let mut program = A::command();
         program.build();
         let mut bytes = Vec::new();

@@ -2,26 +2,25 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::Instant as Stopwatch;
 
+use crate::deck::expression::Expression;
+use crate::study::StudyError;
+use crate::study::bench::Bench;
+use crate::study::chart::{Chart, Scale};
+use crate::study::effects::{self, Effects};
+use crate::study::quantity::Quantity;
+use crate::study::record::{self, Timing};
+use crate::study::refinement::{self, Row, Study as Results};
+use crate::study::settings::{self, Axis};
+use crate::study::table;
+use crate::study::target::{self, Met, Target};
+use crate::user::compile::Compiled;
+use crate::{deck, job, model, output};
 use clap::Args;
-use revolve::deck::expression::Expression;
-use revolve::study::StudyError;
-use revolve::study::bench::Bench;
-use revolve::study::chart::{Chart, Scale};
-use revolve::study::effects::{self, Effects};
-use revolve::study::quantity::Quantity;
-use revolve::study::record::{self, Timing};
-use revolve::study::refinement::{self, Row, Study as Results};
-use revolve::study::settings::{self, Axis};
-use revolve::study::table;
-use revolve::study::target::{self, Met, Target};
-use revolve::user::compile::Compiled;
-use revolve::{deck, job, model, output};
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, given, pairs, progress, tell_doubts};
+use super::{HALTED, REFUSED, Status, UserFiles, accepted, folder_of, given, pairs, progress, tell_doubts};
 
 /// Refine a deck: observed order, error, and what accuracy costs.
 #[derive(Args)]
@@ -66,7 +65,7 @@ pub struct Study {
 
 impl Study {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let quantity = Quantity::parse(&self.quantity)?;
         let exact = self.exact(&quantity)?;
         if self.ablate && quantity.compares_fields() {
@@ -74,11 +73,11 @@ impl Study {
         }
         let target = self.target.as_deref().map(Target::parse).transpose()?;
         let overrides = pairs(&self.set)?;
-        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(ExitCode::from(REFUSED)) };
+        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(Status::from(REFUSED)) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare(&self.deck, &overrides, &routines);
         if !accepted(&first, self.quiet || self.json) {
-            return Ok(ExitCode::from(REFUSED));
+            return Ok(Status::from(REFUSED));
         }
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
@@ -88,7 +87,7 @@ impl Study {
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         drop(first);
-        let Some((job, _lock)) = folder_of(&self.deck, self.out.clone())? else { return Ok(ExitCode::from(REFUSED)) };
+        let Some((job, _lock)) = folder_of(&self.deck, self.out.clone())? else { return Ok(Status::from(REFUSED)) };
         let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
@@ -151,7 +150,7 @@ fn write_effects(
     quantity: &Quantity,
     effects: &Effects,
     quiet: bool,
-) -> Result<ExitCode, Box<dyn Error>> {
+) -> Result<Status, Box<dyn Error>> {
     let (header, rows) = effects.sheet(true);
     let record = record::ablation(&quantity.text, effects);
     write_files(job, vec![table_file(&header, &rows), record_file(&record)?])?;
@@ -161,7 +160,7 @@ fn write_effects(
         effects.conclusions().iter().for_each(|line| say!("{line}"));
         say!("table {}", job.path("_study.csv").display());
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Files of a study; gives its record.
@@ -233,11 +232,11 @@ fn doubts<'a>(axes: &[Axis], results: &'a Results) -> Vec<(String, &'a [String])
     results.rows.iter().filter_map(of_row).collect()
 }
 
-fn verdict(results: &Results, met: Option<&Met>) -> ExitCode {
+fn verdict(results: &Results, met: Option<&Met>) -> Status {
     let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
     if let Some(reason) = failed.first() {
         tell!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
-        return ExitCode::from(HALTED);
+        return Status::from(HALTED);
     }
-    if met.is_some_and(|m| m.run.is_none()) { ExitCode::from(HALTED) } else { ExitCode::SUCCESS }
+    if met.is_some_and(|m| m.run.is_none()) { Status::from(HALTED) } else { Status::SUCCESS }
 }

@@ -1,23 +1,25 @@
 //! `revolve sweep`.
 
 use std::error::Error;
+use std::ops::Range;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
+use crate::deck::files;
+use crate::model::Precision;
+use crate::study::cases::{self, Cases, Part};
+use crate::study::compare::Reference;
+use crate::study::dakota;
+use crate::study::grid::Grid;
+use crate::study::quantity::Quantity;
+use crate::study::{sweep, table};
+use crate::user::compile::Compiled;
+use crate::{deck, job, output};
 use clap::Args;
 use indexmap::IndexMap;
-use revolve::deck::files;
-use revolve::model::Precision;
-use revolve::study::compare::Reference;
-use revolve::study::grid::Grid;
-use revolve::study::quantity::Quantity;
-use revolve::study::{sweep, table};
-use revolve::user::compile::Compiled;
-use revolve::{deck, job, output};
 use serde::Serialize;
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, UserFiles, accepted, folder_of, given, progress, tell_doubts};
+use super::{HALTED, REFUSED, Status, UserFiles, accepted, folder_of, given, progress, tell_doubts, threads};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -25,12 +27,33 @@ pub struct Sweep {
     /// The input deck.
     deck: PathBuf,
     /// NAME=v1,v2,… or NAME=start:stop:step or NAME=start:stop:#count; several make a grid.
-    #[arg(short, long = "set", value_name = "NAME=VALUES", required_unless_present = "samples")]
+    #[arg(short, long = "set", value_name = "NAME=VALUES", required_unless_present_any = ["samples", "dakota"])]
     set: Vec<String>,
     /// CSV file with a parameter a column and a run a row: any design of experiments. `--set` then gives other parameters one
     /// value each.
     #[arg(long, value_name = "FILE")]
     samples: Option<PathBuf>,
+    /// So many cases at random: `--set NAME=low..high` is drawn evenly, other parameters have one value each. A case depends on
+    /// its number and the seed alone.
+    #[arg(long, value_name = "N", conflicts_with_all = ["samples", "dakota"])]
+    random: Option<usize>,
+    /// Seed of `--random`.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, requires = "random")]
+    seed: u64,
+    /// Run some of the cases and leave them as a part in the folder: A-B, A, K/N (part K of N), or task/N and task, where the
+    /// number is that of a task of an array (Slurm, HyperQueue, PBS, Grid Engine, LSF).
+    #[arg(long, value_name = "CASES", conflicts_with_all = ["dakota", "compare", "json"])]
+    cases: Option<String>,
+    /// Run nothing: make the table of the parts that are in the folder, or say what is missing.
+    #[arg(long, conflicts_with_all = ["cases", "dakota", "keep"])]
+    gather: bool,
+    /// Run nothing: print the list of cases as CSV.
+    #[arg(long, conflicts_with_all = ["gather", "dakota", "keep", "compare", "json"])]
+    plan: bool,
+    /// Dakota's parameters file and the results file it waits for, standard or JSON, of one evaluation or a batch; each
+    /// `--quantity` answers one response.
+    #[arg(long, num_args = 2, value_names = ["PARAMETERS", "RESULTS"], conflicts_with_all = ["samples", "keep", "compare", "json"])]
+    dakota: Option<Vec<PathBuf>>,
     /// Keep the results of each run: summary and histories in a folder of its own, `<out>/<deck>_00001` and so on.
     #[arg(long)]
     keep: bool,
@@ -48,7 +71,7 @@ pub struct Sweep {
     /// Precision of solid elements: double or single.
     #[arg(long, value_name = "DIGITS", default_value = "double")]
     precision: Precision,
-    /// Threads (default: all cores).
+    /// Threads (default: all cores; in a task of a scheduler those it gives, or one).
     #[arg(short, long)]
     threads: Option<usize>,
     /// Print one JSON object: parameters and values of each run, or why there are none.
@@ -59,57 +82,157 @@ pub struct Sweep {
     quiet: bool,
 }
 
+/// What is asked, once deck and arguments are found good.
+struct Asked {
+    grid: Grid,
+    quantities: Vec<Quantity>,
+    compiled: Option<Compiled>,
+    /// The deck with the values of the first case.
+    first: job::Prepared,
+}
+
 impl Sweep {
     /// Carries it out.
-    pub fn execute(self) -> Result<ExitCode, Box<dyn Error>> {
-        let grid = match &self.samples {
-            None => Grid::parse(&self.set)?,
-            Some(path) => {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+        let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(files) = &self.dakota {
+            return self.answer_dakota(files, quantities);
+        }
+        let grid = self.grid()?;
+        let cases =
+            self.cases.as_deref().map(Cases::parse).transpose()?.map(|cases| cases.of(grid.count())).transpose()?;
+        if self.plan {
+            words::write(format_args!("{}", cases::list(&grid, cases.unwrap_or(0..grid.count()))), false);
+            return Ok(Status::SUCCESS);
+        }
+        let reference = self.reference(&grid)?;
+        let Some(asked) = self.ask(grid, quantities)? else { return Ok(Status::from(REFUSED)) };
+        match cases {
+            Some(cases) => self.run_part(&asked, cases),
+            None => self.run_all(&asked, reference.as_ref()),
+        }
+    }
+
+    fn grid(&self) -> Result<Grid, Box<dyn Error>> {
+        Ok(match (&self.samples, self.random) {
+            (Some(path), _) => {
                 let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
                 Grid::samples(path, &text, &self.set)?
             }
-        };
-        let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
-        let reference = self.compare.as_deref().map(Reference::read).transpose()?;
-        if let (Some(path), Some(reference)) = (&self.compare, &reference) {
-            sweep::comparable(&grid, path, reference)?;
-        }
-        if let Some(path) = self.compare.as_ref().filter(|_| reference.as_ref().is_some_and(|r| r.is_open)) {
+            (None, Some(count)) => Grid::random(&self.set, count, self.seed)?,
+            (None, None) => Grid::parse(&self.set)?,
+        })
+    }
+
+    fn reference(&self, grid: &Grid) -> Result<Option<Reference>, Box<dyn Error>> {
+        let Some(path) = &self.compare else { return Ok(None) };
+        let reference = Reference::read(path)?;
+        sweep::comparable(grid, path, &reference)?;
+        if reference.is_open {
             tell!(
                 "warning: --compare {}: the last line has no end; if the file is cut off its last row is wrong",
                 path.display()
             );
         }
-        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(ExitCode::from(REFUSED)) };
+        Ok(Some(reference))
+    }
+
+    /// Deck, routines and quantities, looked at with the first case; `None` where they are refused (told).
+    fn ask(&self, grid: Grid, quantities: Vec<Quantity>) -> Result<Option<Asked>, Box<dyn Error>> {
+        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(None) };
         let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
         let first = job::prepare_in(self.precision, &self.deck, &grid.combination(0), &routines);
         if !accepted(&first, self.quiet || self.json) {
-            return Ok(ExitCode::from(REFUSED));
+            return Ok(None);
         }
         for quantity in &quantities {
             quantity.stands_alone()?;
             quantity.check(&first.plan)?;
         }
-        let Some((job, _lock)) = folder_of(&self.deck, self.out)? else { return Ok(ExitCode::from(REFUSED)) };
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads.unwrap_or(0))
-            .build()
-            .map_err(|e| e.to_string())?;
-        let bar = progress::over_runs(grid.count() as u64, self.quiet);
-        let kept = self.keep.then_some(&job);
+        Ok(Some(Asked { grid, quantities, compiled, first }))
+    }
+
+    /// Runs some of the cases on all threads.
+    fn run(
+        &self,
+        asked: &Asked,
+        cases: Range<usize>,
+        kept: Option<&output::Job>,
+    ) -> Result<sweep::Results, Box<dyn Error>> {
+        let threads = self.threads.unwrap_or_else(threads::default);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
+        let bar = progress::over_runs(cases.len() as u64, self.quiet);
         let done = || bar.inc(1);
+        let Asked { grid, quantities, compiled, .. } = asked;
         let deck = (&*self.deck, self.precision);
-        let results = pool.install(|| sweep::run_keeping(deck, &grid, &quantities, compiled.as_ref(), kept, &done));
+        let results =
+            pool.install(|| sweep::run_cases(deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
-        let sheet = sweep::sheet(&grid, &quantities, &results, reference.as_ref());
-        write_sweep(&job, &first.deck, &grid, &quantities, &results, reference.as_ref(), &sheet)?;
+        Ok(results)
+    }
+
+    fn run_all(&self, asked: &Asked, reference: Option<&Reference>) -> Result<Status, Box<dyn Error>> {
+        let Some((job, _lock)) = folder_of(&self.deck, self.out.clone())? else { return Ok(Status::from(REFUSED)) };
+        let Asked { grid, quantities, first, .. } = asked;
+        let results = if self.gather {
+            asked.part(&asked.identity()).gather(&job)?
+        } else {
+            self.run(asked, 0..grid.count(), self.keep.then_some(&job))?
+        };
+        let sheet = sweep::sheet(grid, quantities, &results, reference);
+        write_sweep(&job, &first.deck, grid, quantities, &results, reference, &sheet)?;
         if self.json {
-            print_json(&grid, &quantities, &results, &sheet)?;
+            print_json(grid, quantities, &results, &sheet)?;
         } else if !self.quiet {
             print_sweep(&sheet, &job);
         }
-        tell_doubts(&doubts(&grid, &results));
+        tell_doubts(&doubts(grid, &results));
         Ok(report_failures(&results))
+    }
+
+    /// Runs some of the cases and leaves them for `--gather`. Other parts may be at work in the same folder.
+    fn run_part(&self, asked: &Asked, cases: Range<usize>) -> Result<Status, Box<dyn Error>> {
+        let whole = job::default_job(&self.deck, self.out.clone()).map_err(|finding| finding.message)?;
+        job::make_folder(&whole)?;
+        let results = self.run(asked, cases.clone(), self.keep.then_some(&whole))?;
+        let path = asked.part(&asked.identity()).write(&whole, &cases, &results)?;
+        if !self.quiet {
+            say!("cases {}-{} of {}: {}", cases.start + 1, cases.end, asked.grid.count(), path.display());
+        }
+        tell_doubts(&doubts(&asked.grid, &results));
+        Ok(report_failures(&results))
+    }
+
+    /// Evaluates what Dakota asks for; what fails is said in the results file, as Dakota expects it.
+    fn answer_dakota(&self, files: &[PathBuf], quantities: Vec<Quantity>) -> Result<Status, Box<dyn Error>> {
+        let [parameters, answers] = files else { return Err("--dakota takes two files".into()) };
+        let text = files::read_text(parameters).map_err(|e| format!("{}: {e}", parameters.display()))?;
+        let evaluations = dakota::Asked::read(parameters, &text, &quantities)?;
+        let Some(asked) = self.ask(evaluations.grid(&self.set)?, quantities)? else {
+            // Dakota waits for a file whatever becomes of the evaluation.
+            output::write_whole(answers, evaluations.failed().as_bytes())?;
+            return Ok(Status::from(REFUSED));
+        };
+        let results = self.run(&asked, 0..asked.grid.count(), None)?;
+        output::write_whole(answers, evaluations.answer(&results).as_bytes())?;
+        tell_doubts(&doubts(&asked.grid, &results));
+        report_failures(&results);
+        Ok(Status::SUCCESS)
+    }
+}
+
+impl Asked {
+    /// What makes the sweep the one it is: parts with another do not belong to it.
+    fn identity(&self) -> String {
+        let user = self.compiled.as_ref().map(Compiled::identity).unwrap_or_default();
+        let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
+        let own =
+            format!("{:?} {:?} {quantities:?} {}", self.first.identity(&user), self.grid, env!("CARGO_PKG_VERSION"));
+        output::checkpoint::hash([own.as_bytes()])
+    }
+
+    fn part<'a>(&'a self, sweep: &'a str) -> Part<'a> {
+        Part { sweep, grid: &self.grid, quantities: &self.quantities }
     }
 }
 
@@ -167,13 +290,13 @@ fn doubts<'a>(grid: &Grid, results: &'a sweep::Results) -> Vec<(String, &'a [Str
     runs.map(|(values, doubts)| (given(names.iter().copied().zip(values)), &doubts[..])).collect()
 }
 
-fn report_failures(results: &sweep::Results) -> ExitCode {
+fn report_failures(results: &sweep::Results) -> Status {
     let failed: Vec<_> = results.values.iter().filter_map(|v| v.as_ref().err()).collect();
     match failed.first() {
-        None => ExitCode::SUCCESS,
+        None => Status::SUCCESS,
         Some(reason) => {
             tell!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
-            ExitCode::from(HALTED)
+            Status::from(HALTED)
         }
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Arguments;
 use std::io::{self, ErrorKind, IsTerminal as _, Write};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use revolve::deck::printable;
+use crate::deck::printable;
 
 /// What has become of standard output; where it has failed that is told once, and nothing more is written there.
 static STATE: AtomicU8 = AtomicU8::new(OPEN);

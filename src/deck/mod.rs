@@ -20,6 +20,7 @@ pub mod rows;
 pub mod source;
 pub mod syntax;
 mod table;
+pub mod template;
 pub mod ways;
 
 use std::path::Path;
@@ -28,7 +29,7 @@ pub use codes::{CODES, find_code};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
-pub use parameters::is_unresolved;
+pub use parameters::{Definition, is_unresolved};
 pub use printable::printable;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, Parameter, Unread, Word};

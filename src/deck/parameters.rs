@@ -33,12 +33,23 @@ impl Value {
 pub struct Parameters {
     values: IndexMap<String, Value>,
     overrides: IndexMap<String, String>,
+    definitions: Vec<Definition>,
+}
+
+/// A definition as it is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Definition {
+    /// The parameter.
+    pub name: String,
+    /// What stands behind the equals sign.
+    pub text: String,
 }
 
 impl Parameters {
     /// No parameters yet; the overrides will replace definitions.
     pub fn new(overrides: &[(String, String)]) -> Self {
-        Parameters { values: IndexMap::new(), overrides: overrides.iter().cloned().collect() }
+        let overrides = overrides.iter().cloned().collect();
+        Parameters { overrides, ..Parameters::default() }
     }
 
     /// The numeric parameters in order of definition.
@@ -48,6 +59,11 @@ impl Parameters {
             Value::Text(_) => None,
         };
         self.values.iter().filter_map(number).collect()
+    }
+
+    /// All definitions in order, as they are written.
+    pub fn definitions(self) -> Vec<Definition> {
+        self.definitions
     }
 
     /// Takes in one line of a `*PARAMETER` block: definitions, with `;` between them where there are several.
@@ -75,6 +91,7 @@ impl Parameters {
         }
         let value = self.value_of(name, right.trim(), part(span, line, right.trim()), diagnostics);
         self.values.insert(name.to_owned(), value);
+        self.definitions.push(Definition { name: name.to_owned(), text: right.trim().to_owned() });
     }
 
     /// The value a definition gives, or its override; after an error a harmless 1, so that one fault is told once.
@@ -180,7 +197,7 @@ pub fn is_unresolved(text: &str) -> bool {
 }
 
 /// The text before the next `<name>`, the name, the text behind.
-fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
+pub(super) fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
     let mut from = 0;
     while let Some(open) = text[from..].find('<').map(|i| i + from) {
         let close = text[open..].find('>')? + open;

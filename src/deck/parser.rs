@@ -65,6 +65,7 @@ impl Parser {
             let what = Diagnostic::error("D009", format!("{name} is empty: it holds no keyword"));
             self.diagnostics.push(what.help("is it the file that was meant? a deck has lines like *NODE and *STEP"));
         }
+        self.deck.definitions = self.parameters.definitions();
         super::findings::tier_findings(&self.deck, &mut self.diagnostics);
         (self.deck, self.diagnostics)
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::keywords::{Keyword, Shape};
 use super::number::{NumberError, parse_number};
-use super::parameters::is_unresolved;
+use super::parameters::{Definition, is_unresolved};
 use super::source::{Sources, Span};
 
 /// A deck as read: includes expanded, `<parameters>` substituted, nothing resolved.
@@ -18,6 +18,8 @@ pub struct Deck {
     pub cards: Vec<Card>,
     /// The `*PARAMETER` values in force, overrides included, in order of definition.
     pub parameters: Vec<(String, f64)>,
+    /// Their definitions as they are written, those of texts among them.
+    pub definitions: Vec<Definition>,
     /// What could not be read, as an error has told.
     pub unread: Unread,
 }

@@ -1,6 +1,7 @@
 //! A job: a deck taken through the whole pipeline. Text to deck, deck to model, model to plan, plan to results.
 //! Never here: printing, arguments.
 
+mod memory;
 mod status;
 
 use std::io;
@@ -34,6 +35,7 @@ use crate::solve::{
 };
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
+pub use memory::run_kept;
 use status::Status;
 
 /// Errors of the plan on what bodies are made of: elements, sections, materials.
@@ -491,6 +493,14 @@ pub fn run_into(prepared: &Prepared, sink: &mut dyn Sink) -> (Outcome, State) {
     solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
+/// The same until `interrupt` is a number other than 0.
+pub fn run_until(prepared: &Prepared, sink: &mut dyn Sink, interrupt: &AtomicUsize) -> (Outcome, State) {
+    announce(prepared, &Job { folder: PathBuf::from("."), name: "job".into() });
+    let control = Control { interrupt: Some(interrupt), ..Control::default() };
+    // Without a state to go on from there is none that could be refused.
+    solve::run_with(&prepared.plan, prepared.state.clone(), sink, control).unwrap_or_default()
+}
+
 /// Writes summary and histories of a run in memory into the folder of a job; frames there are none.
 ///
 /// # Errors
@@ -504,7 +514,11 @@ pub fn write_run(prepared: &Prepared, job: &Job, outcome: Outcome, history: Hist
     write_with_sums(job, &files, SUMS)
 }
 
-fn make_folder(job: &Job) -> io::Result<()> {
+/// Makes the folder of a job.
+///
+/// # Errors
+/// With the path in the message.
+pub fn make_folder(job: &Job) -> io::Result<()> {
     let made = std::fs::create_dir_all(&job.folder);
     made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))
 }

@@ -50,6 +50,7 @@ mod nodes;
 mod order;
 mod outputs;
 mod parts;
+pub(crate) mod revise;
 mod rubber;
 pub mod scene;
 mod sets;

@@ -40,6 +40,14 @@ impl History {
         History { columns, ..History::default() }
     }
 
+    /// Forgets all rows, and what they came to.
+    pub fn clear(&mut self) {
+        self.summary.0.clear();
+        self.times.clear();
+        self.steps.clear();
+        self.values.clear();
+    }
+
     /// Takes a row in: a value a column.
     pub fn push(&mut self, now: &Instant, values: &[f64]) {
         self.summary.observe(&self.columns, now.total_time, values);
@@ -53,6 +61,11 @@ impl History {
     /// Total time of each row that was kept.
     pub fn times(&self) -> &[f64] {
         &self.times
+    }
+
+    /// Number of the step, from 1, of each row that was kept.
+    pub fn steps(&self) -> &[u32] {
+        &self.steps
     }
 
     /// Value of a column in a row that was kept.

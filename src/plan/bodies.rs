@@ -63,6 +63,17 @@ impl Compiler<'_> {
         self.check_masses();
     }
 
+    /// Masses and velocities at the start of bodies whose nodes and elements are known.
+    pub(super) fn weigh_bodies(&mut self) {
+        for (index, rigid) in self.model.rigid_bodies.iter().enumerate() {
+            let lumped_mass = self.lumped_mass(rigid, &self.bodies[index].nodes);
+            let body = &mut self.bodies[index];
+            (body.lumped_mass, body.initial_velocity) = (lumped_mass, 0.0);
+        }
+        self.initial_velocities();
+        self.check_masses();
+    }
+
     fn body(&mut self, rigid: &RigidBody) {
         let index = self.bodies.len();
         let mesh = &self.model.mesh;

@@ -31,6 +31,7 @@ mod penalty;
 mod pieces;
 mod places;
 mod precision;
+pub(crate) mod revise;
 mod shells;
 mod soft_material;
 mod solid;
@@ -224,6 +225,15 @@ struct Compiler<'a> {
 /// Decides which effects a model brings to life. `routines` serve what the deck leaves to the user. Gives the plan, the state at
 /// its start, and what was found; the plan may be run only where that holds no error.
 pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics) {
+    compile_with(model, routines, &mut |_, _| {})
+}
+
+/// The same; `look` sees the compiler when it has made all, where it found no error.
+fn compile_with(
+    model: &Model,
+    routines: &Routines,
+    look: &mut dyn FnMut(&Compiler<'_>, &State),
+) -> (Plan, State, Diagnostics) {
     let mut diagnostics = model.check();
     if diagnostics.has_errors() {
         return (Plan::default(), State::default(), diagnostics);
@@ -277,6 +287,9 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
     compiler.events_row();
     compiler.note_uncalled();
     let rows = compiler.integration_rows(&state, columns.len() + fields.len());
+    if !compiler.diagnostics.has_errors() {
+        look(&compiler, &state);
+    }
     let Compiler { ledger, bodies, places, amplitudes, told, sections, sets, expressions, diagnostics: found, .. } =
         compiler;
     let labels = Labels::of(model);
@@ -351,10 +364,23 @@ impl Compiler<'_> {
         }
     }
 
-    fn step(&mut self, index: usize, state: &State) -> StepPlan {
+    /// The loads of a step; those that resist come last.
+    fn loads(&mut self, index: usize, state: &State) -> Vec<Box<dyn Load>> {
         let step = &self.model.steps[index];
         let mut loads: Vec<Box<dyn Load>> = step.loads.iter().filter_map(|load| self.load(load, step, state)).collect();
         loads.sort_by_key(|load| load.velocity() == VelocityUse::Resists);
+        loads
+    }
+
+    /// Gives a step that has been planned the loads of its model as it is now.
+    fn reload(&mut self, index: usize, step: &mut StepPlan, state: &State) {
+        step.loads = self.loads(index, state);
+        self.increment_rows(&self.model.steps[index], &step.loads);
+    }
+
+    fn step(&mut self, index: usize, state: &State) -> StepPlan {
+        let step = &self.model.steps[index];
+        let loads = self.loads(index, state);
         let mut user_motions = Vec::new();
         let mut constraints = self.motions(step, &mut user_motions);
         let held = constraints.iter().filter(|c| c.holds()).flat_map(|c| c.prescribes()).collect();

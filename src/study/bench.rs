@@ -1,6 +1,7 @@
 //! One setting of a study, run in memory as often as its time is to be taken, nothing else at once.
 //! Never here: which settings, what their values mean.
 
+use std::sync::atomic::AtomicUsize;
 use std::time::Instant as Stopwatch;
 
 use serde::Serialize;
@@ -24,6 +25,7 @@ pub struct Bench<'a> {
     repeat: usize,
     done: &'a dyn Fn(),
     spent: f64,
+    interrupt: Option<&'a AtomicUsize>,
 }
 
 /// What a setting gave and took.
@@ -80,7 +82,21 @@ impl<'a> Bench<'a> {
         repeat: usize,
         done: &'a dyn Fn(),
     ) -> Self {
-        Bench { source, overrides: overrides.to_vec(), user, measure, repeat: repeat.max(1), done, spent: 0.0 }
+        Bench {
+            source,
+            overrides: overrides.to_vec(),
+            user,
+            measure,
+            repeat: repeat.max(1),
+            done,
+            spent: 0.0,
+            interrupt: None,
+        }
+    }
+
+    /// Halts all runs as soon as this is a number other than 0.
+    pub fn interrupted_by(&mut self, interrupt: &'a AtomicUsize) {
+        self.interrupt = Some(interrupt);
     }
 
     /// The quantity.
@@ -143,7 +159,8 @@ impl<'a> Bench<'a> {
         }
         fault?;
         let mut history = self.measure.history(&prepared.plan);
-        let (outcome, state) = job::run_into(&prepared, &mut history);
+        let never = AtomicUsize::new(0);
+        let (outcome, state) = job::run_until(&prepared, &mut history, self.interrupt.unwrap_or(&never));
         if let Some(halt) = outcome.halt {
             return Err(StudyError::Halted(halt));
         }

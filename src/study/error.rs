@@ -48,6 +48,17 @@ pub enum StudyError {
     /// The settings give nothing that could be compared, or the values do not.
     #[error("{0}")]
     Comparison(String),
+    /// What a part of a sweep that ran elsewhere tells of a run without result.
+    #[error("{0}")]
+    Told(String),
+    /// A file of Dakota's that cannot be followed.
+    #[error("--dakota {}: {message}", path.display())]
+    Dakota {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with the line where there is one.
+        message: String,
+    },
     /// A chart that cannot be drawn.
     #[error("{0}")]
     Chart(String),
@@ -59,7 +70,7 @@ impl StudyError {
     }
 
     /// What is wrong with a deck that has errors.
-    pub(super) fn refused(prepared: &Prepared) -> StudyError {
+    pub fn refused(prepared: &Prepared) -> StudyError {
         let errors = |d: &&Diagnostic| d.severity == Severity::Error;
         let first = prepared.diagnostics.iter().find(errors).map_or("", |d| d.code);
         let text = prepared.diagnostics.render(&prepared.deck.sources);

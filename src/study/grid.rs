@@ -3,6 +3,9 @@
 
 use std::path::Path;
 
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
+
 use super::StudyError;
 use crate::output::csv;
 
@@ -24,6 +27,13 @@ enum Order {
     Product,
     /// Side by side: the rows of a table of samples.
     Rows,
+    /// Drawn between ends, so many times: a draw depends on the seed and its own number alone.
+    Random {
+        /// How many.
+        count: usize,
+        /// The seed.
+        seed: u64,
+    },
 }
 
 impl Grid {
@@ -81,6 +91,54 @@ impl Grid {
         }
     }
 
+    /// Rows of values under the names of their parameters.
+    pub(super) fn of_rows(names: Vec<String>, rows: Vec<Vec<String>>) -> Grid {
+        let mut axes: Vec<(String, Vec<String>)> = names.into_iter().map(|name| (name, Vec::new())).collect();
+        for row in rows {
+            axes.iter_mut().zip(row).for_each(|(axis, value)| axis.1.push(value));
+        }
+        Grid { axes, order: Order::Rows }
+    }
+
+    /// So many draws, evenly spread, from `NAME=low..high`; other parameters have one value each.
+    ///
+    /// # Errors
+    /// In words, for several values or ends that are none, and where nothing is drawn.
+    pub fn random(settings: &[String], count: usize, seed: u64) -> Result<Grid, StudyError> {
+        let wrong = |setting: &str| {
+            StudyError::Setting(format!("--set {setting}: beside --random NAME=low..high or one value"))
+        };
+        let mut grid = Grid { axes: Vec::new(), order: Order::Random { count, seed } };
+        for setting in settings {
+            let (name, text) = setting.split_once('=').ok_or_else(|| wrong(setting))?;
+            let values = match text.split_once("..") {
+                Some((low, high)) => {
+                    let ends = [low, high].map(|end| end.trim().parse::<f64>().unwrap_or(f64::NAN));
+                    if !(ends[0] < ends[1] && (ends[1] - ends[0]).is_finite()) {
+                        return Err(wrong(setting));
+                    }
+                    ends.map(|end| end.to_string()).to_vec()
+                }
+                None => Grid::parse(std::slice::from_ref(setting))?.axes.remove(0).1,
+            };
+            let drawn = text.contains("..");
+            if !drawn && values.len() > 1 {
+                return Err(wrong(setting));
+            }
+            if grid.axes.iter().any(|axis| axis.0 == name.trim()) {
+                return Err(StudyError::Setting(format!("--set {name} is given twice")));
+            }
+            grid.axes.push((name.trim().to_owned(), values));
+        }
+        if grid.axes.iter().all(|axis| axis.1.len() == 1) || count == 0 {
+            return Err(StudyError::Setting("--random: no parameter is drawn; --set NAME=low..high".into()));
+        }
+        if count > MOST {
+            return Err(StudyError::Setting(format!("--random: more than {MOST} cases")));
+        }
+        Ok(grid)
+    }
+
     /// The same in words, of the option that a sweep has.
     pub(super) fn read(settings: &[String]) -> Result<Grid, String> {
         let mut grid = Grid::default();
@@ -113,6 +171,7 @@ impl Grid {
         match self.order {
             Order::Product => self.axes.iter().map(|a| a.1.len()).product(),
             Order::Rows => self.axes.first().map_or(0, |a| a.1.len()),
+            Order::Random { count, .. } => count,
         }
     }
 
@@ -120,6 +179,15 @@ impl Grid {
     pub fn combination(&self, index: usize) -> Vec<(String, String)> {
         if self.order == Order::Rows {
             return self.axes.iter().map(|(name, values)| (name.clone(), values[index].clone())).collect();
+        }
+        if let Order::Random { seed, .. } = self.order {
+            let mut draws = draws(seed, index as u64);
+            let value = |ends: &Vec<String>| match &ends[..] {
+                [low, high] => between(low, high, draws.next_u64()).to_string(),
+                one => one.concat(),
+            };
+            let values: Vec<String> = self.axes.iter().map(|axis| &axis.1).map(value).collect();
+            return self.axes.iter().map(|axis| axis.0.clone()).zip(values).collect();
         }
         let mut rest = index;
         let mut pairs: Vec<_> = self
@@ -135,6 +203,20 @@ impl Grid {
         pairs.reverse();
         pairs
     }
+}
+
+/// The generator of a case: a stream of its own of the cipher ChaCha with eight rounds, so that no case waits for another.
+fn draws(seed: u64, case: u64) -> ChaCha8Rng {
+    let mut draws = ChaCha8Rng::seed_from_u64(seed);
+    draws.set_stream(case);
+    draws
+}
+
+/// A number between two ends, by the 53 first bits of a draw.
+fn between(low: &str, high: &str, draw: u64) -> f64 {
+    let [low, high] = [low, high].map(|end| end.parse::<f64>().unwrap_or_default());
+    let part = (draw >> 11) as f64 / (1_u64 << 53) as f64;
+    low + part * (high - low)
 }
 
 fn axis(setting: &str) -> Result<(String, Vec<String>), String> {
@@ -196,6 +278,31 @@ mod tests {
             assert!(read(text, &[setting.to_owned()]).is_err(), "{text}");
         }
         assert!(read("V\n1\n", &["V=1".into()]).is_err_and(|e| e.to_string().contains("--samples")));
+    }
+
+    #[test]
+    fn a_draw_depends_on_seed_and_number_alone() {
+        let settings = ["V=500..600".to_owned(), "n=20".into(), "mu=0..0.2".into()];
+        let grid = |count: usize, seed: u64| Grid::random(&settings, count, seed).expect("a grid");
+        let (few, many) = (grid(10, 7), grid(1000, 7));
+        assert_eq!((few.count(), few.names()), (10, vec!["V", "n", "mu"]));
+        assert!((0..10).all(|i| few.combination(i) == many.combination(i)));
+        assert_ne!(few.combination(3), grid(10, 8).combination(3));
+        let drawn = |axis: usize| -> Vec<f64> {
+            (0..1000).map(|i| many.combination(i)[axis].1.parse().expect("a number")).collect()
+        };
+        for (axis, low, high) in [(0, 500.0, 600.0), (2, 0.0, 0.2)] {
+            let values = drawn(axis);
+            assert!(values.iter().all(|v| (low..high).contains(v)));
+            // The mean of so many even draws is as far off as this once in 16 000.
+            let mean = values.iter().sum::<f64>() / 1000.0;
+            assert!((mean - 0.5 * (low + high)).abs() < 4.0 * (high - low) / 12_000_f64.sqrt(), "{mean}");
+        }
+        assert!(drawn(1).iter().all(|n| *n == 20.0));
+        for wrong in [&["V=1,2"][..], &["V=1"], &["V=2..1"], &["V=a..b"], &["V=0..1", "V=0..2"], &[]] {
+            let settings: Vec<String> = wrong.iter().map(|s| (*s).to_owned()).collect();
+            assert!(Grid::random(&settings, 5, 1).is_err(), "{wrong:?}");
+        }
     }
 
     #[test]

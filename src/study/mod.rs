@@ -5,12 +5,15 @@ mod ablation;
 #[cfg(feature = "cli")]
 pub(crate) mod axis;
 pub mod bench;
+pub mod cases;
 pub mod chart;
 pub mod compare;
+pub mod dakota;
 #[cfg(feature = "cli")]
 pub mod draw;
 pub mod effects;
 mod error;
+pub mod evaluate;
 pub mod field;
 pub mod grid;
 mod histories;

@@ -78,6 +78,12 @@ impl Quantity {
         arguments.next().is_none() && self.text.split_whitespace().eq(alone.split_whitespace())
     }
 
+    /// Whether of histories the last row alone counts.
+    pub fn looks_at_end_alone(&self) -> bool {
+        let Kind::Number(expression) = &self.kind else { return true };
+        expression.raw_arguments().all(|(function, _)| function == "final" || function == "norm")
+    }
+
     /// Histories that keep what this quantity looks at.
     pub fn history(&self, plan: &Plan) -> History {
         history(std::slice::from_ref(self), plan)

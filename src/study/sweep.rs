@@ -1,6 +1,7 @@
 //! `sweep`: a deck over a grid of parameters, spread over the threads, with references beside the results.
 //! Never here: printing.
 
+use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -47,19 +48,20 @@ pub fn run(
     user: Option<&Compiled>,
     done: &(dyn Fn() + Sync),
 ) -> Results {
-    run_keeping(deck, grid, quantities, user, None, done)
+    run_cases(deck, (grid, 0..grid.count()), quantities, user, None, done)
 }
 
-/// The same; with a job, summary and histories of each run are written in a folder of its own beside it.
-pub fn run_keeping(
+/// The same of some of the combinations, by their indices; with a job, summary and histories of each run are written in a folder
+/// of its own beside it.
+pub fn run_cases(
     deck: (&Path, Precision),
-    grid: &Grid,
+    (grid, cases): (&Grid, Range<usize>),
     quantities: &[Quantity],
     user: Option<&Compiled>,
     kept: Option<&Job>,
     done: &(dyn Fn() + Sync),
 ) -> Results {
-    let runs: Vec<_> = (0..grid.count())
+    let runs: Vec<_> = cases
         .into_par_iter()
         .map(|index| {
             let combination = grid.combination(index);

@@ -1,6 +1,7 @@
 //! User routines: the traits that Rust plug-ins implement, with the arguments of ABAQUS's subroutines, and the door to
 //! compiled Fortran and C. Never here: solver internals.
 
+mod address;
 mod cache;
 mod call;
 pub mod codes;
@@ -18,6 +19,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::state::Instant;
 use crate::state::halt::Halt;
+pub use address::show_symbols;
 pub(crate) use memory::{Kept, Recall};
 
 /// Points a routine is shown in one call at most: `maxblk` of `vaba_param.inc`. Larger surfaces come in blocks.

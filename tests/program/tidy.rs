@@ -122,7 +122,10 @@ fn collect(folder: &Path, above: &mut Module, files: &mut Vec<(Module, String)>)
         let name = entry.file_stem().expect("a name").to_string_lossy().into_owned();
         above.push(name.clone());
         if entry.is_dir() {
-            collect(&entry, above, files);
+            // What has a manifest of its own is another crate: it sees public modules alone.
+            if !entry.join("Cargo.toml").exists() {
+                collect(&entry, above, files);
+            }
         } else if entry.extension().is_some_and(|e| e == "rs") {
             let module = &above[..above.len() - usize::from(name == "mod")];
             let file = entry.strip_prefix(project("")).expect("of the project").to_string_lossy().into_owned();

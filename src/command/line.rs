@@ -1,0 +1,62 @@
+//! The command line: which command is meant. The program and the Python package enter here.
+//! Never here: what a command does.
+
+use std::ffi::OsString;
+
+use clap::{Parser, Subcommand};
+
+use super::words::tell;
+use super::{REFUSED, Status, chart, check, explain, new, report, run, shell, signals, study, sweep};
+
+/// Axisymmetric explicit finite elements with user-load hooks.
+#[derive(Parser)]
+#[command(name = "revolve", bin_name = "revolve", version, long_version = shell::version(), arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Run(run::Run),
+    Study(study::Study),
+    Check(check::Check),
+    Explain(explain::Explain),
+    Sweep(sweep::Sweep),
+    Report(report::Report),
+    Chart(chart::Chart),
+    New(new::New),
+    Completions(shell::Completions),
+    Man(shell::Man),
+}
+
+/// Carries out a command line, of which the first argument is the name of the program; prints as the program does. It takes
+/// over signals, so a process should do it once.
+pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
+    let command = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments.command,
+        Err(told) => {
+            // Help that cannot be printed is of no use to anybody.
+            let _ = told.print();
+            return Status(told.exit_code() as u8);
+        }
+    };
+    crate::model::silence_caught_panics();
+    signals::outlive_limits();
+    let result = match command {
+        Command::Run(run) => run.execute(),
+        Command::Study(study) => study.execute(),
+        Command::Check(check) => check.execute(),
+        Command::Explain(explain) => explain.execute(),
+        Command::Sweep(sweep) => sweep.execute(),
+        Command::Report(report) => report.execute(),
+        Command::Chart(chart) => chart.execute(),
+        Command::New(new) => new.execute(),
+        Command::Completions(completions) => completions.execute::<Arguments>(),
+        Command::Man(man) => man.execute::<Arguments>(),
+    };
+    result.unwrap_or_else(|message| {
+        tell!("error: {message}");
+        Status(REFUSED)
+    })
+}

@@ -1,0 +1,81 @@
+//! Evaluations: quantities over tables of parameters.
+//! Never here: names and shapes of tables, which Python sorts out.
+
+use std::sync::Arc;
+
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use revolve::study::evaluate::{self, Samples, Source, User as Routines};
+use revolve::study::quantity::Quantity;
+
+use crate::deck::{Settings, User};
+use crate::errors;
+use crate::load::{Load, Raised, raised};
+use crate::waiting::Waiting;
+
+/// Quantities of a deck over some of its parameters.
+#[pyclass(frozen, module = "revolve._revolve")]
+pub struct Evaluator {
+    evaluator: evaluate::Evaluator,
+    width: usize,
+    raised: Raised,
+}
+
+/// The table, and rows without values with the reasons.
+type Evaluated<'py> = (Bound<'py, PyArray2<f64>>, Vec<(usize, String)>);
+
+#[pymethods]
+impl Evaluator {
+    /// Runs a table of samples, one row each.
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        samples: PyReadonlyArray2<'py, f64>,
+        threads: usize,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Evaluated<'py>> {
+        let count = samples.as_array().nrows();
+        let values = samples.as_slice().map_err(|e| errors::setting(format!("samples: {e}")))?;
+        let samples = Samples { values, count };
+        let mut table = Array2::from_elem((count, self.width), f64::NAN);
+        let waiting = Waiting::new(progress);
+        let out = table.as_slice_mut().unwrap_or_default();
+        let mut look =
+            |done: usize| waiting.look(done as f64 / count.max(1) as f64, &format!("{done} of {count} samples"));
+        let failures = py.detach(|| self.evaluator.run(samples, out, threads, &waiting.interrupt, &mut look));
+        waiting.end()?;
+        raised(&self.raised)?;
+        let failures = failures.map_err(|why| errors::study(py, &why))?;
+        let reasons = failures.into_iter().map(|f| (f.row, f.reason.to_string())).collect();
+        Ok((table.into_pyarray(py), reasons))
+    }
+}
+
+impl Evaluator {
+    /// For a deck.
+    pub fn make(
+        py: Python<'_>,
+        source: Source,
+        names: Vec<String>,
+        fixed: Settings,
+        quantities: Vec<String>,
+        user: Option<Py<User>>,
+        load: Option<Load>,
+    ) -> PyResult<Evaluator> {
+        let parsed = quantities.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>();
+        let parsed = parsed.map_err(|why| errors::study(py, &why))?;
+        let width = parsed.len();
+        let raised = Raised::default();
+        let routines = match (user, load) {
+            (None, None) => Routines::Absent,
+            (Some(user), None) => Routines::Files(Arc::clone(&user.get().compiled)),
+            (_, Some(load)) => {
+                let told = raised.clone();
+                Routines::Stateless(Box::new(move || load.routines(&told)))
+            }
+        };
+        let evaluator = py.detach(|| evaluate::Evaluator::new(source, fixed, names, parsed, routines));
+        Ok(Evaluator { evaluator: evaluator.map_err(|why| errors::study(py, &why))?, width, raised })
+    }
+}

@@ -1,0 +1,226 @@
+"""Decks: checking, running, evaluating, refining."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _load, _progress, _report, _revolve, _threads
+from ._errors import Diagnostic, HaltedError, read
+from ._evaluate import Evaluation, Parameters, sorted_out
+from ._load import Load
+from ._progress import Progress
+from ._report import Ledger
+from ._run import Run
+from ._study import Study
+
+User = str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None
+"""Files of user subroutines: Fortran, C or shared libraries."""
+Value = float | int | str
+"""A value of a ``*PARAMETER``."""
+
+_KNOWN = 8
+"""Evaluations that a deck remembers."""
+
+
+class Deck:
+    """An input deck, as it was when it was read.
+
+    ``Deck("ogive.inp")`` reads a file, ``Deck(text=...)`` takes text; includes are looked up beside the file, or beside ``name``.
+    It can be pickled.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        text: str | None = None,
+        name: str = "deck.inp",
+        precision: str = "double",
+    ) -> None:
+        if (path is None) == (text is None):
+            raise TypeError("Deck: either a path or text=")
+        self.name = name if path is None else os.fspath(path)
+        self.precision = precision
+        self._deck = _revolve.Deck(self.name, text, precision)
+        self._evaluators: dict[Any, _revolve.Evaluator] = {}
+
+    @property
+    def text(self) -> str:
+        """The text of the deck itself, without what it includes."""
+        return self._deck.text
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_again, (self.name, self.text, self.precision))
+
+    def check(self, *, user: User = None, load: Load | None = None, **parameters: Value) -> list[Diagnostic]:
+        """All that is found in the deck: errors, warnings and notes, with their places."""
+        return read(self._checked(user, load, parameters)["findings"])
+
+    @property
+    def ledger(self) -> Ledger:
+        """What the deck brings to life, and which card asks for it."""
+        return Ledger(self._checked(None, None, {})["ledger"])
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Its ``*PARAMETER`` values."""
+        return self._checked(None, None, {})["parameters"]
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of its history columns."""
+        return self._checked(None, None, {})["columns"]
+
+    def _checked(self, user: User, load: Load | None, parameters: Mapping[str, Value]) -> dict[str, Any]:
+        return json.loads(self._deck.check(_settings(parameters), _compiled(user), _load.resolved(load)))
+
+    def run(
+        self,
+        *,
+        user: User = None,
+        load: Load | None = None,
+        threads: int | None = None,
+        frames: bool = True,
+        out: str | os.PathLike[str] | None = None,
+        progress: Progress = None,
+        check: bool = True,
+        **parameters: Value,
+    ) -> Run:
+        """Run the deck with values of its parameters; results stay in memory.
+
+        ``user`` are files of user subroutines, ``load`` a load in Python (see :data:`revolve._load.LoadFunction`) or the
+        address of a compiled one. With ``out`` the files of the program are written into that folder as well.
+        ``progress`` hears a fraction and a text. A halt raises :class:`HaltedError`, unless ``check`` is false.
+        Ctrl-C ends a run behind its increment.
+        """
+        told = _progress.resolved(progress)
+        folder = None if out is None else Path(out)
+        arguments = (_settings(parameters), _compiled(user), _load.resolved(load), _threads.resolved(threads))
+        try:
+            found = Run(self.name, self._deck.run(*arguments, frames, folder, told))
+        finally:
+            _progress.closed(told)
+        if check and found.reason is not None:
+            raise HaltedError(found.reason, run=found)
+        return found
+
+    def evaluate(
+        self,
+        parameters: Parameters,
+        quantities: str | Sequence[str],
+        *,
+        threads: int | None = 0,
+        user: User = None,
+        load: Load | None = None,
+        progress: Progress = None,
+    ) -> Evaluation:
+        """Quantities over samples: arrays of ``N`` values by parameter give a table ``(N, k)``.
+
+        Numbers hold for all samples. Rows do not depend on the number of threads, nor on what other rows there are. A run that
+        fails leaves NaN, and says why in ``reasons``. A load in Python must keep nothing from one call to the next.
+        """
+        wanted = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+        samples = sorted_out(parameters)
+        evaluator = self._evaluator(samples.names, samples.fixed, wanted, user, load)
+        told = _progress.resolved(progress)
+        try:
+            values, reasons = evaluator.run(samples.table, _threads.resolved(threads), told)
+        finally:
+            _progress.closed(told)
+        return Evaluation(values, wanted, dict(reasons))
+
+    def _evaluator(
+        self,
+        names: tuple[str, ...],
+        fixed: tuple[tuple[str, str], ...],
+        wanted: tuple[str, ...],
+        user: User,
+        load: Load | None,
+    ) -> _revolve.Evaluator:
+        key = (names, fixed, wanted, load) if user is None else None
+        try:
+            known = self._evaluators.get(key) if key is not None else None
+        except TypeError:
+            key = known = None
+        if known is None:
+            known = self._deck.evaluator(list(names), list(fixed), list(wanted), _compiled(user), _load.resolved(load))
+            if key is not None:
+                while len(self._evaluators) >= _KNOWN:
+                    self._evaluators.pop(next(iter(self._evaluators)))
+                self._evaluators[key] = known
+        return known
+
+    def study(
+        self,
+        refine: Mapping[str, Sequence[Value]],
+        quantity: str,
+        *,
+        target: float | str | None = None,
+        exact: float | str | None = None,
+        repeat: int = 1,
+        user: User = None,
+        progress: Progress = None,
+        **parameters: Value,
+    ) -> Study:
+        """Refine the deck along parameters, or along ``increment``, ``load-velocity``, ``hourglass``, ``estimate``, ``precision``.
+
+        ``target`` is the error aimed at (a relative one is a text such as ``"0.5%"``), ``exact`` the exact value. Each setting runs
+        ``repeat`` times, one after the other: its time is the median.
+        """
+        levels = [f"{name}={','.join(_written(v) for v in values)}" for name, values in refine.items()]
+        told = _progress.resolved(progress)
+        try:
+            found = _revolve.study(
+                self._deck,
+                _settings(parameters),
+                levels,
+                quantity,
+                None if exact is None else _written(exact),
+                None if target is None else _written(target),
+                repeat,
+                _compiled(user),
+                told,
+            )
+        finally:
+            _progress.closed(told)
+        return Study(json.loads(found))
+
+    def __repr__(self) -> str:
+        return f"<Deck {self.name!r}>"
+
+    def _repr_html_(self) -> str:
+        found = self._checked(None, None, {})
+        parameters = [(name, f"{value:g}") for name, value in found["parameters"].items()]
+        title = f"<p><b>{html.escape(self.name)}</b> {html.escape(found['title'])}</p>"
+        tables = _report.table(["parameter", "value"], parameters) if parameters else ""
+        return title + _report.preformatted(found["text"]) + tables + Ledger(found["ledger"])._repr_html_()
+
+
+def _again(name: str, text: str, precision: str) -> Deck:
+    """A deck that was pickled."""
+    return Deck(text=text, name=name, precision=precision)
+
+
+def _written(value: Value) -> str:
+    """A value as the command line takes it; all digits of a number."""
+    if isinstance(value, str):
+        return value
+    return repr(int(value)) if isinstance(value, (int, np.integer)) else repr(float(value))
+
+
+def _settings(parameters: Mapping[str, Value]) -> list[tuple[str, str]]:
+    return [(name, _written(value)) for name, value in parameters.items()]
+
+
+def _compiled(user: User) -> _revolve.User | None:
+    if user is None:
+        return None
+    files = [user] if isinstance(user, (str, os.PathLike)) else list(user)
+    return _revolve.compile([Path(file) for file in files], False)

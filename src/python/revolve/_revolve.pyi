@@ -1,0 +1,74 @@
+"""The extension, as the package uses it."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+__version__: str
+
+_Settings: TypeAlias = Sequence[tuple[str, str]]
+_Load: TypeAlias = int | tuple[Any, bool] | None
+_Told: TypeAlias = Callable[[float, str], None] | None
+
+def main(arguments: Sequence[str]) -> int: ...
+def compile(files: Sequence[Path], checked: bool) -> User: ...
+def chart(title: str, x: str, y: str, series: Sequence[tuple[str, Sequence[float], Sequence[float], bool]]) -> str: ...
+def study(
+    deck: Deck,
+    settings: _Settings,
+    refine: Sequence[str],
+    quantity: str,
+    exact: str | None,
+    target: str | None,
+    repeat: int,
+    user: User | None,
+    progress: _Told,
+) -> str: ...
+
+class User:
+    notes: str
+
+class Deck:
+    text: str
+    def __init__(self, name: str, text: str | None, precision: str) -> None: ...
+    def check(self, settings: _Settings, user: User | None, load: _Load) -> str: ...
+    def run(
+        self,
+        settings: _Settings,
+        user: User | None,
+        load: _Load,
+        threads: int,
+        frames: bool,
+        out: Path | None,
+        progress: _Told,
+    ) -> Run: ...
+    def evaluator(
+        self,
+        names: Sequence[str],
+        fixed: _Settings,
+        quantities: Sequence[str],
+        user: User | None,
+        load: _Load,
+    ) -> Evaluator: ...
+
+class Evaluator:
+    def run(
+        self, samples: npt.NDArray[np.float64], threads: int, progress: _Told
+    ) -> tuple[npt.NDArray[np.float64], list[tuple[int, str]]]: ...
+
+class Run:
+    status: str
+    reason: str | None
+    warnings: list[str]
+    seconds: float
+    series: Path | None
+    frame_count: int
+    def summary(self) -> str: ...
+    def ledger(self) -> str: ...
+    def column(self, name: str, which: str) -> float: ...
+    def quantity(self, text: str) -> float: ...
+    def history(self) -> dict[str, npt.NDArray[np.float64]]: ...
+    def frame(self, index: int) -> dict[str, Any]: ...

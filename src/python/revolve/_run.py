@@ -1,0 +1,174 @@
+"""A run that is over: numbers, histories, frames."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _report
+from ._report import Ledger
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyvista as pv
+
+    from . import _revolve
+
+_CELLS = {1: 1, 2: 3, 3: 5, 4: 9}
+"""VTK's kinds of cells by their corners: vertex, line, triangle, quadrilateral."""
+
+
+class Run:
+    """What a run gave."""
+
+    def __init__(self, title: str, run: _revolve.Run) -> None:
+        self._title = title
+        self._run = run
+
+    @property
+    def status(self) -> str:
+        """``completed`` or ``halted``."""
+        return self._run.status
+
+    @property
+    def reason(self) -> str | None:
+        """Why it halted."""
+        return self._run.reason
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is to be known of its numbers."""
+        return self._run.warnings
+
+    @property
+    def seconds(self) -> float:
+        """Seconds in the time loop."""
+        return self._run.seconds
+
+    def final(self, column: str) -> float:
+        """The last value of a history column, such as ``"U2@REF"``."""
+        return self._run.column(column, "final")
+
+    def min(self, column: str) -> float:
+        """The smallest value of a history column."""
+        return self._run.column(column, "min")
+
+    def max(self, column: str) -> float:
+        """The largest value of a history column."""
+        return self._run.column(column, "max")
+
+    def quantity(self, expression: str) -> float:
+        """The value of an expression over histories, such as ``"-1000*final(U2@REF)"``."""
+        return self._run.quantity(expression)
+
+    @cached_property
+    def arrays(self) -> dict[str, npt.NDArray[np.float64]]:
+        """Histories by column name as NumPy arrays, ``time`` and ``step`` first."""
+        return self._run.history()
+
+    @property
+    def history(self) -> dict[str, npt.NDArray[np.float64]] | pd.DataFrame:
+        """Histories: a ``pandas.DataFrame`` over ``time`` where pandas is installed, else as :attr:`arrays`."""
+        try:
+            import pandas as pd
+        except ImportError:
+            return self.arrays
+        return pd.DataFrame(self.arrays).set_index("time")
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """What the program writes as ``<job>.json``."""
+        return json.loads(self._run.summary())
+
+    @cached_property
+    def ledger(self) -> Ledger:
+        """What was simulated, with shares of the time."""
+        return Ledger(self.summary["ledger"])
+
+    @cached_property
+    def frames(self) -> Frames:
+        """Frames as pyvista grids, each made when it is asked for."""
+        return Frames(self._run)
+
+    def __repr__(self) -> str:
+        steps = self.summary["steps"]
+        increments = sum(step["increments"] for step in steps)
+        return f"<Run of {self._title!r}: {self.status}, {increments} increments in {self.seconds:.3g} s>"
+
+    def _repr_html_(self) -> str:
+        facts = [repr(self)[1:-1]] + ([self.reason] if self.reason else []) + self.warnings
+        return _report.paragraphs(facts) + "".join(self.charts().values())
+
+    def charts(self) -> dict[str, str]:
+        """Histories as SVG, one chart a variable; energies together."""
+        groups: dict[str, dict[str, npt.NDArray[np.float64]]] = defaultdict(dict)
+        for name, values in self.arrays.items():
+            if name not in ("time", "step"):
+                variable = name.split("@")[0]
+                energy = "@" not in name and (name.startswith("ALL") or name == "ETOTAL")
+                groups["energies" if energy else variable][name] = values
+        time = self.arrays["time"]
+        return {label: _report.curves(self._title, label, time, columns) for label, columns in groups.items()}
+
+
+class Frames(Sequence[Any]):
+    """Frames of a run as ``pyvista.UnstructuredGrid``, with their time in ``field_data``."""
+
+    def __init__(self, run: _revolve.Run) -> None:
+        self._run = run
+        self._reader: Any = None
+        if run.series is not None and run.series.exists():
+            import pyvista as pv
+
+            self._reader = pv.PVDReader(str(run.series))
+
+    @property
+    def times(self) -> list[float]:
+        """Total times."""
+        if self._reader is not None:
+            return list(self._reader.time_values)
+        return [self._run.frame(i)["time"] for i in range(len(self))]
+
+    def arrays(self, index: int) -> dict[str, Any]:
+        """A frame as NumPy arrays, without pyvista; of runs in memory."""
+        return self._run.frame(range(len(self))[index])
+
+    def __len__(self) -> int:
+        return self._run.frame_count if self._reader is None else len(self._reader.time_values)
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        index = range(len(self))[index]
+        if self._reader is not None:
+            self._reader.set_active_time_point(index)
+            return self._reader.read()[0]
+        return _grid(self._run.frame(index))
+
+    def __iter__(self) -> Iterator[pv.UnstructuredGrid]:
+        return (self[i] for i in range(len(self)))
+
+
+def _grid(frame: dict[str, Any]) -> pv.UnstructuredGrid:
+    import pyvista as pv
+
+    points = np.column_stack([frame["points"], np.zeros(len(frame["points"]))])
+    starts, corners = frame["starts"], frame["corners"]
+    counts = np.diff(np.append(starts, len(corners)))
+    cells = np.insert(corners, starts, counts)
+    kinds = np.array([_CELLS[int(count)] for count in counts], dtype=np.uint8)
+    grid = pv.UnstructuredGrid(cells, kinds, points)
+    for name, values in frame["point_fields"].items():
+        grid.point_data[name] = values
+    for name, values in frame["cell_fields"].items():
+        grid.cell_data[name] = values
+    if len(frame["deleted"]):
+        grid.cell_data["DELETED"] = frame["deleted"]
+    grid.field_data["TimeValue"] = np.array([frame["time"]])
+    return grid

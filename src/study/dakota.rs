@@ -1,0 +1,364 @@
+//! Files by which Dakota asks for evaluations and takes their results (Dakota User's Manual, "Parameters file format", "Results
+//! file format", "Batch evaluation"): standard, APREPRO and JSON, one evaluation a file or many.
+//! Never here: runs.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use super::StudyError;
+use super::grid::Grid;
+use super::quantity::Quantity;
+use super::sweep::Results;
+
+/// What Dakota asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    form: Form,
+    evaluations: Vec<Evaluation>,
+}
+
+/// The form of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    /// Values and tags, one pair a line.
+    Text,
+    /// One object.
+    Json,
+    /// A list of objects.
+    JsonBatch,
+}
+
+/// One evaluation.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Evaluation {
+    /// Descriptors and values.
+    variables: Vec<(String, String)>,
+    /// Labels of responses, and what of each is asked: 1 its value, 2 its gradient, 4 its second derivatives.
+    responses: Vec<(String, u64)>,
+    /// Numbers of the batch and of the evaluation.
+    id: String,
+    /// Labels of what else is asked.
+    metadata: Vec<String>,
+}
+
+impl Asked {
+    /// Reads a parameters file.
+    ///
+    /// # Errors
+    /// What is wrong with it and where; what it asks for that a sweep does not answer.
+    pub fn read(path: &Path, text: &str, quantities: &[Quantity]) -> Result<Asked, StudyError> {
+        let wrong = |message: String| StudyError::Dakota { path: path.to_owned(), message };
+        let asked = match text.trim_start().chars().next() {
+            Some('[') => from_json(text, true),
+            // A line of APREPRO begins with a brace as well; its first word is no string.
+            Some('{') if serde_json::from_str::<Value>(text).is_ok() => from_json(text, false),
+            Some(_) => from_lines(text),
+            None => Err("the file is empty".into()),
+        };
+        let asked = asked.map_err(wrong)?;
+        asked.answerable(quantities).map_err(wrong)?;
+        Ok(asked)
+    }
+
+    /// Whether a sweep can answer.
+    fn answerable(&self, quantities: &[Quantity]) -> Result<(), String> {
+        let [first, rest @ ..] = &self.evaluations[..] else { return Err("it asks for no evaluation".into()) };
+        let names = |e: &Evaluation| e.variables.iter().map(|v| v.0.clone()).collect::<Vec<_>>();
+        if let Some(other) = rest.iter().find(|e| names(e) != names(first)) {
+            return Err(format!("evaluation {} has other variables than the first", other.id));
+        }
+        for Evaluation { responses, id, metadata, .. } in &self.evaluations {
+            if responses.len() != quantities.len() {
+                let (asked, given) = (responses.len(), quantities.len());
+                return Err(format!(
+                    "evaluation {id} asks for {asked} responses, but --quantity is given {given} times"
+                ));
+            }
+            if let Some((label, _)) = responses.iter().find(|r| r.1 & 6 != 0) {
+                return Err(format!(
+                    "evaluation {id} asks for derivatives of {label}: say numerical_gradients, or no_gradients and no_hessians"
+                ));
+            }
+            if let Some(label) = metadata.first() {
+                return Err(format!("evaluation {id} asks for metadata ({label}), which a sweep does not have"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The evaluations as cases of a sweep; `settings` give other parameters one value each.
+    ///
+    /// # Errors
+    /// In words, for settings that are none or that Dakota gives as well.
+    pub fn grid(&self, settings: &[String]) -> Result<Grid, StudyError> {
+        let mut names: Vec<String> = self.evaluations[0].variables.iter().map(|v| v.0.clone()).collect();
+        let mut more = Vec::new();
+        for (name, values) in Grid::parse(settings)?.axes() {
+            let [value] = &values[..] else {
+                return Err(StudyError::Setting(format!(
+                    "--set {name} has {} values; beside --dakota it has one",
+                    values.len()
+                )));
+            };
+            if names.contains(name) {
+                return Err(StudyError::Setting(format!("{name} is given by --set and by --dakota")));
+            }
+            more.push(value.clone());
+            names.push(name.clone());
+        }
+        let row = |e: &Evaluation| e.variables.iter().map(|v| v.1.clone()).chain(more.iter().cloned()).collect();
+        Ok(Grid::of_rows(names, self.evaluations.iter().map(row).collect()))
+    }
+
+    /// The results file where none of it could be evaluated.
+    pub fn failed(&self) -> String {
+        let values = self.evaluations.iter().map(|_| Err(StudyError::Told(String::new()))).collect();
+        self.answer(&Results { values, ..Results::default() })
+    }
+
+    /// The results file: values in the order in which they were asked for, with all their digits; FAIL where there are none.
+    pub fn answer(&self, results: &Results) -> String {
+        let all = self.evaluations.iter().zip(&results.values);
+        if self.form != Form::Text {
+            let objects: Vec<Value> = all.map(|(asked, values)| asked.object(values.as_deref().ok())).collect();
+            let value =
+                if self.form == Form::Json { objects.into_iter().next().unwrap_or_default() } else { objects.into() };
+            return format!("{value:#}\n");
+        }
+        // Of a batch each evaluation begins with a line of its own.
+        let batch = self.evaluations[0].id.contains(':');
+        let blocks = all.map(|(asked, values)| {
+            let begin = if batch { "#\n" } else { "" };
+            format!("{begin}{}", asked.lines(values.as_deref().ok()))
+        });
+        blocks.collect()
+    }
+}
+
+impl Evaluation {
+    /// What is asked of the values: labels and numbers; `None` if there is a number that is none.
+    fn wanted<'a>(&'a self, values: Option<&'a [f64]>) -> Option<Vec<(&'a str, f64)>> {
+        let pairs = self.responses.iter().zip(values?).filter(|(response, _)| response.1 & 1 != 0);
+        let wanted: Vec<_> = pairs.map(|(response, value)| (response.0.as_str(), *value)).collect();
+        wanted.iter().all(|pair| pair.1.is_finite()).then_some(wanted)
+    }
+
+    fn lines(&self, values: Option<&[f64]>) -> String {
+        let Some(wanted) = self.wanted(values) else { return "FAIL\n".into() };
+        wanted.iter().map(|(label, value)| format!("{value:24.16e} {label}\n")).collect()
+    }
+
+    fn object(&self, values: Option<&[f64]>) -> Value {
+        let Some(wanted) = self.wanted(values) else { return json!({ "fail": true }) };
+        let functions: Map<String, Value> =
+            wanted.into_iter().map(|(label, value)| (label.to_owned(), value.into())).collect();
+        json!({ "functions": functions })
+    }
+}
+
+/// An evaluation as JSON has it.
+#[derive(Deserialize)]
+struct Object {
+    variables: Vec<Variable>,
+    responses: Vec<Response>,
+    eval_id: String,
+    #[serde(default)]
+    metadata: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Variable {
+    label: String,
+    value: Value,
+}
+
+#[derive(Deserialize)]
+struct Response {
+    label: String,
+    active_set: u64,
+}
+
+fn from_json(text: &str, batch: bool) -> Result<Asked, String> {
+    let read = if batch { serde_json::from_str(text) } else { serde_json::from_str(text).map(|one| vec![one]) };
+    let objects: Vec<Object> = read.map_err(|e| e.to_string())?;
+    let evaluations = objects.into_iter().map(|object| Evaluation {
+        variables: object.variables.into_iter().map(|v| (v.label, plain(&v.value))).collect(),
+        responses: object.responses.into_iter().map(|r| (r.label, r.active_set)).collect(),
+        id: object.eval_id,
+        metadata: object.metadata,
+    });
+    Ok(Asked { form: if batch { Form::JsonBatch } else { Form::Json }, evaluations: evaluations.collect() })
+}
+
+/// A value as a deck's parameter takes it.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// A pair of a value and its tag, with its line.
+struct Pair {
+    at: usize,
+    value: String,
+    tag: String,
+}
+
+/// The pair of a line: `value tag`, or `{ tag = value }`.
+fn pair(at: usize, line: &str) -> Result<Pair, String> {
+    let line = line.trim();
+    let wrong = || format!("line {at}: `{line}` is no value with its tag");
+    let (tag, value) = match line.strip_prefix('{').and_then(|inner| inner.strip_suffix('}')) {
+        Some(inner) => inner.split_once('=').ok_or_else(wrong)?,
+        None => line.rsplit_once(char::is_whitespace).map(|(value, tag)| (tag, value)).ok_or_else(wrong)?,
+    };
+    let value = value.trim().trim_matches('"').to_owned();
+    Ok(Pair { at, value, tag: tag.trim().to_owned() })
+}
+
+/// Pairs that are taken one after the other.
+struct Pairs<'a> {
+    rest: &'a [Pair],
+}
+
+impl<'a> Pairs<'a> {
+    /// The next pair, which has one of two tags.
+    fn expect(&mut self, tags: [&str; 2]) -> Result<&'a Pair, String> {
+        let [next, rest @ ..] = self.rest else { return Err(format!("it ends before `{}`", tags[0])) };
+        if !tags.contains(&next.tag.as_str()) {
+            return Err(format!("line {}: `{}` where `{}` belongs", next.at, next.tag, tags[0]));
+        }
+        self.rest = rest;
+        Ok(next)
+    }
+
+    /// A number of pairs, told by a pair ahead with one of two tags.
+    fn block(&mut self, tags: [&str; 2]) -> Result<&'a [Pair], String> {
+        let head = self.expect(tags)?;
+        let count: usize =
+            head.value.parse().map_err(|_| format!("line {}: `{}` is no number", head.at, head.value))?;
+        if count > self.rest.len() {
+            return Err(format!("line {}: {count} {}, but the file ends before", head.at, head.tag));
+        }
+        let (block, rest) = self.rest.split_at(count);
+        self.rest = rest;
+        Ok(block)
+    }
+}
+
+fn from_lines(text: &str) -> Result<Asked, String> {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let pairs: Vec<Pair> = lines.map(|(i, line)| pair(i + 1, line)).collect::<Result<_, _>>()?;
+    let mut pairs = Pairs { rest: &pairs };
+    let mut evaluations = Vec::new();
+    while !pairs.rest.is_empty() {
+        evaluations.push(evaluation(&mut pairs)?);
+    }
+    Ok(Asked { form: Form::Text, evaluations })
+}
+
+fn evaluation(pairs: &mut Pairs<'_>) -> Result<Evaluation, String> {
+    let variables = pairs.block(["variables", "DAKOTA_VARS"])?;
+    let mut responses = Vec::new();
+    for pair in pairs.block(["functions", "DAKOTA_FNS"])? {
+        let asked = pair.value.parse().map_err(|_| format!("line {}: `{}` is no number", pair.at, pair.value))?;
+        // ASV_1:label; older versions leave the label out.
+        let label = pair.tag.split_once(':').map_or(&*pair.tag, |tag| tag.1);
+        responses.push((label.to_owned(), asked));
+    }
+    pairs.block(["derivative_variables", "DAKOTA_DER_VARS"])?;
+    pairs.block(["analysis_components", "DAKOTA_AN_COMPS"])?;
+    // Versions before 6.16 have no metadata, the oldest no number either.
+    let begins =
+        |tags: [&str; 2], pairs: &Pairs<'_>| pairs.rest.first().is_some_and(|p| tags.contains(&p.tag.as_str()));
+    let (own, more) = (["eval_id", "DAKOTA_EVAL_ID"], ["metadata", "DAKOTA_METADATA"]);
+    let id = if begins(own, pairs) { pairs.expect(own)?.value.clone() } else { String::new() };
+    let metadata = if begins(more, pairs) { pairs.block(more)? } else { &[] };
+    Ok(Evaluation {
+        variables: variables.iter().map(|p| (p.tag.clone(), p.value.clone())).collect(),
+        responses,
+        id,
+        metadata: metadata.iter().map(|p| p.value.clone()).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Asked, Form};
+    use crate::study::StudyError;
+    use crate::study::quantity::Quantity;
+    use crate::study::sweep::Results;
+
+    fn standard(id: &str, asked: u8, value: f64) -> String {
+        format!(
+            "                     2 variables\n{value:.15e} V\n  0.1 mu\n   1 functions\n {asked} ASV_1:depth\n   1 derivative_variables\n   \
+             1 DVV_1:V\n   1 analysis_components\n  a b AC_1:first.sh\n   {id} eval_id\n   0 metadata\n"
+        )
+    }
+
+    fn read(text: &str, quantities: usize) -> Result<Asked, StudyError> {
+        let quantities: Vec<Quantity> =
+            (0..quantities).map(|_| Quantity::parse("final(U2@REF)").expect("a quantity")).collect();
+        Asked::read("params.in".as_ref(), text, &quantities)
+    }
+
+    fn values(asked: &Asked) -> Vec<String> {
+        let grid = asked.grid(&["n=20".into()]).expect("a grid");
+        assert_eq!(grid.names(), ["V", "mu", "n"]);
+        let row = |i: usize| grid.combination(i).into_iter().map(|p| p.1).collect::<Vec<_>>().join(" ");
+        (0..grid.count()).map(row).collect()
+    }
+
+    fn answer(asked: &Asked) -> String {
+        let values = vec![Ok(vec![0.1]), Err(StudyError::Told("halted".into()))];
+        asked.answer(&Results { values, ..Results::default() })
+    }
+
+    #[test]
+    fn one_evaluation_in_three_forms() {
+        let text = standard("7", 1, 821.0);
+        let asked = read(&text, 1).expect("standard");
+        assert_eq!(values(&asked), ["8.210000000000000e2 0.1 20"]);
+        assert_eq!(answer(&asked), "   1.0000000000000001e-1 depth\n");
+        let aprepro = "{ DAKOTA_VARS     =                      2 }\n{ V = 821 }\n{ mu = 0.1 }\n{ DAKOTA_FNS = 1 }\n\
+                       { ASV_1:depth = 1 }\n{ DAKOTA_DER_VARS = 0 }\n{ DAKOTA_AN_COMPS = 0 }\n{ DAKOTA_EVAL_ID = 1 }\n";
+        assert_eq!(values(&read(aprepro, 1).expect("APREPRO")), ["821 0.1 20"]);
+        let object = r#"{"variables": [{"label": "V", "value": 821.5}, {"label": "mu", "value": "0.1"}], "eval_id": "1",
+            "responses": [{"label": "depth", "active_set": 1}], "derivative_variables": [1], "analysis_components": []}"#;
+        let asked = read(object, 1).expect("JSON");
+        assert_eq!((asked.form, values(&asked)), (Form::Json, vec!["821.5 0.1 20".to_owned()]));
+        let answered: serde_json::Value = serde_json::from_str(&answer(&asked)).expect("JSON");
+        assert_eq!(answered["functions"]["depth"], 0.1);
+        let batch = read(&format!("[{object}, {object}]"), 1).expect("JSON");
+        let answered: serde_json::Value = serde_json::from_str(&answer(&batch)).expect("JSON");
+        assert_eq!((&answered[0]["functions"]["depth"], &answered[1]["fail"]), (&0.1.into(), &true.into()));
+    }
+
+    #[test]
+    fn a_batch_keeps_its_order() {
+        let asked = read(&(standard("1:1", 1, 500.0) + &standard("1:2", 1, 600.0)), 1).expect("a batch");
+        assert_eq!(values(&asked).len(), 2);
+        assert_eq!(answer(&asked), "#\n   1.0000000000000001e-1 depth\n#\nFAIL\n");
+    }
+
+    #[test]
+    fn what_cannot_be_answered_is_refused() {
+        let refused = |text: &str, quantities: usize, word: &str| {
+            let message = read(text, quantities).expect_err(text).to_string();
+            assert!(message.contains(word), "{message}");
+        };
+        let text = standard("7", 1, 821.0);
+        refused(&text, 2, "2 times");
+        refused(&standard("7", 3, 821.0), 1, "derivatives");
+        refused(&text.replace("0 metadata", "1 metadata\n seconds MD_1"), 1, "metadata");
+        refused("", 1, "empty");
+        refused("[]", 1, "no evaluation");
+        refused("{\"variables\": 1}", 1, "expected");
+        refused(&text.replace("functions", "fonctions"), 1, "line 4");
+        refused(&text.replace("2 variables", "20 variables"), 1, "ends before");
+        // Cut off anywhere: an error, or what is left is whole.
+        for end in 0..text.len() {
+            let _ = read(&text[..end], 1);
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Evaluations: tables of quantities over samples of parameters.
+//!
+//! Source: the runs themselves. A table has the bits of runs that read and plan the deck anew for each sample, whatever
+//! parameter is sampled, on any number of threads and however samples are split over calls.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::AtomicUsize;
+
+use revolve::job;
+use revolve::study::StudyError;
+use revolve::study::evaluate::{Evaluator, Samples, Source, User};
+use revolve::study::quantity::{Finished, Quantity, history};
+use revolve::user::Routines;
+
+use crate::common::project;
+
+/// Every load that rigid bodies have, over two steps, into a target of two layers.
+const LOADS: &str = "\
+*Parameter
+m1 = 0.5
+m2 = 2.*m1
+v = 30.
+p = 1.e4
+push = -20.
+g = 9.81
+front = -0.002
+thin = 0.003
+y = 5.e6
+b = 0.5
+rho = 1500.
+mu = 0.1
+lengths = 2.
+*Node
+ 1, 0.,  0.
+ 2, 0.1, 0.02
+ 3, 0.1, 0.1
+ 9, 0.,  0.1
+*Element, type=RAX2, elset=SIDE
+ 1, 1, 2
+ 2, 2, 3
+*Element, type=MASS, elset=POINT
+ 9, 9
+*Element, type=MASS, elset=MORE
+ 8, 2
+*Mass, elset=POINT
+ <m1>
+*Mass, elset=MORE
+ <m2>
+*Rigid Body, ref node=9, elset=SIDE, density=100.
+ 0.001
+*Surface, name=NOSE
+ SIDE, SNEG
+*Material, name=SOFT
+*Density
+ <rho>,
+*Cavity Expansion, yield=<y>
+ 1., <b>, 1.e0
+*Material, name=HARD
+*Density
+ 2<rho>,
+*Cavity Expansion, yield=2.e7
+ 3., 0., 1.
+*Target, name=BLOCK, front=<front>, direction=-1
+ SOFT, <thin>
+ HARD, 1.
+*Initial Conditions, type=VELOCITY
+ 9, 2, -<v>
+*Step
+*Dynamic, Explicit
+ , 5.e-4
+*Dsload, target=BLOCK, friction=<mu>
+ NOSE, CAVITY
+*Dsload
+ NOSE, P, <p>
+*Cload
+ 9, 2, <push>
+*Dload
+ , GRAV, <g>, 0., -1.
+*Output, history, number interval=20
+*Node Output, nset=ALL
+ U2, V2
+*Energy Output
+ ALLKE, ETOTAL
+*End Step
+*Step
+*Dynamic, Explicit
+ , <lengths>e-4
+*Cload, op=NEW
+ 9, 2, 5.
+*End Step
+*Nset, nset=ALL
+ 9
+";
+
+/// Quantities of a run from the deck's text on, or why there are none.
+fn alone(source: &Source, parameter: &str, value: f64, quantities: &[Quantity]) -> Result<Vec<u64>, String> {
+    let overrides = [(parameter.to_owned(), format!("{value:?}"))];
+    let prepared = job::prepare_edited(source.read(&overrides), &mut |_| {}, &Routines::none());
+    if prepared.diagnostics.has_errors() {
+        return Err(prepared.diagnostics.render(&prepared.deck.sources));
+    }
+    let mut history = history(quantities, &prepared.plan);
+    let (outcome, state) = job::run_into(&prepared, &mut history);
+    if let Some(halt) = outcome.halt {
+        return Err(StudyError::Halted(halt).to_string());
+    }
+    let run = Finished { history: &history, end: Some((outcome.steps.iter().map(|s| s.time).sum(), &state)) };
+    quantities.iter().map(|q| q.number(run).map(f64::to_bits).map_err(|e| e.to_string())).collect()
+}
+
+/// What a table says of each sample.
+fn table(evaluator: &Evaluator, samples: &[f64], width: usize, threads: usize) -> Vec<Result<Vec<u64>, String>> {
+    let mut values = vec![0.0; samples.len() * width];
+    let asked = Samples { values: samples, count: samples.len() };
+    let failures = evaluator.run(asked, &mut values, threads, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
+    let reasons: BTreeMap<usize, String> = failures.into_iter().map(|f| (f.row, f.reason.to_string())).collect();
+    let row = |(i, row): (usize, &[f64])| match reasons.get(&i) {
+        None => Ok(row.iter().map(|x| x.to_bits()).collect()),
+        Some(why) => {
+            assert!(row.iter().all(|x| x.is_nan()), "a sample that failed has no numbers");
+            Err(why.clone())
+        }
+    };
+    values.chunks(width).enumerate().map(row).collect()
+}
+
+fn agree(source: &Source, texts: &[&str]) {
+    let quantities: Vec<Quantity> = texts.iter().map(|t| Quantity::parse(t).expect("a quantity")).collect();
+    let (deck, _) = source.read(&[]);
+    for (name, value) in &deck.parameters {
+        let samples = [*value, 1.01 * value, 0.0, -value, 1e300, 0.7 * value, f64::NAN];
+        let expected: Vec<_> = samples.iter().map(|x| alone(source, name, *x, &quantities)).collect();
+        assert!(expected[0].is_ok(), "{name}: {:?}", expected[0]);
+        let evaluator =
+            Evaluator::new(source.clone(), Vec::new(), vec![name.clone()], quantities.clone(), User::Absent);
+        let evaluator = evaluator.expect("an evaluator");
+        for threads in [1, 3] {
+            assert_eq!(table(&evaluator, &samples, texts.len(), threads), expected, "{name}, {threads} threads");
+        }
+        let split: Vec<_> = samples.iter().rev().flat_map(|x| table(&evaluator, &[*x], texts.len(), 1)).collect();
+        assert!(split.iter().rev().eq(&expected), "{name}: one sample a call, the last first");
+    }
+}
+
+#[test]
+fn a_table_has_the_bits_of_runs() {
+    let ogive = Source::File(project("input/ogive.inp"));
+    agree(&ogive, &["-1000*final(U2@REF)"]);
+    agree(&ogive, &["final(U2@REF)", "max(ALLCAV) + mean(V2@REF, 0, 1e-4)"]);
+    let loads = Source::Text("loads.inp".into(), LOADS.into());
+    agree(&loads, &["final(U2@ALL)", "final(ETOTAL)"]);
+    agree(&loads, &["min(V2@ALL)"]);
+}
+
+#[test]
+fn what_nothing_can_come_of_is_refused_before_any_run() {
+    let source = Source::File(project("input/ogive.inp"));
+    let make = |name: &str, quantity: &str| {
+        let quantities = vec![Quantity::parse(quantity).expect("a quantity")];
+        Evaluator::new(source.clone(), Vec::new(), vec![name.into()], quantities, User::Absent).map(|_| ())
+    };
+    let told = |made: Result<(), StudyError>| made.expect_err("refused").to_string();
+    assert!(told(make("v", "final(U2@REF)")).contains("did you mean V?"));
+    assert!(told(make("V", "final(U2@RFE)")).contains("did you mean U2@REF?"));
+    let broken = Source::File(Path::new("no such deck.inp").into());
+    let made = Evaluator::new(broken, Vec::new(), Vec::new(), Vec::new(), User::Absent).map(|_| ());
+    assert!(matches!(made, Err(StudyError::Refused { code: "D001", .. })), "{made:?}");
+}
+
+#[test]
+fn an_interrupt_ends_a_table_early() {
+    let quantities = vec![Quantity::parse("final(U2@REF)").expect("a quantity")];
+    let source = Source::File(project("input/ogive.inp"));
+    let evaluator = Evaluator::new(source, Vec::new(), vec!["V".into()], quantities, User::Absent).expect("made");
+    let samples = vec![500.0; 1000];
+    for threads in [1, 2] {
+        let mut values = vec![f64::NAN; samples.len()];
+        let interrupt = AtomicUsize::new(2);
+        let asked = Samples { values: &samples, count: samples.len() };
+        let failures = evaluator.run(asked, &mut values, threads, &interrupt, &mut |_| {}).expect("threads");
+        assert!(values.iter().all(|x| x.is_nan()), "no run comes to its end");
+        assert!(failures.len() <= threads, "{} were begun", failures.len());
+        assert!(failures.iter().all(|f| f.reason.to_string().contains("R207")), "{failures:?}");
+    }
+}

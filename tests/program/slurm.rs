@@ -1,0 +1,225 @@
+//! A sweep as an array of jobs under Slurm: a controller and two nodes on this machine, one of them killed in the middle.
+//!
+//! Source: Slurm's own programs (`slurmctld`, `slurmd`, `sbatch`, `munged`) with a configuration of this test, as any user. In CI
+//! they must be installed; elsewhere, without them, the test is left out. A part of a sweep is the same wherever it runs, so
+//! the gathered table has the bytes of one process.
+
+use std::fs;
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::common::project;
+
+/// What is swept: eight cases in four parts.
+const SWEEP: [&str; 4] = ["--set", "V=560:910:50", "--quantity", "-1000*final(U2@REF)"];
+
+/// A controller with two nodes, ended with the test.
+struct Cluster {
+    folder: PathBuf,
+    daemons: Vec<(&'static str, Child)>,
+}
+
+fn is_there(program: &str) -> bool {
+    let paths = ["/usr/sbin", "/usr/local/sbin"].map(PathBuf::from);
+    let own = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&own).chain(paths).any(|path| path.join(program).is_file())
+}
+
+fn installed() -> bool {
+    let found = ["slurmctld", "slurmd", "sbatch", "munged"].iter().all(|program| is_there(program));
+    assert!(found || std::env::var_os("CI").is_none(), "in CI Slurm and munge must be installed");
+    if !found {
+        println!("left out: a sweep under Slurm (no slurmctld, slurmd, sbatch and munged)");
+    }
+    found
+}
+
+/// A port that nobody listens on.
+fn port() -> u16 {
+    TcpListener::bind("127.0.0.1:0").and_then(|own| own.local_addr()).expect("a port").port()
+}
+
+fn user() -> String {
+    let output = Command::new("id").arg("-un").output().expect("id");
+    String::from_utf8_lossy(&output.stdout).trim().to_owned()
+}
+
+/// The machine's short name, by which its nodes are found.
+fn host() -> String {
+    let output = Command::new("hostname").arg("-s").output().expect("hostname");
+    String::from_utf8_lossy(&output.stdout).trim().to_owned()
+}
+
+impl Cluster {
+    fn start(folder: &Path) -> Cluster {
+        let mut cluster = Cluster { folder: folder.to_owned(), daemons: Vec::new() };
+        let at = folder.display();
+        fs::create_dir(folder.join("state")).expect("a folder");
+        fs::write(folder.join("munge.key"), [7_u8; 1024]).expect("a key");
+        Command::new("chmod").args(["700"]).arg(folder).status().expect("chmod");
+        Command::new("chmod").args(["600"]).arg(folder.join("munge.key")).status().expect("chmod");
+        let munge = [
+            "key-file=munge.key",
+            "socket=munge.socket",
+            "pid-file=munge.pid",
+            "log-file=munge.log",
+            "seed-file=munge.seed",
+        ];
+        let options = munge
+            .map(|option| option.split_once('=').map_or(String::new(), |(name, file)| format!("--{name}={at}/{file}")));
+        cluster.daemon(
+            "munged",
+            "munged",
+            &options.iter().map(String::as_str).chain(["--foreground", "--force"]).collect::<Vec<_>>(),
+        );
+        cluster.wait_for("the socket of munge", || folder.join("munge.socket").exists());
+        let (user, host) = (user(), host());
+        let node = |name: &str| {
+            format!(
+                "NodeName={name} NodeHostname={host} NodeAddr=127.0.0.1 Port={} CPUs=1 RealMemory=100 State=UNKNOWN\n",
+                port()
+            )
+        };
+        let text = format!(
+            "ClusterName=test\nSlurmctldHost={host}(127.0.0.1)\nSlurmctldPort={}\nSlurmUser={user}\nSlurmdUser={user}\n\
+             AuthType=auth/munge\nAuthInfo=socket={at}/munge.socket\nCredType=cred/munge\nStateSaveLocation={at}/state\n\
+             SlurmdSpoolDir={at}/spool-%n\nSlurmctldPidFile={at}/controller.pid\nSlurmdPidFile={at}/node-%n.pid\n\
+             SlurmctldLogFile={at}/controller.log\nSlurmdLogFile={at}/node-%n.log\nProctrackType=proctrack/pgid\nTaskPlugin=task/none\n\
+             SchedulerType=sched/backfill\nSelectType=select/cons_tres\nSelectTypeParameters=CR_CPU\nReturnToService=2\n\
+             MpiDefault=none\nSlurmdTimeout=10\n{}{}PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n",
+            port(),
+            node("one"),
+            node("two"),
+        );
+        fs::write(folder.join("slurm.conf"), text).expect("a configuration");
+        cluster.daemon("controller", "slurmctld", &["-D", "-i"]);
+        cluster.daemon("one", "slurmd", &["-D", "-N", "one"]);
+        cluster.daemon("two", "slurmd", &["-D", "-N", "two"]);
+        cluster.wait_for("two idle nodes", || cluster.said("sinfo", &["-h", "-t", "idle", "-o", "%D"]).trim() == "2");
+        cluster
+    }
+
+    fn daemon(&mut self, name: &'static str, program: &str, arguments: &[&str]) {
+        let child = self.command(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+        self.daemons.push((name, child.unwrap_or_else(|e| panic!("{program}: {e}"))));
+    }
+
+    fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        let own = std::env::var("PATH").unwrap_or_default();
+        let path = format!("{}/bin:{own}:/usr/sbin:/usr/local/sbin", self.folder.display());
+        command.env("SLURM_CONF", self.folder.join("slurm.conf")).env("PATH", path).current_dir(project(""));
+        command
+    }
+
+    fn said(&self, program: &str, arguments: &[&str]) -> String {
+        let Output { stdout, .. } = self.command(program).args(arguments).output().expect("it runs");
+        String::from_utf8_lossy(&stdout).into_owned()
+    }
+
+    fn wait_for(&self, what: &str, is_so: impl Fn() -> bool) {
+        let begin = Instant::now();
+        while !is_so() {
+            if begin.elapsed() > Duration::from_secs(120) {
+                let log = |name: &str| fs::read_to_string(self.folder.join(name)).unwrap_or_default();
+                let logs = ["controller.log", "node-one.log", "node-two.log", "munge.log"].map(log).join("\n");
+                panic!("no {what} in two minutes\n{logs}");
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+
+    /// Hands a job in.
+    fn submit(&self, job: &[&str], words: &[&str]) {
+        let log = format!("{}/job-%A_%a.log", self.folder.display());
+        let number = self.said("sbatch", &[&["--parsable", "--no-requeue", "-o", &log], job, words].concat());
+        assert!(number.trim().parse::<u32>().is_ok(), "sbatch: {number}");
+    }
+
+    /// A node with all that runs on it is no more.
+    fn kill(&mut self, node: &str) {
+        for (name, daemon) in &mut self.daemons {
+            if *name == node {
+                daemon.kill().and_then(|()| daemon.wait()).expect("a node");
+            }
+        }
+        let own = format!("SLURMD_NODENAME={node}");
+        for process in fs::read_dir("/proc").expect("processes").flatten() {
+            let read = |file: &str| fs::read_to_string(process.path().join(file)).unwrap_or_default();
+            if read("environ").split('\0').any(|variable| variable == own) {
+                // What watches over the job dies with it.
+                let parent = read("status").lines().find_map(|l| l.strip_prefix("PPid:").map(|p| p.trim().to_owned()));
+                let watches = |id: &str| {
+                    fs::read_to_string(format!("/proc/{id}/comm")).is_ok_and(|comm| comm.starts_with("slurmstepd"))
+                };
+                let own = process.file_name().to_string_lossy().into_owned();
+                let all: Vec<String> = parent.into_iter().filter(|id| watches(id)).chain([own]).collect();
+                let _ = Command::new("kill").arg("-9").args(&all).stderr(Stdio::null()).status();
+            }
+        }
+    }
+}
+
+impl Drop for Cluster {
+    fn drop(&mut self) {
+        let _ = self.command("scancel").args(["--state=RUNNING,PENDING", "-u", &user()]).output();
+        std::thread::sleep(Duration::from_millis(300));
+        for (_, daemon) in self.daemons.iter_mut().rev() {
+            let _ = daemon.kill().and_then(|()| daemon.wait());
+        }
+    }
+}
+
+fn sweep(more: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_revolve");
+    let all = [&["sweep", "input/ogive.inp"], &SWEEP[..], more].concat();
+    Command::new(program).args(all).current_dir(project("")).output().expect("the program runs")
+}
+
+#[test]
+fn a_sweep_survives_the_death_of_a_node() {
+    if !installed() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let (together, parts) = (folder.path().join("together"), folder.path().join("parts"));
+    let mut cluster = Cluster::start(folder.path());
+    let name = |path: &Path| path.to_str().expect("a name").to_owned();
+    let (together, out) = (name(&together), name(&parts));
+    // The program as tasks find it. One of the node that is to die is in the middle of its work when that happens.
+    let program = folder.path().join("bin/revolve");
+    fs::create_dir(program.parent().expect("a folder")).expect("a folder");
+    let waits = format!("[ \"$SLURMD_NODENAME\" != two ] || {{ touch '{out}.at_work'; sleep 600; }}");
+    fs::write(&program, format!("#!/bin/sh\n{waits}\nexec '{}' \"$@\"\n", env!("CARGO_BIN_EXE_revolve")))
+        .expect("a script");
+    Command::new("chmod").arg("755").arg(&program).status().expect("chmod");
+    cluster.submit(
+        &["--array=1-4", "examples/slurm_array.sh", "input/ogive.inp"],
+        &[&SWEEP[..], &["--out", &out]].concat(),
+    );
+    cluster.wait_for("task at work", || Path::new(&format!("{out}.at_work")).exists());
+    cluster.kill("two");
+    let written = || {
+        fs::read_dir(&parts)
+            .map_or(0, |all| all.flatten().filter(|e| e.path().extension().is_some_and(|e| e == "csv")).count())
+    };
+    cluster.wait_for("three parts", || written() == 3);
+    let gathered = sweep(&["--out", &out, "--gather"]);
+    let told = String::from_utf8_lossy(&gathered.stderr).into_owned();
+    assert!(!gathered.status.success() && told.contains(" are missing"), "{told}");
+    let missing = told.split("cases ").nth(1).and_then(|t| t.split(' ').next()).expect("which").to_owned();
+    // What was missing, by the words of the program itself, on the node that is left.
+    let words = SWEEP.map(|word| format!("'{word}'")).join(" ");
+    let wrapped = format!("revolve sweep input/ogive.inp {words} --out '{out}' --cases {missing}");
+    cluster.submit(&["-w", "one", "--wrap", &wrapped], &[]);
+    cluster.wait_for("the fourth part", || written() == 4);
+    let gathered = sweep(&["--out", &out, "--gather"]);
+    assert!(gathered.status.success(), "{}", String::from_utf8_lossy(&gathered.stderr));
+    assert!(sweep(&["--out", &together]).status.success());
+    for file in ["ogive_sweep.csv", "ogive_sweep.svg", "ogive_sweep.png"] {
+        let [a, b] = [&together, &out].map(|folder| fs::read(Path::new(folder).join(file)).expect(file));
+        assert!(a == b, "{file} differs");
+    }
+}

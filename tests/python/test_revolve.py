@@ -1,0 +1,365 @@
+"""The Python package: decks, runs, loads, evaluations, studies, as a user calls them."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import revolve as rv
+
+ROOT = Path(__file__).resolve().parents[2]
+OGIVE = ROOT / "input" / "ogive.inp"
+USER = ROOT / "input" / "ogive_user.inp"
+CAVITY = ROOT / "input" / "vdload_cavity.f"
+
+
+@pytest.fixture(scope="module")
+def deck() -> rv.Deck:
+    return rv.Deck(OGIVE)
+
+
+def test_a_run_gives_what_the_program_gives(deck: rv.Deck, tmp_path: Path) -> None:
+    run = deck.run(V=821)
+    subprocess.run(
+        [sys.executable, "-m", "revolve", "run", OGIVE, "--set", "V=821", "--out", tmp_path, "-q"], check=True
+    )
+    lines = (tmp_path / "ogive_history.csv").read_text().splitlines()
+    written = dict(zip(lines[0].split(","), map(float, lines[-1].split(","))))
+    assert run.status == "completed"
+    assert run.final("u2@ref") == written["U2@REF"]
+    assert run.final("ETOTAL") == written["ETOTAL"]
+    assert run.quantity("-1000*final(U2@REF)") == -1000 * written["U2@REF"]
+    assert run.min("U2@REF") <= run.final("U2@REF") <= run.max("U2@REF")
+    assert len(run.arrays["time"]) == len(lines) - 1
+    assert run.arrays["U2@REF"][-1] == written["U2@REF"]
+    with pytest.raises(KeyError, match="there are U2@REF"):
+        run.final("U3@REF")
+
+
+def test_histories_are_a_frame_of_pandas(deck: rv.Deck) -> None:
+    pandas = pytest.importorskip("pandas")
+    history = deck.run().history
+    assert isinstance(history, pandas.DataFrame)
+    assert history.index.name == "time"
+    assert history["V2@REF"].iloc[0] == -569.0
+
+
+def test_frames_are_grids(deck: rv.Deck, tmp_path: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    kept = deck.run(n=8)
+    written = deck.run(n=8, out=tmp_path)
+    assert len(kept.frames) == len(written.frames) == 21
+    assert np.allclose(kept.frames.times, written.frames.times)
+    ours, theirs = kept.frames[-1], written.frames[-1]
+    assert isinstance(ours, pyvista.UnstructuredGrid)
+    assert ours.n_cells == theirs.n_cells == 8
+    assert np.allclose(ours.points, theirs.points)
+    assert np.allclose(ours.point_data["U"], theirs.point_data["U"][:, : ours.point_data["U"].shape[1]])
+    assert np.allclose(ours.cell_data["PRESSURE"], theirs.cell_data["PRESSURE"])
+    assert len(kept.frames[2:4]) == 2
+    assert len(deck.run(frames=False).frames) == 0
+
+
+def test_findings_are_exceptions_and_lists() -> None:
+    text = OGIVE.read_text().replace("*Rigid Body", "*Rigid Bdy")
+    broken = rv.Deck(text=text, name="broken.inp")
+    with pytest.raises(rv.DeckError) as caught:
+        broken.run()
+    first = caught.value.diagnostics[0]
+    assert (first.severity, first.file, first.line) == ("error", "broken.inp", 44)
+    assert "broken.inp:44" in str(caught.value)
+    assert "*Rigid" in text.splitlines()[43]
+    assert any(d.severity == "error" for d in broken.check())
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert again.diagnostics == caught.value.diagnostics
+    with pytest.raises(rv.DeckError, match="no parameter `W`"):
+        rv.Deck(OGIVE).run(W=1)
+    with pytest.raises(OSError, match="no such"):
+        rv.Deck("no such.inp")
+    with pytest.raises(rv.StudyError, match="did you mean U2@REF"):
+        rv.Deck(OGIVE).evaluate({"V": 500.0}, "final(U2@RFE)")
+
+
+def test_a_halt_is_an_exception_with_the_run(deck: rv.Deck) -> None:
+    def fails(coordinates, velocities, normals, time, pressures):
+        pressures[:] = 1e6 if time < 1e-4 else np.nan
+
+    with pytest.raises(rv.HaltedError, match="R201") as caught:
+        rv.Deck(USER).run(load=fails)
+    assert caught.value.run is not None
+    assert caught.value.run.status == "halted"
+    assert len(caught.value.run.arrays["time"]) > 5
+    assert rv.Deck(USER).run(load=fails, check=False).reason == caught.value.run.reason
+
+
+def cavity(coordinates, velocities, normals, time, pressures):
+    """The resistance of ``input/vdload_cavity.f``."""
+    into = np.maximum(np.einsum("ij,ij->i", velocities, normals), 0.0)
+    x = into * np.sqrt(2710.0 / 276e6)
+    pressures[:] = np.where(into > 0.0, 276e6 * (5.0394 + 0.9830 * x * x), 0.0)
+
+
+def test_a_load_in_python_is_that_of_fortran() -> None:
+    deck = rv.Deck(USER)
+    fortran = deck.run(user=CAVITY, V=600)
+    python = deck.run(load=cavity, V=600)
+    assert python.final("U2@REF") == pytest.approx(fortran.final("U2@REF"), rel=1e-12)
+    assert len(python.arrays["time"]) == len(fortran.arrays["time"])
+
+
+def test_a_load_of_numba_is_that_of_python() -> None:
+    numba = pytest.importorskip("numba")
+
+    @numba.cfunc(rv.cfunc_signature())
+    def load(n, time, coordinates, velocities, normals, pressures):
+        v = numba.carray(velocities, (2, n))
+        normal = numba.carray(normals, (2, n))
+        p = numba.carray(pressures, n)
+        for i in range(n):
+            into = v[0, i] * normal[0, i] + v[1, i] * normal[1, i]
+            p[i] = 276e6 * (5.0394 + 0.9830 * into * into * 2710.0 / 276e6) if into > 0.0 else 0.0
+
+    deck = rv.Deck(USER)
+    python = deck.run(load=cavity)
+    for compiled in (load, load.address):
+        assert deck.run(load=compiled).final("U2@REF") == pytest.approx(python.final("U2@REF"), rel=1e-12)
+    speeds = np.array([500.0, 600.0, 700.0])
+    table = deck.evaluate({"V": speeds}, "final(U2@REF)", load=load)
+    assert table.values[:, 0].tolist() == [deck.run(V=v, load=load).final("U2@REF") for v in speeds]
+
+
+def test_a_load_is_told_where_it_is_and_may_be_told_the_surface() -> None:
+    seen = {}
+
+    def load(coordinates, velocities, normals, time, pressures, surface):
+        seen.update(surface=surface, shape=coordinates.shape, time=time)
+        seen.setdefault("first", (coordinates.copy(), velocities.copy(), normals.copy(), pressures.copy()))
+        pressures[:] = 0.0
+
+    rv.Deck(USER).run(load=load, n=8)
+    coordinates, velocities, normals, pressures = seen["first"]
+    assert seen["surface"] == "NOSE"
+    assert seen["shape"] == (8, 2)
+    assert seen["time"] == pytest.approx(1e-3)
+    assert (coordinates[:, 0] > 0).all() and (np.diff(coordinates[:, 1]) > 0).all()
+    assert (velocities == [0.0, -569.0]).all()
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1.0)
+    assert np.isnan(pressures).all()
+
+
+def test_what_a_load_raises_is_raised() -> None:
+    def load(coordinates, velocities, normals, time, pressures):
+        raise ZeroDivisionError("in the load")
+
+    with pytest.raises(ZeroDivisionError, match="in the load"):
+        rv.Deck(USER).run(load=load)
+    with pytest.raises(ZeroDivisionError, match="in the load"):
+        rv.Deck(USER).evaluate({"V": [500.0]}, "final(U2@REF)", load=load)
+    for wrong, kind in ((0, ValueError), ("x", TypeError)):
+        with pytest.raises(kind, match="load:"):
+            rv.Deck(USER).run(load=wrong)
+
+
+def test_host_routines_are_found_by_fortran(tmp_path: Path) -> None:
+    source = tmp_path / "asks.f"
+    source.write_text(
+        """\
+      subroutine vdload(nblock, ndim, stepTime, totalTime, amplitude,
+     * curCoords, velocity, dirCos, jltyp, sname, value)
+      include 'vaba_param.inc'
+      dimension value(nblock)
+      character*80 sname
+      character*256 jobname
+      integer i, length
+      call vgetjobname(jobname, length)
+      do i = 1, nblock
+        value(i) = 1.e6 * length
+      end do
+      if (totalTime .gt. 5.e-4) stop 'enough'
+      end
+"""
+    )
+    run = rv.Deck(USER).run(user=[source], check=False)
+    assert "vdload ended the analysis" in run.reason
+    lengths = run.arrays["A2@REF"][0] / rv.Deck(USER).run(load=_even, check=False).arrays["A2@REF"][0]
+    assert lengths == pytest.approx(len("ogive_user"))
+
+
+def _even(coordinates, velocities, normals, time, pressures):
+    pressures[:] = 1e6
+
+
+def test_evaluate_is_runs_side_by_side(deck: rv.Deck) -> None:
+    rng = np.random.default_rng(1)
+    speeds, friction = rng.uniform(400, 900, 40), rng.uniform(0, 0.1, 40)
+    quantities = ["-1000*final(U2@REF)", "min(V2@REF)"]
+    table = deck.evaluate({"V": speeds, "friction": friction}, quantities)
+    assert table.shape == (40, 2)
+    assert table.ok.all()
+    runs = [deck.run(V=v, friction=f, frames=False) for v, f in zip(speeds, friction)]
+    assert np.array_equal(table, [[run.quantity(q) for q in quantities] for run in runs])
+    for threads in (1, 2, 5):
+        again = deck.evaluate({"V": speeds, "friction": friction}, quantities, threads=threads)
+        assert np.array_equal(table, again)
+    halves = [deck.evaluate({"V": speeds[s], "friction": friction[s]}, quantities) for s in (slice(7), slice(7, None))]
+    assert np.array_equal(table, np.vstack(halves))
+    # Of geometry, too, and numbers for all samples alike.
+    shapes = deck.evaluate({"CRH": [2.0, 3.0, 4.5], "V": 700, "n": 12}, quantities[0])
+    assert shapes.values[:, 0].tolist() == [
+        deck.run(CRH=c, V=700, n=12).quantity(quantities[0]) for c in (2.0, 3.0, 4.5)
+    ]
+
+
+def test_what_fails_is_no_number_and_says_why(deck: rv.Deck) -> None:
+    table = deck.evaluate({"mass": [0.02, -1.0, np.nan, 0.03]}, "final(U2@REF)")
+    assert np.isnan(table.values[:, 0]).tolist() == [False, True, True, False]
+    assert sorted(table.reasons) == [1, 2]
+    assert "a mass must not be below zero" in table.reasons[1]
+    assert table.ok.tolist() == [True, False, False, True]
+    with pytest.raises(ValueError, match="different number"):
+        deck.evaluate({"mass": [1.0, 2.0], "V": [1.0, 2.0, 3.0]}, "final(U2@REF)")
+    with pytest.raises(rv.StudyError, match="did you mean V"):
+        deck.evaluate({"v": [1.0]}, "final(U2@REF)")
+
+
+def test_evaluate_with_fortran_is_runs(deck: rv.Deck) -> None:
+    user = rv.Deck(USER)
+    table = user.evaluate({"V": [500.0, 600.0]}, "final(U2@REF)", user=CAVITY)
+    assert table.values[:, 0].tolist() == [user.run(V=v, user=CAVITY).final("U2@REF") for v in (500.0, 600.0)]
+
+
+def test_decks_and_samplers_go_to_other_processes(deck: rv.Deck) -> None:
+    joblib = pytest.importorskip("joblib")
+    copy = pickle.loads(pickle.dumps(deck))
+    assert copy.text == deck.text
+    function = rv.sampler(copy, ["V", "friction"], ["final(U2@REF)"], threads=1)
+    samples = np.column_stack([np.linspace(400, 800, 8), np.full(8, 0.02)])
+    parts = joblib.Parallel(n_jobs=2)(joblib.delayed(function)(part) for part in np.split(samples, 4))
+    assert np.array_equal(np.vstack(parts), function(samples))
+    assert np.array_equal(function(samples[3]), function(samples)[3])
+    with pytest.raises(ValueError, match="2 parameters"):
+        function(samples[:, :1])
+
+
+def test_sobol_indices_of_salib(deck: rv.Deck) -> None:
+    pytest.importorskip("SALib")
+    from SALib.analyze import sobol
+    from SALib.sample import sobol as sampling
+
+    problem = {"num_vars": 2, "names": ["V", "friction"], "bounds": [[500, 900], [0.0, 0.04]]}
+    samples = sampling.sample(problem, 64, calc_second_order=False, seed=1)
+    depths = rv.sampler(deck, problem["names"], "-1000*final(U2@REF)")(samples)[:, 0]
+    indices = sobol.analyze(problem, depths, calc_second_order=False, seed=1)
+    assert indices["S1"][0] > 0.5 > indices["S1"][1] > 0.0
+
+
+def test_quasi_random_samples_of_scipy(deck: rv.Deck) -> None:
+    qmc = pytest.importorskip("scipy.stats").qmc
+    samples = qmc.scale(qmc.Sobol(2, seed=1).random(16), [500, 0.018], [900, 0.024])
+    table = deck.evaluate({"V": samples[:, 0], "mass": samples[:, 1]}, "-1000*final(U2@REF)")
+    depth = {tuple(s): d for s, d in zip(samples, table.values[:, 0])}
+    fast = max(samples[:, 0])
+    assert depth[next(s for s in depth if s[0] == fast)] > np.median(table.values)
+
+
+def test_a_study_knows_its_error(deck: rv.Deck) -> None:
+    study = deck.study({"n": [10, 20, 40]}, "-1000*final(U2@REF)")
+    assert len(study.table) == 3
+    fine = deck.run(n=320).quantity("-1000*final(U2@REF)")
+    assert abs(study.limit - fine) <= study.uncertainty + 1e-4
+    assert study.reached is None
+    assert deck.study({"n": [10, 20, 40]}, "-1000*final(U2@REF)", target="1%").reached
+    assert study.record["quantity"] == "-1000*final(U2@REF)"
+    with pytest.raises(rv.StudyError, match="rise"):
+        deck.study({"n": [10, 40, 20]}, "final(U2@REF)")
+
+
+def test_pages_of_a_notebook(deck: rv.Deck) -> None:
+    run = deck.run()
+    page = run._repr_html_()
+    assert page.count("<svg") == len(run.charts()) == 4
+    assert "completed" in page
+    assert "cavity expansion" in run.ledger._repr_html_()
+    assert "share of time" in run.ledger._repr_html_()
+    assert "cavity expansion" in str(deck.ledger)
+    assert "share of time" not in deck.ledger._repr_html_()
+    assert "CRH" in deck._repr_html_()
+    assert "<svg" in deck.study({"n": [10, 20, 40]}, "final(U2@REF)")._repr_html_()
+    unused = rv.Deck(text=OGIVE.read_text().replace("U2, V2, A2", "U2, V2, A2, S"), name="<b>.inp")
+    assert "<b>.inp" not in unused._repr_html_().replace("<b>&lt;b&gt;.inp</b>", "")
+
+
+SLOW = """\
+*Node
+ 1, 0., 0.
+ 2, 0.1, 0.
+ 9, 0., 0.1
+*Element, type=RAX2, elset=SIDE
+ 1, 1, 2
+*Element, type=MASS, elset=POINT
+ 9, 9
+*Mass, elset=POINT
+ 1.
+*Rigid Body, ref node=9, elset=SIDE
+*Parameter
+v = 1.
+*Initial Conditions, type=VELOCITY
+ 9, 2, <v>
+*Step
+*Dynamic, Explicit, direct user control
+ 1.e-9, 10.
+*Output, history, number interval=10
+*Energy Output
+ ALLKE
+*End Step
+"""
+
+
+@pytest.mark.parametrize("how", ["run", "evaluate", "many"])
+def test_the_keyboard_interrupts(how: str) -> None:
+    slow = rv.Deck(text=SLOW)
+    timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        if how == "run":
+            slow.run()
+        else:
+            slow.evaluate({"v": [1.0, 2.0]}, "final(ALLKE)", threads=2 if how == "many" else 1)
+    assert time.monotonic() - begin < 60
+
+
+def test_progress_is_told_and_may_stop_a_run() -> None:
+    told = []
+
+    def progress(fraction: float, words: str) -> None:
+        told.append((fraction, words))
+        if len(told) == 3:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        rv.Deck(text=SLOW).run(progress=progress)
+    assert len(told) >= 3
+    assert 0 < told[0][0] < told[2][0] < 1
+    assert "t = " in told[0][1]
+
+
+def test_the_command_line_comes_along() -> None:
+    script = Path(sys.executable).with_name("revolve")
+    found = subprocess.run([script, "check", OGIVE], capture_output=True, text=True, check=True)
+    assert "cavity expansion" in found.stdout
+    refused = subprocess.run([script, "run", "no such.inp"], capture_output=True, text=True, check=False)
+    assert refused.returncode == 2
+    assert "D001" in refused.stderr
+    assert (
+        subprocess.run([script, "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
+        == rv.__version__
+    )
