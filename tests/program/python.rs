@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use crate::common::project;
 
 /// Modules that the tests of the package and the notebook use beside it.
-const MODULES: &str = "maturin, numba, pandas, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel";
+const MODULES: &str = "maturin, numba, pandas, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
 
 /// A command's words and whether it went well.
 fn run(command: &mut Command) -> Result<String, String> {
@@ -61,7 +61,7 @@ fn install(python: &str) -> Result<PathBuf, String> {
 #[test]
 fn the_package_does_what_its_tests_ask() {
     let Some(python) = environment() else { return };
-    let tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/python/test_revolve.py"];
+    let tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/python"];
     if let Err(why) = run(Command::new(python).args(tests).current_dir(project(""))) {
         panic!("{why}");
     }
@@ -91,8 +91,8 @@ fn the_python_files_are_neat_and_their_types_agree() {
         return println!("left out: style and types of Python files (no ruff or no mypy)");
     }
     let checks: [&[&str]; 3] = [
-        &["ruff", "check", "--no-cache", "src/python", "tests/python/test_revolve.py", "examples/python.ipynb"],
-        &["ruff", "format", "--no-cache", "--check", "src/python", "tests/python/test_revolve.py"],
+        &["ruff", "check", "--no-cache", "src/python", "tests/python", "examples"],
+        &["ruff", "format", "--no-cache", "--check", "src/python", "tests/python", "examples"],
         &["mypy", "--cache-dir=/dev/null", "src/python/revolve"],
     ];
     for check in checks {

@@ -1,0 +1,43 @@
+"""Programs that hand out work to processes: the same table as one process, whatever dies on the way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import revolve as rv
+
+ROOT = Path(__file__).resolve().parents[2]
+DEPTH = "-1000*final(U2@REF)"
+
+
+def test_dask_loses_a_worker_and_no_bit() -> None:
+    distributed = pytest.importorskip("dask.distributed")
+    deck = rv.Deck(ROOT / "input" / "ogive.inp")
+    speeds = np.random.default_rng(3).uniform(569.0, 900.0, 20_000)
+    alone = deck.evaluate({"V": speeds}, [DEPTH]).values
+    shot = rv.sampler(deck, ["V"], DEPTH, threads=1)
+    options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        workers = set(client.run(os.getpid).values())
+        futures = client.map(shot, np.array_split(speeds, 40), pure=False)
+        while sum(future.done() for future in futures) < 3:
+            time.sleep(0.01)
+        assert not all(future.done() for future in futures), "it dies in the middle"
+        os.kill(next(iter(workers)), signal.SIGKILL)
+        table = np.concatenate(client.gather(futures))
+        assert set(client.run(os.getpid).values()) != workers
+    assert table.tobytes() == alone.tobytes()
+
+
+def test_the_example_runs() -> None:
+    pytest.importorskip("dask.distributed")
+    script = ROOT / "examples" / "dask_sweep.py"
+    said = subprocess.run([sys.executable, script, "4000"], check=True, capture_output=True, text=True).stdout
+    assert said.startswith("4000 shots: depth ")
