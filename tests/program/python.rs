@@ -12,6 +12,9 @@ use crate::common::project;
 /// Modules that the tests of the package and the notebook use beside it.
 const MODULES: &str = "maturin, numba, pandas, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel";
 
+/// What the package is asked.
+const TESTS: &str = "tests/python/test_revolve.py";
+
 /// A command's words and whether it went well.
 fn run(command: &mut Command) -> Result<String, String> {
     let Output { status, stdout, stderr } = command.output().map_err(|e| format!("{command:?}: {e}"))?;
@@ -61,7 +64,7 @@ fn install(python: &str) -> Result<PathBuf, String> {
 #[test]
 fn the_package_does_what_its_tests_ask() {
     let Some(python) = environment() else { return };
-    let tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/python/test_revolve.py"];
+    let tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", TESTS];
     if let Err(why) = run(Command::new(python).args(tests).current_dir(project(""))) {
         panic!("{why}");
     }
@@ -91,8 +94,8 @@ fn the_python_files_are_neat_and_their_types_agree() {
         return println!("left out: style and types of Python files (no ruff or no mypy)");
     }
     let checks: [&[&str]; 3] = [
-        &["ruff", "check", "--no-cache", "src/python", "tests/python/test_revolve.py", "examples/python.ipynb"],
-        &["ruff", "format", "--no-cache", "--check", "src/python", "tests/python/test_revolve.py"],
+        &["ruff", "check", "--no-cache", "src/python", TESTS, "tests/python/cost.py", "examples/python.ipynb"],
+        &["ruff", "format", "--no-cache", "--check", "src/python", TESTS, "tests/python/cost.py"],
         &["mypy", "--cache-dir=/dev/null", "src/python/revolve"],
     ];
     for check in checks {

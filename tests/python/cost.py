@@ -59,13 +59,13 @@ def sobols() -> None:
 def calls() -> None:
     """What a call takes beside its run."""
     deck = rv.Deck("input/ogive.inp")
-    table = {"V": np.full(2000, 821.0)}
-    alone = best(lambda: deck.evaluate(table, DEPTH, threads=1), 5) / 2000
-    once = best(lambda: deck.evaluate({"V": 821.0}, DEPTH, threads=1), 300)
+    table = {"V": np.full(40, 821.0)}
+    alone = best(lambda: deck.evaluate(table, DEPTH, threads=1), 200) / 40
+    once = best(lambda: deck.evaluate({"V": 821.0}, DEPTH, threads=1), 3000)
     print(f"evaluate: {1e6 * (once - alone):.1f} us")
-    for frames in (False, True):
-        beside = best(lambda: deck.run(V=821, frames=frames), 300, lambda run: run.seconds)
-        print(f"run, frames={frames}: {1e6 * beside:.1f} us")
+    without = best(lambda: deck.run(V=821, frames=False), 1000, lambda run: run.seconds)
+    kept = best(lambda: deck.run(V=821), 1000, lambda run: run.seconds)
+    print(f"run: {1e6 * without:.1f} us, with frames {1e6 * kept:.1f} us")
 
 
 @numba.cfunc(rv.cfunc_signature())
