@@ -3,8 +3,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo fmt --check
+cargo fmt --check --manifest-path src/python/Cargo.toml
 cargo clippy --profile quick --all-targets --locked -- -D warnings
 cargo check --no-default-features --locked
+cargo clippy --manifest-path src/python/Cargo.toml --target-dir target/wheel --locked -- -D warnings
 cargo test --profile quick --locked -- --show-output 2>&1 | tee target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true

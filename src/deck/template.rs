@@ -87,21 +87,34 @@ impl Template {
             Row::Line(line) => Some(&**line),
             Row::Text(_) => None,
         });
-        let fields = card.lines.iter().chain(listed).enumerate().flat_map(|(l, line)| {
-            line.fields.iter().enumerate().map(move |(f, word)| (At::Field(l, f), word))
-        });
+        let fields = card
+            .lines
+            .iter()
+            .chain(listed)
+            .enumerate()
+            .flat_map(|(l, line)| line.fields.iter().enumerate().map(move |(f, word)| (At::Field(l, f), word)));
         for (at, word) in of_line.chain(fields) {
             let text = deck.sources.text(word.span);
-            if text.contains('<') && !word.quoted {
-                let pieces = self.pieces(text)?;
-                if pieces.places().any(|p| follows[p]) {
-                    self.words.push(OpenWord { card: index, at, pieces });
-                }
-            } else if text.contains('<') && self.pieces(text)?.places().any(|p| follows[p]) {
-                return None;
+            if !self.refers(text, follows) {
+                continue;
             }
+            // What a quoted text becomes only the reader knows.
+            let pieces = if word.quoted { None } else { self.pieces(text) }?;
+            self.words.push(OpenWord { card: index, at, pieces });
         }
         Some(())
+    }
+
+    /// Whether a text refers to what follows from the given parameters.
+    fn refers(&self, text: &str, follows: &[bool]) -> bool {
+        let mut rest = text;
+        while let Some((_, name, after)) = next_reference(rest) {
+            if self.names.iter().position(|n| n == name).is_some_and(|at| follows[at]) {
+                return true;
+            }
+            rest = after;
+        }
+        false
     }
 
     /// A text taken apart; `None` where it refers to what is no number.
@@ -137,13 +150,6 @@ impl Template {
 }
 
 impl Pieces {
-    fn places(&self) -> Box<dyn Iterator<Item = usize> + '_> {
-        match self {
-            Pieces::Whole(at) => Box::new(std::iter::once(*at)),
-            Pieces::Mixed(pieces, _) => Box::new(pieces.iter().map(|p| p.1)),
-        }
-    }
-
     /// Not a number where the text is none.
     fn number(&self, values: &[f64]) -> f64 {
         match self {

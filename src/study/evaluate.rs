@@ -199,21 +199,25 @@ impl Evaluator {
         let size = (samples.count / (16 * threads)).clamp(1, CHUNK);
         let width = self.quantities.len().max(1);
         let chunks = Mutex::new(table.chunks_mut(size * width).enumerate());
+        // A call of its own: the lock is given back before the chunk is run.
+        let take = || held(&chunks).next();
         let (done, failures) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
         let (ended, ends) = std::sync::mpsc::channel();
         pool.in_place_scope(|scope| {
             for _ in 0..threads {
-                let (ended, chunks, done, failures) = (ended.clone(), &chunks, &done, &failures);
+                let (ended, take, done, failures) = (ended.clone(), &take, &done, &failures);
                 scope.spawn(move |_| {
                     let mut worker = self.worker();
                     while interrupt.load(Ordering::Relaxed) == 0
-                        && let Some((chunk, out)) = held(chunks).next()
+                        && let Some((chunk, out)) = take()
                     {
                         for (i, out) in out.chunks_mut(width).enumerate() {
                             let row = chunk * size + i;
                             let sample = &samples.values[row * self.width()..(row + 1) * self.width()];
                             let told = worker.sample(self, sample, out, interrupt, &mut || {});
-                            held(failures).extend(told.err().map(|reason| Failure { row, reason }));
+                            if let Err(reason) = told {
+                                held(failures).push(Failure { row, reason });
+                            }
                             done.fetch_add(1, Ordering::Relaxed);
                             if interrupt.load(Ordering::Relaxed) != 0 {
                                 break;

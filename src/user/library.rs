@@ -1082,7 +1082,7 @@ macro_rules! jump {
         "b {f}"
     };
 }
-macro_rules! exported {
+macro_rules! symbols {
     ($($name:literal => $function:path),+ $(,)?) => {
         $(core::arch::global_asm!(
             concat!(".globl ", $name),
@@ -1097,7 +1097,27 @@ macro_rules! exported {
     };
 }
 
-exported! {
+/// The same in a shared library, which shows what Rust functions are called and hides all other symbols.
+#[cfg(feature = "shared")]
+macro_rules! host_symbols {
+    ($($name:literal => $function:path),+ $(,)?) => {
+        $(const _: () = {
+            #[unsafe(naked)]
+            #[unsafe(export_name = $name)]
+            extern "C" fn forward() {
+                core::arch::naked_asm!(jump!(), f = sym $function)
+            }
+        };)+
+    };
+}
+#[cfg(not(feature = "shared"))]
+macro_rules! host_symbols {
+    ($($name:literal => $function:path),+ $(,)?) => {
+        symbols! { $($name => $function),+ }
+    };
+}
+
+symbols! {
     "chdir" => guard::chdir,
     "fchdir" => guard::fchdir,
     "sigaction" => guard::sigaction,
@@ -1108,6 +1128,9 @@ exported! {
     "pthread_create" => guard::pthread_create,
     "_exit" => guard::leave,
     "_Exit" => guard::leave,
+}
+
+host_symbols! {
     "xplb_exit_" => xplb_exit,
     "xplb_abqerr_" => xplb_abqerr,
     "vgetjobname_" => vgetjobname,

@@ -10,7 +10,10 @@ use std::sync::OnceLock;
 use crate::common::project;
 
 /// Modules that the tests of the package and the notebook use beside it.
-const MODULES: &str = "maturin, numba, pandas, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
+const MODULES: &str =
+    "maturin, numba, pandas, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
+
+/// What the package is asked.
 
 /// A command's words and whether it went well.
 fn run(command: &mut Command) -> Result<String, String> {
@@ -91,8 +94,16 @@ fn the_python_files_are_neat_and_their_types_agree() {
         return println!("left out: style and types of Python files (no ruff or no mypy)");
     }
     let checks: [&[&str]; 3] = [
-        &["ruff", "check", "--no-cache", "src/python", "tests/python", "examples"],
-        &["ruff", "format", "--no-cache", "--check", "src/python", "tests/python", "examples"],
+        &[
+            "ruff",
+            "check",
+            "--no-cache",
+            "src/python",
+            "tests/python",
+            "examples/dask_sweep.py",
+            "examples/python.ipynb",
+        ],
+        &["ruff", "format", "--no-cache", "--check", "src/python", "tests/python", "examples/dask_sweep.py"],
         &["mypy", "--cache-dir=/dev/null", "src/python/revolve"],
     ];
     for check in checks {

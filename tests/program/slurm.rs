@@ -28,6 +28,11 @@ fn is_there(program: &str) -> bool {
 }
 
 fn installed() -> bool {
+    // Slurm gives up groups of users at its start, which not every container lets it do.
+    if fs::read_to_string("/proc/self/setgroups").is_ok_and(|word| word.trim() == "deny") {
+        println!("left out: a sweep under Slurm (this container lets nobody give up groups)");
+        return false;
+    }
     let found = ["slurmctld", "slurmd", "sbatch", "munged"].iter().all(|program| is_there(program));
     assert!(found || std::env::var_os("CI").is_none(), "in CI Slurm and munge must be installed");
     if !found {

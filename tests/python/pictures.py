@@ -3,6 +3,7 @@ can be measured of them is printed as JSON.
 
     python tests/python/pictures.py NOW.pvd START.pvd FOLDER
 """
+
 import json
 import os
 import sys
@@ -57,25 +58,38 @@ def apart(first, second):
 now, start = last(sys.argv[1]), last(sys.argv[2])
 ghost = numpy.asarray(now.cell_data["vtkGhostType"])
 solid = now.threshold(0.5, scalars="vtkGhostType", method="lower")
-everything = [min(now.bounds[0], start.bounds[0]), max(now.bounds[1], start.bounds[1]),
-              min(now.bounds[2], start.bounds[2]), max(now.bounds[3], start.bounds[3])]
+everything = [
+    min(now.bounds[0], start.bounds[0]),
+    max(now.bounds[1], start.bounds[1]),
+    min(now.bounds[2], start.bounds[2]),
+    max(now.bounds[3], start.bounds[3]),
+]
 flat = {"scalars": "PEEQ", "cmap": "turbo", "lighting": False, "nan_color": "grey"}
 
 deformed = picture("deformed.png", [(now, flat)], everything)
 there = picture("there.png", [(solid, flat)], everything)
 warped = picture("warped.png", [(start.warp_by_vector("U"), flat)], everything)
 undeformed = picture("undeformed.png", [(start, flat)], everything)
-found = {"gone": int((ghost != 0).sum()), "drawn": int(drawn(deformed).sum()), "gone_drawn": apart(deformed, there),
-         "warped_differs": apart(deformed, warped), "undeformed_differs": apart(deformed, undeformed)}
+found = {
+    "gone": int((ghost != 0).sum()),
+    "drawn": int(drawn(deformed).sum()),
+    "gone_drawn": apart(deformed, there),
+    "warped_differs": apart(deformed, warped),
+    "undeformed_differs": apart(deformed, undeformed),
+}
 
-body = solid.extract_surface(algorithm=None).extrude_rotate(rotation_axis=(0.0, 1.0, 0.0), angle=270.0, resolution=90, capping=True)
+body = solid.extract_surface(algorithm=None).extrude_rotate(
+    rotation_axis=(0.0, 1.0, 0.0), angle=270.0, resolution=90, capping=True
+)
 picture("revolved.png", [(body, {**flat, "lighting": True})])
 found["height"] = [body.bounds[2] - solid.bounds[2], body.bounds[3] - solid.bounds[3]]
 found["width"] = [body.bounds[1] / solid.bounds[1], body.bounds[5] / solid.bounds[1]]
 
-principal = numpy.linalg.eigvalsh(numpy.stack([
-    numpy.array([[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]]) for s in solid.cell_data["S"]
-]))
+principal = numpy.linalg.eigvalsh(
+    numpy.stack(
+        [numpy.array([[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]]) for s in solid.cell_data["S"]]
+    )
+)
 centres = solid.cell_centers()
 width = float(numpy.median(solid.compute_cell_sizes(length=False, volume=False).cell_data["Area"])) ** 0.5
 source, tensors = vtkSphereSource(), vtkTensorGlyph()
@@ -95,8 +109,11 @@ picture("tensors.png", [(solid, {"style": "wireframe", "color": "lightgrey"}), (
 # A glyph of a sphere of diameter 1 is as long as its largest eigenvalue, by the scale.
 each = shapes.points.reshape(solid.n_cells, -1, 3)
 across = each - each.mean(axis=1, keepdims=True)
-found["glyph"] = float(max(
-    abs(2.0 * numpy.linalg.norm(across[i], axis=1).max() / scale / numpy.abs(principal[i]).max() - 1.0)
-    for i in range(solid.n_cells) if numpy.abs(principal[i]).max() > 0.1 * numpy.abs(principal).max()
-))
+found["glyph"] = float(
+    max(
+        abs(2.0 * numpy.linalg.norm(across[i], axis=1).max() / scale / numpy.abs(principal[i]).max() - 1.0)
+        for i in range(solid.n_cells)
+        if numpy.abs(principal[i]).max() > 0.1 * numpy.abs(principal).max()
+    )
+)
 print(json.dumps(found))

@@ -1,4 +1,5 @@
 """Reads a PVD series with the real VTK library and prints what it found as JSON."""
+
 import json
 import os
 import sys

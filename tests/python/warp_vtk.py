@@ -1,4 +1,5 @@
 """Warps the last frame of a series by U with the real VTK library, takes the eigenvalues of S, and prints what came of it as JSON."""
+
 import json
 import os
 import sys
@@ -33,19 +34,30 @@ surface.Update()
 cells = current.GetOutput().GetCellData()
 places = vtk_to_numpy(current.GetOutput().GetPoints().GetData())
 grid = current.GetOutput()
-corners = [[grid.GetCell(i).GetPointId(k) for k in range(grid.GetCell(i).GetNumberOfPoints())]
-           for i in range(grid.GetNumberOfCells()) if cells.GetArray("vtkGhostType").GetValue(i)]
-print(json.dumps({
-    "extent": max(float(abs(places[c] - places[c[0]]).max()) for c in corners),
-    "moved": float(abs(there - vtk_to_numpy(reference.GetOutput().GetPoints().GetData())).max()),
-    "apart": float(abs(there - warped).max()),
-    "cells": current.GetOutput().GetNumberOfCells(),
-    "hidden": int((vtk_to_numpy(cells.GetArray("vtkGhostType")) == vtkDataSetAttributes.HIDDENCELL).sum()),
-    "shown": surface.GetOutput().GetNumberOfCells(),
-    "deleted": int((vtk_to_numpy(cells.GetArray("STATUS")) == 0).sum()) if cells.HasArray("STATUS") else 0,
-    "stress": [cells.GetArray("S").GetComponentName(i) for i in range(cells.GetArray("S").GetNumberOfComponents())],
-    "elements": vtk_to_numpy(cells.GetArray("ELEMENT")).tolist(),
-    "materials": sorted(set(vtk_to_numpy(cells.GetArray("MATERIAL")).tolist())),
-    "arrays": [current.GetOutput().GetPointData().GetArrayName(i)
-               for i in range(current.GetOutput().GetPointData().GetNumberOfArrays())],
-}))
+corners = [
+    [grid.GetCell(i).GetPointId(k) for k in range(grid.GetCell(i).GetNumberOfPoints())]
+    for i in range(grid.GetNumberOfCells())
+    if cells.GetArray("vtkGhostType").GetValue(i)
+]
+print(
+    json.dumps(
+        {
+            "extent": max(float(abs(places[c] - places[c[0]]).max()) for c in corners),
+            "moved": float(abs(there - vtk_to_numpy(reference.GetOutput().GetPoints().GetData())).max()),
+            "apart": float(abs(there - warped).max()),
+            "cells": current.GetOutput().GetNumberOfCells(),
+            "hidden": int((vtk_to_numpy(cells.GetArray("vtkGhostType")) == vtkDataSetAttributes.HIDDENCELL).sum()),
+            "shown": surface.GetOutput().GetNumberOfCells(),
+            "deleted": int((vtk_to_numpy(cells.GetArray("STATUS")) == 0).sum()) if cells.HasArray("STATUS") else 0,
+            "stress": [
+                cells.GetArray("S").GetComponentName(i) for i in range(cells.GetArray("S").GetNumberOfComponents())
+            ],
+            "elements": vtk_to_numpy(cells.GetArray("ELEMENT")).tolist(),
+            "materials": sorted(set(vtk_to_numpy(cells.GetArray("MATERIAL")).tolist())),
+            "arrays": [
+                current.GetOutput().GetPointData().GetArrayName(i)
+                for i in range(current.GetOutput().GetPointData().GetNumberOfArrays())
+            ],
+        }
+    )
+)

@@ -71,7 +71,7 @@ class Deck:
     @property
     def parameters(self) -> dict[str, float]:
         """Its ``*PARAMETER`` values."""
-        return self._checked(None, None, {})["parameters"]
+        return dict(self._checked(None, None, {})["parameters"])
 
     @property
     def columns(self) -> list[str]:
@@ -197,7 +197,7 @@ class Deck:
 
     def _repr_html_(self) -> str:
         found = self._checked(None, None, {})
-        parameters = [(name, f"{value:g}") for name, value in found["parameters"].items()]
+        parameters = [(name, f"{value:g}") for name, value in found["parameters"]]
         title = f"<p><b>{html.escape(self.name)}</b> {html.escape(found['title'])}</p>"
         tables = _report.table(["parameter", "value"], parameters) if parameters else ""
         return title + _report.preformatted(found["text"]) + tables + Ledger(found["ledger"])._repr_html_()
