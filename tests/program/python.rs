@@ -13,8 +13,6 @@ use crate::common::project;
 const MODULES: &str =
     "maturin, numba, pandas, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
 
-/// What the package is asked.
-
 /// A command's words and whether it went well.
 fn run(command: &mut Command) -> Result<String, String> {
     let Output { status, stdout, stderr } = command.output().map_err(|e| format!("{command:?}: {e}"))?;
