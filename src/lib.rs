@@ -80,7 +80,7 @@ pub mod user;
 pub mod variables;
 
 #[cfg(feature = "cli")]
-pub use command::{Status, line::command_line};
+pub use command::{Status, line::command_line, threads::default as default_threads};
 
 /// What the project's own tests and benches look into; no part of the library.
 #[doc(hidden)]

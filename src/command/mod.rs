@@ -14,7 +14,7 @@ pub mod shell;
 pub mod signals;
 pub mod study;
 pub mod sweep;
-mod threads;
+pub mod threads;
 pub mod words;
 
 use std::error::Error;

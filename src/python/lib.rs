@@ -20,6 +20,12 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| revolve::command_line(arguments).0)
 }
 
+/// How many threads there are to be where nobody says it.
+#[pyfunction]
+fn default_threads() -> usize {
+    revolve::default_threads()
+}
+
 /// The extension.
 #[pymodule]
 fn _revolve(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -28,6 +34,7 @@ fn _revolve(module: &Bound<'_, PyModule>) -> PyResult<()> {
     revolve::model::silence_caught_panics();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(default_threads, module)?)?;
     module.add_function(wrap_pyfunction!(deck::compile, module)?)?;
     module.add_function(wrap_pyfunction!(study::chart, module)?)?;
     module.add_function(wrap_pyfunction!(study::study, module)?)?;

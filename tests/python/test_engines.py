@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import revolve as rv
+from revolve import _threads
 
 ROOT = Path(__file__).resolve().parents[2]
 DEPTH = "-1000*final(U2@REF)"
@@ -32,6 +33,7 @@ def test_dask_loses_a_worker_and_no_bit() -> None:
         assert not all(future.done() for future in futures), "it dies in the middle"
         os.kill(next(iter(workers)), signal.SIGKILL)
         table = np.concatenate(client.gather(futures))
+        assert client.submit(_threads.resolved, 0).result() == 1
         assert set(client.run(os.getpid).values()) != workers
     assert table.tobytes() == alone.tobytes()
 
