@@ -72,7 +72,7 @@ impl Deck {
             Some(text) => text,
             None => {
                 let bytes = files::read(Path::new(name));
-                source::decode(&bytes.map_err(|e| PyOSError::new_err(format!("cannot read {name}: {e}")))?)
+                source::decode(bytes.map_err(|e| PyOSError::new_err(format!("cannot read {name}: {e}")))?)
             }
         };
         let precision = precision.parse().map_err(|e| errors::setting(format!("precision={precision}: {e}")))?;
