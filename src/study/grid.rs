@@ -161,6 +161,11 @@ impl Grid {
         self.axes.iter().map(|a| a.0.as_str()).collect()
     }
 
+    /// Whether cases stand beside each other in no order of their parameters.
+    pub fn is_scattered(&self) -> bool {
+        self.order != Order::Product
+    }
+
     /// Parameters with their values, as given.
     pub fn axes(&self) -> &[(String, Vec<String>)] {
         &self.axes

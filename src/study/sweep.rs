@@ -176,7 +176,8 @@ fn number(value: f64) -> String {
     format!("{short}")
 }
 
-/// Results and references over the first swept parameter; of a grid, one line for each combination of the others.
+/// Results and references over the first swept parameter; of a grid, one line for each combination of the others, of scattered
+/// cases a mark each.
 pub fn chart(
     title: &str,
     grid: &Grid,
@@ -186,18 +187,20 @@ pub fn chart(
 ) -> Chart {
     let names = grid.names();
     let mut series: Vec<Series> = Vec::new();
+    let scattered = grid.is_scattered();
+    let form = if scattered { Form::Marks } else { Form::Line };
     for (parameters, values) in results.parameters.iter().zip(&results.values) {
         let (Ok(values), Some(x)) = (values, parameters.first().and_then(|p| p.parse::<f64>().ok())) else { continue };
         let others: Vec<_> = names.iter().zip(parameters).skip(1).map(|(n, p)| format!("{n} = {p}")).collect();
         for (quantity, value) in quantities.iter().zip(values) {
-            let name = if others.is_empty() {
+            let name = if others.is_empty() || scattered {
                 quantity.text.clone()
             } else {
                 format!("{} ({})", quantity.text, others.join(", "))
             };
             match series.iter_mut().find(|s| s.name == name) {
                 Some(known) => known.points.push((x, *value)),
-                None => series.push(Series { name, points: vec![(x, *value)], form: Form::Line }),
+                None => series.push(Series { name, points: vec![(x, *value)], form }),
             }
         }
     }
@@ -208,4 +211,31 @@ pub fn chart(
     let y_label = quantities.first().map_or(String::new(), |q| q.text.clone());
     let x_label = names.first().map_or(String::new(), |n| (*n).to_owned());
     Chart { title: title.into(), x_label, y_label, series, ..Chart::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Results, chart};
+    use crate::study::chart::Form;
+    use crate::study::grid::Grid;
+    use crate::study::quantity::Quantity;
+
+    #[test]
+    fn scattered_cases_are_marks_of_one_series() {
+        let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
+        let drawn = |grid: &Grid| {
+            let parameters = (0..grid.count()).map(|i| grid.combination(i).into_iter().map(|p| p.1).collect());
+            let results = Results {
+                parameters: parameters.collect(),
+                values: (0..grid.count()).map(|i| Ok(vec![i as f64])).collect(),
+                doubts: vec![Vec::new(); grid.count()],
+            };
+            let series = chart("t", grid, &quantities, &results, None).series;
+            series.iter().map(|s| (s.points.len(), s.form)).collect::<Vec<_>>()
+        };
+        let random = Grid::random(&["V=1..2".into(), "mu=0..1".into()], 9, 1).expect("a grid");
+        assert_eq!(drawn(&random), [(9, Form::Marks)]);
+        let product = Grid::parse(&["V=1,2,3".into(), "mu=0,1".into()]).expect("a grid");
+        assert_eq!(drawn(&product), [(3, Form::Line), (3, Form::Line)]);
+    }
 }
