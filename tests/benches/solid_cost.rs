@@ -18,7 +18,7 @@ pub const ROUNDS: usize = 3;
 /// Length of an increment, seconds.
 const DT: f64 = 1e-9;
 /// Elements along r and z, and increments of the shorter of two runs.
-pub const SIZES: [([usize; 2], usize); 3] = [([20, 100], 800), ([128, 256], 300), ([512, 1024], 40)];
+pub const SIZES: [([usize; 2], usize); 3] = [([20, 100], 300), ([128, 256], 300), ([512, 1024], 40)];
 /// By how much the other is longer.
 const LONGER: usize = 4;
 
