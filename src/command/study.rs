@@ -2,19 +2,18 @@
 
 use std::error::Error;
 use std::path::PathBuf;
-use std::time::Instant as Stopwatch;
 
-use crate::deck::expression::Expression;
 use crate::study::StudyError;
+use crate::study::asked;
 use crate::study::bench::Bench;
 use crate::study::chart::{Chart, Scale};
 use crate::study::effects::{self, Effects};
 use crate::study::quantity::Quantity;
 use crate::study::record::{self, Timing};
-use crate::study::refinement::{self, Row, Study as Results};
+use crate::study::refinement::{Row, Study as Results};
 use crate::study::settings::{self, Axis};
 use crate::study::table;
-use crate::study::target::{self, Met, Target};
+use crate::study::target::{Met, Target};
 use crate::user::compile::Compiled;
 use crate::{deck, job, model, output};
 use clap::Args;
@@ -67,7 +66,7 @@ impl Study {
     /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let quantity = Quantity::parse(&self.quantity)?;
-        let exact = self.exact(&quantity)?;
+        let exact = asked::exact(self.exact.as_deref(), &quantity)?;
         if self.ablate && quantity.compares_fields() {
             return Err("--ablate: effects are left out of a number; give the norm an expression".into());
         }
@@ -98,16 +97,8 @@ impl Study {
             bar.finish_and_clear();
             return write_effects(&job, &quantity, &effects, self.quiet);
         }
-        let begin = Stopwatch::now();
-        let (results, met) = match target {
-            Some(target) => {
-                let (results, met) = target::reach(&mut bench, &axes, exact, target)?;
-                (results, Some(met))
-            }
-            None => (refinement::grid(&mut bench, &axes, exact)?, None),
-        };
+        let (results, met, timing) = asked::refine(&mut bench, &axes, exact, target)?;
         bar.finish_and_clear();
-        let timing = Timing { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
         let record = write(&job, &quantity, exact, &results, met.clone(), timing)?;
         if self.json {
             say!("{}", record.trim_end());
@@ -116,20 +107,6 @@ impl Study {
         }
         tell_doubts(&doubts(&axes, &results));
         Ok(verdict(&results, met.as_ref()))
-    }
-
-    /// The exact value; of a norm against an expression it is zero.
-    fn exact(&self, quantity: &Quantity) -> Result<Option<f64>, Box<dyn Error>> {
-        let Some(text) = &self.exact else {
-            return Ok((quantity.is_norm() && !quantity.compares_fields()).then_some(0.0));
-        };
-        if quantity.compares_fields() {
-            return Err(
-                "--exact: a norm against the finest level has no exact value; give the norm an expression".into()
-            );
-        }
-        let value = Expression::parse(text).and_then(|e| e.evaluate(&|_| None, &|_, _| None));
-        Ok(Some(value.map_err(|e| format!("--exact `{text}`: {}", e.message))?))
     }
 }
 

@@ -16,11 +16,10 @@ pub fn default() -> usize {
 
 /// The same in a task; `None` elsewhere.
 fn of(variable: &dyn Fn(&str) -> Option<String>) -> Option<usize> {
-    let count = |text: String| text.trim().parse().ok();
-    // HyperQueue lists processors by their numbers.
     let given = GIVEN.iter().find_map(|name| {
         let text = variable(name)?;
-        if *name == "HQ_CPUS" { Some(text.split(',').count()) } else { count(text) }
+        // HyperQueue lists processors by their numbers.
+        if *name == "HQ_CPUS" { Some(text.split(',').count()) } else { text.trim().parse().ok() }
     });
     let worker = || WORKER.iter().any(|name| variable(name).is_some()).then_some(1);
     given.filter(|count| *count > 0).or_else(worker)

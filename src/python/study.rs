@@ -1,18 +1,15 @@
 //! Studies and charts.
 //! Never here: how they look on a page.
 
-use std::time::Instant as Stopwatch;
-
 use pyo3::prelude::*;
-use revolve::deck::expression::Expression;
 use revolve::study::StudyError;
+use revolve::study::asked;
 use revolve::study::bench::Bench;
 use revolve::study::chart::{Chart, Form, Scale, Series};
 use revolve::study::quantity::Quantity;
-use revolve::study::record::{self, Timing};
-use revolve::study::refinement;
+use revolve::study::record;
 use revolve::study::settings::{self, Axis};
-use revolve::study::target::{self, Target};
+use revolve::study::target::Target;
 use revolve::{job, model};
 
 use crate::deck::{Deck, Settings, User};
@@ -59,19 +56,19 @@ pub fn study(
     user: Option<&User>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let asked = Asked { settings, refine, quantity, exact, target, repeat };
+    let request = Asked { settings, refine, quantity, exact, target, repeat };
     let waiting = Waiting::new(progress);
-    let studied = py.detach(|| deck.studied(&asked, user, &waiting));
+    let studied = py.detach(|| deck.studied(&request, user, &waiting));
     waiting.end()?;
     studied.map_err(|why| errors::study(py, &why))
 }
 
 impl Deck {
-    fn studied(&self, asked: &Asked, user: Option<&User>, waiting: &Waiting) -> Result<String, StudyError> {
-        let quantity = Quantity::parse(&asked.quantity)?;
-        let exact = exact(asked, &quantity)?;
-        let target = asked.target.as_deref().map(Target::parse).transpose()?;
-        let (axes, runs) = self.axes(asked, user, &quantity)?;
+    fn studied(&self, request: &Asked, user: Option<&User>, waiting: &Waiting) -> Result<String, StudyError> {
+        let quantity = Quantity::parse(&request.quantity)?;
+        let exact = asked::exact(request.exact.as_deref(), &quantity)?;
+        let target = request.target.as_deref().map(Target::parse).transpose()?;
+        let (axes, runs) = self.axes(request, user, &quantity)?;
         if exact.is_none() && !axes.iter().any(Axis::is_refinement) {
             return Err(StudyError::Setting("choices alone show no error: give exact=, or refine= with levels".into()));
         }
@@ -82,17 +79,9 @@ impl Deck {
             waiting.look((done.get() as f64 / runs as f64).min(1.0), &format!("{} runs", done.get()));
         };
         let compiled = user.map(|user| &*user.compiled);
-        let mut bench = Bench::new(&source, &asked.settings, compiled, &quantity, asked.repeat, &count);
+        let mut bench = Bench::new(&source, &request.settings, compiled, &quantity, request.repeat, &count);
         bench.interrupted_by(&waiting.interrupt);
-        let begin = Stopwatch::now();
-        let (results, met) = match target {
-            Some(target) => {
-                let (results, met) = target::reach(&mut bench, &axes, exact, target)?;
-                (results, Some(met))
-            }
-            None => (refinement::grid(&mut bench, &axes, exact)?, None),
-        };
-        let timing = Timing { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
+        let (results, met, timing) = asked::refine(&mut bench, &axes, exact, target)?;
         let (header, rows) = record::sheet(&results, true);
         let drawn = |chart: Chart| chart.svg_on(Scale::LogLog).unwrap_or_default();
         let text = serde_json::json!({
@@ -100,8 +89,8 @@ impl Deck {
             "rows": rows,
             "conclusions": record::conclusions(&results, met.as_ref()),
             "reference": results.reference,
-            "price_chart": drawn(record::price_chart(&results, &asked.quantity)),
-            "order_chart": drawn(record::order_chart(&results, &asked.quantity)),
+            "price_chart": drawn(record::price_chart(&results, &request.quantity)),
+            "order_chart": drawn(record::order_chart(&results, &request.quantity)),
             "met": met.as_ref().map(|met| met.run.is_some()),
             "record": record::record(&quantity.text, exact, &results, met.clone(), timing),
         });
@@ -109,29 +98,25 @@ impl Deck {
     }
 
     /// What is refined, and how many runs that takes.
-    fn axes(&self, asked: &Asked, user: Option<&User>, quantity: &Quantity) -> Result<(Vec<Axis>, usize), StudyError> {
+    fn axes(
+        &self,
+        request: &Asked,
+        user: Option<&User>,
+        quantity: &Quantity,
+    ) -> Result<(Vec<Axis>, usize), StudyError> {
         let routines = revolve::user::compile::Compiled::open_any(user.map(|user| &*user.compiled))?;
-        let first = job::prepare_edited(self.source.read(&asked.settings), &mut |_| {}, &routines);
+        let first = job::prepare_edited(self.source.read(&request.settings), &mut |_| {}, &routines);
         if first.diagnostics.has_errors() {
             return Err(StudyError::refused(&first));
         }
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
-        let axes = settings::axes(&asked.refine, &parameters)?;
+        let axes = settings::axes(&request.refine, &parameters)?;
         if axes.is_empty() {
             return Err(StudyError::Setting("what is to be refined? give refine={\"NAME\": [v1, v2, …]}".into()));
         }
-        settings::check(&axes, &model::build(&self.source.read(&asked.settings).0).0)?;
+        settings::check(&axes, &model::build(&self.source.read(&request.settings).0).0)?;
         quantity.check(&first.plan)?;
-        let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * asked.repeat;
+        let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * request.repeat;
         Ok((axes, runs))
     }
-}
-
-/// The exact value; of a norm against an expression it is zero.
-fn exact(asked: &Asked, quantity: &Quantity) -> Result<Option<f64>, StudyError> {
-    let Some(text) = &asked.exact else {
-        return Ok((quantity.is_norm() && !quantity.compares_fields()).then_some(0.0));
-    };
-    let value = Expression::parse(text).and_then(|e| e.evaluate(&|_| None, &|_, _| None));
-    value.map(Some).map_err(|e| StudyError::Setting(format!("exact=`{text}`: {}", e.message)))
 }

@@ -93,23 +93,9 @@ impl Asked {
     /// # Errors
     /// In words, for settings that are none or that Dakota gives as well.
     pub fn grid(&self, settings: &[String]) -> Result<Grid, StudyError> {
-        let mut names: Vec<String> = self.evaluations[0].variables.iter().map(|v| v.0.clone()).collect();
-        let mut more = Vec::new();
-        for (name, values) in Grid::parse(settings)?.axes() {
-            let [value] = &values[..] else {
-                return Err(StudyError::Setting(format!(
-                    "--set {name} has {} values; beside --dakota it has one",
-                    values.len()
-                )));
-            };
-            if names.contains(name) {
-                return Err(StudyError::Setting(format!("{name} is given by --set and by --dakota")));
-            }
-            more.push(value.clone());
-            names.push(name.clone());
-        }
-        let row = |e: &Evaluation| e.variables.iter().map(|v| v.1.clone()).chain(more.iter().cloned()).collect();
-        Ok(Grid::of_rows(names, self.evaluations.iter().map(row).collect()))
+        let names = self.evaluations[0].variables.iter().map(|v| v.0.clone()).collect();
+        let row = |e: &Evaluation| e.variables.iter().map(|v| v.1.clone()).collect();
+        Grid::of_rows(names, self.evaluations.iter().map(row).collect()).beside(settings, "--dakota")
     }
 
     /// The results file where none of it could be evaluated.

@@ -172,9 +172,7 @@ impl Evaluator {
         let mut failures = Vec::new();
         let rows = table.chunks_exact_mut(self.quantities.len().max(1));
         for (row, out) in rows.enumerate().take(samples.count) {
-            let sample = &samples.values[row * self.width()..(row + 1) * self.width()];
-            let told = worker.sample(self, sample, out, interrupt, &mut || look(row));
-            failures.extend(told.err().map(|reason| Failure { row, reason }));
+            failures.extend(self.row(&mut worker, samples, row, out, interrupt, &mut || look(row)));
             if row % CHUNK == CHUNK - 1 {
                 look(row + 1);
             }
@@ -213,10 +211,8 @@ impl Evaluator {
                     {
                         for (i, out) in out.chunks_mut(width).enumerate() {
                             let row = chunk * size + i;
-                            let sample = &samples.values[row * self.width()..(row + 1) * self.width()];
-                            let told = worker.sample(self, sample, out, interrupt, &mut || {});
-                            if let Err(reason) = told {
-                                held(failures).push(Failure { row, reason });
+                            if let Some(failure) = self.row(&mut worker, samples, row, out, interrupt, &mut || {}) {
+                                held(failures).push(failure);
                             }
                             done.fetch_add(1, Ordering::Relaxed);
                             if interrupt.load(Ordering::Relaxed) != 0 {
@@ -238,6 +234,21 @@ impl Evaluator {
             }
         });
         Ok(failures.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Runs one sample; why it gave nothing.
+    fn row(
+        &self,
+        worker: &mut Worker,
+        samples: Samples<'_>,
+        row: usize,
+        out: &mut [f64],
+        interrupt: &AtomicUsize,
+        look: &mut dyn FnMut(),
+    ) -> Option<Failure> {
+        let sample = &samples.values[row * self.width()..(row + 1) * self.width()];
+        let told = worker.sample(self, sample, out, interrupt, look);
+        told.err().map(|reason| Failure { row, reason })
     }
 
     fn worker(&self) -> Worker {

@@ -52,19 +52,26 @@ impl Grid {
     /// In words, with the line; a parameter that is given twice; several values in a setting.
     pub fn samples(path: &Path, text: &str, settings: &[String]) -> Result<Grid, StudyError> {
         let wrong = |message: String| StudyError::Reference { path: path.to_owned(), message };
-        let mut grid = Grid::rows(text).map_err(wrong)?;
-        let count = grid.count();
+        Grid::rows(text).map_err(wrong)?.beside(settings, "--samples")
+    }
+
+    /// The same rows with other parameters, which `settings` give one value each; `option` is what the rows come from.
+    ///
+    /// # Errors
+    /// In words: a parameter that is given twice; several values in a setting.
+    pub(super) fn beside(mut self, settings: &[String], option: &str) -> Result<Grid, StudyError> {
+        let count = self.count();
         for (name, values) in Grid::parse(settings)?.axes {
             if values.len() > 1 {
-                let message = format!("--set {name} has {} values; beside --samples it has one", values.len());
+                let message = format!("--set {name} has {} values; beside {option} it has one", values.len());
                 return Err(StudyError::Setting(message));
             }
-            if grid.axes.iter().any(|axis| axis.0 == name) {
-                return Err(StudyError::Setting(format!("{name} is given by --set and by --samples")));
+            if self.axes.iter().any(|axis| axis.0 == name) {
+                return Err(StudyError::Setting(format!("{name} is given by --set and by {option}")));
             }
-            grid.axes.push((name, vec![values[0].clone(); count]));
+            self.axes.push((name, vec![values[0].clone(); count]));
         }
-        Ok(grid)
+        Ok(self)
     }
 
     fn rows(text: &str) -> Result<Grid, String> {
@@ -111,24 +118,20 @@ impl Grid {
         let mut grid = Grid { axes: Vec::new(), order: Order::Random { count, seed } };
         for setting in settings {
             let (name, text) = setting.split_once('=').ok_or_else(|| wrong(setting))?;
-            let values = match text.split_once("..") {
-                Some((low, high)) => {
-                    let ends = [low, high].map(|end| end.trim().parse::<f64>().unwrap_or(f64::NAN));
-                    if !(ends[0] < ends[1] && (ends[1] - ends[0]).is_finite()) {
-                        return Err(wrong(setting));
-                    }
-                    ends.map(|end| end.to_string()).to_vec()
+            let Some((low, high)) = text.split_once("..") else {
+                let (name, values) = axis(setting).map_err(StudyError::Setting)?;
+                if values.len() > 1 {
+                    return Err(wrong(setting));
                 }
-                None => Grid::parse(std::slice::from_ref(setting))?.axes.remove(0).1,
+                grid.add(name, values).map_err(StudyError::Setting)?;
+                continue;
             };
-            let drawn = text.contains("..");
-            if !drawn && values.len() > 1 {
+            let ends = [low, high].map(|end| end.trim().parse::<f64>().unwrap_or(f64::NAN));
+            if !(ends[0] < ends[1] && (ends[1] - ends[0]).is_finite()) {
                 return Err(wrong(setting));
             }
-            if grid.axes.iter().any(|axis| axis.0 == name.trim()) {
-                return Err(StudyError::Setting(format!("--set {name} is given twice")));
-            }
-            grid.axes.push((name.trim().to_owned(), values));
+            let values = ends.map(|end| end.to_string()).to_vec();
+            grid.add(name.trim().to_owned(), values).map_err(StudyError::Setting)?;
         }
         if grid.axes.iter().all(|axis| axis.1.len() == 1) || count == 0 {
             return Err(StudyError::Setting("--random: no parameter is drawn; --set NAME=low..high".into()));
@@ -144,16 +147,21 @@ impl Grid {
         let mut grid = Grid::default();
         for setting in settings {
             let (name, values) = axis(setting)?;
-            if grid.axes.iter().any(|a| a.0 == name) {
-                return Err(format!("--set {name} is given twice"));
-            }
-            grid.axes.push((name, values));
+            grid.add(name, values)?;
         }
         let count = grid.axes.iter().try_fold(1_usize, |n, a| n.checked_mul(a.1.len()));
         match count {
             Some(count) if count <= MOST => Ok(grid),
             _ => Err(format!("the sweep has more than {MOST} combinations; that is taken for a slip")),
         }
+    }
+
+    fn add(&mut self, name: String, values: Vec<String>) -> Result<(), String> {
+        if self.axes.iter().any(|axis| axis.0 == name) {
+            return Err(format!("--set {name} is given twice"));
+        }
+        self.axes.push((name, values));
+        Ok(())
     }
 
     /// Names of the parameters.

@@ -2,6 +2,7 @@
 //! Never here: a solver of its own.
 
 mod ablation;
+pub mod asked;
 #[cfg(feature = "cli")]
 pub(crate) mod axis;
 pub mod bench;

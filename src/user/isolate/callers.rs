@@ -126,11 +126,8 @@ impl UserMaterial for Caller {
         let state = &answer.state[..];
         let energies = [&answer.internal[..], &answer.inelastic[..]];
         let write = |to: &mut Writer<'_>| {
-            to.instant(&call.now);
-            to.number(call.dt);
-            [call.count, call.variables, call.fields].into_iter().for_each(|whole| to.whole(whole as u64));
-            to.text(call.name);
-            to.integers(call.elements);
+            let counts = [call.count, call.variables, call.fields];
+            to.elements(&call.now, call.dt, &counts, call.name, call.elements);
             let lists = [call.properties, call.coordinates, call.length, call.density, call.strain, call.spin];
             let pairs = [call.temperature, call.field, call.stretch, call.gradient].into_iter().flatten();
             let old = [call.stress, call.state, call.internal, call.inelastic];
@@ -148,11 +145,8 @@ impl UserHardening for Caller {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {
         let HardeningAnswer { stress, by_temperature, slopes, state } = answer;
         let write = |to: &mut Writer<'_>| {
-            to.instant(&call.now);
-            to.number(call.dt);
-            [call.count, call.variables, call.fields].into_iter().for_each(|whole| to.whole(whole as u64));
-            to.text(call.name);
-            to.integers(call.elements);
+            let counts = [call.count, call.variables, call.fields];
+            to.elements(&call.now, call.dt, &counts, call.name, call.elements);
             let pairs = [call.temperature, call.field].into_iter().flatten();
             let lists = [call.state, call.strain, call.rate, state];
             [call.properties].into_iter().chain(pairs).chain(lists).for_each(|list| to.list(list));
@@ -167,12 +161,8 @@ impl UserLengths for Caller {
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure> {
         let given = &lengths[..];
         let write = |to: &mut Writer<'_>| {
-            to.instant(&call.now);
-            to.number(call.dt);
-            let wholes = [call.count, call.variables, call.fields, call.corners];
-            wholes.into_iter().for_each(|whole| to.whole(whole as u64));
-            to.text(call.name);
-            to.integers(call.elements);
+            let counts = [call.count, call.variables, call.fields, call.corners];
+            to.elements(&call.now, call.dt, &counts, call.name, call.elements);
             let lists = [call.properties, call.coordinates, call.nodes, call.field, call.state, given];
             lists.into_iter().for_each(|list| to.list(list));
         };

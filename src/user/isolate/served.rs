@@ -124,9 +124,7 @@ impl Service {
     }
 
     fn material(&mut self, from: &mut Reader<'_>, held: &mut Locked<'_>) -> Option<Result<(), LoadFailure>> {
-        let (now, dt) = (from.instant(), from.number());
-        let [count, variables, fields] = [(); 3].map(|()| from.whole() as usize);
-        let (name, elements) = (from.text(), from.integers());
+        let (now, dt, [count, variables, fields], name, elements) = from.elements();
         let [properties, coordinates, length, density, strain, spin] = [(); 6].map(|()| from.list());
         let [temperature, field, stretch, gradient] = [(); 4].map(|()| [(); 2].map(|()| from.list()));
         let [stress, state, internal, inelastic] = [(); 4].map(|()| from.list());
@@ -165,9 +163,8 @@ impl Service {
     }
 
     fn hardening(&mut self, from: &mut Reader<'_>, held: &mut Locked<'_>) -> Option<Result<(), LoadFailure>> {
-        let (now, dt) = (from.instant(), from.number());
-        let [count, variables, fields] = [(); 3].map(|()| from.whole() as usize);
-        let (name, elements, properties) = (from.text(), from.integers(), from.list());
+        let (now, dt, [count, variables, fields], name, elements) = from.elements();
+        let properties = from.list();
         let [temperature, field] = [(); 2].map(|()| [(); 2].map(|()| from.list()));
         let [state, strain, rate, before] = [(); 4].map(|()| from.list());
         let call = HardeningCall {
@@ -195,9 +192,7 @@ impl Service {
     }
 
     fn lengths(&mut self, from: &mut Reader<'_>, held: &mut Locked<'_>) -> Option<Result<(), LoadFailure>> {
-        let (now, dt) = (from.instant(), from.number());
-        let [count, variables, fields, corners] = [(); 4].map(|()| from.whole() as usize);
-        let (name, elements) = (from.text(), from.integers());
+        let (now, dt, [count, variables, fields, corners], name, elements) = from.elements();
         let [properties, coordinates, nodes, field, state, given] = [(); 6].map(|()| from.list());
         let call = LengthCall {
             name,

@@ -97,6 +97,15 @@ impl Writer<'_> {
         self.whole(now.increment);
     }
 
+    /// What calls for elements begin with: time, increment, counts, a name, and numbers of elements.
+    pub fn elements(&mut self, now: &Instant, dt: f64, counts: &[usize], name: &str, elements: &[i32]) {
+        self.instant(now);
+        self.number(dt);
+        counts.iter().for_each(|count| self.whole(*count as u64));
+        self.text(name);
+        self.integers(elements);
+    }
+
     /// A list of numbers.
     pub fn list(&mut self, values: &[f64]) {
         if let Some(to) = self.place(values.len(), size_of_val(values)) {
@@ -164,6 +173,13 @@ impl<'t> Reader<'t> {
     pub fn instant(&mut self) -> Instant {
         let [step_time, total_time, lost] = [(); 3].map(|()| self.number());
         Instant { step_time, total_time, lost, step: self.whole() as u32, increment: self.whole() }
+    }
+
+    /// What calls for elements begin with.
+    pub fn elements<const N: usize>(&mut self) -> (Instant, f64, [usize; N], &'t str, &'t [i32]) {
+        let (now, dt) = (self.instant(), self.number());
+        let counts = [(); N].map(|()| self.whole() as usize);
+        (now, dt, counts, self.text(), self.integers())
     }
 
     fn bytes(&mut self, each: usize) -> (&'t [f64], usize) {
