@@ -30,8 +30,8 @@ use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, Control, Energy, Every, Instant, LOST, LimitsOverTime, Outcome, Progress, Rest, Sink, SinkError, StepSummary,
-    UnfitState,
+    self, Control, Energy, Every, Exit, Instant, LOST, LimitsOverTime, Outcome, Progress, Rest, Sink, SinkError,
+    StepSummary, UnfitState,
 };
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};
@@ -211,6 +211,9 @@ pub struct Summary {
     /// Bodies that are still on their way in a target, or behind it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unfinished: Vec<String>,
+    /// Bodies that have left their target through its back, with their residual velocities.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exits: Vec<Exit>,
     /// Elements that were deleted; absent where none was.
     #[serde(skip_serializing_if = "is_zero")]
     pub deleted_elements: usize,
@@ -655,6 +658,7 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary
         digest: outcome.digest,
         rests: outcome.rests,
         unfinished: outcome.unfinished,
+        exits: outcome.exits,
         deleted_elements: outcome.deleted,
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),

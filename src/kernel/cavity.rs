@@ -14,6 +14,9 @@ pub struct Resistance {
 }
 
 impl Resistance {
+    /// Of nothing.
+    pub const NONE: Resistance = Resistance { c0: 0.0, c1: 0.0, c2: 0.0 };
+
     /// From yield stress Y, density rho and the dimensionless A, B, C.
     pub fn new(yield_stress: f64, density: f64, [a, b, c]: [f64; 3]) -> Self {
         Resistance { c0: a * yield_stress, c1: b * (density * yield_stress).sqrt(), c2: c * density }

@@ -16,6 +16,15 @@ pub struct Facet {
     pub area: f64,
 }
 
+/// A piece of a facet, a frustum too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Its area.
+    pub area: f64,
+    /// Middle of its meridian, `[r, z]`.
+    pub middle: [f64; 2],
+}
+
 impl Facet {
     /// The facet between two nodes. Its positive normal is the direction from the first to the second node turned 90
     /// degrees counter-clockwise in (r, z); `positive` chooses that side as the outward one, otherwise the other.
@@ -62,6 +71,34 @@ impl Facet {
         }
         let radius = |s: f64| self.low[0] + s * (self.high[0] - self.low[0]);
         self.area * (end - start) * (radius(start) + radius(end)) / (self.low[0] + self.high[0])
+    }
+
+    /// The part with `from <= z <= to` and r <= `within`; a level facet lies between any planes.
+    pub fn part(&self, [from, to]: [f64; 2], within: f64) -> Option<Part> {
+        let (height, widening) = (self.height(), self.high[0] - self.low[0]);
+        let [mut start, mut end] =
+            if height > 0.0 { [from, to].map(|z| ((z - self.low[1]) / height).clamp(0.0, 1.0)) } else { [0.0, 1.0] };
+        let edge = (within - self.low[0]) / widening;
+        if widening > 0.0 {
+            end = end.min(edge);
+        } else if widening < 0.0 {
+            start = start.max(edge);
+        } else if self.low[0] > within {
+            return None;
+        }
+        if start.is_nan() || end.is_nan() || end <= start {
+            return None;
+        }
+        let at = |s: f64| [self.low[0] + s * widening, self.low[1] + s * height];
+        let (low, high) = (at(start), at(end));
+        let area = self.area * (end - start) * (low[0] + high[0]) / (self.low[0] + self.high[0]);
+        Some(Part { area, middle: at(0.5 * (start + end)) })
+    }
+
+    /// The same facet a way along z further.
+    pub fn shifted(&self, shift: f64) -> Facet {
+        let at = |[r, z]: [f64; 2]| [r, z + shift];
+        Facet { low: at(self.low), high: at(self.high), ..*self }
     }
 
     /// Consistent mass of a shell of this thickness and density, lumped by row sums on the first (low) and second
@@ -117,6 +154,24 @@ mod tests {
         let parts = facet.area_between(-9.0, 1.7) + facet.area_between(1.7, 3.1) + facet.area_between(3.1, 9.0);
         assert!((parts - facet.area).abs() < 1e-14 * facet.area);
         assert!((facet.lumped_mass(3.0, 0.1).iter().sum::<f64>() - 0.3 * facet.area).abs() < 1e-14);
+    }
+
+    #[test]
+    fn parts_within_a_radius_are_those_between_planes() {
+        let facet = Facet::new([0.5, 1.0], [2.0, 4.0], true).expect("a facet");
+        let part = facet.part([1.7, 3.1], 9.0).expect("a part");
+        assert!((part.area - facet.area_between(1.7, 3.1)).abs() < 1e-14 * facet.area);
+        // r = 1.25 is at z = 2.5.
+        let inner = facet.part([-9.0, 9.0], 1.25).expect("a part");
+        assert!((inner.area - facet.area_between(-9.0, 2.5)).abs() < 1e-14 * facet.area);
+        assert!((inner.middle[0] - 0.875).abs() < 1e-15 && (inner.middle[1] - 1.75).abs() < 1e-15);
+        assert_eq!(facet.part([-9.0, 9.0], 0.5), None);
+        let level = Facet::new([0.0, 1.0], [2.0, 1.0], true).expect("a facet");
+        let disc = level.part([0.0, 2.0], 1.0).expect("a part");
+        assert!((disc.area - PI).abs() < 1e-15 && disc.middle == [0.5, 1.0]);
+        let upward = Facet::new([2.0, 1.0], [0.5, 4.0], true).expect("a facet");
+        assert!((upward.part([-9.0, 9.0], 1.25).expect("a part").area - inner.area).abs() < 1e-14);
+        assert_eq!(upward.shifted(1.0).low, [2.0, 2.0]);
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub mod cavity;
 pub mod conduction;
 pub mod corners;
 pub mod facet;
+pub mod free_surface;
 pub mod hardening;
 pub mod heating;
 pub mod interaction;

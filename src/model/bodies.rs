@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{ElementKind, InitialCondition, InitialKind, Layer, PointMass, RigidBody, Target};
+use super::types::{ElementKind, InitialCondition, InitialKind, PointMass, RigidBody};
 use crate::deck::{Card, Diagnostic};
 
 impl Builder<'_> {
@@ -75,50 +75,6 @@ impl Builder<'_> {
     /// Several masses on one node add up; MASS elements without *MASS are left without.
     pub(super) fn apply_masses(&mut self) {
         self.model.point_masses.retain(|p| p.mass > 0.0);
-    }
-
-    pub(super) fn target(&mut self, card: &Card) {
-        let Some(name) = self.required(card, "NAME") else { return };
-        let front = card.value("FRONT").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
-        let direction = card.value("DIRECTION").map_or(Some(-1.0), |w| w.number(&mut self.diagnostics));
-        let (Some(front), Some(direction)) = (front, direction) else { return };
-        if direction.abs() != 1.0 {
-            self.out_of_range(card.span, format!("DIRECTION is +1 or -1, not {direction}"));
-            return;
-        }
-        if self.first_line(card).is_none() {
-            return;
-        }
-        let mut layers = Vec::new();
-        for line in &card.lines {
-            let Some(word) = line.field(0) else {
-                self.out_of_range(line.span, "a layer needs a material");
-                continue;
-            };
-            let material = self.material(word);
-            let thickness = self.number_or(line, 1, f64::INFINITY);
-            let (Some(material), Some(thickness)) = (material, thickness) else { continue };
-            if thickness.is_nan() || thickness <= 0.0 {
-                self.out_of_range(line.span, format!("a layer must be thicker than zero, not {thickness}"));
-                continue;
-            }
-            let properties = &self.model.materials[material];
-            if properties.cavity.is_none() || properties.density.is_none() {
-                let message = format!(
-                    "material {} has no resistance: a layer needs *DENSITY and *CAVITY EXPANSION",
-                    properties.name
-                );
-                let finding =
-                    Diagnostic::error("M101", message).at(line.span, "this layer").at(properties.span, "the material");
-                self.diagnostics.push(finding);
-            }
-            layers.push(Layer { material, thickness, span: line.span });
-        }
-        if let Some(layer) = layers.iter().rev().skip(1).find(|l| l.thickness.is_infinite()) {
-            let span = layer.span;
-            self.out_of_range(span, "only the last layer may be without end");
-        }
-        self.model.targets.push(Target { name: upper(&name.text), front, direction, layers, span: card.span });
     }
 
     pub(super) fn initial_conditions(&mut self, card: &Card) {

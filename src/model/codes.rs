@@ -157,6 +157,11 @@ pub const CODES: &[Code] = &[
         "history expression without a name",
         "A line of *OUTPUT EXPRESSION is `name = expression`; the name has letters, digits and `_`.",
     ),
+    code(
+        "M181",
+        "free surface without stiffness",
+        "How much a free surface weakens a target follows from 2E/3Y: E of *ELASTIC, Y of *CAVITY EXPANSION, above 1.",
+    ),
     code("M180", "section of other elements", "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1."),
     code(
         "M150",

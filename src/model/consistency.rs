@@ -226,11 +226,12 @@ impl Check<'_> {
         let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
         self.value(good, target.span, || "a target needs a front, the direction +1 or -1, and layers".into());
         for layer in &target.layers {
-            self.indices("M111", layer.span, "material", &[layer.material], self.model.materials.len());
-            self.value(layer.thickness > 0.0, layer.span, || {
-                format!("a layer must be thicker than zero, not {}", layer.thickness)
+            self.value(layer.thickness > 0.0 && layer.radius > 0.0, layer.span, || {
+                format!("a layer must be thicker and wider than zero, not {} by {}", layer.thickness, layer.radius)
             });
-            let Some(material) = self.model.materials.get(layer.material) else { continue };
+            let Some(index) = layer.material else { continue };
+            self.indices("M111", layer.span, "material", &[index], self.model.materials.len());
+            let Some(material) = self.model.materials.get(index) else { continue };
             if material.cavity.is_none() || material.density.is_none() {
                 let name = &material.name;
                 let message =

@@ -59,6 +59,7 @@ mod shells;
 mod steps;
 mod surface_contact;
 mod surfaces;
+mod targets;
 pub mod types;
 mod units;
 mod user_material;

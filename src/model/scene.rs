@@ -33,7 +33,7 @@ pub struct TargetOutline {
 /// A layer of a target.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LayerOutline {
-    /// Name of its material.
+    /// Name of its material; empty for a gap.
     pub material: String,
     /// Thickness, length; absent where the layer has no end.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,7 +82,7 @@ impl Scene {
 
 fn target(model: &Model, target: &Target) -> TargetOutline {
     let layers = target.layers.iter().map(|layer| LayerOutline {
-        material: model.materials.get(layer.material).map_or(String::new(), |m| m.name.clone()),
+        material: layer.material.and_then(|m| model.materials.get(m)).map_or(String::new(), |m| m.name.clone()),
         thickness: Some(layer.thickness).filter(|t| t.is_finite()),
     });
     let (name, front, direction) = (target.name.clone(), target.front, target.direction);

@@ -948,17 +948,38 @@ pub struct Target {
     pub direction: f64,
     /// From the front on.
     pub layers: Vec<Layer>,
+    /// Which of its faces weaken what it resists with.
+    pub free_surfaces: FreeSurfaces,
+    /// Depth of the crater over which the resistance grows, length.
+    pub crater: Option<f64>,
+    /// Shear stress at which a plug is sheared out.
+    pub shear_strength: Option<f64>,
+    /// Whether the wall of the tunnel stays where the body has pushed it.
+    pub separation: bool,
     /// The card.
     pub span: Span,
+}
+
+/// Which faces of a target are free surfaces that weaken what it resists with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FreeSurfaces {
+    /// None: layers are as strong as a body without end.
+    Off,
+    /// Those that border on nothing: the outer ones, those at gaps, lateral ones.
+    Plates,
+    /// Those of every layer: layers lie on each other and do not hold together.
+    Layers,
 }
 
 /// One layer of a target.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer {
-    /// Index into [`Model::materials`]; that material has density and cavity expansion.
-    pub material: usize,
+    /// Index into [`Model::materials`], of a material with density and cavity expansion; `None` in a gap between plates.
+    pub material: Option<usize>,
     /// Thickness, length; may be infinite.
     pub thickness: f64,
+    /// Radius of its lateral face, length; may be infinite.
+    pub radius: f64,
     /// The data line.
     pub span: Span,
 }

@@ -8,16 +8,14 @@ use indexmap::IndexMap;
 use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::kernel::amplitude::Curve;
-use crate::kernel::cavity::Resistance;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
 use crate::load::Load as Effect;
-use crate::load::cavity::{CavityExpansion, Stack};
 use crate::load::concentrated::Concentrated;
 use crate::load::gravity::Gravity;
 use crate::load::pressure::Pressure;
 use crate::load::user_load::{Description, UserLoad, Volume};
-use crate::model::{self, AmplitudeDefinition, ElementKind, IncrementControl, Load, LoadKind, Sides, Step};
+use crate::model::{AmplitudeDefinition, ElementKind, Load, LoadKind, Sides, Step};
 use crate::state::magnitude::{Magnitude, Shape};
 
 impl Compiler<'_> {
@@ -45,7 +43,7 @@ impl Compiler<'_> {
             LoadKind::Pressure(sides) => self.pressure(load, sides),
             LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type, state),
             LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type, state),
-            LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step),
+            LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step, state),
             // They act on temperatures (heat.rs).
             LoadKind::NodalHeat { .. }
             | LoadKind::SurfaceHeat(_)
@@ -188,55 +186,6 @@ impl Compiler<'_> {
         let id = self.cause(load.span, "pressure", surface.count(), "facets", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
         Some(Box::new(Pressure::new(id, surface, magnitude)))
-    }
-
-    fn cavity(
-        &mut self,
-        load: &Load,
-        sides: &Sides,
-        target: usize,
-        friction: f64,
-        step: &Step,
-    ) -> Option<Box<dyn Effect>> {
-        let surface = self.surface(sides, load.span);
-        if !surface.skin.shells.is_empty() {
-            let message = "the resistance of a target on shells is not supported";
-            self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
-            return None;
-        }
-        let target = &self.model.targets[target];
-        let layers = self.layers(target)?;
-        let detail = format!("{} into {}", sides.name, target.name);
-        let id = self.cause(load.span, "cavity expansion", surface.count(), "facets", detail);
-        if friction > 0.0 {
-            let detail = format!("Coulomb, coefficient {friction}");
-            self.cause(load.span, "friction", surface.count(), "facets", detail);
-        }
-        self.layer_row(target);
-        let travel = match step.increment {
-            IncrementControl::Automatic { accuracy, .. } => accuracy.sqrt(),
-            IncrementControl::Fixed(_) => 1.0,
-        };
-        let stack = Stack::new(target.front, target.direction, &layers);
-        Some(Box::new(CavityExpansion::new(id, friction, stack, surface, travel)))
-    }
-
-    fn layer_row(&mut self, target: &model::Target) {
-        let names: Vec<_> =
-            target.layers.iter().take(4).map(|l| self.model.materials[l.material].name.clone()).collect();
-        let more = if target.layers.len() > 4 { ", …" } else { "" };
-        let detail = format!("{}: {}{more}; front at z = {}", target.name, names.join(", "), target.front);
-        self.cause(target.span, "target", target.layers.len(), "layers", detail);
-    }
-
-    fn layers(&self, target: &model::Target) -> Option<Vec<(f64, Resistance)>> {
-        let layer = |l: &model::Layer| {
-            let material = &self.model.materials[l.material];
-            let law = material.cavity?;
-            let resistance = Resistance::new(law.yield_stress, material.density?, [law.a, law.b, law.c]);
-            Some((l.thickness, resistance))
-        };
-        target.layers.iter().map(layer).collect()
     }
 
     /// `PNU` and `P1NU` to `P4NU`.

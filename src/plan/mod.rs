@@ -38,6 +38,7 @@ mod solid;
 mod solid_material;
 mod surface_ties;
 mod surfaces;
+mod targets;
 mod ties;
 mod user;
 mod user_material;

@@ -353,7 +353,10 @@ fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
         for layer in target.get("layers").and_then(Value::as_array).into_iter().flatten() {
             let thickness = layer.get("thickness").and_then(Value::as_f64).unwrap_or(f64::INFINITY);
             let material = layer.get("material").and_then(Value::as_str).unwrap_or_default();
-            layers.push((z, z + direction * thickness, format!("{name}: {material}")));
+            // Nothing is in a gap.
+            if !material.is_empty() {
+                layers.push((z, z + direction * thickness, format!("{name}: {material}")));
+            }
             z += direction * thickness;
         }
     }

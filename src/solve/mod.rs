@@ -29,7 +29,7 @@ use increment::IncrementController;
 pub use limits::{Limits, LimitsOverTime};
 use observe::Observing;
 pub use observe::{Progress, Sink, SinkError};
-pub use outcome::{Outcome, Rest, StepSummary};
+pub use outcome::{Exit, Outcome, Rest, StepSummary};
 use restart::{At, Checkpointer, begin_step, take_up};
 pub use restart::{Control, Every, LOST, lost};
 use run::Run;

@@ -23,6 +23,8 @@ pub struct Outcome {
     pub rests: Vec<Rest>,
     /// Bodies that are still on their way in a target, or behind it: a depth read now is not their last.
     pub unfinished: Vec<String>,
+    /// Bodies that have left their target through its back.
+    pub exits: Vec<Exit>,
     /// Elements that were deleted.
     pub deleted: usize,
     /// What the run warns of.
@@ -49,6 +51,15 @@ impl Outcome {
     pub fn total_time(&self) -> f64 {
         self.steps.iter().map(|step| step.time).sum()
     }
+}
+
+/// A body that has gone through its target.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Exit {
+    /// The body.
+    pub body: String,
+    /// Its residual velocity along z, at the end of the run.
+    pub velocity: f64,
 }
 
 /// What a step took.

@@ -5,7 +5,7 @@ use super::central_difference;
 use super::energy::{Balance, Energy};
 use super::increment::{End, Increment, IncrementController, Scene};
 use super::limits::Limits;
-use super::outcome::{Outcome, Rest, StepSummary};
+use super::outcome::{Exit, Outcome, Rest, StepSummary};
 use super::timing::Timing;
 use super::watch::Watch;
 use crate::constraint::Constraint;
@@ -602,6 +602,9 @@ impl<'a> Run<'a> {
     pub(super) fn tell_unfinished(&mut self) {
         for (index, how) in self.loads.iter().flat_map(|load| load.unfinished(&self.dofs)) {
             let (name, velocity) = (&self.plan.bodies[index].name, self.dofs.bodies[index].velocity);
+            if how == Unfinished::Through {
+                self.outcome.exits.push(Exit { body: name.clone(), velocity });
+            }
             self.outcome.unfinished.push(match how {
                 Unfinished::Moving => {
                     format!("{name} still moves in the target, v_z = {velocity:.4e}: a depth read now is not its last")

@@ -23,6 +23,7 @@ mod erosion_criteria;
 mod erosion_loads;
 mod erosion_rod;
 mod fidelity;
+mod finite_targets;
 mod hourglass;
 mod large_motion;
 mod links;

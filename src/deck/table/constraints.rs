@@ -282,5 +282,14 @@ pub const CARDS: &[Keyword] = &[
         "NAME" read "Name of the target",
         "FRONT" read "Height z of the impact face (0)",
         "DIRECTION" read "1 or -1 (default): the way along z the layers follow each other",
-    }, [(rows ["material", "thickness" read "The last layer may have none: it has no end"])]),
+        "FREE SURFACE" read "ON: faces that border on nothing weaken the resistance; LAYERS: those of every layer; OFF (default)",
+        "RADIUS" read "Radius of the lateral face of its layers; without it they have no end",
+        "CRATER" read "Depth of the crater, over which the resistance grows in proportion to the depth",
+        "SHEAR STRENGTH" read "Plates fail by plugging where to shear a plug out takes less force than to open the cavity",
+        "SEPARATION" read "The tunnel's wall stays where the body has pushed it; what moves inside it bears nothing until it meets it",
+    }, [(rows [
+        "material" read "None in a gap between two plates",
+        "thickness" read "The last layer may have none: it has no end",
+        "radius" read "That of the card where it is left out",
+    ])]),
 ];

@@ -1,10 +1,15 @@
 //! Resistance of a target that is not meshed (`CAVITY`): dynamic cavity expansion in layers, with Coulomb friction.
 //! Facets are clipped by area at the target's faces and between layers; only those that move into the material are loaded.
+//! What bounds the target is in `finite`, what a body ahead has opened already in `shadow` and `tunnel`.
 //! Never here: the law itself (`kernel::cavity`), deck words.
 
+mod finite;
 mod nose;
+mod plug;
+mod shadow;
 mod skin;
 mod stack;
+mod tunnel;
 
 use super::{Account, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
 use crate::load::fields::FacetFields;
@@ -14,7 +19,9 @@ use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
+use crate::state::nodes::Nodes;
 use crate::user::Locked;
+pub use finite::{Bounds, Crater, Finite};
 use nose::Nose;
 use skin::Resisted;
 pub use stack::Stack;
@@ -35,6 +42,13 @@ impl CavityExpansion {
     pub fn new(id: EffectId, friction: f64, stack: Stack, surface: Surface, travel: f64) -> Self {
         let noses = surface.patches.iter().map(|patch| Nose::new(patch, &stack, travel)).collect();
         CavityExpansion { id, friction, stack, noses, skin: Resisted::new(surface.skin) }
+    }
+
+    /// The same where nothing acts inside the tunnel that has been opened already; `nodes` are those at the start.
+    pub fn separating(mut self, nodes: &Nodes) -> Self {
+        self.noses.iter_mut().for_each(Nose::separate);
+        self.skin.separate(nodes);
+        self
     }
 
     fn forces_of_a_body(&self) -> usize {

@@ -2,6 +2,8 @@
 //! the forces are closed sums wherever one layer holds all loaded facets.
 //! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
 
+use super::plug::{self, Inwards};
+use super::shadow;
 use super::stack::{Stack, is_level};
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
@@ -55,16 +57,23 @@ impl Sums {
 struct Front {
     facets: Vec<Facet>,
     elements: Vec<usize>,
+    /// Facets from the widest inwards, where that matters.
+    inwards: Vec<usize>,
     sums: Sums,
     /// z of the lowest and highest point at the start.
     range: [f64; 2],
+    /// Of its widest point.
+    radius: f64,
     /// z of the level facets: there the force jumps when a plane is met.
     levels: Vec<f64>,
 }
 
 impl Front {
     fn new(facets: &[(usize, Facet)], sign: f64) -> Self {
-        let chosen: Vec<_> = facets.iter().filter(|(_, f)| f.normal[1] * sign > 0.0).copied().collect();
+        Front::of(facets.iter().filter(|(_, f)| f.normal[1] * sign > 0.0).copied().collect())
+    }
+
+    fn of(chosen: Vec<(usize, Facet)>) -> Self {
         let facets: Vec<Facet> = chosen.iter().map(|c| c.1).collect();
         let low = facets.iter().map(|f| f.low[1]).fold(f64::INFINITY, f64::min);
         let high = facets.iter().map(|f| f.high[1]).fold(f64::NEG_INFINITY, f64::max);
@@ -74,10 +83,24 @@ impl Front {
         Front {
             sums: Sums::of(&facets),
             elements: chosen.iter().map(|c| c.0).collect(),
-            facets,
+            inwards: Vec::new(),
             range: [low, high],
+            radius: facets.iter().map(|f| f.low[0].max(f.high[0])).fold(0.0, f64::max),
+            facets,
             levels,
         }
+    }
+
+    /// What of it meets material that nothing further ahead has pushed aside.
+    fn facing(&self, all: &[(usize, Facet)], sign: f64) -> Front {
+        let own: Vec<(usize, Facet)> = self.elements.iter().copied().zip(self.facets.iter().copied()).collect();
+        Front::of(shadow::facing(&own, all, sign))
+    }
+
+    fn sort_inwards(&mut self) {
+        let widest = |f: &Facet| f.low[0].max(f.high[0]);
+        self.inwards = (0..self.facets.len()).collect();
+        self.inwards.sort_by(|&a, &b| widest(&self.facets[b]).total_cmp(&widest(&self.facets[a])));
     }
 }
 
@@ -108,8 +131,29 @@ impl Nose {
         let extent = largest(&mut facets.iter().flat_map(|(_, f)| [f.low[1], f.high[1], f.low[0], f.high[0]]));
         let rounding = 1e-12 * extent.max(largest(&mut stack.planes.iter().copied()));
         let idle = facets.iter().filter(|(_, f)| f.normal[1] == 0.0).map(|f| f.0).collect();
-        let fronts = [Front::new(facets, -1.0), Front::new(facets, 1.0)];
+        let mut fronts = [Front::new(facets, -1.0), Front::new(facets, 1.0)];
+        if stack.shear_strength().is_some() {
+            fronts.iter_mut().for_each(Front::sort_inwards);
+        }
         Nose { body: patch.body, fronts, idle, travel, rounding, last_layer: 0 }
+    }
+
+    /// From now on nothing acts inside the tunnel that the body has opened further ahead.
+    pub(super) fn separate(&mut self) {
+        let of_front = |front: &Front| -> Vec<(usize, Facet)> {
+            front.elements.iter().copied().zip(front.facets.iter().copied()).collect()
+        };
+        let all: Vec<(usize, Facet)> = self.fronts.iter().flat_map(of_front).collect();
+        for (front, sign) in self.fronts.iter_mut().zip([-1.0, 1.0]) {
+            let facing = front.facing(&all, sign);
+            let hidden = front.elements.iter().filter(|element| !facing.elements.contains(element));
+            self.idle.extend(hidden);
+            let sorted = !front.inwards.is_empty();
+            *front = facing;
+            if sorted {
+                front.sort_inwards();
+            }
+        }
     }
 
     /// Axial forces of pressure and of friction with coefficient 1, against the motion; `None` where none is finite.
@@ -176,7 +220,7 @@ impl Nose {
     pub(super) fn bytes(&self) -> usize {
         let front = |f: &Front| {
             size_of::<Facet>() * f.facets.capacity()
-                + size_of::<usize>() * f.elements.capacity()
+                + size_of::<usize>() * (f.elements.capacity() + f.inwards.capacity())
                 + size_of::<f64>() * f.levels.capacity()
         };
         self.fronts.iter().map(front).sum::<usize>() + size_of::<usize>() * self.idle.capacity()
@@ -184,6 +228,14 @@ impl Nose {
 
     fn front(&self, direction: f64) -> &Front {
         &self.fronts[usize::from(direction > 0.0)]
+    }
+
+    /// What of a facet bears the law of a layer, where the stack has bounds.
+    fn bearing_area(&self, stack: &Stack, facet: &Facet, layer: usize, shift: f64, direction: f64) -> f64 {
+        let at = facet.shifted(shift);
+        let ahead = at.low[1] + direction * self.rounding;
+        let elsewhere = is_level(facet.normal) && stack.layer_around(ahead, ahead) != Some(layer);
+        if elsewhere { 0.0 } else { stack.bearing_area(layer, &at) }
     }
 
     /// Calls `each(facet index, layer, area)` for the part of every facet in every layer.
@@ -194,7 +246,9 @@ impl Nose {
             if is_level(facet.normal) {
                 let ahead = low + direction * self.rounding;
                 if let Some(layer) = stack.layer_around(ahead, ahead) {
-                    each(index, layer, facet.area);
+                    let bounded = stack.finite.is_some();
+                    let area = if bounded { stack.bearing_area(layer, &facet.shifted(shift)) } else { facet.area };
+                    each(index, layer, area);
                 }
                 continue;
             }
@@ -203,7 +257,10 @@ impl Nose {
                 if planes[layer] >= high {
                     break;
                 }
-                let area = facet.area_between(planes[layer] - shift, planes[layer + 1] - shift);
+                let area = match &stack.finite {
+                    None => facet.area_between(planes[layer] - shift, planes[layer + 1] - shift),
+                    Some(_) => stack.bearing_area(layer, &facet.shifted(shift)),
+                };
                 each(index, layer, area);
             }
         }
@@ -226,7 +283,9 @@ impl Nose {
     fn forces(&mut self, stack: &Stack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
         let offset = shift + direction * self.rounding;
         let [low, high] = self.front(direction).range.map(|z| z + offset);
-        if let Some(layer) = self.layer_of_all(stack, low, high) {
+        if stack.finite.is_none()
+            && let Some(layer) = self.layer_of_all(stack, low, high)
+        {
             return self.front(direction).sums.forces(&stack.laws[layer], speed);
         }
         if Nose::outside(stack, low, high) {
@@ -237,6 +296,15 @@ impl Nose {
 
     fn forces_of_parts(&self, stack: &Stack, shift: f64, direction: f64, speed: f64) -> [f64; 2] {
         let front = self.front(direction);
+        if let Some(shear_strength) = stack.shear_strength() {
+            let nose = Inwards { facets: &front.facets, order: &front.inwards, shift, direction };
+            return plug::least_forces(stack, shear_strength, nose, |index, layer| {
+                let (facet, law) = (&front.facets[index], &stack.laws[layer]);
+                let force = self.bearing_area(stack, facet, layer, shift, direction)
+                    * law.stress(speed * facet.normal[1].abs());
+                [force * facet.normal[1].abs(), force * facet.normal[0].abs()]
+            });
+        }
         let mut total = [0.0; 2];
         self.parts(stack, front, shift, direction, |index, layer, area| {
             let facet = &front.facets[index];
@@ -261,8 +329,10 @@ impl Nose {
         let gap = stack.distance_ahead(trailing, direction, self.rounding);
         let extent = high - low;
         let cut = gap < extent;
-        let ahead = if cut { 0.0 } else { stack.distance_ahead(leading, direction, self.rounding) };
-        let smooth = ahead + self.travel * extent;
+        // With bounds the force changes all the way, not only where a plane cuts the nose, and by lengths as the nose is wide.
+        let inside = stack.finite.is_some() && !Nose::outside(stack, low, high);
+        let ahead = if cut || inside { 0.0 } else { stack.distance_ahead(leading, direction, self.rounding) };
+        let smooth = ahead + self.travel * if inside { extent.max(front.radius) } else { extent };
         let jump = front
             .levels
             .iter()

@@ -2,12 +2,14 @@
 //! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
 
 use super::stack::{Stack, is_level};
+use super::tunnel::Tunnel;
 use crate::kernel::facet::Facet;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::on_solid;
 use crate::load::{LastIncrement, View};
 use crate::mesh::surface::{Face, Skin};
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::direction;
 use crate::state::limit::Limit;
 use crate::state::nodes::Nodes;
 
@@ -19,11 +21,24 @@ type Pair = [[[f64; 2]; 2]; 2];
 pub(super) struct Resisted {
     skin: Skin,
     forces: Vec<[Pair; 2]>,
+    /// Where its wall stays where it has been pushed.
+    tunnel: Option<Tunnel>,
 }
 
 impl Resisted {
     pub(super) fn new(skin: Skin) -> Self {
-        Resisted { forces: vec![[Pair::default(); 2]; skin.most()], skin }
+        Resisted { forces: vec![[Pair::default(); 2]; skin.most()], skin, tunnel: None }
+    }
+
+    /// From now on nothing acts inside the tunnel.
+    pub(super) fn separate(&mut self, nodes: &Nodes) {
+        let faces = || self.skin.faces.iter().map(|face| Face::new(*face, nodes).ends);
+        let shortest = faces().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).fold(f64::INFINITY, f64::min);
+        let heights = || faces().flatten().map(|end| end[1]);
+        let length = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
+        if shortest.is_finite() {
+            self.tunnel = Some(Tunnel::new(shortest, length));
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -44,10 +59,14 @@ impl Resisted {
         let faces = self.skin.faces.iter().zip(&self.skin.carries);
         for ((&nodes, &carries), [now, before]) in faces.zip(&mut self.forces) {
             *before = *now;
-            *now = if carries { on_face(stack, friction, view, nodes)? } else { Pair::default() };
+            let meets = carries && self.tunnel.as_ref().is_none_or(|tunnel| is_met(tunnel, nodes, view));
+            *now = if meets { on_face(stack, friction, view, nodes)? } else { Pair::default() };
             for (n, force) in now.iter().flat_map(|part| nodes.into_iter().zip(part)) {
                 forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
             }
+        }
+        if let Some(tunnel) = &mut self.tunnel {
+            self.skin.carrying().for_each(|face| tunnel.widen(&Face::new(face, &view.dofs.nodes)));
         }
         Ok(())
     }
@@ -82,7 +101,9 @@ impl Resisted {
             let face = Face::new(face, nodes);
             let into = face.normal_velocity(nodes);
             let facet = Facet::new(face.ends[0], face.ends[1], false);
-            let loaded = facet.filter(|_| carries && into > 0.0);
+            let sign = direction(face.mean(|n| nodes.velocity_now(n))[1]);
+            let meets = carries && self.tunnel.as_ref().is_none_or(|tunnel| tunnel.is_met_by(&face, sign));
+            let loaded = facet.filter(|_| meets && into > 0.0);
             fields.push(element, loaded.map_or(0.0, |f| stack.mean_stress(&f, into)), into);
             if let Some(layer) = fields.layer.last_mut() {
                 *layer = facet.map_or(0.0, |f| stack.number_of(&f) as f64);
@@ -92,8 +113,14 @@ impl Resisted {
 
     /// Bytes of the arrays.
     pub(super) fn bytes(&self) -> usize {
-        self.skin.bytes() + size_of::<[Pair; 2]>() * self.forces.capacity()
+        let tunnel = self.tunnel.as_ref().map_or(0, Tunnel::bytes);
+        self.skin.bytes() + size_of::<[Pair; 2]>() * self.forces.capacity() + tunnel
     }
+}
+
+fn is_met(tunnel: &Tunnel, nodes: [usize; 2], view: &View<'_>) -> bool {
+    let face = Face::new(nodes, &view.dofs.nodes);
+    tunnel.is_met_by(&face, direction(face.mean(|n| view.velocity(n))[1]))
 }
 
 /// Pressure by the normal velocity of the face's middle, times the share of the face's area in each layer; friction against
@@ -141,7 +168,10 @@ fn face_limit(stack: &Stack, face: &Face, nodes: &Nodes) -> Limit {
 
 impl Persist for Resisted {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Resisted { skin, forces } = self;
+        let Resisted { skin, forces, tunnel } = self;
         persist_fields!(archive; skin, forces.as_mut_slice());
+        if let Some(tunnel) = tunnel {
+            tunnel.persist(archive);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Layers of a target that is not meshed, between planes of constant z.
 //! Never here: what moves into them.
 
+use super::finite::Finite;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
 
@@ -13,6 +14,8 @@ pub struct Stack {
     pub laws: Vec<Resistance>,
     /// Number of each layer, from 1, as the deck counts them.
     pub numbers: Vec<usize>,
+    /// What bounds it beside the planes.
+    pub finite: Option<Finite>,
 }
 
 impl Stack {
@@ -29,7 +32,32 @@ impl Stack {
             laws.reverse();
             numbers.reverse();
         }
-        Stack { planes, laws, numbers }
+        Stack { planes, laws, numbers, finite: None }
+    }
+
+    /// The same with bounds.
+    pub fn within(self, finite: Finite) -> Self {
+        Stack { finite: Some(finite), ..self }
+    }
+
+    /// Shear stress at which a plug is sheared out of a plate.
+    pub(super) fn shear_strength(&self) -> Option<f64> {
+        self.finite.as_ref().and_then(|finite| finite.shear_strength)
+    }
+
+    /// Whether a layer is a gap.
+    pub(super) fn is_gap(&self, layer: usize) -> bool {
+        self.laws[layer] == Resistance::NONE
+    }
+
+    /// Area of a facet that is not level between the planes of a layer, as far as it bears the law of the layer.
+    #[inline]
+    pub(super) fn bearing_area(&self, layer: usize, facet: &Facet) -> f64 {
+        let between = [self.planes[layer], self.planes[layer + 1]];
+        match &self.finite {
+            None => facet.area_between(between[0], between[1]),
+            Some(finite) => finite.bearing_area(layer, facet, between),
+        }
     }
 
     /// The layer that holds the whole open interval, if one does.
@@ -42,11 +70,11 @@ impl Stack {
     pub fn mean_stress(&self, facet: &Facet, speed: f64) -> f64 {
         let (low, high) = (facet.low[1], facet.high[1]);
         if let Some(layer) = self.layer_around(low, high) {
-            return self.laws[layer].stress(speed);
+            let bearing = self.finite.as_ref().map_or(1.0, |_| self.bearing_area(layer, facet) / facet.area);
+            return bearing * self.laws[layer].stress(speed);
         }
-        let between = self.planes.windows(2).zip(&self.laws);
-        let part = |(planes, law): (&[f64], &Resistance)| facet.area_between(planes[0], planes[1]) * law.stress(speed);
-        if high > low { between.map(part).sum::<f64>() / facet.area } else { 0.0 }
+        let part = |(layer, law): (usize, &Resistance)| self.bearing_area(layer, facet) * law.stress(speed);
+        if high > low { self.laws.iter().enumerate().map(part).sum::<f64>() / facet.area } else { 0.0 }
     }
 
     /// Distance ahead of `z` in direction `sign` to the next plane, further than `skip`.
@@ -73,6 +101,7 @@ impl Stack {
         size_of::<f64>() * self.planes.capacity()
             + size_of::<Resistance>() * self.laws.capacity()
             + size_of::<usize>() * self.numbers.capacity()
+            + self.finite.as_ref().map_or(0, Finite::bytes)
     }
 }
 

@@ -2,7 +2,7 @@
 //! Never here: friction.
 
 use super::{Ablation, one_way};
-use crate::model::{LoadKind, Material, Model, Sides, Target};
+use crate::model::{FreeSurfaces, LoadKind, Material, Model, Sides, Target};
 
 pub(super) const LIST: &[Ablation] = &[
     Ablation {
@@ -35,7 +35,40 @@ pub(super) const LIST: &[Ablation] = &[
         edit: |model, _| model.materials.iter_mut().filter_map(|m| m.cavity.as_mut()).for_each(|c| c.c = 0.0),
         way: one_way,
     },
+    Ablation {
+        name: "free surfaces",
+        instead: "layers as strong as a body without end",
+        ways: |model| usize::from(any(model, |t| t.free_surfaces != FreeSurfaces::Off)),
+        edit: |model, _| model.targets.iter_mut().for_each(|t| t.free_surfaces = FreeSurfaces::Off),
+        way: one_way,
+    },
+    Ablation {
+        name: "crater",
+        instead: "the full resistance from the face on",
+        ways: |model| usize::from(any(model, |t| t.crater.is_some())),
+        edit: |model, _| model.targets.iter_mut().for_each(|t| t.crater = None),
+        way: one_way,
+    },
+    Ablation {
+        name: "plugging",
+        instead: "the cavity is opened all the way",
+        ways: |model| usize::from(any(model, |t| t.shear_strength.is_some())),
+        edit: |model, _| model.targets.iter_mut().for_each(|t| t.shear_strength = None),
+        way: one_way,
+    },
+    Ablation {
+        name: "separation",
+        instead: "whatever moves outwards or ahead bears, inside the tunnel too",
+        ways: |model| usize::from(any(model, |t| t.separation)),
+        edit: |model, _| model.targets.iter_mut().for_each(|t| t.separation = false),
+        way: one_way,
+    },
 ];
+
+/// Whether this is so of a target that some load drives a surface into.
+fn any(model: &Model, is_so: impl Fn(&Target) -> bool) -> bool {
+    loaded(model).any(|t| is_so(&model.targets[t]))
+}
 
 /// Targets that some load drives a surface into.
 fn loaded(model: &Model) -> impl Iterator<Item = usize> + '_ {
@@ -50,14 +83,16 @@ fn sides_into(model: &Model, wanted: usize) -> impl Iterator<Item = &Sides> {
 }
 
 fn laws(model: &Model, target: usize) -> impl Iterator<Item = &Material> {
-    model.targets[target].layers.iter().map(|l| &model.materials[l.material])
+    model.targets[target].layers.iter().filter_map(|l| Some(&model.materials[l.material?]))
 }
 
 /// Target and layer of each layer whose neighbour is of another material.
 fn layers(model: &Model) -> Vec<(usize, usize)> {
     let of = |t: usize| {
         let layers = &model.targets[t].layers;
-        let differs = move |l: &usize| layers.len() > 1 && layers[*l].material != layers[neighbour(*l)].material;
+        // Nothing could take the place of a layer beside a gap: the next is not of one plate with it.
+        let instead = move |l: usize| layers[neighbour(l)].material.filter(|m| Some(*m) != layers[l].material);
+        let differs = move |l: &usize| layers.len() > 1 && instead(*l).is_some();
         (0..layers.len()).filter(differs).map(move |l| (t, l))
     };
     loaded(model).flat_map(of).collect()

@@ -1,0 +1,128 @@
+//! Targets that are not meshed as effects: layers with their laws, what bounds them, their rows of the ledger.
+//! Never here: what they do in an increment.
+
+use super::{Compiler, State};
+use crate::deck::Diagnostic;
+use crate::kernel::cavity::Resistance;
+use crate::kernel::free_surface::FiniteSphere;
+use crate::load::Load as Effect;
+use crate::load::cavity::{Bounds, CavityExpansion, Crater, Finite, Stack};
+use crate::model::{FreeSurfaces, IncrementControl, Layer, Load, Sides, Step, Target};
+
+impl Compiler<'_> {
+    pub(super) fn cavity(
+        &mut self,
+        load: &Load,
+        sides: &Sides,
+        target: usize,
+        friction: f64,
+        step: &Step,
+        state: &State,
+    ) -> Option<Box<dyn Effect>> {
+        let surface = self.surface(sides, load.span);
+        let target = &self.model.targets[target];
+        let mut refuse = |message: &str| {
+            self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
+            None
+        };
+        if !surface.skin.shells.is_empty() {
+            return refuse("the resistance of a target on shells is not supported");
+        }
+        if target.shear_strength.is_some() && !surface.skin.faces.is_empty() {
+            return refuse(
+                "a plug (SHEAR STRENGTH of the target) is found for the nose of a rigid body, not for faces that deform",
+            );
+        }
+        let stack = self.stack(target)?;
+        let detail = format!("{} into {}", sides.name, target.name);
+        let id = self.cause(load.span, "cavity expansion", surface.count(), "facets", detail);
+        if friction > 0.0 {
+            let detail = format!("Coulomb, coefficient {friction}");
+            self.cause(load.span, "friction", surface.count(), "facets", detail);
+        }
+        self.target_rows(target);
+        let travel = match step.increment {
+            IncrementControl::Automatic { accuracy, .. } => accuracy.sqrt(),
+            IncrementControl::Fixed(_) => 1.0,
+        };
+        let effect = CavityExpansion::new(id, friction, stack, surface, travel);
+        Some(Box::new(if target.separation { effect.separating(&state.dofs.nodes) } else { effect }))
+    }
+
+    fn target_rows(&mut self, target: &Target) {
+        let name = |l: &Layer| l.material.map_or("gap", |m| self.model.materials[m].name.as_str());
+        let names: Vec<_> = target.layers.iter().take(4).map(name).collect();
+        let more = if target.layers.len() > 4 { ", …" } else { "" };
+        let detail = format!("{}: {}{more}; front at z = {}", target.name, names.join(", "), target.front);
+        self.cause(target.span, "target", target.layers.len(), "layers", detail);
+        let mut row = |effect, detail: String| {
+            self.cause(target.span, effect, target.layers.len(), "layers", format!("{}: {detail}", target.name));
+        };
+        match target.free_surfaces {
+            FreeSurfaces::Off => {}
+            FreeSurfaces::Plates => row("free surfaces", "faces that border on nothing".into()),
+            FreeSurfaces::Layers => row("free surfaces", "faces of every layer".into()),
+        }
+        if let Some(depth) = target.crater {
+            row("crater", format!("{depth} deep"));
+        }
+        if let Some(strength) = target.shear_strength {
+            row("plugging", format!("shear strength {strength}"));
+        }
+        if target.separation {
+            row("separation", "the tunnel's wall stays where it is pushed".into());
+        }
+    }
+
+    fn stack(&self, target: &Target) -> Option<Stack> {
+        let law = |layer: &Layer| {
+            let Some(material) = layer.material.map(|m| &self.model.materials[m]) else {
+                return Some(Resistance::NONE);
+            };
+            let law = material.cavity?;
+            Some(Resistance::new(law.yield_stress, material.density?, [law.a, law.b, law.c]))
+        };
+        let layers = target.layers.iter().map(|l| Some((l.thickness, law(l)?))).collect::<Option<Vec<_>>>()?;
+        let stack = Stack::new(target.front, target.direction, &layers);
+        let bounded = target.free_surfaces != FreeSurfaces::Off
+            || target.crater.is_some()
+            || target.shear_strength.is_some()
+            || target.layers.iter().any(|l| l.radius.is_finite());
+        if !bounded {
+            return Some(stack);
+        }
+        let finite = Finite {
+            layers: self.bounds(target, &stack.planes),
+            crater: target.crater.map(|depth| Crater { front: target.front, direction: target.direction, depth }),
+            shear_strength: target.shear_strength,
+        };
+        Some(stack.within(finite))
+    }
+
+    /// Bounds of the layers, ascending in z as the planes between them.
+    fn bounds(&self, target: &Target, planes: &[f64]) -> Vec<Bounds> {
+        let mut layers: Vec<&Layer> = target.layers.iter().collect();
+        if target.direction < 0.0 {
+            layers.reverse();
+        }
+        let holds = |a: usize, b: usize| {
+            let solid = |at: usize| layers.get(at).is_some_and(|l| l.material.is_some());
+            target.free_surfaces != FreeSurfaces::Layers && solid(a) && solid(b)
+        };
+        let bounds = layers.iter().enumerate().map(|(at, layer)| {
+            let (mut low, mut high) = (at, at);
+            while low > 0 && holds(low - 1, low) {
+                low -= 1;
+            }
+            while holds(high, high + 1) {
+                high += 1;
+            }
+            let decay = layer.material.filter(|_| target.free_surfaces != FreeSurfaces::Off).and_then(|material| {
+                let material = &self.model.materials[material];
+                FiniteSphere::new(material.elastic?[0], material.cavity?.yield_stress)
+            });
+            Bounds { radius: layer.radius, faces: [planes[low], planes[high + 1]], decay }
+        });
+        bounds.collect()
+    }
+}
