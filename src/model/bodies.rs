@@ -3,7 +3,9 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{ElementKind, InitialCondition, InitialKind, Layer, PointMass, RigidBody, Target};
+use super::types::{
+    Attitude, ElementKind, InitialCondition, InitialKind, Layer, PointMass, RigidBody, RotaryInertia, STATIONS, Target,
+};
 use crate::deck::{Card, Diagnostic};
 
 impl Builder<'_> {
@@ -72,6 +74,58 @@ impl Builder<'_> {
         }
     }
 
+    /// Rotary inertia of ROTARYI elements: a body of revolution is as heavy to turn about 1 as about 3, and has no products.
+    pub(super) fn rotary_inertia(&mut self, card: &Card) {
+        let Some(set) = self.required(card, "ELSET") else { return };
+        let Some(line) = self.first_line(card) else { return };
+        let Some(first) = self.number(line, 0, "the moment of inertia I11") else { return };
+        let (Some(axial), Some(third)) = (self.number_or(line, 1, first), self.number_or(line, 2, first)) else { return };
+        if first < 0.0 || axial < 0.0 || first != third {
+            let message = format!("I11 and I33 of a body of revolution are equal, and none is below zero, not {first}, {axial}, {third}");
+            self.out_of_range(line.span, message);
+            return;
+        }
+        let elements = self.element_members(set).unwrap_or_default();
+        let mesh = &self.model.mesh;
+        if let Some(&other) = elements.iter().find(|&&e| mesh.elements[e].kind != ElementKind::RotaryInertia) {
+            let other = &mesh.elements[other];
+            let message = format!(
+                "`{}` holds element {} of the type {}: *ROTARY INERTIA is for elements of TYPE=ROTARYI",
+                set.text,
+                other.name,
+                other.kind.name()
+            );
+            self.diagnostics.push(Diagnostic::error("M121", message).at(set.span, "this set"));
+            return;
+        }
+        self.claim("rotary inertia", &elements, card.span);
+        for element in elements {
+            let node = self.model.mesh.elements[element].nodes[0];
+            let axial_transverse = [axial, first];
+            self.model.rotary_inertias.push(RotaryInertia { node, axial_transverse, span: card.span });
+        }
+    }
+
+    pub(super) fn attitude(&mut self, card: &Card) {
+        let Some(reference) = self.required(card, "REF NODE") else { return };
+        let Some(nodes) = self.node_members(reference) else { return };
+        let [reference] = nodes[..] else {
+            self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+            return;
+        };
+        let stations = card.value("STATIONS").map_or(Some(STATIONS as f64), |w| w.number(&mut self.diagnostics));
+        let uniform = card.value("INERTIA").is_some_and(|w| upper(&w.text) == "UNIFORM");
+        let line = card.lines.first();
+        let angle = |builder: &mut Self, at| line.map_or(Some(0.0), |line| builder.number_or(line, at, 0.0));
+        let (Some(stations), Some(first), Some(second)) = (stations, angle(self, 0), angle(self, 1)) else { return };
+        if stations.fract() != 0.0 || !(4.0..=4096.0).contains(&stations) {
+            self.out_of_range(card.span, format!("STATIONS is a whole number from 4 to 4096, not {stations}"));
+            return;
+        }
+        let (angles, stations) = ([first, second], stations as usize);
+        self.model.attitudes.push(Attitude { reference, angles, stations, uniform, span: card.span });
+    }
+
     /// Several masses on one node add up; MASS elements without *MASS are left without.
     pub(super) fn apply_masses(&mut self) {
         self.model.point_masses.retain(|p| p.mass > 0.0);
@@ -81,7 +135,12 @@ impl Builder<'_> {
         let Some(name) = self.required(card, "NAME") else { return };
         let front = card.value("FRONT").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
         let direction = card.value("DIRECTION").map_or(Some(-1.0), |w| w.number(&mut self.diagnostics));
-        let (Some(front), Some(direction)) = (front, direction) else { return };
+        let obliquity = card.value("OBLIQUITY").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
+        let (Some(front), Some(direction), Some(obliquity)) = (front, direction, obliquity) else { return };
+        if obliquity.is_nan() || obliquity.abs() >= 90.0 {
+            self.out_of_range(card.span, format!("OBLIQUITY lies between -90 and 90 degrees, not at {obliquity}"));
+            return;
+        }
         if direction.abs() != 1.0 {
             self.out_of_range(card.span, format!("DIRECTION is +1 or -1, not {direction}"));
             return;
@@ -118,7 +177,8 @@ impl Builder<'_> {
             let span = layer.span;
             self.out_of_range(span, "only the last layer may be without end");
         }
-        self.model.targets.push(Target { name: upper(&name.text), front, direction, layers, span: card.span });
+        let name = upper(&name.text);
+        self.model.targets.push(Target { name, front, direction, obliquity, layers, span: card.span });
     }
 
     pub(super) fn initial_conditions(&mut self, card: &Card) {

@@ -11,13 +11,14 @@ use crate::kernel::amplitude::Curve;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
+use crate::mesh::surface::{Patch, Surface};
 use crate::load::Load as Effect;
-use crate::load::cavity::{CavityExpansion, Stack};
+use crate::load::cavity::{CavityExpansion, Stack, Tilt};
 use crate::load::concentrated::Concentrated;
 use crate::load::gravity::Gravity;
 use crate::load::pressure::Pressure;
 use crate::load::user_load::{Description, UserLoad, Volume};
-use crate::model::{self, AmplitudeDefinition, ElementKind, IncrementControl, Load, LoadKind, Sides, Step};
+use crate::model::{self, AmplitudeDefinition, DEFAULT_ACCURACY, ElementKind, IncrementControl, Load, LoadKind, Sides, Step};
 use crate::state::magnitude::{Magnitude, Shape};
 
 impl Compiler<'_> {
@@ -45,7 +46,7 @@ impl Compiler<'_> {
             LoadKind::Pressure(sides) => self.pressure(load, sides),
             LoadKind::User { sides, load_type } => self.user_load(load, sides, *load_type, state),
             LoadKind::UserBody { elements, set, load_type } => self.user_body(load, elements, set, *load_type, state),
-            LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step),
+            LoadKind::Cavity { sides, target, friction } => self.cavity(load, sides, *target, *friction, step, state),
             // They act on temperatures (heat.rs).
             LoadKind::NodalHeat { .. }
             | LoadKind::SurfaceHeat(_)
@@ -71,19 +72,35 @@ impl Compiler<'_> {
             let detail = format!("M = {}{}", load.magnitude, self.amplitude_name(load));
             let id = self.cause(load.span, "concentrated moment", turning.len(), "nodes", detail);
             let magnitude = self.magnitude(load.magnitude, load.amplitude);
-            return Some(Box::new(Concentrated { id, bodies: Vec::new(), nodes: turning, axis: 0, magnitude }));
+            return Some(Box::new(Concentrated {
+                id,
+                bodies: Vec::new(),
+                flights: Vec::new(),
+                nodes: turning,
+                axis: 0,
+                magnitude,
+            }));
         }
         let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
+        let mut flights = Vec::new();
         for node in nodes {
             match (self.places.free_node(*node), self.body_of_node.get(node)) {
                 (Some(place), _) => deforming.push(place),
-                (_, Some(&body)) => bodies.push(body),
+                (_, Some(&body)) => match self.bodies[body].flight {
+                    Some(flight) => flights.push((flight, self.model.mesh.points[*node][1])),
+                    None => bodies.push(body),
+                },
                 _ => stray = true,
             }
         }
         if stray {
             let message = format!("a force acts on nodes of `{set}` that belong to no body");
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
+        }
+        if dof != 2 && !flights.is_empty() {
+            let name = self.bodies.iter().find(|b| b.flight == Some(flights[0].0)).map_or(String::new(), |b| b.name.clone());
+            self.refuse_on_flight(load.span, &name, "a concentrated force that is not along 2, or a moment,");
+            flights.clear();
         }
         if dof != 2 && !bodies.is_empty() {
             self.unused(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
@@ -93,7 +110,7 @@ impl Compiler<'_> {
             self.unused(load.span, "*CLOAD", "nodes of a body of revolution move along r and z only");
             deforming.clear();
         }
-        let count = bodies.len() + deforming.len();
+        let count = bodies.len() + flights.len() + deforming.len();
         if count == 0 {
             return None;
         }
@@ -109,7 +126,7 @@ impl Compiler<'_> {
         let detail = format!("F_{} = {}{}", ["r", "z"][axis], load.magnitude, self.amplitude_name(load));
         let id = self.cause(load.span, "concentrated force", count, "nodes", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        Some(Box::new(Concentrated { id, bodies, nodes: deforming, axis, magnitude }))
+        Some(Box::new(Concentrated { id, bodies, flights, nodes: deforming, axis, magnitude }))
     }
 
     fn gravity(
@@ -120,12 +137,14 @@ impl Compiler<'_> {
         state: &State,
     ) -> Option<Box<dyn Effect>> {
         let axial = load.magnitude * direction[1];
-        if axial == 0.0 {
+        let flies = self.bodies.iter().any(|b| b.flight.is_some());
+        if axial == 0.0 && !(flies && direction[0] != 0.0) {
             self.unused(load.span, "GRAV", "it has no component along z, and a body of revolution moves along z only");
             return None;
         }
-        let bodies: Vec<(usize, f64)> =
-            (0..self.bodies.len()).filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
+        let along_z = (0..self.bodies.len()).filter(|&b| self.bodies[b].flight.is_none());
+        let bodies: Vec<(usize, f64)> = along_z.filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
+        let flights = self.weighed_flights(load, elements);
         let nodes: Vec<(usize, f64)> = match elements {
             None => {
                 let masses = state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0);
@@ -134,16 +153,33 @@ impl Compiler<'_> {
             }
             Some(list) => self.masses_of(list),
         };
-        if bodies.is_empty() && nodes.is_empty() {
+        if bodies.is_empty() && flights.is_empty() && nodes.is_empty() {
             let message = "gravity acts on elements that belong to no body";
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
         let detail = format!("a_z = {axial}{}", self.amplitude_name(load));
         let (count, unit) =
-            if nodes.is_empty() { (bodies.len(), "bodies") } else { (bodies.len() + nodes.len(), "nodes") };
+            if nodes.is_empty() { (bodies.len() + flights.len(), "bodies") } else { (bodies.len() + nodes.len(), "nodes") };
         let id = self.cause(load.span, "gravity", count, unit, detail);
         let acceleration = self.magnitude(axial, load.amplitude);
-        Some(Box::new(Gravity { id, bodies, nodes, whole: elements.is_none(), acceleration }))
+        let across = self.magnitude(load.magnitude * direction[0], load.amplitude);
+        Some(Box::new(Gravity { id, bodies, flights, nodes, whole: elements.is_none(), acceleration, across }))
+    }
+
+    /// Bodies with six degrees of freedom on which gravity acts, all of the mass of each at its centre.
+    fn weighed_flights(&mut self, load: &Load, elements: Option<&[usize]>) -> Vec<(usize, f64)> {
+        let mut flights = Vec::new();
+        for b in 0..self.bodies.len() {
+            let body = &self.bodies[b];
+            let (Some(flight), Some(mass)) = (body.flight, self.weighed(body, elements)) else { continue };
+            if mass == body.mass() {
+                flights.push((flight, mass));
+            } else {
+                let name = body.name.clone();
+                self.refuse_on_flight(load.span, &name, "gravity on a part of its mass");
+            }
+        }
+        flights
     }
 
     /// The mass of a body on which gravity acts: all of it, or of the elements named its own, or that of the point masses among
@@ -184,6 +220,7 @@ impl Compiler<'_> {
 
     fn pressure(&mut self, load: &Load, sides: &Sides) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
+        self.refuse_on_patches(load, &surface);
         let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, self.amplitude_name(load));
         let id = self.cause(load.span, "pressure", surface.count(), "facets", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
@@ -197,8 +234,9 @@ impl Compiler<'_> {
         target: usize,
         friction: f64,
         step: &Step,
+        state: &State,
     ) -> Option<Box<dyn Effect>> {
-        let surface = self.surface(sides, load.span);
+        let mut surface = self.surface(sides, load.span);
         if !surface.skin.shells.is_empty() {
             let message = "the resistance of a target on shells is not supported";
             self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
@@ -206,11 +244,19 @@ impl Compiler<'_> {
         }
         let target = &self.model.targets[target];
         let layers = self.layers(target)?;
+        if target.obliquity != 0.0 && !surface.skin.faces.is_empty() {
+            let message = format!("target {} is tilted: what deforms cannot meet it in a body of revolution", target.name);
+            let finding = Diagnostic::error("P132", message).at(load.span, "here").at(target.span, "its OBLIQUITY");
+            self.diagnostics.push(finding.help("a tilted target resists rigid bodies"));
+            return None;
+        }
+        let count = surface.count();
+        let oblique = self.take_oblique(&mut surface);
         let detail = format!("{} into {}", sides.name, target.name);
-        let id = self.cause(load.span, "cavity expansion", surface.count(), "facets", detail);
+        let id = self.cause(load.span, "cavity expansion", count, "facets", detail);
         if friction > 0.0 {
             let detail = format!("Coulomb, coefficient {friction}");
-            self.cause(load.span, "friction", surface.count(), "facets", detail);
+            self.cause(load.span, "friction", count, "facets", detail);
         }
         self.layer_row(target);
         let travel = match step.increment {
@@ -218,14 +264,39 @@ impl Compiler<'_> {
             IncrementControl::Fixed(_) => 1.0,
         };
         let stack = Stack::new(target.front, target.direction, &layers);
-        Some(Box::new(CavityExpansion::new(id, friction, stack, surface, travel)))
+        let mut load = CavityExpansion::new(id, friction, stack, surface, travel);
+        // Increments that the deck gives follow no accuracy.
+        let travel = travel.min(DEFAULT_ACCURACY.sqrt());
+        for (patch, flight) in oblique {
+            let tilt = Tilt::new(target.front, target.obliquity.to_radians());
+            let of = &state.dofs.flights[flight];
+            load = load.with_oblique(&patch, (flight, of), (tilt, target.direction), travel);
+        }
+        Some(Box::new(load))
+    }
+
+    /// Takes from a surface what lies on bodies with six degrees of freedom, with their indices.
+    fn take_oblique(&self, surface: &mut Surface) -> Vec<(Patch, usize)> {
+        let (oblique, along_z): (Vec<Patch>, Vec<Patch>) =
+            std::mem::take(&mut surface.patches).into_iter().partition(|p| self.bodies[p.body].flight.is_some());
+        surface.patches = along_z;
+        oblique.into_iter().filter_map(|patch| Some((self.bodies[patch.body].flight?, patch))).map(|(f, p)| (p, f)).collect()
+    }
+
+    /// Refuses a load on surfaces of bodies with six degrees of freedom.
+    fn refuse_on_patches(&mut self, load: &Load, surface: &Surface) {
+        let oblique = surface.patches.iter().map(|p| &self.bodies[p.body]).find(|b| b.flight.is_some());
+        if let Some(name) = oblique.map(|body| body.name.clone()) {
+            self.refuse_on_flight(load.span, &name, kind_name(&load.kind));
+        }
     }
 
     fn layer_row(&mut self, target: &model::Target) {
         let names: Vec<_> =
             target.layers.iter().take(4).map(|l| self.model.materials[l.material].name.clone()).collect();
         let more = if target.layers.len() > 4 { ", …" } else { "" };
-        let detail = format!("{}: {}{more}; front at z = {}", target.name, names.join(", "), target.front);
+        let tilt = if target.obliquity == 0.0 { String::new() } else { format!(", tilted by {} deg", target.obliquity) };
+        let detail = format!("{}: {}{more}; front at z = {}{tilt}", target.name, names.join(", "), target.front);
         self.cause(target.span, "target", target.layers.len(), "layers", detail);
     }
 
@@ -242,6 +313,7 @@ impl Compiler<'_> {
     /// `PNU` and `P1NU` to `P4NU`.
     fn user_load(&mut self, load: &Load, sides: &Sides, load_type: i32, state: &State) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
+        self.refuse_on_patches(load, &surface);
         // The manual: normals point out of a surface element's loaded side, and into a solid.
         let solid = |e: usize| !matches!(self.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
         let inward = sides.faces.first().is_some_and(|f| solid(f.0));
@@ -267,6 +339,11 @@ impl Compiler<'_> {
             }
             let corners: Vec<[f64; 2]> = mesh.elements[element].nodes.iter().map(|&n| mesh.points[n]).collect();
             match self.body_of_element.get(&element) {
+                Some(&body) if self.bodies[body].flight.is_some() => {
+                    let name = self.bodies[body].name.clone();
+                    self.refuse_on_flight(load.span, &name, "a user body force");
+                    return None;
+                }
                 Some(&body) if corners.len() > 2 => {
                     volume.rigid.push((body, element, solid::centre(&corners), solid::volume(&corners)));
                 }
