@@ -3,6 +3,7 @@
 
 pub mod amplitude;
 pub mod assumed;
+pub mod attitude;
 pub mod cavity;
 pub mod conduction;
 pub mod corners;

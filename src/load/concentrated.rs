@@ -4,9 +4,10 @@
 use super::{Account, Load, Slot, View};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist};
+use crate::state::flight::{Flight, Wrench};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
-use crate::state::magnitude::Magnitude;
+use crate::state::magnitude::{Clock, Magnitude};
 use crate::user::Locked;
 
 /// The same force along one axis on each of some bodies and nodes.
@@ -16,6 +17,8 @@ pub struct Concentrated {
     pub id: EffectId,
     /// Bodies, pushed along z.
     pub bodies: Vec<usize>,
+    /// Bodies with six degrees of freedom, by their index, pushed along 2 at a height on their axis.
+    pub flights: Vec<(usize, f64)>,
     /// Nodes.
     pub nodes: Vec<usize>,
     /// 0 along r, 1 along z.
@@ -48,12 +51,22 @@ impl Load for Concentrated {
         Ok(())
     }
 
+    fn on_flights(&mut self, clock: &Clock<'_>, flights: &mut [Flight]) -> Result<(), Halt> {
+        let force = [0.0, self.magnitude.at(clock), 0.0];
+        for &(flight, height) in &self.flights {
+            let arm = flights[flight].arm([0.0, height], 0.0);
+            flights[flight].forces[0].add(&Wrench::at(arm, force));
+        }
+        Ok(())
+    }
+
     fn limit(&self, view: &View<'_>) -> Limit {
         self.magnitude.limit(&view.clock)
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let places = size_of::<usize>() * (self.bodies.capacity() + self.nodes.capacity());
+        let places = places + size_of::<(usize, f64)>() * self.flights.capacity();
         vec![("places", places), ("amplitude", self.magnitude.bytes())]
     }
 
@@ -64,6 +77,6 @@ impl Load for Concentrated {
 
 impl Persist for Concentrated {
     fn persist(&mut self, _archive: &mut Archive<'_>) {
-        let Concentrated { id: _, bodies: _, nodes: _, axis: _, magnitude: _ } = self;
+        let Concentrated { id: _, bodies: _, flights: _, nodes: _, axis: _, magnitude: _ } = self;
     }
 }

@@ -4,9 +4,10 @@
 use super::{Account, Load, Slot, View};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::flight::{Flight, Wrench};
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
-use crate::state::magnitude::Magnitude;
+use crate::state::magnitude::{Clock, Magnitude};
 use crate::user::Locked;
 
 /// Gravity along z on some bodies and nodes.
@@ -16,12 +17,16 @@ pub struct Gravity {
     pub id: EffectId,
     /// `(body, mass it acts on)`.
     pub bodies: Vec<(usize, f64)>,
+    /// Bodies with six degrees of freedom, by their index: the mass of each.
+    pub flights: Vec<(usize, f64)>,
     /// `(node, mass it acts on)`.
     pub nodes: Vec<(usize, f64)>,
     /// Whether it acts on all of the nodes' mass, whatever that becomes.
     pub whole: bool,
     /// Acceleration along z.
     pub acceleration: Magnitude,
+    /// Acceleration along 1, of bodies with six degrees of freedom.
+    pub across: Magnitude,
 }
 
 impl Load for Gravity {
@@ -51,6 +56,15 @@ impl Load for Gravity {
         Ok(())
     }
 
+    fn on_flights(&mut self, clock: &Clock<'_>, flights: &mut [Flight]) -> Result<(), Halt> {
+        let (along, across) = (self.acceleration.at(clock), self.across.at(clock));
+        for &(flight, mass) in &self.flights {
+            let force = [mass * across, mass * along, 0.0];
+            flights[flight].forces[0].add(&Wrench { force, moment: [0.0; 3] });
+        }
+        Ok(())
+    }
+
     fn limit(&self, view: &View<'_>) -> Limit {
         self.acceleration.limit(&view.clock)
     }
@@ -62,8 +76,9 @@ impl Load for Gravity {
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let masses = size_of::<(usize, f64)>() * (self.bodies.capacity() + self.nodes.capacity());
-        vec![("masses", masses), ("amplitude", self.acceleration.bytes())]
+        let masses =
+            size_of::<(usize, f64)>() * (self.bodies.capacity() + self.flights.capacity() + self.nodes.capacity());
+        vec![("masses", masses), ("amplitude", self.acceleration.bytes() + self.across.bytes())]
     }
 
     fn copy(&self) -> Box<dyn Load> {
@@ -73,7 +88,7 @@ impl Load for Gravity {
 
 impl Persist for Gravity {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Gravity { id: _, bodies: _, nodes, whole: _, acceleration: _ } = self;
+        let Gravity { id: _, bodies: _, flights: _, nodes, whole: _, acceleration: _, across: _ } = self;
         persist_fields!(archive; nodes.as_mut_slice());
     }
 }

@@ -13,6 +13,7 @@ pub mod user_load;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
+use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::magnitude::Clock;
@@ -84,6 +85,47 @@ pub enum Unfinished {
     Through,
 }
 
+/// What has become of a body with six degrees of freedom in a target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum How {
+    /// It lies still in it.
+    AtRest,
+    /// It still moves in it.
+    Moving,
+    /// It has left it through its back.
+    Through,
+    /// It has left it through its front.
+    Ricochet,
+    /// It has not touched it.
+    NotMet,
+}
+
+impl How {
+    /// In words, as results have it.
+    pub fn words(self) -> &'static str {
+        match self {
+            How::AtRest => "at rest",
+            How::Moving => "in the target",
+            How::Through => "through",
+            How::Ricochet => "ricochet",
+            How::NotMet => "not met",
+        }
+    }
+}
+
+/// How the flight of a body with six degrees of freedom stands to a target.
+#[derive(Clone, Copy, Debug)]
+pub struct FlightEnd {
+    /// Index of the flight.
+    pub flight: usize,
+    /// What has become of it.
+    pub how: How,
+    /// Total time at which it had left the target.
+    pub time: Option<f64>,
+    /// Angle between its velocity and the target's normal, radians, 0 to pi/2.
+    pub obliquity: f64,
+}
+
 /// A load. Forces on nodes come first: those of tied nodes count among the forces on their bodies, which resistances meet.
 pub trait Load: Persist + Send + Sync {
     /// Its row of the ledger.
@@ -106,6 +148,24 @@ pub trait Load: Persist + Send + Sync {
     /// # Errors
     /// Where no finite force can be given; the run halts.
     fn on_bodies(&mut self, view: &View<'_>, user: &mut Locked<'_>, out: &mut [f64]) -> Result<(), Halt>;
+
+    /// Adds its forces and moments to those of bodies with six degrees of freedom.
+    ///
+    /// # Errors
+    /// Where no finite force can be given; the run halts.
+    fn on_flights(&mut self, _clock: &Clock<'_>, _flights: &mut [Flight]) -> Result<(), Halt> {
+        Ok(())
+    }
+
+    /// Indices of the bodies with six degrees of freedom that it resists.
+    fn resists(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// What has become of these.
+    fn ends(&self, _dofs: &Dofs) -> Vec<FlightEnd> {
+        Vec::new()
+    }
 
     /// What it makes of velocity.
     fn velocity(&self) -> VelocityUse {

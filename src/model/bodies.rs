@@ -3,7 +3,9 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{ElementKind, InitialCondition, InitialKind, PointMass, RigidBody};
+use super::types::{
+    Attitude, ElementKind, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, STATIONS,
+};
 use crate::deck::{Card, Diagnostic};
 
 impl Builder<'_> {
@@ -70,6 +72,62 @@ impl Builder<'_> {
             let node = self.model.mesh.elements[element].nodes[0];
             self.model.point_masses.push(PointMass { node, mass, span: card.span });
         }
+    }
+
+    /// Rotary inertia of ROTARYI elements: a body of revolution is as heavy to turn about 1 as about 3, and has no products.
+    pub(super) fn rotary_inertia(&mut self, card: &Card) {
+        let Some(set) = self.required(card, "ELSET") else { return };
+        let Some(line) = self.first_line(card) else { return };
+        let Some(first) = self.number(line, 0, "the moment of inertia I11") else { return };
+        let (Some(axial), Some(third)) = (self.number_or(line, 1, first), self.number_or(line, 2, first)) else {
+            return;
+        };
+        if first < 0.0 || axial < 0.0 || first != third {
+            let message = format!(
+                "I11 and I33 of a body of revolution are equal, and none is below zero, not {first}, {axial}, {third}"
+            );
+            self.out_of_range(line.span, message);
+            return;
+        }
+        let elements = self.element_members(set).unwrap_or_default();
+        let mesh = &self.model.mesh;
+        if let Some(&other) = elements.iter().find(|&&e| mesh.elements[e].kind != ElementKind::RotaryInertia) {
+            let other = &mesh.elements[other];
+            let message = format!(
+                "`{}` holds element {} of the type {}: *ROTARY INERTIA is for elements of TYPE=ROTARYI",
+                set.text,
+                other.name,
+                other.kind.name()
+            );
+            self.diagnostics.push(Diagnostic::error("M121", message).at(set.span, "this set"));
+            return;
+        }
+        self.claim("rotary inertia", &elements, card.span);
+        for element in elements {
+            let node = self.model.mesh.elements[element].nodes[0];
+            let axial_transverse = [axial, first];
+            self.model.rotary_inertias.push(RotaryInertia { node, axial_transverse, span: card.span });
+        }
+    }
+
+    pub(super) fn attitude(&mut self, card: &Card) {
+        let Some(reference) = self.required(card, "REF NODE") else { return };
+        let Some(nodes) = self.node_members(reference) else { return };
+        let [reference] = nodes[..] else {
+            self.out_of_range(reference.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
+            return;
+        };
+        let stations = card.value("STATIONS").map_or(Some(STATIONS as f64), |w| w.number(&mut self.diagnostics));
+        let uniform = card.value("INERTIA").is_some_and(|w| upper(&w.text) == "UNIFORM");
+        let line = card.lines.first();
+        let angle = |builder: &mut Self, at| line.map_or(Some(0.0), |line| builder.number_or(line, at, 0.0));
+        let (Some(stations), Some(first), Some(second)) = (stations, angle(self, 0), angle(self, 1)) else { return };
+        if stations.fract() != 0.0 || !(4.0..=4096.0).contains(&stations) {
+            self.out_of_range(card.span, format!("STATIONS is a whole number from 4 to 4096, not {stations}"));
+            return;
+        }
+        let (angles, stations) = ([first, second], stations as usize);
+        self.model.attitudes.push(Attitude { reference, angles, stations, uniform, span: card.span });
     }
 
     /// Several masses on one node add up; MASS elements without *MASS are left without.

@@ -213,6 +213,8 @@ impl<'a> Builder<'a> {
             "EROSION" => self.erosion(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
+            "ROTARY INERTIA" => self.rotary_inertia(card),
+            "ATTITUDE" => self.attitude(card),
             "CONTACT PAIR" => self.contact_pair(card),
             "CONTACT" => self.general_contact(card),
             "CONTACT INCLUSIONS"

@@ -191,6 +191,17 @@ impl Check<'_> {
                 format!("a mass must not be below zero, not {}", point.mass)
             });
         }
+        for attitude in &model.attitudes {
+            self.nodes(attitude.span, &[attitude.reference]);
+            let good = attitude.angles.iter().all(|a| a.is_finite()) && (4..=4096).contains(&attitude.stations);
+            self.value(good, attitude.span, || "an attitude has finite angles and 4 to 4096 stations".into());
+        }
+        for inertia in &model.rotary_inertias {
+            self.nodes(inertia.span, &[inertia.node]);
+            self.value(inertia.axial_transverse.iter().all(|i| not_below(*i)), inertia.span, || {
+                "a rotary inertia must not be below zero".into()
+            });
+        }
         for surface in model.rigid_surfaces.values() {
             self.nodes(surface.span, surface.reference.as_slice());
             let segments = &surface.profile.segments;
@@ -223,8 +234,13 @@ impl Check<'_> {
     }
 
     fn target(&mut self, target: &Target) {
-        let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
-        self.value(good, target.span, || "a target needs a front, the direction +1 or -1, and layers".into());
+        let good = target.front.is_finite()
+            && target.direction.abs() == 1.0
+            && !target.layers.is_empty()
+            && target.obliquity.abs() < 90.0;
+        self.value(good, target.span, || {
+            "a target needs a front, the direction +1 or -1, an obliquity below 90 degrees, and layers".into()
+        });
         for layer in &target.layers {
             self.value(layer.thickness > 0.0 && layer.radius > 0.0, layer.span, || {
                 format!("a layer must be thicker and wider than zero, not {} by {}", layer.thickness, layer.radius)

@@ -23,6 +23,7 @@ const SUPPORTED: &[(&str, ElementKind)] = &[
     ("CAX3T", ElementKind::Cax3t),
     ("CAX4RT", ElementKind::Cax4rt),
     ("MASS", ElementKind::Mass),
+    ("ROTARYI", ElementKind::RotaryInertia),
     ("SPRINGA", ElementKind::SpringA),
     ("SPRING1", ElementKind::Spring1),
     ("DASHPOTA", ElementKind::DashpotA),
@@ -48,7 +49,6 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("COHAX4", "cohesive elements are not simulated"),
     ("SPRING2", "SPRINGA and SPRING1 are"),
     ("DASHPOT2", "DASHPOTA and DASHPOT1 are"),
-    ("ROTARYI", "a body of revolution does not turn"),
     ("CONN2D2", "connectors are not simulated"),
 ];
 
@@ -83,7 +83,7 @@ impl ElementKind {
     /// How many nodes it has.
     pub fn node_count(self) -> usize {
         match self {
-            ElementKind::Mass | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
+            ElementKind::Mass | ElementKind::RotaryInertia | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
             ElementKind::Rax2 | ElementKind::Sax1 | ElementKind::SpringA | ElementKind::DashpotA => 2,
             ElementKind::Cax3 | ElementKind::Cax3t => 3,
             ElementKind::Cax4r | ElementKind::Cax4rt => 4,
@@ -106,9 +106,9 @@ impl ElementKind {
         matches!(self, Dashpot1 | DashpotA | Spring1 | SpringA)
     }
 
-    /// Whether it has no volume and no surface: a point mass, a spring, a dashpot.
+    /// Whether it has no volume and no surface: a point mass, a rotary inertia, a spring, a dashpot.
     pub fn is_discrete(self) -> bool {
-        self == ElementKind::Mass || self.is_connector()
+        matches!(self, ElementKind::Mass | ElementKind::RotaryInertia) || self.is_connector()
     }
 
     /// ABAQUS's name of the type.

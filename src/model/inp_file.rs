@@ -58,7 +58,7 @@ fn shape(name: &str) -> Option<(usize, usize)> {
     let count: usize = digits.chars().rev().collect::<String>().parse().ok()?;
     let line = ["T2D", "T3D", "B2", "B3", "RAX", "R2D", "SAX", "MAX"].iter().any(|p| name.starts_with(p));
     match name {
-        "MASS" | "SPRING1" | "DASHPOT1" => Some((1, 0)),
+        "MASS" | "ROTARYI" | "SPRING1" | "DASHPOT1" => Some((1, 0)),
         "B21" | "B31" | "SAX1" | "MAX1" => Some((2, 1)),
         "B22" | "B32" | "SAX2" | "MAX2" => Some((3, 1)),
         "T2D2" | "T3D2" | "RAX2" | "R2D2" => Some((2, 1)),

@@ -107,6 +107,8 @@ pub(super) fn is_skipped(card: &Card) -> bool {
         "SECTION CONTROLS",
         "BOUNDARY",
         "RIGID BODY",
+        "ATTITUDE",
+        "ROTARY INERTIA",
         "SOLID SECTION",
         "SHELL SECTION",
     ];

@@ -72,6 +72,7 @@ mod vtk_file;
 pub use element_nodes::ElementNodes;
 pub use name::Name;
 pub use shared::Shared;
+pub use steps::DEFAULT_ACCURACY;
 pub use types::*;
 pub use units::{SYSTEMS, System, Units, is_without_units};
 pub use vtk_file::silence_caught_panics;

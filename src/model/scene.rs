@@ -26,6 +26,9 @@ pub struct TargetOutline {
     pub front: f64,
     /// +1 or -1: the way the layers follow each other along z.
     pub direction: f64,
+    /// Angle in degrees by which its planes are turned about direction 3; absent where they are level.
+    #[serde(skip_serializing_if = "level")]
+    pub obliquity: f64,
     /// From the front on.
     pub layers: Vec<LayerOutline>,
 }
@@ -80,13 +83,18 @@ impl Scene {
     }
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref)] // As serde asks.
+fn level(obliquity: &f64) -> bool {
+    *obliquity == 0.0
+}
+
 fn target(model: &Model, target: &Target) -> TargetOutline {
     let layers = target.layers.iter().map(|layer| LayerOutline {
         material: layer.material.and_then(|m| model.materials.get(m)).map_or(String::new(), |m| m.name.clone()),
         thickness: Some(layer.thickness).filter(|t| t.is_finite()),
     });
     let (name, front, direction) = (target.name.clone(), target.front, target.direction);
-    TargetOutline { name, front, direction, layers: layers.collect() }
+    TargetOutline { name, front, direction, obliquity: target.obliquity, layers: layers.collect() }
 }
 
 fn carrier(model: &Model, surface: &RigidSurface) -> Option<String> {

@@ -12,7 +12,12 @@ impl Builder<'_> {
         let Some(name) = self.required(card, "NAME") else { return };
         let front = card.value("FRONT").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
         let direction = card.value("DIRECTION").map_or(Some(-1.0), |w| w.number(&mut self.diagnostics));
-        let (Some(front), Some(direction)) = (front, direction) else { return };
+        let obliquity = card.value("OBLIQUITY").map_or(Some(0.0), |w| w.number(&mut self.diagnostics));
+        let (Some(front), Some(direction), Some(obliquity)) = (front, direction, obliquity) else { return };
+        if obliquity.is_nan() || obliquity.abs() >= 90.0 {
+            self.out_of_range(card.span, format!("OBLIQUITY lies between -90 and 90 degrees, not at {obliquity}"));
+            return;
+        }
         if direction.abs() != 1.0 {
             self.out_of_range(card.span, format!("DIRECTION is +1 or -1, not {direction}"));
             return;
@@ -46,6 +51,7 @@ impl Builder<'_> {
             name,
             front,
             direction,
+            obliquity,
             layers,
             free_surfaces,
             crater,

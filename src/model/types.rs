@@ -97,6 +97,10 @@ pub struct Model {
     pub surface_ties: Vec<SurfaceTie>,
     /// `*INITIAL CONDITIONS`.
     pub initial_conditions: Vec<InitialCondition>,
+    /// `*ATTITUDE`.
+    pub attitudes: Vec<Attitude>,
+    /// `*ROTARY INERTIA` on nodes.
+    pub rotary_inertias: Vec<RotaryInertia>,
     /// `*TARGET` stacks.
     pub targets: Vec<Target>,
     /// Precision of what can be in either.
@@ -231,6 +235,8 @@ pub enum ElementKind {
     Cax4rt,
     /// One-node point mass.
     Mass,
+    /// One-node rotary inertia.
+    RotaryInertia,
     /// Spring along the line between two nodes.
     SpringA,
     /// Spring between a node and the ground.
@@ -685,6 +691,36 @@ pub struct RigidBody {
     pub span: Span,
 }
 
+/// Attitude of a rigid body at the start, and how it is followed if its impact is oblique (extension).
+#[derive(Clone, Debug)]
+pub struct Attitude {
+    /// Reference node of the body.
+    pub reference: usize,
+    /// Angles in degrees by which it is turned about its reference node: about direction 3, in the plane in which targets are
+    /// tilted, and then about direction 1, out of it.
+    pub angles: [f64; 2],
+    /// Stations around the axis at which resistance is taken.
+    pub stations: usize,
+    /// Whether its mass is spread evenly over the volume that its meridian encloses, for its centre and its inertia.
+    pub uniform: bool,
+    /// The card.
+    pub span: Span,
+}
+
+/// Stations around the axis unless `*ATTITUDE` says how many.
+pub const STATIONS: usize = 64;
+
+/// A rotary inertia on a node.
+#[derive(Clone, Copy, Debug)]
+pub struct RotaryInertia {
+    /// Node index.
+    pub node: usize,
+    /// Moment of inertia about the axis of symmetry, and about any axis across it through the node.
+    pub axial_transverse: [f64; 2],
+    /// The card.
+    pub span: Span,
+}
+
 /// A mass on a node.
 #[derive(Clone, Copy, Debug)]
 pub struct PointMass {
@@ -921,7 +957,7 @@ pub struct InitialCondition {
 /// What an initial condition gives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InitialKind {
-    /// Degree of freedom (1 = r, 2 = z, 6 = rotation) and velocity.
+    /// Degree of freedom (1 = r, 2 = z, 6 = rotation; of oblique bodies 1 to 3 along 1, 2, 3, and 4 to 6 about them) and velocity.
     Velocity(u8, f64),
     /// Temperature.
     Temperature(f64),
@@ -946,6 +982,8 @@ pub struct Target {
     pub front: f64,
     /// +1 or -1: the way the layers follow each other along z.
     pub direction: f64,
+    /// Angle in degrees by which its planes are turned about direction 3, through the point where the front meets the axis.
+    pub obliquity: f64,
     /// From the front on.
     pub layers: Vec<Layer>,
     /// Which of its faces weaken what it resists with.

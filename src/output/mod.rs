@@ -48,6 +48,10 @@ pub struct Frame {
     pub increment: u64,
     /// Current coordinates `[r, z]`.
     pub points: Vec<[f64; 2]>,
+    /// Third coordinates of points, of bodies in space; empty where all lie in the plane of the mesh.
+    pub third: Vec<f64>,
+    /// The same at the start.
+    pub third_at_start: Vec<f64>,
     /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
     pub cells: Vec<Vec<usize>>,
     /// Whether what a cell stood for is deleted, for each cell; empty where none is.

@@ -43,7 +43,7 @@ impl VtuWriter {
         VtuWriter { points, compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }
     }
 
-    /// The text of a frame. r becomes x, z becomes y.
+    /// The text of a frame. r becomes x, z becomes y, and 3 of bodies in space z.
     pub fn text(&mut self, frame: &Frame) -> &str {
         self.text.clear();
         self.line(
@@ -62,7 +62,8 @@ impl VtuWriter {
         self.cell_data(frame);
         self.line("<Points>");
         let places = if reference { &frame.start } else { &frame.points };
-        let places = places.iter().flat_map(|p| [p[0], p[1], 0.0]);
+        let third = if reference { &frame.third_at_start } else { &frame.third };
+        let places = places.iter().enumerate().flat_map(|(i, p)| [p[0], p[1], third.get(i).copied().unwrap_or(0.0)]);
         self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
         self.line("</Points>");
         self.topology(&frame.cells, &frame.deleted);
@@ -80,9 +81,12 @@ impl VtuWriter {
         self.line("<PointData>");
         frame.point_fields.iter().for_each(|field| self.field(field));
         if self.points == Points::Reference && frame.point_fields.iter().all(|field| field.name != "U") {
-            let moved = frame.points.iter().zip(&frame.start).flat_map(|(p, q)| [p[0] - q[0], p[1] - q[1]]);
-            let component_names = vec!["U1".into(), "U2".into()];
-            self.field(&Field { name: "U".into(), components: 2, component_names, values: moved.collect() });
+            let third = |i: usize| Some(frame.third.get(i)? - frame.third_at_start.get(i)?);
+            let pairs = frame.points.iter().zip(&frame.start).enumerate();
+            let moved = pairs.flat_map(|(i, (p, q))| [p[0] - q[0], p[1] - q[1]].into_iter().chain(third(i)));
+            let components = if frame.third.is_empty() { 2 } else { 3 };
+            let component_names = (1..=components).map(|i| format!("U{i}")).collect();
+            self.field(&Field { name: "U".into(), components, component_names, values: moved.collect() });
         }
         frame.point_labels.iter().for_each(|label| self.label(label));
         self.line("</PointData>");

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::model::{ElementKind, Model};
 use crate::plan::{Plan, State};
 use crate::state::BodyState;
+use crate::state::flight::Flight;
 
 /// A section of what deforms, or a rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -86,6 +87,7 @@ fn type_name(kind: ElementKind) -> &'static str {
         ElementKind::Cax3t => "CAX3T",
         ElementKind::Cax4rt => "CAX4RT",
         ElementKind::Mass => "MASS",
+        ElementKind::RotaryInertia => "ROTARYI",
         ElementKind::SpringA => "SPRINGA",
         ElementKind::Spring1 => "SPRING1",
         ElementKind::DashpotA => "DASHPOTA",
@@ -134,5 +136,6 @@ pub(super) fn mass(plan: &Plan, state: &State) -> f64 {
 pub(super) fn kinetic_energy(state: &State) -> f64 {
     let nodes = state.dofs.nodes.as_slice().iter().zip(&state.dofs.nodes.mass);
     let of_nodes: f64 = nodes.map(|(node, mass)| 0.5 * mass * (node.v_r * node.v_r + node.v_z * node.v_z)).sum();
-    of_nodes + state.dofs.bodies.iter().map(BodyState::kinetic).sum::<f64>()
+    let flying: f64 = state.dofs.flights.iter().map(Flight::kinetic).sum();
+    of_nodes + state.dofs.bodies.iter().map(BodyState::kinetic).sum::<f64>() + flying
 }

@@ -9,6 +9,9 @@ use crate::kernel::facet::Facet;
 use crate::kernel::quad::corner_masses;
 use crate::model::{ElementKind, InitialCondition, InitialKind, RigidBody};
 
+/// Velocities of an oblique body, by degree of freedom.
+const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
+
 /// A rigid body.
 #[derive(Clone, Debug)]
 pub struct Body {
@@ -24,6 +27,8 @@ pub struct Body {
     pub nodes: Vec<usize>,
     /// Its elements.
     pub elements: Vec<usize>,
+    /// Its index among bodies with six degrees of freedom; `None` where it moves along z.
+    pub flight: Option<usize>,
     /// Velocity along z at the start.
     pub initial_velocity: f64,
     /// The card.
@@ -95,6 +100,8 @@ impl Compiler<'_> {
             }
         }
         let lumped_mass = self.lumped_mass(rigid, &nodes);
+        let before = self.bodies.iter().filter(|b| b.flight.is_some()).count();
+        let flight = self.is_oblique(rigid).then_some(before);
         let body = Body {
             name: rigid.name.clone(),
             reference: rigid.reference,
@@ -102,10 +109,12 @@ impl Compiler<'_> {
             tied_mass: 0.0,
             nodes,
             elements: rigid.elements.clone(),
+            flight,
             initial_velocity: 0.0,
             span: rigid.span,
         };
-        let detail = format!("reference node {}, moves along z", mesh.node_names[rigid.reference]);
+        let how = if flight.is_some() { "moves and turns in space" } else { "moves along z" };
+        let detail = format!("reference node {}, {how}", mesh.node_names[rigid.reference]);
         self.cause(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
         let detail = format!("mass {}", body.mass());
         self.cause(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
@@ -169,7 +178,17 @@ impl Compiler<'_> {
                 continue;
             };
             if dof != 2 {
-                self.radial_velocity(condition.span, value);
+                if self.is_of_flight(&condition.members) {
+                    self.cause(
+                        condition.span,
+                        "initial velocity",
+                        1,
+                        "bodies",
+                        format!("{} = {value}", ALONG[usize::from(dof) - 1]),
+                    );
+                } else {
+                    self.radial_velocity(condition.span, value);
+                }
                 continue;
             }
             let moved: Vec<usize> =

@@ -6,6 +6,7 @@ use super::ledger::Ledger;
 use super::{Plan, State};
 use crate::state::BodyState;
 use crate::state::EffectId;
+use crate::state::flight::Flight;
 
 /// One in the plan, one in the run.
 const COPIES: usize = 2;
@@ -41,6 +42,7 @@ pub(super) fn book(plan: &mut Plan, state: &State) {
     }
     if let Some(row) = plan.rows.integration {
         add(ledger, row, "rigid bodies", size_of::<BodyState>() * state.dofs.bodies.capacity());
+        add(ledger, row, "bodies in space", size_of::<Flight>() * state.dofs.flights.capacity());
         add(ledger, row, "steps", plan.steps.iter().map(size_of_val).sum());
     }
     if let Some(row) = plan.rows.output {

@@ -15,6 +15,7 @@ use crate::load::concentrated::Concentrated;
 use crate::load::gravity::Gravity;
 use crate::load::pressure::Pressure;
 use crate::load::user_load::{Description, UserLoad, Volume};
+use crate::mesh::surface::Surface;
 use crate::model::{AmplitudeDefinition, ElementKind, Load, LoadKind, Sides, Step};
 use crate::state::magnitude::{Magnitude, Shape};
 
@@ -69,19 +70,36 @@ impl Compiler<'_> {
             let detail = format!("M = {}{}", load.magnitude, self.amplitude_name(load));
             let id = self.cause(load.span, "concentrated moment", turning.len(), "nodes", detail);
             let magnitude = self.magnitude(load.magnitude, load.amplitude);
-            return Some(Box::new(Concentrated { id, bodies: Vec::new(), nodes: turning, axis: 0, magnitude }));
+            return Some(Box::new(Concentrated {
+                id,
+                bodies: Vec::new(),
+                flights: Vec::new(),
+                nodes: turning,
+                axis: 0,
+                magnitude,
+            }));
         }
         let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
+        let mut flights = Vec::new();
         for node in nodes {
             match (self.places.free_node(*node), self.body_of_node.get(node)) {
                 (Some(place), _) => deforming.push(place),
-                (_, Some(&body)) => bodies.push(body),
+                (_, Some(&body)) => match self.bodies[body].flight {
+                    Some(flight) => flights.push((flight, self.model.mesh.points[*node][1])),
+                    None => bodies.push(body),
+                },
                 _ => stray = true,
             }
         }
         if stray {
             let message = format!("a force acts on nodes of `{set}` that belong to no body");
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
+        }
+        if dof != 2 && !flights.is_empty() {
+            let name =
+                self.bodies.iter().find(|b| b.flight == Some(flights[0].0)).map_or(String::new(), |b| b.name.clone());
+            self.refuse_on_flight(load.span, &name, "a concentrated force that is not along 2, or a moment,");
+            flights.clear();
         }
         if dof != 2 && !bodies.is_empty() {
             self.unused(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
@@ -91,7 +109,7 @@ impl Compiler<'_> {
             self.unused(load.span, "*CLOAD", "nodes of a body of revolution move along r and z only");
             deforming.clear();
         }
-        let count = bodies.len() + deforming.len();
+        let count = bodies.len() + flights.len() + deforming.len();
         if count == 0 {
             return None;
         }
@@ -107,7 +125,7 @@ impl Compiler<'_> {
         let detail = format!("F_{} = {}{}", ["r", "z"][axis], load.magnitude, self.amplitude_name(load));
         let id = self.cause(load.span, "concentrated force", count, "nodes", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        Some(Box::new(Concentrated { id, bodies, nodes: deforming, axis, magnitude }))
+        Some(Box::new(Concentrated { id, bodies, flights, nodes: deforming, axis, magnitude }))
     }
 
     fn gravity(
@@ -118,12 +136,15 @@ impl Compiler<'_> {
         state: &State,
     ) -> Option<Box<dyn Effect>> {
         let axial = load.magnitude * direction[1];
-        if axial == 0.0 {
+        let flies = self.bodies.iter().any(|b| b.flight.is_some());
+        if axial == 0.0 && !(flies && direction[0] != 0.0) {
             self.unused(load.span, "GRAV", "it has no component along z, and a body of revolution moves along z only");
             return None;
         }
+        let along_z = (0..self.bodies.len()).filter(|&b| self.bodies[b].flight.is_none());
         let bodies: Vec<(usize, f64)> =
-            (0..self.bodies.len()).filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
+            along_z.filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
+        let flights = self.weighed_flights(load, elements);
         let nodes: Vec<(usize, f64)> = match elements {
             None => {
                 let masses = state.dofs.nodes.mass.iter().copied().enumerate().filter(|m| m.1 > 0.0);
@@ -132,16 +153,36 @@ impl Compiler<'_> {
             }
             Some(list) => self.masses_of(list),
         };
-        if bodies.is_empty() && nodes.is_empty() {
+        if bodies.is_empty() && flights.is_empty() && nodes.is_empty() {
             let message = "gravity acts on elements that belong to no body";
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
         let detail = format!("a_z = {axial}{}", self.amplitude_name(load));
-        let (count, unit) =
-            if nodes.is_empty() { (bodies.len(), "bodies") } else { (bodies.len() + nodes.len(), "nodes") };
+        let (count, unit) = if nodes.is_empty() {
+            (bodies.len() + flights.len(), "bodies")
+        } else {
+            (bodies.len() + nodes.len(), "nodes")
+        };
         let id = self.cause(load.span, "gravity", count, unit, detail);
         let acceleration = self.magnitude(axial, load.amplitude);
-        Some(Box::new(Gravity { id, bodies, nodes, whole: elements.is_none(), acceleration }))
+        let across = self.magnitude(load.magnitude * direction[0], load.amplitude);
+        Some(Box::new(Gravity { id, bodies, flights, nodes, whole: elements.is_none(), acceleration, across }))
+    }
+
+    /// Bodies with six degrees of freedom on which gravity acts, all of the mass of each at its centre.
+    fn weighed_flights(&mut self, load: &Load, elements: Option<&[usize]>) -> Vec<(usize, f64)> {
+        let mut flights = Vec::new();
+        for b in 0..self.bodies.len() {
+            let body = &self.bodies[b];
+            let (Some(flight), Some(mass)) = (body.flight, self.weighed(body, elements)) else { continue };
+            if mass == body.mass() {
+                flights.push((flight, mass));
+            } else {
+                let name = body.name.clone();
+                self.refuse_on_flight(load.span, &name, "gravity on a part of its mass");
+            }
+        }
+        flights
     }
 
     /// The mass of a body on which gravity acts: all of it, or of the elements named its own, or that of the point masses among
@@ -182,15 +223,25 @@ impl Compiler<'_> {
 
     fn pressure(&mut self, load: &Load, sides: &Sides) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
+        self.refuse_on_patches(load, &surface);
         let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, self.amplitude_name(load));
         let id = self.cause(load.span, "pressure", surface.count(), "facets", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
         Some(Box::new(Pressure::new(id, surface, magnitude)))
     }
 
+    /// Refuses a load on surfaces of bodies with six degrees of freedom.
+    fn refuse_on_patches(&mut self, load: &Load, surface: &Surface) {
+        let oblique = surface.patches.iter().map(|p| &self.bodies[p.body]).find(|b| b.flight.is_some());
+        if let Some(name) = oblique.map(|body| body.name.clone()) {
+            self.refuse_on_flight(load.span, &name, kind_name(&load.kind));
+        }
+    }
+
     /// `PNU` and `P1NU` to `P4NU`.
     fn user_load(&mut self, load: &Load, sides: &Sides, load_type: i32, state: &State) -> Option<Box<dyn Effect>> {
         let surface = self.surface(sides, load.span);
+        self.refuse_on_patches(load, &surface);
         // The manual: normals point out of a surface element's loaded side, and into a solid.
         let solid = |e: usize| !matches!(self.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
         let inward = sides.faces.first().is_some_and(|f| solid(f.0));
@@ -216,6 +267,11 @@ impl Compiler<'_> {
             }
             let corners: Vec<[f64; 2]> = mesh.elements[element].nodes.iter().map(|&n| mesh.points[n]).collect();
             match self.body_of_element.get(&element) {
+                Some(&body) if self.bodies[body].flight.is_some() => {
+                    let name = self.bodies[body].name.clone();
+                    self.refuse_on_flight(load.span, &name, "a user body force");
+                    return None;
+                }
                 Some(&body) if corners.len() > 2 => {
                     volume.rigid.push((body, element, solid::centre(&corners), solid::volume(&corners)));
                 }

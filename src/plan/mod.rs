@@ -15,6 +15,7 @@ mod equations;
 mod erosion;
 mod expressions;
 mod fields;
+mod flights;
 mod general_contact;
 mod heat;
 mod heat_ties;
@@ -61,8 +62,8 @@ use crate::model::{
     EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model, Precision,
     Shared, SurfaceContact,
 };
+use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};
-use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 pub use bodies::Body;
 pub use expressions::RowExpression;
@@ -273,13 +274,14 @@ fn compile_with(
     compiler.finish_bodies();
     state.thermal = compiler.thermal(&state);
     state.elements.fields = compiler.predefined_fields(&state);
-    let flying = |b: &Body| BodyState::new(b.mass(), b.initial_velocity);
-    state.dofs.bodies = compiler.bodies.iter().map(flying).collect();
+    state.dofs.bodies = compiler.bodies_at_start();
+    state.dofs.flights = compiler.flights();
     compiler.erosion(&mut state);
     compiler.find_pairs();
     let (columns, fields) = compiler.variables(&mut state);
     let steps: Vec<StepPlan> = (0..model.steps.len()).map(|i| compiler.step(i, &state)).collect();
     compiler.scale_and_estimate(&mut state);
+    compiler.refuse_on_flights(&state);
     compiler.check_complete(!state.elements.is_empty());
     compiler.tell_overlaps();
     compiler.list_inert();

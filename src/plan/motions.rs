@@ -51,6 +51,11 @@ impl Compiler<'_> {
                 continue;
             }
             let Some(&body) = self.body_of_node.get(&node) else { continue };
+            if self.bodies[body].flight.is_some() {
+                let name = self.bodies[body].name.clone();
+                self.refuse_on_flight(boundary.span, &name, "a prescribed motion (*BOUNDARY)");
+                continue;
+            }
             if boundary.dof != 2 {
                 radial = true;
             } else if self.bodies[body].reference != node {

@@ -288,12 +288,17 @@ impl Compiler<'_> {
                 let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
                 found.extend(turning.map(|&part| (part, name(node), Source::Node(rotation))));
             }
+            if let Some(&body) = self.body_of_node.get(&node).filter(|&&b| self.bodies[b].flight.is_some()) {
+                let source = Source::Body { body, node };
+                found.extend(in_space(asked, &parts).map(|part| (part, name(node), source)));
+                continue;
+            }
             let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
                 (Some(node), _) => Source::Node(node),
                 (_, Some(&body)) => Source::Body { body, node },
                 _ => continue,
             };
-            let moving = parts.iter().filter(|p| !p.variable.is_of_rotations());
+            let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !of_flights(p.variable));
             found.extend(moving.map(|&part| (part, name(node), source)));
         }
         self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
@@ -348,6 +353,7 @@ impl Compiler<'_> {
         match variable.row().preselected {
             Preselected::Conducting => self.solves_for_temperatures(),
             Preselected::Meeting => !self.pair_names.is_empty(),
+            Preselected::Oblique => self.bodies.iter().any(|b| b.flight.is_some()),
             _ => true,
         }
     }
@@ -480,7 +486,7 @@ impl Compiler<'_> {
             }
             let parts = self.parts_of(variable);
             match variable.place() {
-                Place::Node if !self.has_nodal(variable) => {}
+                Place::Node if !self.has_nodal(variable) || of_flights(variable) => {}
                 Place::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
                 Place::Point | Place::Element if variable.row().numbered => {
                     let field = |p: Part| {
@@ -505,6 +511,7 @@ impl Compiler<'_> {
             Preselected::Deforming => self.deforms(),
             Preselected::Deleting => self.deletes(),
             Preselected::Conducting | Preselected::Meeting | Preselected::Springing => true,
+            Preselected::Oblique => false,
         }
     }
 
@@ -512,6 +519,31 @@ impl Compiler<'_> {
         let why = why_absent(asked, request);
         self.unused(request.span, asked.name(), why);
     }
+}
+
+/// Whether rigid bodies with six degrees of freedom alone have it.
+fn of_flights(variable: Variable) -> bool {
+    variable.row().preselected == Preselected::Oblique
+}
+
+/// Parts of a word at a node of a body with six degrees of freedom: a variable named as a whole has components in space too.
+fn in_space(asked: Asked, parts: &[Part]) -> impl Iterator<Item = Part> {
+    let more = |variable: Variable| match variable {
+        Variable::Displacement => Some(Variable::ThirdDisplacement),
+        Variable::Velocity => Some(Variable::ThirdVelocity),
+        Variable::Acceleration => Some(Variable::ThirdAcceleration),
+        Variable::Rotation => Some(Variable::OutwardRotation),
+        Variable::RotationalVelocity => Some(Variable::OutwardRotationalVelocity),
+        Variable::RotationalAcceleration => Some(Variable::OutwardRotationalAcceleration),
+        _ => None,
+    };
+    let named = if let Asked::Whole(variable) = asked { more(variable) } else { None };
+    let mut all: Vec<Part> = parts.to_vec();
+    if let Some(variable) = named {
+        let at = if variable.row().labels.is_empty() { all.len() } else { 0 };
+        all.splice(at..at, variable.parts());
+    }
+    all.into_iter()
 }
 
 /// Whether it is of the books of what deletion took away.

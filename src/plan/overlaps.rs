@@ -68,6 +68,11 @@ impl Compiler<'_> {
         section.map_or(self.model.mesh.elements[element].span, |s| s.span)
     }
 
+    /// Whether what an element belongs to moves in space.
+    fn flies(&self, element: usize) -> bool {
+        self.body_of_element.get(&element).is_some_and(|&b| self.bodies[b].flight.is_some())
+    }
+
     /// The pieces that solids make, in the order of their first elements.
     fn pieces(&self) -> Vec<Piece> {
         self.pieces_of(ElementKind::is_solid)
@@ -139,7 +144,8 @@ impl Compiler<'_> {
 
     fn pieces_of(&self, is: impl Fn(ElementKind) -> bool) -> Vec<Piece> {
         let mesh = &self.model.mesh;
-        let solids: Vec<usize> = (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind)).collect();
+        let solids: Vec<usize> =
+            (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !self.flies(e)).collect();
         let piece = |elements: Vec<usize>| {
             let places: Vec<[f64; 2]> =
                 elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]).collect();

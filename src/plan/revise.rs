@@ -10,7 +10,7 @@ use super::{Compiler, Plan, State, bodies::Body, links, surface_ties};
 use crate::constraint::tie::Tie;
 use crate::deck::{Diagnostics, Span};
 use crate::model::Model;
-use crate::state::{BodyState, EffectId};
+use crate::state::EffectId;
 use crate::user::Routines;
 
 /// What compilation found out by names and places.
@@ -45,6 +45,8 @@ impl Reviser {
             && model.equations.is_empty()
             && model.links.is_empty()
             && model.surface_ties.is_empty()
+            && model.attitudes.is_empty()
+            && state.dofs.flights.is_empty()
             && compiler.pairs.iter().all(Vec::is_empty)
             && compiler.told == 0
             && compiler.amplitudes.is_empty();
@@ -93,7 +95,7 @@ impl Reviser {
         }
         let sound = !compiler.diagnostics.has_errors();
         state.dofs.bodies.clear();
-        state.dofs.bodies.extend(compiler.bodies.iter().map(|b| BodyState::new(b.mass(), b.initial_velocity)));
+        state.dofs.bodies.extend(compiler.bodies_at_start());
         plan.bodies.clone_from(&compiler.bodies);
         compiler.ledger.unused.truncate(self.unused);
         plan.ledger = compiler.ledger;

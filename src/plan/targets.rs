@@ -6,8 +6,9 @@ use crate::deck::Diagnostic;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::free_surface::FiniteSphere;
 use crate::load::Load as Effect;
-use crate::load::cavity::{Bounds, CavityExpansion, Crater, Finite, Stack};
-use crate::model::{FreeSurfaces, IncrementControl, Layer, Load, Sides, Step, Target};
+use crate::load::cavity::{Bounds, CavityExpansion, Crater, Finite, Stack, Tilt};
+use crate::mesh::surface::{Patch, Surface};
+use crate::model::{DEFAULT_ACCURACY, FreeSurfaces, IncrementControl, Layer, Load, Sides, Step, Target};
 
 impl Compiler<'_> {
     pub(super) fn cavity(
@@ -19,41 +20,82 @@ impl Compiler<'_> {
         step: &Step,
         state: &State,
     ) -> Option<Box<dyn Effect>> {
-        let surface = self.surface(sides, load.span);
+        let mut surface = self.surface(sides, load.span);
         let target = &self.model.targets[target];
-        let mut refuse = |message: &str| {
-            self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
-            None
-        };
         if !surface.skin.shells.is_empty() {
-            return refuse("the resistance of a target on shells is not supported");
+            return self.refuse_resistance(load, "the resistance of a target on shells is not supported");
         }
         if target.shear_strength.is_some() && !surface.skin.faces.is_empty() {
-            return refuse(
+            return self.refuse_resistance(
+                load,
                 "a plug (SHEAR STRENGTH of the target) is found for the nose of a rigid body, not for faces that deform",
+            );
+        }
+        if target.obliquity != 0.0 && !surface.skin.faces.is_empty() {
+            let message =
+                format!("target {} is tilted: what deforms cannot meet it in a body of revolution", target.name);
+            let finding = Diagnostic::error("P132", message).at(load.span, "here").at(target.span, "its OBLIQUITY");
+            self.diagnostics.push(finding.help("a tilted target resists rigid bodies"));
+            return None;
+        }
+        let count = surface.count();
+        let oblique = self.take_oblique(&mut surface);
+        if !oblique.is_empty() && (target.separation || target.shear_strength.is_some()) {
+            return self.refuse_resistance(
+                load,
+                "SEPARATION and SHEAR STRENGTH of a target are for normal impact, not for a body with six degrees of freedom",
             );
         }
         let stack = self.stack(target)?;
         let detail = format!("{} into {}", sides.name, target.name);
-        let id = self.cause(load.span, "cavity expansion", surface.count(), "facets", detail);
+        let id = self.cause(load.span, "cavity expansion", count, "facets", detail);
         if friction > 0.0 {
             let detail = format!("Coulomb, coefficient {friction}");
-            self.cause(load.span, "friction", surface.count(), "facets", detail);
+            self.cause(load.span, "friction", count, "facets", detail);
         }
         self.target_rows(target);
         let travel = match step.increment {
             IncrementControl::Automatic { accuracy, .. } => accuracy.sqrt(),
             IncrementControl::Fixed(_) => 1.0,
         };
-        let effect = CavityExpansion::new(id, friction, stack, surface, travel);
-        Some(Box::new(if target.separation { effect.separating(&state.dofs.nodes) } else { effect }))
+        let mut effect = CavityExpansion::new(id, friction, stack, surface, travel);
+        if target.separation {
+            effect = effect.separating(&state.dofs.nodes);
+        }
+        // Increments that the deck gives follow no accuracy.
+        let travel = travel.min(DEFAULT_ACCURACY.sqrt());
+        for (patch, flight) in oblique {
+            let tilt = Tilt::new(target.front, target.obliquity.to_radians());
+            let of = &state.dofs.flights[flight];
+            effect = effect.with_oblique(&patch, (flight, of), (tilt, target.direction), travel);
+        }
+        Some(Box::new(effect))
+    }
+
+    fn refuse_resistance(&mut self, load: &Load, message: &str) -> Option<Box<dyn Effect>> {
+        self.diagnostics.push(Diagnostic::error("P015", message).at(load.span, "here"));
+        None
+    }
+
+    /// Takes from a surface what lies on bodies with six degrees of freedom, with their indices.
+    fn take_oblique(&self, surface: &mut Surface) -> Vec<(Patch, usize)> {
+        let (oblique, along_z): (Vec<Patch>, Vec<Patch>) =
+            std::mem::take(&mut surface.patches).into_iter().partition(|p| self.bodies[p.body].flight.is_some());
+        surface.patches = along_z;
+        oblique
+            .into_iter()
+            .filter_map(|patch| Some((self.bodies[patch.body].flight?, patch)))
+            .map(|(f, p)| (p, f))
+            .collect()
     }
 
     fn target_rows(&mut self, target: &Target) {
         let name = |l: &Layer| l.material.map_or("gap", |m| self.model.materials[m].name.as_str());
         let names: Vec<_> = target.layers.iter().take(4).map(name).collect();
         let more = if target.layers.len() > 4 { ", …" } else { "" };
-        let detail = format!("{}: {}{more}; front at z = {}", target.name, names.join(", "), target.front);
+        let tilt =
+            if target.obliquity == 0.0 { String::new() } else { format!(", tilted by {} deg", target.obliquity) };
+        let detail = format!("{}: {}{more}; front at z = {}{tilt}", target.name, names.join(", "), target.front);
         self.cause(target.span, "target", target.layers.len(), "layers", detail);
         let mut row = |effect, detail: String| {
             self.cause(target.span, effect, target.layers.len(), "layers", format!("{}: {detail}", target.name));

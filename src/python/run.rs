@@ -110,7 +110,9 @@ impl Run {
     /// A frame: time, increment, points `(n, 2)`, cells as indices and where each begins, arrays of points and of cells.
     fn frame<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
         let frame = self.frames.get(index).ok_or_else(|| PyIndexError::new_err("no such frame"))?;
-        let points: Vec<f64> = frame.points.iter().flatten().copied().collect();
+        let third = |i: usize| frame.third.get(i).copied();
+        let points = frame.points.iter().enumerate();
+        let points: Vec<f64> = points.flat_map(|(i, p)| p.iter().copied().chain(third(i))).collect();
         let starts = frame.cells.iter().scan(0, |end, cell| {
             let start = *end;
             *end += cell.len();
@@ -121,7 +123,7 @@ impl Run {
         let shown = PyDict::new(py);
         shown.set_item("time", frame.time)?;
         shown.set_item("increment", frame.increment)?;
-        shown.set_item("points", points.into_pyarray(py).reshape([frame.points.len(), 2])?)?;
+        shown.set_item("points", points.into_pyarray(py).reshape([frame.points.len(), if frame.third.is_empty() { 2 } else { 3 }])?)?;
         shown.set_item("starts", starts.into_pyarray(py))?;
         shown.set_item("corners", corners.into_pyarray(py))?;
         shown.set_item("deleted", frame.deleted.clone().into_pyarray(py))?;

@@ -43,6 +43,11 @@ impl Run<'_> {
         for body in &self.dofs.bodies {
             bits.add(&[body.displacement, body.velocity, body.acceleration]);
         }
+        for flight in &self.dofs.flights {
+            let vectors = [flight.centre, flight.velocity, flight.momentum, flight.total.force, flight.total.moment];
+            vectors.iter().for_each(|vector| bits.add(vector));
+            bits.add(&flight.attitude.0);
+        }
         self.dofs.nodes.as_slice().iter().for_each(|n| bits.add(&n.as_array()));
         self.dofs.nodes.acceleration.iter().for_each(|a| bits.add(a));
         for group in &self.elements.groups {

@@ -10,6 +10,7 @@ use crate::state::BodyState;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::energies::Energies;
+use crate::state::flight::ACCOUNTS;
 
 /// Energies now, in ABAQUS's names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -80,6 +81,8 @@ pub struct Balance {
     done: f64,
     /// The part of loads and motions.
     external: f64,
+    /// Work on bodies with six degrees of freedom, by account.
+    flown: [f64; ACCOUNTS],
     /// What tied nodes have passed on to bodies.
     tied: f64,
     largest: f64,
@@ -126,8 +129,8 @@ struct Prescribed {
 
 impl Balance {
     /// The balance at the start of an analysis.
-    pub fn start(bodies: &[BodyState]) -> Self {
-        let kinetic = bodies.iter().map(BodyState::kinetic).sum();
+    pub fn start(dofs: &Dofs) -> Self {
+        let kinetic = kinetic(dofs);
         Balance {
             entries: Vec::new(),
             prescribed: Vec::new(),
@@ -135,6 +138,7 @@ impl Balance {
             kinetic,
             done: 0.0,
             external: 0.0,
+            flown: [0.0; ACCOUNTS],
             tied: 0.0,
             largest: kinetic,
             departure: 0.0,
@@ -228,10 +232,17 @@ impl Balance {
             done += reaction;
             external += reaction;
         }
-        let kinetic: f64 = bodies.iter().map(BodyState::kinetic).sum();
-        self.largest = self.largest.max(kinetic).max(external.abs());
+        let kinetic = kinetic(dofs);
+        self.flown = [0.0; ACCOUNTS];
+        for flight in &dofs.flights {
+            self.flown.iter_mut().zip(flight.work).for_each(|(sum, work)| *sum += work);
+        }
+        self.largest = self.largest.max(kinetic).max((external + self.flown[0]).abs());
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
         let mut departure = kinetic - self.settled.initial - done;
+        if !dofs.flights.is_empty() {
+            departure -= self.flown.iter().sum::<f64>();
+        }
         if deforms {
             departure += self.book_nodes(&dofs.energies);
         }
@@ -260,6 +271,10 @@ impl Balance {
     pub fn energy(&self) -> Energy {
         let mut energy = Energy { kinetic: self.kinetic, ..self.settled };
         self.entries.iter().for_each(|entry| entry.add_to(&mut energy));
+        let [work, rubbed, pressed] = self.flown;
+        energy.work += work;
+        energy.friction -= rubbed;
+        energy.cavity -= pressed;
         let solid = &self.solid;
         energy.kinetic += solid.kinetic;
         energy.work += solid.external;
@@ -314,6 +329,7 @@ impl Persist for Balance {
             kinetic,
             done,
             external,
+            flown,
             tied,
             largest,
             departure,
@@ -322,8 +338,14 @@ impl Persist for Balance {
             solid_initial,
         } = self;
         persist_fields!(archive; entries.as_mut_slice(), prescribed.as_mut_slice(), settled, kinetic, done, external);
-        persist_fields!(archive; tied, largest, departure, departure_now, solid, solid_initial);
+        persist_fields!(archive; flown, tied, largest, departure, departure_now, solid, solid_initial);
     }
+}
+
+/// Kinetic energy of rigid bodies.
+fn kinetic(dofs: &Dofs) -> f64 {
+    let along_z: f64 = dofs.bodies.iter().map(BodyState::kinetic).sum();
+    dofs.flights.iter().fold(along_z, |sum, flight| sum + flight.kinetic())
 }
 
 /// The larger of two; not a number stays, so that it is found.

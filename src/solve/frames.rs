@@ -4,6 +4,7 @@
 use indexmap::IndexMap;
 
 use super::energy::Energy;
+use super::flight_frames::{Point, on_cells};
 use super::run::Run;
 use crate::constraint::contact::curve::Carrier;
 use crate::constraint::{Constraint, reaction};
@@ -155,6 +156,9 @@ impl Run<'_> {
 
     /// A number of a node (of the mesh) of a rigid body. Axial symmetry keeps it at its radius.
     fn body_value(&self, body: usize, node: usize, part: Part) -> f64 {
+        if let Some(flight) = self.plan.bodies[body].flight {
+            return self.flight_value(flight, node, part);
+        }
         let state = &self.dofs.bodies[body];
         match (part.variable, part.component) {
             (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
@@ -185,7 +189,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
         of_point.push((Owner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
     }
     let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
-    for (b, body) in run.plan.bodies.iter().enumerate() {
+    for (b, body) in run.plan.bodies.iter().enumerate().filter(|(_, body)| body.flight.is_none()) {
         for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(n)) {
             let [r, z] = mesh.points[node];
             point_of_node[node] = frame.points.len();
@@ -196,6 +200,7 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
     }
     let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
     frame.cells = elements.iter().map(|&e| corners(e)).collect();
+    add_surfaces(run, &mut frame, &mut elements, &mut of_point);
     let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
     let gone = |&(group, e): &(usize, usize)| run.elements.groups[group].is_deleted(e);
     if solid.iter().any(gone) {
@@ -209,11 +214,17 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
             (_, Position::Nodes) => averaged_at_nodes(run, field, &solid, &frame),
         };
         let list = if field.is_on_points() { &mut frame.point_fields } else { &mut frame.cell_fields };
-        list.push(array(field, values));
+        list.push(if in_space(run, field) {
+            array_in_space(field, values, run, &of_point)
+        } else {
+            array(field, values)
+        });
     }
     frame.cell_fields.extend(facet_fields(run, &elements));
     let nodes: Vec<usize> = of_point.iter().map(|point| point.1).collect();
-    frame.start = nodes.iter().map(|&n| mesh.points[n]).collect();
+    let planar = nodes.len() - frame.start.len();
+    let start = nodes[..planar].iter().map(|&n| mesh.points[n]);
+    frame.start = start.chain(std::mem::take(&mut frame.start)).collect();
     (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &nodes, &elements);
     frame
 }
@@ -225,6 +236,53 @@ enum Owner {
     Body(usize, usize),
     /// Itself, with its rotation where it turns.
     Node(usize, Option<usize>),
+    /// A body in space.
+    Space(Point),
+}
+
+/// Adds the surfaces of bodies in space, behind what lies in the plane of the mesh.
+fn add_surfaces(run: &Run<'_>, frame: &mut Frame, elements: &mut Vec<usize>, of_point: &mut Vec<(Owner, usize)>) {
+    if run.dofs.flights.is_empty() {
+        return;
+    }
+    let (planar, surfaces) = (frame.points.len(), run.surfaces());
+    (frame.third, frame.third_at_start) = (vec![0.0; planar], vec![0.0; planar]);
+    for (point, [x, y, z], start) in surfaces.points {
+        frame.points.push([x, y]);
+        frame.third.push(z);
+        frame.start.push([start[0], start[1]]);
+        frame.third_at_start.push(start[2]);
+        of_point.push((Owner::Space(point), point.node));
+    }
+    frame.cells.extend(surfaces.cells.into_iter().map(|cell| cell.into_iter().map(|p| planar + p).collect()));
+    elements.extend(surfaces.elements);
+}
+
+/// What a field has beside its components where something moves in space.
+fn third(variable: Variable) -> Option<Variable> {
+    match variable {
+        Variable::Displacement => Some(Variable::ThirdDisplacement),
+        Variable::Velocity => Some(Variable::ThirdVelocity),
+        Variable::Acceleration => Some(Variable::ThirdAcceleration),
+        _ => None,
+    }
+}
+
+fn in_space(run: &Run<'_>, field: &FrameField) -> bool {
+    !run.dofs.flights.is_empty() && field.parts.len() == 2 && third(field.variable()).is_some()
+}
+
+/// A vector over points with its third component.
+fn array_in_space(field: &FrameField, values: Vec<f64>, run: &Run<'_>, of_point: &[(Owner, usize)]) -> Field {
+    let flat = array(field, values);
+    let more = |owner: &Owner| match (owner, third(field.variable())) {
+        (Owner::Space(point), Some(variable)) => run.point_value(point, variable.into()),
+        _ => 0.0,
+    };
+    let pairs = flat.values.chunks_exact(2).zip(of_point);
+    let values = pairs.flat_map(|(pair, (owner, _))| [pair[0], pair[1], more(owner)]).collect();
+    let component_names = flat.component_names.into_iter().chain([format!("{}3", field.name)]).collect();
+    Field { components: 3, component_names, values, ..flat }
 }
 
 fn array(field: &FrameField, values: Vec<f64>) -> Field {
@@ -242,6 +300,7 @@ fn of_nodes(run: &Run<'_>, field: &FrameField, of_point: &[(Owner, usize)]) -> V
             rotation.map_or(f64::NAN, |n| run.node_value(n, part))
         }
         Owner::Node(n, _) => run.node_value(n, part),
+        Owner::Space(point) => run.point_value(&point, part),
     };
     let value = &value;
     of_point.iter().flat_map(|(owner, _)| field.parts.iter().map(move |part| value(owner, *part))).collect()
@@ -284,22 +343,25 @@ fn facet_fields(run: &Run<'_>, elements: &[usize]) -> Vec<Field> {
     if shown.is_empty() {
         return Vec::new();
     }
-    let mut cell_of_element = vec![usize::MAX; run.plan.mesh.elements.len()];
+    // The first cell of each element and how many it has: of a body in space one a station.
+    let mut cells_of_element = vec![(usize::MAX, 0); run.plan.mesh.elements.len()];
     for (cell, &element) in elements.iter().enumerate() {
-        cell_of_element[element] = cell;
+        let (first, count) = &mut cells_of_element[element];
+        (*first, *count) = ((*first).min(cell), *count + 1);
     }
     let facet_variables = Variable::ALL.iter().filter(|v| v.place() == Place::Facet);
     let field = |&variable: &Variable| {
         let mut values = vec![0.0; elements.len()];
         for fields in &shown {
-            let mut means: IndexMap<usize, (f64, f64)> = IndexMap::new();
+            let mut told: IndexMap<usize, Vec<f64>> = IndexMap::new();
             for (facet, element) in fields.elements.iter().enumerate() {
-                let (sum, count) = means.entry(cell_of_element[*element]).or_default();
-                *sum += fields.value(facet, variable).unwrap_or_default();
-                *count += 1.0;
+                told.entry(*element).or_default().push(fields.value(facet, variable).unwrap_or_default());
             }
-            for (cell, (sum, count)) in means {
-                values[cell] = (variable.row().combined)(values[cell], sum / count);
+            for (element, told) in told {
+                let (first, count) = cells_of_element[element];
+                for (cell, value) in (first..).zip(on_cells(&told, count)) {
+                    values[cell] = (variable.row().combined)(values[cell], value);
+                }
             }
         }
         Field { name: variable.name().into(), components: 1, component_names: Vec::new(), values }

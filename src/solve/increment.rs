@@ -5,10 +5,12 @@ use super::limits::Limiter;
 use crate::constraint::Constraint;
 use crate::element::elements::Elements;
 use crate::heat::field::Heat;
+use crate::kernel::attitude::{Vector, norm, plus};
 use crate::load::{Load, View};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
 use crate::state::{BodyState, Instant};
@@ -24,6 +26,8 @@ pub enum End {
     Jump,
     /// This body comes to rest there.
     Rest(usize),
+    /// This body with six degrees of freedom comes to rest there.
+    FlightRest(usize),
 }
 
 /// The next increment.
@@ -85,6 +89,8 @@ const GROWTH: f64 = 2.0;
 const RESOLUTION: f64 = 0.25;
 /// The most by which the stiffness of loads shortens the increment of elements: what is beyond it is taken for a jump.
 const STIFFEST: f64 = 100.0;
+/// Part of the fastest motion below which a body with six degrees of freedom that is resisted lies still, in units of the resolution.
+const SLOW: f64 = 0.1;
 /// The last increment of a step may be longer by this fraction.
 const SLIVER: f64 = 1e-3;
 
@@ -185,6 +191,7 @@ impl IncrementController {
         }
         self.fit_step(&mut next, scene.remaining);
         meet_rest(&mut next, scene.bodies());
+        flights_meet_rest(&mut next, &scene.view.dofs.flights, SLOW * self.resolution);
         next
     }
 
@@ -199,6 +206,22 @@ impl IncrementController {
                 self.free = self.resolution * scale / acceleration;
             }
             let change = (body.acceleration - body.before.acceleration).abs();
+            let bound = self.resolution * self.resolution * scale * scene.behind;
+            if scene.behind > 0.0 && change * self.free * self.free > bound {
+                self.free = (bound / change).sqrt();
+            }
+        }
+        for flight in &scene.view.dofs.flights {
+            let speed = &mut self.speed[flight.body];
+            *speed = speed.max(flight.reach(&flight.motion()));
+            let size = |[linear, angular]: [Vector; 2]| norm(linear) + flight.size * norm(angular);
+            let ([linear, angular], [linear_before, angular_before]) = (flight.kicks(), flight.before);
+            let acceleration = size([linear, angular]);
+            let scale = speed.max(acceleration * self.largest);
+            if flight.resisted && acceleration * self.free > self.resolution * scale {
+                self.free = self.resolution * scale / acceleration;
+            }
+            let change = size([plus(linear, -1.0, linear_before), plus(angular, -1.0, angular_before)]);
             let bound = self.resolution * self.resolution * scale * scene.behind;
             if scene.behind > 0.0 && change * self.free * self.free > bound {
                 self.free = (bound / change).sqrt();
@@ -231,6 +254,31 @@ fn meet_rest(next: &mut Increment, bodies: &[BodyState]) {
         let rest = -v / a;
         if rest <= next.length {
             *next = Increment { length: rest, end: End::Rest(b), by: Limiter::Rest };
+        } else {
+            *next = Increment { length: 0.5 * rest, end: End::Plain, by: Limiter::Rest };
+        }
+    }
+}
+
+/// A body with six degrees of freedom that is resisted meets rest where its kinetic energy T would be spent at the power P of all
+/// forces as under even deceleration, after 2T/|P|: of one that flies straight this is v/|a|. What turns while it slows comes to
+/// lie still in the same way, for at the end of its way the forces oppose what is left of its motion. Below the part `slow` of its
+/// fastest motion, where resistances have not come up, it lies still.
+fn flights_meet_rest(next: &mut Increment, flights: &[Flight], slow: f64) {
+    for (index, flight) in flights.iter().enumerate().filter(|(_, f)| f.resisted && !f.rests) {
+        let motion = flight.motion();
+        let (energy, power) = (flight.kinetic(), flight.total.power(&motion));
+        if power < 0.0 && flight.reach(&motion) < slow * flight.fastest {
+            next.end = End::FlightRest(index);
+            next.by = Limiter::Rest;
+            continue;
+        }
+        if power >= 0.0 || 2.0 * energy >= -1.25 * next.length * power {
+            continue;
+        }
+        let rest = -2.0 * energy / power;
+        if rest <= next.length {
+            *next = Increment { length: rest, end: End::FlightRest(index), by: Limiter::Rest };
         } else {
             *next = Increment { length: 0.5 * rest, end: End::Plain, by: Limiter::Rest };
         }

@@ -21,6 +21,8 @@ pub struct Outcome {
     pub energy: Energy,
     /// When bodies came to rest.
     pub rests: Vec<Rest>,
+    /// What has become of bodies with six degrees of freedom in the targets that they meet.
+    pub flights: Vec<FlightSummary>,
     /// Bodies that are still on their way in a target, or behind it: a depth read now is not their last.
     pub unfinished: Vec<String>,
     /// Bodies that have left their target through its back.
@@ -87,6 +89,30 @@ pub struct StepSummary {
     /// What limited the increments over time.
     #[serde(skip)]
     pub limits: Limits,
+}
+
+/// How a body with six degrees of freedom ended; vectors along 1, 2, 3, angles in degrees.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FlightSummary {
+    /// Name of the body.
+    pub body: String,
+    /// `at rest`, `in the target`, `through`, `ricochet` or `not met`.
+    pub end: &'static str,
+    /// Total time at which it had left the target.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exit_time: Option<f64>,
+    /// Velocity of the centre of mass.
+    pub velocity: [f64; 3],
+    /// Angular velocity, radians a time.
+    pub rotational_velocity: [f64; 3],
+    /// Speed of the centre of mass.
+    pub speed: f64,
+    /// Between the velocity and the target's normal, 0 to 90.
+    pub obliquity: f64,
+    /// Between the axis and the velocity, 0 to 90.
+    pub yaw: f64,
+    /// Between the axis and direction 2.
+    pub tilt: f64,
 }
 
 /// A body came to rest.

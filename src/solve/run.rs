@@ -21,6 +21,7 @@ use crate::load::{Account, LastIncrement, Load, Slot, Unfinished, VelocityUse, V
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepPlan};
 use crate::state::dofs::Dofs;
+use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
 use crate::state::{Before, BodyState, Instant, direction};
@@ -94,7 +95,7 @@ pub(super) struct Run<'a> {
 
 impl<'a> Run<'a> {
     pub(super) fn new(plan: &'a Plan, State { dofs, elements, constraints, thermal }: State) -> Self {
-        let balance = Balance::start(&dofs.bodies);
+        let balance = Balance::start(&dofs);
         Run {
             plan,
             step: &plan.steps[0],
@@ -255,6 +256,10 @@ impl<'a> Run<'a> {
         for slot in reading.flat_map(|l| l.slots()) {
             self.dofs.bodies[slot.body].reads_velocity = true;
         }
+        self.dofs.flights.iter_mut().for_each(|flight| flight.resisted = false);
+        for flight in self.loads.iter().flat_map(|load| load.resists()) {
+            self.dofs.flights[flight].resisted = true;
+        }
     }
 
     fn begin_constraints(&mut self) {
@@ -290,6 +295,9 @@ impl<'a> Run<'a> {
             let applied = self.resistances.checked_sub(1).map_or(self.ties, |last| self.ends[last]);
             turn_resting_bodies(&mut self.dofs.bodies, &self.slots[..applied], &self.forces);
             self.push_bodies(self.resistances, self.loads.len())?;
+        }
+        if !self.dofs.flights.is_empty() {
+            self.evaluate_flights()?;
         }
         Ok(())
     }
@@ -556,6 +564,7 @@ impl<'a> Run<'a> {
     fn make_increment(&mut self, next: Increment) {
         let dt = next.length;
         central_difference::advance_bodies(&mut self.dofs.bodies, dt);
+        self.advance_flights(dt);
         if !self.elements.is_empty() {
             central_difference::advance_nodes(&self.elements, &mut self.dofs, dt, self.threads);
             self.elements.moved();
@@ -589,6 +598,7 @@ impl<'a> Run<'a> {
     fn start_afresh(&mut self, end: End) {
         central_difference::velocities_from_half(&mut self.dofs.bodies, self.behind);
         self.prescribe_velocities();
+        self.restart_flights(if let End::FlightRest(flight) = end { Some(flight) } else { None });
         if let End::Rest(b) = end {
             self.dofs.bodies[b].velocity = 0.0;
             let (body, displacement) = (self.plan.bodies[b].name.clone(), self.dofs.bodies[b].displacement);
@@ -621,6 +631,7 @@ impl<'a> Run<'a> {
         for body in &mut self.dofs.bodies {
             body.show(body.velocity);
         }
+        self.dofs.flights.iter_mut().for_each(Flight::show_own_motion);
     }
 
     /// After a failure: the state of the last instant that was complete.
@@ -632,6 +643,7 @@ impl<'a> Run<'a> {
             let Before { displacement, velocity, acceleration } = body.before;
             (body.displacement, body.velocity, body.acceleration) = (displacement, velocity, acceleration);
         }
+        self.dofs.flights.iter_mut().for_each(Flight::step_back);
         self.now = self.now_before;
     }
 

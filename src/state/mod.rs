@@ -4,6 +4,7 @@
 pub mod archive;
 pub mod dofs;
 pub mod energies;
+pub mod flight;
 pub mod halt;
 pub mod limit;
 pub mod magnitude;

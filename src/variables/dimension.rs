@@ -27,12 +27,13 @@ impl Variable {
     pub fn dimension(self) -> Option<Powers> {
         Some(match self {
             Variable::Displacement
+            | Variable::ThirdDisplacement
             | Variable::Coordinate
             | Variable::ContactOpening
             | Variable::ContactSlip
             | Variable::Thickness => LENGTH,
-            Variable::Velocity | Variable::NormalVelocity => VELOCITY,
-            Variable::Acceleration => ACCELERATION,
+            Variable::Velocity | Variable::ThirdVelocity | Variable::NormalVelocity => VELOCITY,
+            Variable::Acceleration | Variable::ThirdAcceleration => ACCELERATION,
             Variable::Reaction
             | Variable::SurfaceForce
             | Variable::NormalContactForce
@@ -48,10 +49,11 @@ impl Variable {
             Variable::ReactionFlux => POWER,
             Variable::HeatFlux => [0, 1, -3, 0],
             Variable::RotationalVelocity
+            | Variable::OutwardRotationalVelocity
             | Variable::StrainRate
             | Variable::PrincipalStrainRate
             | Variable::VolumetricStrainRate => PER_TIME,
-            Variable::RotationalAcceleration => [0, 0, -2, 0],
+            Variable::RotationalAcceleration | Variable::OutwardRotationalAcceleration => [0, 0, -2, 0],
             Variable::ReactionMoment => ENERGY,
             Variable::SectionForce => [0, 1, -2, 0],
             Variable::SectionMoment => FORCE,

@@ -72,6 +72,7 @@ fn by_default(variable: Variable) -> &'static str {
         (_, Preselected::Deleting, _) => "where elements can be deleted",
         (_, Preselected::Never, _) => "",
         (_, Preselected::Meeting, _) => "where surfaces meet",
+        (_, Preselected::Oblique, _) => "histories of oblique bodies",
         (_, Preselected::Conducting, _) => "preselected where temperatures are solved for",
     }
 }

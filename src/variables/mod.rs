@@ -50,6 +50,8 @@ pub enum Preselected {
     Meeting,
     /// Where contact has penalty springs; the variable exists only there.
     Springing,
+    /// Where a rigid body has six degrees of freedom; the variable exists only there.
+    Oblique,
 }
 
 /// One entry of the table.
@@ -115,6 +117,14 @@ variables! {
     Acceleration: node("A", &["A1", "A2"], "Acceleration along r and z").preselected(Preselected::Always),
     Reaction: node("RF", &["RF1", "RF2"], "Reaction force of what is prescribed; of a rigid body at its reference node")
         .preselected(Preselected::Deforming),
+    ThirdDisplacement: node("U3", &[], "Displacement of oblique bodies along 3").oblique(),
+    ThirdVelocity: node("V3", &[], "Velocity of oblique bodies along 3").oblique(),
+    ThirdAcceleration: node("A3", &[], "Acceleration of oblique bodies along 3").oblique(),
+    OutwardRotation: node("UROUT", &["UR1", "UR2"], "Rotation of oblique bodies about 1 and 2: with UR3 the rotation vector, radians").oblique(),
+    OutwardRotationalVelocity: node("VROUT", &["VR1", "VR2"], "Rotational velocity of oblique bodies about 1 and 2").oblique(),
+    OutwardRotationalAcceleration: node("AROUT", &["AR1", "AR2"], "Rotational acceleration of oblique bodies about 1 and 2").oblique(),
+    Yaw: node("YAW", &[], "Angle between the axis of an oblique body and its velocity, degrees, 0 to 90").oblique(),
+    Tilt: node("TILT", &[], "Angle between the axis of an oblique body and direction 2, degrees").oblique(),
     Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
     NodalTemperature: node("NT", &["NT11"], "Temperature of a node, where it is solved for").conducting(),
     ReactionFlux: node("RFL", &["RFL11"], "Heat a time that holding a temperature takes, positive into the body").conducting(),
@@ -305,6 +315,12 @@ impl Row {
     const fn springing(self) -> Row {
         Row { preselected: Preselected::Springing, deforming: true, ..self }
     }
+
+    /// Of rigid bodies with six degrees of freedom.
+    const fn oblique(self) -> Row {
+        Row { preselected: Preselected::Oblique, extension: true, ..self }
+    }
+
     /// Of contact.
     const fn meeting(self) -> Row {
         Row { preselected: Preselected::Meeting, deforming: true, ..self }

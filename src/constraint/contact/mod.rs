@@ -422,7 +422,7 @@ impl Contact {
     /// before and after. What acts on a prescribed motion is work of that motion.
     fn act(&mut self, dofs: &mut Dofs, dt: f64) {
         let half = self.half;
-        let Dofs { bodies, nodes, energies } = dofs;
+        let Dofs { bodies, nodes, energies, .. } = dofs;
         let mut work = [0.0; 2];
         self.means.fill(0.0);
         for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {

@@ -13,6 +13,24 @@ pub const CARDS: &[Keyword] = &[
         "COMPOSITE" refused "of modal analyses",
         "ORIENTATION" refused "a mass is the same along r and z",
     }, [(lines ["mass"])]),
+    row!("ROTARY INERTIA", "Rotary inertia of ROTARYI elements, for bodies whose impact is oblique; an element has one", (), {
+        "ELSET" read "Elements",
+        "ALPHA" only ["0"] "inertias are not damped",
+        "COMPOSITE" refused "of modal analyses",
+        "ORIENTATION" refused "direction 2 is the axis of symmetry",
+    }, [(lines [
+        "I11" read "About an axis across the body, through the node",
+        "I22" read "About the axis of symmetry (I11)",
+        "I33" read "As I11",
+        "I12" only ["0"] "axes 1, 2, 3 of a body of revolution are principal",
+        "I13" only ["0"] "axes 1, 2, 3 of a body of revolution are principal",
+        "I23" only ["0"] "axes 1, 2, 3 of a body of revolution are principal",
+    ])]),
+    row!(extension "ATTITUDE", "Attitude of a rigid body at the start; where it is oblique the body has six degrees of freedom", (), {
+        "REF NODE" read "Reference node of the body, about which it is turned, or a set of it",
+        "STATIONS" read "Stations around the axis at which resistance is taken (64)",
+        "INERTIA" read "UNIFORM spreads the mass evenly over what the meridian encloses; without it masses lie where the deck has them",
+    }, [(lines ["angle about 3" read "Degrees, in the plane in which targets are tilted (0)", "angle about 1" read "Degrees, out of that plane, behind the other (0)"])]),
     row!("SPRING", "Springs of SPRINGA and SPRING1 elements; an element has one", (), {
         "ELSET" read "Elements",
         "NONLINEAR" read "Rows of force and relative displacement",
@@ -281,6 +299,7 @@ pub const CARDS: &[Keyword] = &[
     row!(extension "TARGET", "A layered target that is not meshed; CAVITY loads meet it", (unique "NAME"), {
         "NAME" read "Name of the target",
         "FRONT" read "Height z of the impact face (0)",
+        "OBLIQUITY" read "Angle in degrees by which its planes are turned about direction 3 (0); bodies that it resists then have six degrees of freedom",
         "DIRECTION" read "1 or -1 (default): the way along z the layers follow each other",
         "FREE SURFACE" read "ON: faces that border on nothing weaken the resistance; LAYERS: those of every layer; OFF (default)",
         "RADIUS" read "Radius of the lateral face of its layers; without it they have no end",

@@ -136,7 +136,6 @@ pub const PHYSICS: &[Keyword] = &[
     row!(UnsupportedPhysics, "REBAR", "Reinforcement"),
     row!(UnsupportedPhysics, "REBAR LAYER", "Reinforcement"),
     row!(UnsupportedPhysics, "RELEASE", "Released rotations"),
-    row!(UnsupportedPhysics, "ROTARY INERTIA", "Rotary inertia of points"),
     row!(UnsupportedPhysics, "SHELL GENERAL SECTION", "Shells"),
     row!(UnsupportedPhysics, "SHELL TO SOLID COUPLING", "Shells"),
     row!(UnsupportedPhysics, "SOILS", "Soils procedure"),

@@ -47,19 +47,18 @@ impl Crater {
 }
 
 impl Bounds {
-    /// Distance from a point along a unit normal to the next free surface.
+    /// Distance from a height along a unit normal with this part along z to the next free face.
     #[inline]
-    fn distance(&self, [r, z]: [f64; 2], [n_r, n_z]: [f64; 2]) -> f64 {
+    fn along(&self, z: f64, n_z: f64) -> f64 {
         let [low, high] = self.faces;
-        let along = if n_z < 0.0 {
+        let distance = if n_z < 0.0 {
             (low - z) / n_z
         } else if n_z > 0.0 {
             (high - z) / n_z
         } else {
             f64::INFINITY
         };
-        let across = if n_r > 0.0 { (self.radius - r) / n_r } else { f64::INFINITY };
-        along.min(across).max(0.0)
+        distance.max(0.0)
     }
 }
 
@@ -69,19 +68,21 @@ impl Finite {
     /// the radius of that point.
     #[inline]
     pub fn bearing_area(&self, layer: usize, facet: &Facet, between: [f64; 2]) -> f64 {
-        let bounds = &self.layers[layer];
-        let Some(part) = facet.part(between, bounds.radius) else { return 0.0 };
-        let share = self.share(layer, part.middle, facet.normal, part.middle[0]);
-        part.area * share
+        let radius = self.layers[layer].radius;
+        let Some(part) = facet.part(between, radius) else { return 0.0 };
+        let ([r, z], [n_r, n_z]) = (part.middle, facet.normal);
+        let across = if n_r > 0.0 { (radius - r) / n_r } else { f64::INFINITY };
+        part.area * self.share(layer, z, n_z, across, r)
     }
 
-    /// Share of the law of a body without end that acts at a point of a surface with this outward normal, where the body has this
-    /// radius.
+    /// Share of the law of a body without end that acts at a height on a surface whose outward normal has this part along z, at this
+    /// distance along the normal from the lateral face, where the body has this radius.
     #[inline]
-    pub fn share(&self, layer: usize, point: [f64; 2], normal: [f64; 2], radius: f64) -> f64 {
+    pub fn share(&self, layer: usize, z: f64, n_z: f64, across: f64, radius: f64) -> f64 {
         let bounds = &self.layers[layer];
-        let free = bounds.decay.map_or(1.0, |decay| decay.factor(radius, bounds.distance(point, normal)));
-        free * self.crater.map_or(1.0, |crater| crater.share(point[1]))
+        let distance = || bounds.along(z, n_z).min(across.max(0.0));
+        let free = bounds.decay.map_or(1.0, |decay| decay.factor(radius, distance()));
+        free * self.crater.map_or(1.0, |crater| crater.share(z))
     }
 
     /// Bytes of its array.

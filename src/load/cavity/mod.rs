@@ -5,24 +5,30 @@
 
 mod finite;
 mod nose;
+mod oblique;
 mod plug;
+mod rings;
 mod shadow;
 mod skin;
 mod stack;
 mod tunnel;
 
-use super::{Account, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
+use super::{Account, FlightEnd, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
 use crate::load::fields::FacetFields;
-use crate::mesh::surface::Surface;
+use crate::mesh::surface::{Patch, Surface};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
+use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::limit::Limit;
+use crate::state::magnitude::Clock;
 use crate::state::nodes::Nodes;
 use crate::user::Locked;
 pub use finite::{Bounds, Crater, Finite};
 use nose::Nose;
+use oblique::Oblique;
+pub use oblique::Tilt;
 use skin::Resisted;
 pub use stack::Stack;
 
@@ -33,6 +39,8 @@ pub struct CavityExpansion {
     friction: f64,
     stack: Stack,
     noses: Vec<Nose>,
+    /// Bodies with six degrees of freedom.
+    oblique: Vec<Oblique>,
     skin: Resisted,
 }
 
@@ -41,7 +49,21 @@ impl CavityExpansion {
     /// increment may move while a plane of the stack cuts it.
     pub fn new(id: EffectId, friction: f64, stack: Stack, surface: Surface, travel: f64) -> Self {
         let noses = surface.patches.iter().map(|patch| Nose::new(patch, &stack, travel)).collect();
-        CavityExpansion { id, friction, stack, noses, skin: Resisted::new(surface.skin) }
+        CavityExpansion { id, friction, stack, noses, oblique: Vec::new(), skin: Resisted::new(surface.skin) }
+    }
+
+    /// The same on a patch of a body with six degrees of freedom, given by its index, with the planes tilted;
+    /// layers follow each other along `direction`.
+    #[must_use]
+    pub fn with_oblique(
+        mut self,
+        patch: &Patch,
+        flight: (usize, &Flight),
+        (tilt, direction): (Tilt, f64),
+        travel: f64,
+    ) -> Self {
+        self.oblique.push(Oblique::new(patch, flight, (tilt, direction), (self.friction, travel)));
+        self
     }
 
     /// The same where nothing acts inside the tunnel that has been opened already; `nodes` are those at the start.
@@ -100,13 +122,32 @@ impl Load for CavityExpansion {
         Ok(())
     }
 
+    fn on_flights(&mut self, clock: &Clock<'_>, flights: &mut [Flight]) -> Result<(), Halt> {
+        let time = clock.now.total_time;
+        for oblique in &mut self.oblique {
+            oblique
+                .resist(&self.stack, flights, time)
+                .ok_or_else(|| unbounded(time, flights[oblique.flight()].fastest))?;
+        }
+        Ok(())
+    }
+
+    fn resists(&self) -> Vec<usize> {
+        self.oblique.iter().map(Oblique::flight).collect()
+    }
+
+    fn ends(&self, dofs: &Dofs) -> Vec<FlightEnd> {
+        self.oblique.iter().map(|oblique| oblique.end(&dofs.flights)).collect()
+    }
+
     fn velocity(&self) -> VelocityUse {
         VelocityUse::Resists
     }
 
     fn limit(&self, view: &View<'_>) -> Limit {
         let noses = self.noses.iter().map(|nose| nose.limit(&self.stack, &view.dofs.bodies[nose.body]));
-        noses.fold(self.skin.limit(&self.stack, &view.dofs.nodes), Limit::nearer)
+        let oblique = self.oblique.iter().map(|oblique| oblique.limit(&self.stack, &view.dofs.flights));
+        noses.chain(oblique).fold(self.skin.limit(&self.stack, &view.dofs.nodes), Limit::nearer)
     }
 
     fn dissipated(&self, behind: &LastIncrement<'_>) -> [f64; 2] {
@@ -120,13 +161,16 @@ impl Load for CavityExpansion {
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
         let mut fields = FacetFields::default();
         self.noses.iter().for_each(|nose| nose.show(&self.stack, &dofs.bodies[nose.body], &mut fields));
+        self.oblique.iter().for_each(|oblique| oblique.show(&self.stack, &dofs.flights, &mut fields));
         self.skin.show(&self.stack, &dofs.nodes, &mut fields);
         Some(fields)
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let noses = self.noses.iter().map(Nose::bytes).sum::<usize>() + size_of::<Nose>() * self.noses.capacity();
-        vec![("facets", noses + self.skin.bytes()), ("layers", self.stack.bytes())]
+        let oblique =
+            self.oblique.iter().map(Oblique::bytes).sum::<usize>() + size_of::<Oblique>() * self.oblique.capacity();
+        vec![("facets", noses + self.skin.bytes()), ("rings", oblique), ("layers", self.stack.bytes())]
     }
 
     fn copy(&self) -> Box<dyn Load> {
@@ -136,13 +180,20 @@ impl Load for CavityExpansion {
 
 #[cold]
 fn not_finite(view: &View<'_>, speed: f64) -> Halt {
-    let time = view.clock.now.total_time;
+    unbounded(view.clock.now.total_time, speed)
+}
+
+#[cold]
+fn unbounded(time: f64, speed: f64) -> Halt {
     Halt { code: "R202", reason: format!("the resistance is not finite at time {time:e}, speed {speed:e}") }
 }
 
 impl Persist for CavityExpansion {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let CavityExpansion { id: _, friction: _, stack: _, noses, skin } = self;
+        let CavityExpansion { id: _, friction: _, stack: _, noses, oblique, skin } = self;
         persist_fields!(archive; noses.as_mut_slice(), skin);
+        if !oblique.is_empty() {
+            oblique.as_mut_slice().persist(archive);
+        }
     }
 }

@@ -1,0 +1,229 @@
+//! The resistance on a rigid body that moves and turns in space: its meridian's facets as rings, in a stack whose planes are tilted.
+//! Never here: sums over stations (`rings`), the load as the integrator sees it.
+
+use super::rings::{Rings, Scene};
+use super::stack::Stack;
+use crate::kernel::attitude::{Vector, dot, norm};
+use crate::load::fields::FacetFields;
+use crate::load::{FlightEnd, How};
+use crate::mesh::surface::Patch;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::state::flight::{Flight, Motion, Wrench};
+use crate::state::limit::Limit;
+
+/// Speed over which pressure and friction come up, as a part of the body's own; below a tenth of the fastest there was it is no
+/// longer in proportion. A law that jumps where a wall begins to move into the material would turn the motion across the wall in
+/// every increment, however short.
+const ONSET: f64 = 0.25;
+const SLOW: f64 = 0.1;
+/// An increment covers this part of the time in which what damps would stop the body.
+const DAMPED: f64 = 0.5;
+
+/// Where a stack lies: its heights grow along a direction, and are those of the deck where that passes through a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Tilt {
+    /// Direction of the normal of the planes.
+    pub up: Vector,
+    /// Height z at which planes and the axis of the deck meet that all turn about.
+    pub pivot: f64,
+}
+
+impl Tilt {
+    /// Planes turned about direction 3 through the point of the axis at a height, by an angle in radians.
+    pub fn new(pivot: f64, angle: f64) -> Tilt {
+        Tilt { up: [-libm::sin(angle), libm::cos(angle), 0.0], pivot }
+    }
+
+    /// Height in the stack of a point of the world.
+    fn height(&self, point: Vector) -> f64 {
+        self.pivot + dot(self.from_pivot(point), self.up)
+    }
+
+    /// The way from the point about which it is turned.
+    fn from_pivot(&self, [x, y, z]: Vector) -> Vector {
+        [x, y - self.pivot, z]
+    }
+}
+
+/// Facets of one body in a tilted stack.
+#[derive(Clone, Debug)]
+pub(super) struct Oblique {
+    flight: usize,
+    tilt: Tilt,
+    friction: f64,
+    /// Part of what of the body lies across planes that an increment may travel; it also scales the onset.
+    travel: f64,
+    rings: Rings,
+    elements: Vec<usize>,
+    /// Which way layers follow each other along `up`.
+    direction: f64,
+    /// Whether it has met the stack.
+    met: bool,
+    /// When it had left it again, and how.
+    left: Option<(f64, bool)>,
+    /// How fast the force grows with speed where it comes up.
+    damping: f64,
+}
+
+impl Oblique {
+    pub(super) fn new(
+        patch: &Patch,
+        (flight, of): (usize, &Flight),
+        (tilt, direction): (Tilt, f64),
+        (friction, travel): (f64, f64),
+    ) -> Oblique {
+        let facets = patch.facets.iter().map(|f| &f.1);
+        Oblique {
+            flight,
+            tilt,
+            friction,
+            travel,
+            rings: Rings::new(facets, of.heights[0], of.stations),
+            elements: patch.facets.iter().map(|f| f.0).collect(),
+            direction,
+            met: false,
+            left: None,
+            damping: 0.0,
+        }
+    }
+
+    fn scene(&self, flight: &Flight, motion: &Motion) -> Scene {
+        let body = |v: Vector| flight.attitude.to_body(v);
+        // What lies still is asked at next to no speed, for all that it can hold.
+        let floor = if flight.rests { 0.0 } else { SLOW * flight.fastest };
+        let speed = flight.reach(motion).max(floor);
+        Scene {
+            velocity: body(motion.velocity),
+            turning: body(motion.turning),
+            up: body(self.tilt.up),
+            height: self.tilt.height(flight.centre),
+            from_pivot: body(self.tilt.from_pivot(flight.centre)),
+            onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),
+            friction: self.friction,
+        }
+    }
+
+    /// Adds its forces to those of its flight; `None` where they are not finite.
+    pub(super) fn resist(&mut self, stack: &Stack, flights: &mut [Flight], time: f64) -> Option<()> {
+        let flight = &mut flights[self.flight];
+        let scene = self.scene(flight, &flight.shown);
+        let [low, high] = self.rings.heights(&scene);
+        self.look(stack, [low, high], time);
+        self.damping = 0.0;
+        if high <= stack.planes[0] || low >= stack.planes[stack.planes.len() - 1] {
+            return Some(());
+        }
+        let sum = self.rings.resist(stack, &scene);
+        self.damping = sum.damping;
+        let attitude = flight.attitude;
+        let world = |w: &Wrench| Wrench { force: attitude.to_world(w.force), moment: attitude.to_world(w.moment) };
+        let [_, rubbed, pressed] = &mut flight.forces;
+        pressed.add(&world(&sum.pressure));
+        rubbed.add(&world(&sum.friction));
+        let all = norm(pressed.force) + norm(pressed.moment) + norm(rubbed.force) + norm(rubbed.moment);
+        all.is_finite().then_some(())
+    }
+
+    /// Whether it has met the stack, and has left it.
+    fn look(&mut self, stack: &Stack, [low, high]: [f64; 2], time: f64) {
+        let inside = high > stack.planes[0] && low < stack.planes[stack.planes.len() - 1];
+        if inside {
+            (self.met, self.left) = (true, None);
+        } else if self.met && self.left.is_none() {
+            let below = high <= stack.planes[0];
+            let through = below == (self.direction < 0.0);
+            self.left = Some((time, through));
+        }
+    }
+
+    /// What has become of its flight here, and the angle between its velocity and the normal of the planes.
+    pub(super) fn end(&self, flights: &[Flight]) -> FlightEnd {
+        let flight = &flights[self.flight];
+        let speed = norm(flight.velocity);
+        let along = dot(flight.velocity, self.tilt.up).abs();
+        let obliquity = if speed > 0.0 { libm::acos((along / speed).min(1.0)) } else { 0.0 };
+        let how = match self.left {
+            Some((_, through)) => {
+                if through {
+                    How::Through
+                } else {
+                    How::Ricochet
+                }
+            }
+            None if !self.met => How::NotMet,
+            None if flight.rests => How::AtRest,
+            None => How::Moving,
+        };
+        FlightEnd { flight: self.flight, how, time: self.left.map(|left| left.0), obliquity }
+    }
+
+    /// How far the next increment may go: to the next plane and a part of the body beyond, and no longer than what damps lets it.
+    pub(super) fn limit(&self, stack: &Stack, flights: &[Flight]) -> Limit {
+        let flight = &flights[self.flight];
+        let motion = flight.motion();
+        let scene = self.scene(flight, &motion);
+        let [low, high] = self.rings.heights(&scene);
+        let speed = dot(motion.velocity, self.tilt.up).abs() + flight.size * norm(motion.turning);
+        let inside = high > stack.planes[0] && low < stack.planes[stack.planes.len() - 1];
+        let changes = inside && stack.finite.is_some();
+        let cut = changes || stack.planes.iter().any(|p| (low..=high).contains(p));
+        let gap = |p: &f64| if *p > high { p - high } else { low - p };
+        let ahead = if cut { 0.0 } else { stack.planes.iter().map(gap).fold(f64::INFINITY, f64::min) };
+        let distance = ahead + self.travel * (high - low);
+        let mut time = if speed > 0.0 { distance / speed } else { f64::INFINITY };
+        if inside && self.damping > 0.0 {
+            let yields = 1.0 / flight.mass + flight.size * flight.size / flight.inertia.transverse;
+            time = time.min(DAMPED / (self.damping * yields));
+        }
+        Limit { time, jump: false }
+    }
+
+    /// Adds what frames show: each element as often as there are stations.
+    pub(super) fn show(&self, stack: &Stack, flights: &[Flight], fields: &mut FacetFields) {
+        let flight = &flights[self.flight];
+        let scene = self.scene(flight, &flight.motion());
+        self.rings
+            .show(stack, &scene, |ring, _, [pressure, velocity]| fields.push(self.elements[ring], pressure, velocity));
+    }
+
+    /// The flight that it acts on.
+    pub(super) fn flight(&self) -> usize {
+        self.flight
+    }
+
+    /// Bytes of its arrays.
+    pub(super) fn bytes(&self) -> usize {
+        self.rings.bytes() + size_of::<usize>() * self.elements.capacity()
+    }
+}
+
+impl Persist for Oblique {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let Oblique {
+            flight: _,
+            tilt: _,
+            friction: _,
+            travel: _,
+            rings: _,
+            elements: _,
+            direction: _,
+            met,
+            left,
+            damping,
+        } = self;
+        persist_fields!(archive; met, left, damping);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::attitude::plus;
+
+    #[test]
+    fn heights_of_a_tilted_stack_grow_along_its_normal() {
+        let tilt = Tilt::new(2.0, 0.5);
+        assert!((tilt.height(plus([0.0, 2.0, 0.0], 3.0, tilt.up)) - 5.0).abs() < 1e-15);
+        assert!((tilt.height([libm::cos(0.5), 2.0 + libm::sin(0.5), 7.0]) - 2.0).abs() < 1e-15);
+    }
+}

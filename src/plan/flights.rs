@@ -1,0 +1,319 @@
+//! Rigid bodies whose impact is oblique: which they are, their inertia and motion at the start, and what is refused on them.
+//! Never here: bodies along z, what resists them.
+
+use super::{Body, Compiler, State};
+use crate::deck::{Diagnostic, Span};
+use crate::kernel::attitude::{Attitude, Inertia, Vector, cross, norm, plus};
+use crate::model::{self, ElementKind, InitialKind, LoadKind, RigidBody, STATIONS};
+use crate::state::BodyState;
+use crate::state::flight::{Flight, Place};
+
+/// Places and weights of three points of Gauss on -1 to 1: exact up to the fifth power.
+const GAUSS: [[f64; 2]; 3] =
+    [[-0.774_596_669_241_483_4, 5.0 / 9.0], [0.0, 8.0 / 9.0], [0.774_596_669_241_483_4, 5.0 / 9.0]];
+
+/// What a mass distribution comes to, about the origin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moments {
+    mass: f64,
+    /// Mass times height.
+    first: f64,
+    /// About the axis of symmetry, and about an axis across it at height 0.
+    axial: f64,
+    transverse: f64,
+}
+
+impl Moments {
+    /// Adds a mass that is spread evenly over a circle.
+    fn add(&mut self, mass: f64, [r, z]: [f64; 2]) {
+        self.mass += mass;
+        self.first += mass * z;
+        self.axial += mass * r * r;
+        self.transverse += mass * (0.5 * r * r + z * z);
+    }
+
+    fn height(&self) -> f64 {
+        self.first / self.mass
+    }
+
+    /// About the centre of mass.
+    fn inertia(&self) -> Inertia {
+        Inertia { axial: self.axial, transverse: self.transverse - self.first * self.height() }
+    }
+}
+
+impl Compiler<'_> {
+    /// The attitude that the deck gives a body.
+    fn attitude(&self, rigid: &RigidBody) -> Option<&model::Attitude> {
+        self.model.attitudes.iter().find(|attitude| attitude.reference == rigid.reference)
+    }
+
+    /// Whether the impact of a body is oblique: it is turned, or starts across its axis or turning, or meets a tilted target.
+    pub(super) fn is_oblique(&self, rigid: &RigidBody) -> bool {
+        let attitude = self.attitude(rigid);
+        let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
+        let steps = self.model.steps.iter();
+        let tilted = steps.flat_map(|s| &s.loads).any(|load| match &load.kind {
+            LoadKind::Cavity { sides, target, .. } => {
+                self.model.targets[*target].obliquity != 0.0
+                    && sides.faces.iter().any(|(e, _)| rigid.elements.contains(e))
+            }
+            _ => false,
+        });
+        let across = || self.starts(rigid.reference).iter().enumerate().any(|(i, v)| i != 1 && *v != 0.0);
+        turned || tilted || attitude.is_some() && across()
+    }
+
+    /// Velocities that a reference node starts with along and about 1, 2, 3.
+    fn starts(&self, reference: usize) -> [f64; 6] {
+        let mut starts = [0.0; 6];
+        for condition in self.model.initial_conditions.iter().filter(|c| c.members.contains(&reference)) {
+            if let InitialKind::Velocity(dof @ 1..=6, value) = condition.kind {
+                starts[usize::from(dof) - 1] = value;
+            }
+        }
+        starts
+    }
+
+    /// Whether a velocity at the start is one of an oblique body, which takes it whatever its direction.
+    pub(super) fn is_of_flight(&self, members: &[usize]) -> bool {
+        self.bodies.iter().any(|b| b.flight.is_some() && members.contains(&b.reference))
+    }
+
+    /// Bodies along z at the start; what of them has six degrees of freedom moves elsewhere.
+    pub(super) fn bodies_at_start(&self) -> Vec<BodyState> {
+        let flying = |b: &Body| match b.flight {
+            None => BodyState::new(b.mass(), b.initial_velocity),
+            Some(_) => BodyState::default(),
+        };
+        self.bodies.iter().map(flying).collect()
+    }
+
+    /// Bodies with six degrees of freedom at the start.
+    pub(super) fn flights(&mut self) -> Vec<Flight> {
+        self.check_attitudes();
+        let oblique: Vec<usize> = (0..self.bodies.len()).filter(|&b| self.bodies[b].flight.is_some()).collect();
+        oblique.into_iter().map(|body| self.flight(body)).collect()
+    }
+
+    fn check_attitudes(&mut self) {
+        let mut seen: Vec<usize> = Vec::new();
+        for attitude in &self.model.attitudes {
+            let message = if !self.model.rigid_bodies.iter().any(|b| b.reference == attitude.reference) {
+                "this attitude is given to a node that is no REF NODE of a rigid body"
+            } else if seen.contains(&attitude.reference) {
+                "a body has one attitude: this is the second"
+            } else {
+                seen.push(attitude.reference);
+                continue;
+            };
+            self.diagnostics.push(Diagnostic::error("P130", message).at(attitude.span, "here"));
+        }
+        for inertia in &self.model.rotary_inertias {
+            match self.body_of_node.get(&inertia.node).map(|&b| &self.bodies[b]) {
+                None => {
+                    let message = "a rotary inertia lies on a node of no rigid body";
+                    self.diagnostics.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
+                }
+                Some(body) if body.flight.is_none() => {
+                    self.unused(
+                        inertia.span,
+                        "*ROTARY INERTIA",
+                        "a rigid body of revolution that moves along z does not turn",
+                    );
+                }
+                Some(_) => {}
+            }
+        }
+    }
+
+    fn flight(&mut self, index: usize) -> Flight {
+        let rigid = &self.model.rigid_bodies[index];
+        let body = &self.bodies[index];
+        let (mass, mesh) = (body.mass(), &self.model.mesh);
+        let given = self.attitude(rigid);
+        let uniform = given.is_some_and(|a| a.uniform);
+        let moments = if uniform { self.moments_of_volume(rigid, mass) } else { self.moments(rigid, body) };
+        let mut inertia = moments.inertia();
+        let on_body = self.model.rotary_inertias.iter().filter(|i| body.nodes.contains(&i.node));
+        for [axial, transverse] in on_body.map(|i| i.axial_transverse) {
+            inertia = Inertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
+        }
+        let height = if moments.mass > 0.0 { moments.height() } else { mesh.points[rigid.reference][1] };
+        let angles = given.map_or([0.0; 2], |a| a.angles).map(f64::to_radians);
+        let attitude = Attitude::turned([angles[1], 0.0, 0.0]).after(Attitude::turned([0.0, 0.0, angles[0]]));
+        let [r, z] = mesh.points[rigid.reference];
+        let arm = attitude.to_world([-r, height - z, 0.0]);
+        let starts = self.starts(rigid.reference);
+        let (own, turning): (Vector, Vector) = ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
+        let far = |n: &usize| mesh.points[*n][0].hypot(mesh.points[*n][1] - height);
+        let mut flight = Flight {
+            body: index,
+            mass,
+            inertia,
+            heights: [height, z],
+            stations: self.stations(index),
+            size: body.nodes.iter().map(far).fold(0.0, f64::max),
+            centre: plus([r, z, 0.0], 1.0, arm),
+            attitude,
+            velocity: plus(own, 1.0, cross(turning, arm)),
+            momentum: inertia.momentum(attitude.axis(), turning),
+            ..Flight::default()
+        };
+        flight.start = Place { centre: flight.centre, attitude, moving: [flight.velocity, flight.momentum] };
+        flight.last = flight.start;
+        flight.rests = norm(flight.velocity) == 0.0 && norm(flight.momentum) == 0.0;
+        flight.show_own_motion();
+        let detail = format!(
+            "{}: centre of mass at z = {height:.6}, inertia {:.6e} about the axis, {:.6e} across",
+            mesh.node_names[rigid.reference], inertia.axial, inertia.transverse
+        );
+        let span = given.map_or(rigid.span, |a| a.span);
+        if !(inertia.axial > 0.0
+            && inertia.transverse > 0.0
+            && inertia.axial <= 2.0 * inertia.transverse * (1.0 + 1e-12))
+        {
+            self.no_inertia(span, index, inertia);
+        }
+        self.cause(span, "six degrees of freedom", 1, "body", detail);
+        flight
+    }
+
+    fn no_inertia(&mut self, span: Span, body: usize, inertia: Inertia) {
+        let name = &self.bodies[body].name;
+        let message = if inertia.axial > 0.0 && inertia.transverse > 0.0 {
+            format!(
+                "no mass distribution has the inertia of `{name}`: {:e} about the axis is more than twice the {:e} across it",
+                inertia.axial, inertia.transverse
+            )
+        } else {
+            format!(
+                "rigid body `{name}` is oblique and has no rotary inertia: its mass lies on the axis or in one point"
+            )
+        };
+        let help = "give *ROTARY INERTIA to an element of TYPE=ROTARYI on its reference node, spread its mass with *ATTITUDE, \
+                    INERTIA=UNIFORM, or give its elements a density";
+        self.diagnostics.push(Diagnostic::error("P131", message).at(span, "of this body").help(help));
+    }
+
+    /// Moments of the masses that the deck has: solids and shells of the body turned around the axis, and masses on nodes.
+    fn moments(&self, rigid: &RigidBody, body: &Body) -> Moments {
+        let (mesh, mut moments) = (&self.model.mesh, Moments::default());
+        for section in &self.model.sections {
+            let density = self.model.materials[section.material].density.unwrap_or(0.0);
+            for &e in section.elements.iter().filter(|e| rigid.elements.contains(e)) {
+                let corners = mesh.corners(e).map(|n| mesh.points[n]);
+                in_solid(corners, |place, volume| moments.add(density * volume, place));
+            }
+        }
+        let shells = rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2);
+        for &e in shells {
+            let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
+            let per_area = rigid.density * rigid.thickness;
+            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            along(a, b, |place, share| {
+                moments.add(per_area * 2.0 * std::f64::consts::PI * place[0] * length * share, place);
+            });
+        }
+        for point in self.model.point_masses.iter().filter(|p| body.nodes.contains(&p.node)) {
+            moments.add(point.mass, mesh.points[point.node]);
+        }
+        moments
+    }
+
+    /// Moments of a mass spread evenly over what the RAX2 elements of the body enclose; level faces at its ends may be missing.
+    /// By the theorem of Gauss each is an integral over the meridian, of which pi r^2 dz is the volume.
+    fn moments_of_volume(&self, rigid: &RigidBody, mass: f64) -> Moments {
+        let (mesh, mut all) = (&self.model.mesh, Moments::default());
+        for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2) {
+            let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
+            along(a, b, |[r, z], share| {
+                let volume = std::f64::consts::PI * r * r * (b[1] - a[1]) * share;
+                all.mass += volume;
+                all.first += volume * z;
+                all.axial += 0.5 * volume * r * r;
+                all.transverse += volume * (0.25 * r * r + z * z);
+            });
+        }
+        for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind.is_solid()) {
+            in_solid(mesh.corners(e).map(|n| mesh.points[n]), |place, volume| all.add(volume, place));
+        }
+        let factor = mass / all.mass;
+        Moments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
+    }
+
+    /// Stations of a body around its axis.
+    pub(super) fn stations(&self, body: usize) -> usize {
+        self.attitude(&self.model.rigid_bodies[body]).map_or(STATIONS, |a| a.stations)
+    }
+
+    /// Refuses what acts on a body with six degrees of freedom and is not carried over to it.
+    pub(super) fn refuse_on_flights(&mut self, state: &State) {
+        let names: Vec<String> = state.dofs.flights.iter().map(|f| self.bodies[f.body].name.clone()).collect();
+        let Some(name) = names.first() else { return };
+        let flies = |node: &usize| self.body_of_node.get(node).is_some_and(|&b| self.bodies[b].flight.is_some());
+        let model = self.model;
+        let contact = self.pairs.iter().flatten().next().map(|pair| (pair.span, "contact"));
+        let on_nodes = |list: &[usize]| list.iter().any(|n| flies(n));
+        let tie = self.ties.iter().find(|tie| self.bodies[tie.body].flight.is_some());
+        let tied = tie.map(|tie| (self.bodies[tie.body].span, "deformable elements that share its nodes"));
+        let spring =
+            model.connectors.iter().find(|c| c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes)));
+        let spring = spring.map(|c| (c.span, "a spring or a dashpot"));
+        let equation = model.equations.iter().find(|e| e.terms.iter().any(|t| flies(&t.0)));
+        let equation = equation.map(|e| (e.span, "an *EQUATION"));
+        let found = [contact, tied, spring, equation];
+        let findings: Vec<_> = found.into_iter().flatten().collect();
+        for (span, what) in findings {
+            self.refuse_on_flight(span, name, what);
+        }
+    }
+
+    /// Says that something cannot be on an oblique body.
+    pub(super) fn refuse_on_flight(&mut self, span: Span, body: &str, what: &str) {
+        let message = format!("the impact of rigid body `{body}` is oblique: {what} cannot act on it");
+        let help = "an oblique body takes the resistance of targets (CAVITY), gravity, and *CLOAD along 2";
+        self.diagnostics.push(Diagnostic::error("P132", message).at(span, "here").help(help));
+    }
+}
+
+/// Points of a line with the share of its length that each stands for.
+fn along(a: [f64; 2], b: [f64; 2], mut each: impl FnMut([f64; 2], f64)) {
+    for [at, weight] in GAUSS {
+        let s = 0.5 * (1.0 + at);
+        each([a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])], 0.5 * weight);
+    }
+}
+
+/// Points of a quadrilateral turned around the axis with the volume that each stands for: exact for moments up to the second.
+fn in_solid(corners: [[f64; 2]; 4], mut each: impl FnMut([f64; 2], f64)) {
+    for [x, wx] in GAUSS {
+        for [y, wy] in GAUSS {
+            let shape = [(1.0 - x) * (1.0 - y), (1.0 + x) * (1.0 - y), (1.0 + x) * (1.0 + y), (1.0 - x) * (1.0 + y)];
+            let by_x = [-(1.0 - y), 1.0 - y, 1.0 + y, -(1.0 + y)];
+            let by_y = [-(1.0 - x), -(1.0 + x), 1.0 + x, 1.0 - x];
+            let sum =
+                |weights: [f64; 4], axis: usize| 0.25 * (0..4).map(|i| weights[i] * corners[i][axis]).sum::<f64>();
+            let place = [sum(shape, 0), sum(shape, 1)];
+            let area = sum(by_x, 0) * sum(by_y, 1) - sum(by_x, 1) * sum(by_y, 0);
+            each(place, 2.0 * std::f64::consts::PI * place[0] * area * wx * wy);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Moments, in_solid};
+
+    /// A cylinder of radius 2 from height 1 to 4 in one element: m r^2/2 and m (3 r^2 + h^2)/12.
+    #[test]
+    fn a_cylinder_of_one_element_has_its_exact_inertia() {
+        let mut moments = Moments::default();
+        in_solid([[0.0, 1.0], [2.0, 1.0], [2.0, 4.0], [0.0, 4.0]], |place, volume| moments.add(3.0 * volume, place));
+        let mass = 3.0 * std::f64::consts::PI * 4.0 * 3.0;
+        let inertia = moments.inertia();
+        assert!((moments.mass / mass - 1.0).abs() < 1e-14 && (moments.height() - 2.5).abs() < 1e-14);
+        assert!((inertia.axial / (mass * 2.0) - 1.0).abs() < 1e-14);
+        assert!((inertia.transverse / (mass * (12.0 + 9.0) / 12.0) - 1.0).abs() < 1e-14);
+    }
+}
