@@ -357,3 +357,53 @@ fn refused(text: &str, code: &str) {
     let codes: Vec<_> = told.iter().filter(|d| d.severity == revolve::deck::Severity::Error).map(|d| d.code).collect();
     assert_eq!(codes, [code], "{text}");
 }
+
+/// The deck of an oblique impact with bounds of its plate.
+fn tilted(bounds: &str) -> String {
+    let text = std::fs::read_to_string(common::project("input/oblique.inp")).expect("the deck");
+    text.replace("*Density\n <rho>,\n", "*Density\n <rho>,\n*Elastic\n 68.9e9, 0.3333\n")
+        .replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, accuracy=1e-6\n")
+        .replace("direction=-1,", &format!("direction=-1{bounds},"))
+}
+
+/// Speed at the end, and whether the body had six degrees of freedom.
+fn speed(text: &str, settings: &[(&str, &str)]) -> (f64, bool) {
+    let set: Vec<_> = settings.iter().copied().chain([("stations", "32"), ("n", "60")]).collect();
+    let prepared = common::prepared(text, &set, &Routines::none());
+    let mut memory = common::Memory::default();
+    let (outcome, _) = revolve::solve::run(&prepared.plan, prepared.state.clone(), &mut memory);
+    assert_eq!(outcome.halt, None);
+    assert!(outcome.energy.drift < 1e-4, "{:.2e}", outcome.energy.drift);
+    let last = &memory.rows.last().expect("rows").1;
+    let named =
+        prepared.plan.columns.iter().zip(last).filter(|c| ["V1@REF", "V2@REF", "V3@REF"].contains(&c.0.name.as_str()));
+    (named.map(|(_, v)| v * v).sum::<f64>().sqrt(), !outcome.flights.is_empty())
+}
+
+/// In a target that is tilted by next to nothing the stations of a body with six degrees of freedom feel what facets feel.
+#[test]
+fn a_tilted_target_has_the_same_free_surfaces() {
+    for (bounds, v) in
+        [(", free surface=ON", "600"), (", free surface=ON, radius=0.012", "600"), (", crater=0.01", "700")]
+    {
+        let end = |obliquity: &str| speed(&tilted(bounds), &[("V", v), ("obliquity", obliquity)]);
+        let ((level, none), (tilted, one)) = (end("0"), end("1e-6"));
+        assert_eq!([none, one], [false, true]);
+        close(tilted, level, 1e-3, bounds);
+    }
+}
+
+/// A projectile whose axis leans by 20 degrees flies along the normal of a level plate; the same with projectile upright, plate
+/// and velocity leaning. Free surfaces lean with the plate, its lateral face too.
+#[test]
+fn turning_the_scene_turns_the_answer() {
+    let bounds = ", free surface=ON, radius=0.05";
+    let leaning = speed(&tilted(bounds), &[("V", "700"), ("obliquity", "0"), ("yaw", "20")]).0;
+    let (sine, cosine) = 20f64.to_radians().sin_cos();
+    let velocity = format!(" REF, 1, {}\n REF, 2, {}\n", 700.0 * sine, -700.0 * cosine);
+    let text = tilted(bounds).replace(" REF, 2, <z1>\n", &velocity);
+    let upright = speed(&text, &[("V", "700"), ("obliquity", "20")]).0;
+    close(upright, leaning, 1e-6, "speed behind the plate");
+    let level = speed(&tilted(""), &[("V", "700"), ("obliquity", "0"), ("yaw", "20")]).0;
+    assert!(leaning > 1.01 * level, "free surfaces weaken the plate: {leaning} against {level}");
+}
