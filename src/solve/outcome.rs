@@ -23,6 +23,9 @@ pub struct Outcome {
     pub rests: Vec<Rest>,
     /// Bodies that are still on their way in a target, or behind it: a depth read now is not their last.
     pub unfinished: Vec<String>,
+    /// How many of these still move in it.
+    #[serde(skip)]
+    pub still_moving: usize,
     /// Elements that were deleted.
     pub deleted: usize,
     /// What the run warns of.
