@@ -12,6 +12,9 @@ use super::statistics::least_squares::{Fit, fit};
 
 /// Two parameters that go together more closely than this are told.
 const CLOSE: f64 = 0.95;
+/// Part of a parameter over which derivatives are taken: runs come to their values by whole increments, so smaller ones would see
+/// these.
+const STEP: f64 = 1e-2;
 
 /// A table of shots.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,7 +120,7 @@ pub fn identify(evaluator: &Evaluator, shots: &Shots, start: &[f64], threads: us
             format!("{shots} shots cannot tell {unknown} parameters and their errors; one more is needed at least");
         return Err(StudyError::Comparison(why));
     }
-    let found = fit(start, model)?;
+    let found = fit(start, STEP, model)?;
     found.ok_or_else(|| match first {
         Some(failure) => failure.reason,
         None => StudyError::Comparison("the deck has no value with the parameters of the start".into()),
@@ -131,6 +134,9 @@ pub fn sentences(found: &Fit, names: &[String]) -> Vec<String> {
         said.push("the search was given up before the sum of squares was least: start nearer".into());
     }
     said.extend(found.idle.iter().map(|i| format!("no shot depends on {}: it cannot be told", names[*i])));
+    let edge =
+        |i: &usize| format!("{} came to the edge of what the deck takes: its interval reaches beyond", names[*i]);
+    said.extend(found.edges.iter().map(edge));
     for one in 0..names.len() {
         for other in one + 1..names.len() {
             match found.correlation(one, other) {
@@ -193,6 +199,7 @@ mod tests {
                     freedom: 2,
                     covariance,
                     idle: idle.to_vec(),
+                    edges: Vec::new(),
                     settled: true,
                 },
                 &names,

@@ -38,7 +38,7 @@ pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<Curve> {
         };
         Ok(points.iter().map(of).collect())
     };
-    let fit = match least_squares::fit(&[1.0, 2.0, limit], model) {
+    let fit = match least_squares::fit(&[1.0, 2.0, limit], 1e-4, model) {
         Ok(fit) => fit?,
         Err(never) => match never {},
     };

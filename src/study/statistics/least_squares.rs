@@ -5,9 +5,6 @@
 use super::Estimate;
 use super::cholesky::Factor;
 
-/// Step of a derivative, of the parameter or of its scale: runs come to their values by whole increments, so smaller ones would
-/// see these.
-const STEP: f64 = 1e-3;
 /// Change of a parameter, of itself or of its scale, below which nothing more is looked for.
 const SETTLED: f64 = 1e-7;
 const MOST_ITERATIONS: usize = 100;
@@ -30,6 +27,8 @@ pub struct Fit {
     pub covariance: Option<Vec<f64>>,
     /// Parameters that no residual depends on.
     pub idle: Vec<usize>,
+    /// Parameters beside which, on one side, the model has no value.
+    pub edges: Vec<usize>,
     /// Whether the least was found, and the search not given up.
     pub settled: bool,
 }
@@ -71,36 +70,45 @@ impl Point {
     }
 }
 
-/// Fits parameters from `start`. `None` where the model has no value there, or there are fewer residuals than parameters.
+/// Fits parameters from `start`, with derivatives over this part of a parameter or of its start. `None` where the model has no value there, or there are fewer residuals than parameters.
 ///
 /// # Errors
 /// Those of the model.
-pub fn fit<E>(start: &[f64], model: &mut Residuals<'_, E>) -> Result<Option<Fit>, E> {
+pub fn fit<E>(start: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Option<Fit>, E> {
     let scale: Vec<f64> = start.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
     let Some(mut here) = best(model, vec![start.to_vec()])? else { return Ok(None) };
     if here.residuals.len() < start.len() {
         return Ok(None);
     }
+    let steps: Vec<f64> = scale.iter().map(|s| part * s).collect();
     let (mut damping, mut settled) = (1e-3, false);
-    let mut columns = jacobian(&here, &scale, model)?;
+    let mut slopes = jacobian(&here, &steps, part, model)?;
     for _ in 0..MOST_ITERATIONS {
-        let Some(next) = step(&here, &columns, &mut damping, &scale, model)? else {
+        let Some(next) = step(&here, &slopes.columns, &mut damping, &steps, model)? else {
             settled = true;
             break;
         };
-        let moved = |i: usize| (next.at[i] - here.at[i]).abs() / here.at[i].abs().max(STEP * scale[i]);
+        let moved = |i: usize| (next.at[i] - here.at[i]).abs() / here.at[i].abs().max(steps[i]);
         let small = (0..start.len()).all(|i| moved(i) < SETTLED);
         here = next;
-        columns = jacobian(&here, &scale, model)?;
+        slopes = jacobian(&here, &steps, part, model)?;
         if small {
             settled = true;
             break;
         }
     }
     let freedom = here.residuals.len() - start.len();
-    let (normal, norms) = normal(&columns);
+    let (normal, norms) = normal(&slopes.columns);
     let idle: Vec<usize> = (0..start.len()).filter(|i| norms[*i] == 0.0).collect();
-    let mut fit = Fit { values: here.at, residuals: here.residuals, freedom, covariance: None, idle, settled };
+    let mut fit = Fit {
+        values: here.at,
+        residuals: here.residuals,
+        freedom,
+        covariance: None,
+        idle,
+        edges: slopes.edges,
+        settled,
+    };
     let variance = fit.deviation().powi(2);
     let told = Factor::of(&normal, start.len(), LEAST_PIVOT).filter(|_| fit.idle.is_empty());
     fit.covariance = told.map(|factor| {
@@ -124,26 +132,36 @@ fn best<E>(model: &mut Residuals<'_, E>, points: Vec<Vec<f64>>) -> Result<Option
     Ok(all.filter(|p| p.cost().is_finite()).min_by(|a, b| a.cost().total_cmp(&b.cost())))
 }
 
-/// Derivatives of all residuals, a column a parameter: central, or one-sided where one side has no value.
-fn jacobian<E>(here: &Point, scale: &[f64], model: &mut Residuals<'_, E>) -> Result<Vec<Vec<f64>>, E> {
-    let step = |i: usize| STEP * here.at[i].abs().max(STEP * scale[i]);
+/// Derivatives of all residuals by each parameter, and parameters beside which one side has no value.
+struct Slopes {
+    columns: Vec<Vec<f64>>,
+    edges: Vec<usize>,
+}
+
+/// Derivatives of all residuals, a column a parameter: central, or one-sided where one side has no value, which is told.
+fn jacobian<E>(here: &Point, steps: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Slopes, E> {
+    let step = |i: usize| steps[i].max(part * here.at[i].abs());
     let beside = |i: usize, side: f64| {
         let mut at = here.at.clone();
         at[i] += side * step(i);
         at
     };
-    let sides = [1.0, -1.0];
-    let points: Vec<Vec<f64>> = (0..scale.len()).flat_map(|i| sides.map(|side| beside(i, side))).collect();
+    let points: Vec<Vec<f64>> = (0..steps.len()).flat_map(|i| [1.0, -1.0].map(|side| beside(i, side))).collect();
     let values = model(&points)?;
-    let column = |i: usize| {
+    let mut edges = Vec::new();
+    let mut column = |i: usize| -> Vec<f64> {
         let good = |side: usize| Some(&values[2 * i + side]).filter(|r| r.iter().all(|v| v.is_finite()));
         let (above, below) = (good(0), good(1));
         let width = step(i) * f64::from(u8::from(above.is_some()) + u8::from(below.is_some()));
+        if above.is_none() || below.is_none() {
+            edges.push(i);
+        }
         let (above, below) = (above.unwrap_or(&here.residuals), below.unwrap_or(&here.residuals));
         let slope = |(a, b): (&f64, &f64)| if width > 0.0 { (a - b) / width } else { 0.0 };
         above.iter().zip(below).map(slope).collect()
     };
-    Ok((0..scale.len()).map(column).collect())
+    let columns = (0..steps.len()).map(&mut column).collect();
+    Ok(Slopes { columns, edges })
 }
 
 /// The matrix of the normal equations over columns of length 1, and the lengths.
@@ -169,11 +187,11 @@ fn step<E>(
     here: &Point,
     columns: &[Vec<f64>],
     damping: &mut f64,
-    scale: &[f64],
+    steps: &[f64],
     model: &mut Residuals<'_, E>,
 ) -> Result<Option<Point>, E> {
     let (normal, norms) = normal(columns);
-    let size = scale.len();
+    let size = steps.len();
     let downhill: Vec<f64> = columns
         .iter()
         .zip(&norms)
@@ -197,7 +215,7 @@ fn step<E>(
         factor.solve(&mut change);
         let at: Vec<f64> =
             (0..size).map(|i| here.at[i] + if norms[i] > 0.0 { change[i] / norms[i] } else { 0.0 }).collect();
-        let small = (0..size).all(|i| (at[i] - here.at[i]).abs() < SETTLED * here.at[i].abs().max(STEP * scale[i]));
+        let small = (0..size).all(|i| (at[i] - here.at[i]).abs() < SETTLED * here.at[i].abs().max(steps[i]));
         if let Some(next) = best(model, vec![at])?.filter(|next| next.cost() < here.cost()) {
             *damping = (*damping * 0.1).max(1e-12);
             return Ok(Some(next));
@@ -229,7 +247,7 @@ mod tests {
             let residuals = |p: &Vec<f64>| table.iter().map(|(x, y)| p[0] * libm::exp(-p[1] * x) - y).collect();
             Ok(points.iter().map(residuals).collect())
         };
-        fit(&[1.0, 0.1], model).expect("a model").expect("a fit")
+        fit(&[1.0, 0.1], 1e-3, model).expect("a model").expect("a fit")
     }
 
     /// Of 500 tables and two parameters 950 of 1000 intervals are to be expected to hold the truth, give or take 7.
@@ -256,7 +274,7 @@ mod tests {
             let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, ()> {
                 Ok(points.iter().map(|p| table.iter().map(|(x, y)| of(p, *x) - y).collect()).collect())
             };
-            fit(start, model).expect("a model")
+            fit(start, 1e-3, model).expect("a model")
         };
         let product = residuals(&|p, x| p[0] * p[1] * libm::exp(-0.7 * x), &[1.0, 1.0]).expect("a fit");
         assert!(product.covariance.is_none() && product.idle.is_empty());
@@ -265,7 +283,7 @@ mod tests {
         assert_eq!((idle.idle, idle.values[1]), (vec![1], 5.0));
         let walled = |p: &[f64], x: f64| if p[0] > 1.5 { f64::NAN } else { p[0] * libm::exp(-0.7 * x) };
         let fit = residuals(&walled, &[1.0]).expect("a fit");
-        assert!((1.4..=1.5).contains(&fit.values[0]), "{:?}", fit.values);
+        assert!((1.4..=1.5).contains(&fit.values[0]) && fit.edges == [0], "{fit:?}");
         assert!(residuals(&|_, _| f64::NAN, &[1.0]).is_none());
     }
 }

@@ -33,26 +33,28 @@ pub fn estimate(values: &[f64], sets: &[usize], statistic: Statistic) -> Option<
     if sets.len() <= 2 {
         return Some(statistic.alone(&sorted, value));
     }
-    let each = || sets.windows(2).map(|ends| &values[ends[0]..ends[1]]);
     if let Statistic::Quantile(part) = statistic {
-        let below = |set: &[f64]| {
-            let (below, all) = set
-                .iter()
-                .filter(|v| v.is_finite())
-                .fold((0.0, 0.0), |n, v| (n.0 + f64::from(u8::from(*v < value)), n.1 + 1.0));
-            below / all
-        };
-        let shares: Vec<f64> = each().map(below).filter(|share| share.is_finite()).collect();
-        let count = shares.len() as f64;
-        let error = (moment(&shares, 2) / (count - 1.0)).sqrt().max(0.5 / sorted.len() as f64);
-        let shares = Estimate::around(part, error, count - 1.0);
-        return Some(Estimate { value, low: between(&sorted, shares.low), high: between(&sorted, shares.high) });
+        return Some(by_shares(values, sets, &sorted, value, part));
     }
     let without = |ends: &[usize]| self::sorted(&[&values[..ends[0]], &values[ends[1]..]].concat());
     let rest: Vec<f64> = sets.windows(2).map(|ends| statistic.of(&without(ends))).filter(|v| v.is_finite()).collect();
     let count = rest.len() as f64;
     let error = ((count - 1.0) * moment(&rest, 2)).sqrt();
     Some(Estimate::around(value, error, count - 1.0))
+}
+
+/// A quantile with the interval that the part of each set below it leaves.
+fn by_shares(values: &[f64], sets: &[usize], sorted: &[f64], value: f64, part: f64) -> Estimate {
+    let share = |ends: &[usize]| {
+        let set = || values[ends[0]..ends[1]].iter().filter(|v| v.is_finite());
+        set().filter(|v| **v < value).count() as f64 / set().count() as f64
+    };
+    let shares: Vec<f64> = sets.windows(2).map(share).filter(|share| share.is_finite()).collect();
+    let count = shares.len() as f64;
+    // No ranks are told apart more closely than half of one.
+    let error = (moment(&shares, 2) / (count - 1.0)).sqrt().max(0.5 / sorted.len() as f64);
+    let shares = Estimate::around(part, error, count - 1.0);
+    Estimate { value, low: between(sorted, shares.low), high: between(sorted, shares.high) }
 }
 
 fn sorted(values: &[f64]) -> Vec<f64> {
