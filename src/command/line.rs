@@ -6,7 +6,9 @@ use std::ffi::OsString;
 use clap::{Parser, Subcommand};
 
 use super::words::tell;
-use super::{REFUSED, Status, chart, check, explain, new, report, run, shell, signals, study, sweep};
+use super::{
+    REFUSED, Status, chart, check, explain, identify, limit, new, report, run, scatter, shell, signals, study, sweep,
+};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
 #[derive(Parser)]
@@ -23,6 +25,9 @@ enum Command {
     Check(check::Check),
     Explain(explain::Explain),
     Sweep(sweep::Sweep),
+    Scatter(scatter::Scatter),
+    Limit(limit::Limit),
+    Identify(identify::Identify),
     Report(report::Report),
     Chart(chart::Chart),
     New(new::New),
@@ -49,6 +54,9 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
         Command::Check(check) => check.execute(),
         Command::Explain(explain) => explain.execute(),
         Command::Sweep(sweep) => sweep.execute(),
+        Command::Scatter(scatter) => scatter.execute(),
+        Command::Limit(limit) => limit.execute(),
+        Command::Identify(identify) => identify.execute(),
         Command::Report(report) => report.execute(),
         Command::Chart(chart) => chart.execute(),
         Command::New(new) => new.execute(),

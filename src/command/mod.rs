@@ -4,12 +4,16 @@
 pub mod chart;
 pub mod check;
 pub mod explain;
+pub mod identify;
+pub mod limit;
 pub mod line;
 pub mod new;
 mod outcome;
 mod progress;
 pub mod report;
 pub mod run;
+pub mod scatter;
+mod search;
 pub mod shell;
 pub mod signals;
 pub mod study;

@@ -33,8 +33,8 @@ pub struct Sweep {
     /// value each.
     #[arg(long, value_name = "FILE")]
     samples: Option<PathBuf>,
-    /// So many cases at random: `--set NAME=low..high` is drawn evenly, other parameters have one value each. A case depends on
-    /// its number and the seed alone.
+    /// So many cases at random: `--set NAME=low..high` is drawn evenly, `--set "NAME=normal(mean, deviation)"` and others as in
+    /// `scatter`; other parameters have one value each. A case depends on its number and the seed alone.
     #[arg(long, value_name = "N", conflicts_with_all = ["samples", "dakota"])]
     random: Option<usize>,
     /// Seed of `--random`.

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 pub use history::{ColumnSummary, History, HistorySummary};
-pub use whole::{write_durable, write_whole};
+pub use whole::{Whole, write_durable, write_whole};
 
 /// Ending of the file with the histories.
 pub const HISTORY: &str = "_history.csv";

@@ -3,7 +3,7 @@
 
 use std::ffi::OsStr;
 use std::fs::{DirBuilder, File, OpenOptions};
-use std::io::{self, Write as _};
+use std::io::{self, Write};
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,24 +31,76 @@ pub fn write_durable(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 fn write(path: &Path, bytes: &[u8], durable: bool) -> io::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let write = || -> io::Result<()> {
+        let mut whole = Whole::open(path)?;
+        whole.file.write_all(bytes)?;
+        if durable {
+            whole.file.sync_all()?;
+        }
+        whole.rename()?;
+        // The name, too, must be on the disk.
+        if durable { File::open(folder_of(path))?.sync_all() } else { Ok(()) }
+    };
+    write().map_err(|e| cannot_write(path, &e))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
+}
+
+/// A file that grows beside its place and takes it when it is finished; if it is not, nothing is left of it.
+pub struct Whole {
+    file: File,
+    temporary: Temporary,
+    path: PathBuf,
+}
+
+impl Whole {
+    /// For a place.
+    ///
+    /// # Errors
+    /// With the path in the message.
+    pub fn begin(path: &Path) -> io::Result<Whole> {
+        Whole::open(path).map_err(|e| cannot_write(path, &e))
+    }
+
+    fn open(path: &Path) -> io::Result<Whole> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let (mut file, temporary) = unique(|letters| {
-            let temporary = folder.join(format!("{MARK}{name}-{letters}"));
+        let (file, temporary) = unique(|letters| {
+            let temporary = folder_of(path).join(format!("{MARK}{name}-{letters}"));
             // Result files may be read by others, as files usually may.
             let file = OpenOptions::new().write(true).create_new(true).mode(0o644).open(&temporary)?;
             Ok((file, Temporary(temporary)))
         })?;
-        file.write_all(bytes)?;
-        if durable {
-            file.sync_all()?;
-        }
-        std::fs::rename(&temporary.0, path)?;
-        // The name, too, must be on the disk.
-        if durable { File::open(folder)?.sync_all() } else { Ok(()) }
-    };
-    write().map_err(|e| io::Error::new(e.kind(), format!("cannot write {}: {e}", path.display())))
+        Ok(Whole { file, temporary, path: path.to_owned() })
+    }
+
+    fn rename(self) -> io::Result<()> {
+        std::fs::rename(&self.temporary.0, &self.path)
+    }
+
+    /// Gives it its place.
+    ///
+    /// # Errors
+    /// With the path in the message.
+    pub fn finish(self) -> io::Result<()> {
+        let path = self.path.clone();
+        self.rename().map_err(|e| cannot_write(&path, &e))
+    }
+}
+
+impl Write for Whole {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes).map_err(|e| cannot_write(&self.path, &e))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 /// Removes a file, if it is there.

@@ -25,6 +25,9 @@ pub struct Outcome {
     pub flights: Vec<FlightSummary>,
     /// Bodies that are still on their way in a target, or behind it: a depth read now is not their last.
     pub unfinished: Vec<String>,
+    /// How many of these still move in it.
+    #[serde(skip)]
+    pub still_moving: usize,
     /// Bodies that have left their target through its back.
     pub exits: Vec<Exit>,
     /// Elements that were deleted.

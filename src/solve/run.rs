@@ -617,6 +617,7 @@ impl<'a> Run<'a> {
             }
             self.outcome.unfinished.push(match how {
                 Unfinished::Moving => {
+                    self.outcome.still_moving += 1;
                     format!("{name} still moves in the target, v_z = {velocity:.4e}: a depth read now is not its last")
                 }
                 Unfinished::Through => {

@@ -45,6 +45,17 @@ pub enum StudyError {
     /// A run halted.
     #[error("halted: {0}")]
     Halted(Halt),
+    /// A run was over before what it is asked for had come to its end.
+    #[error("{0}")]
+    Unfinished(String),
+    /// A table of shots that cannot be read.
+    #[error("--shots {}: {message}", path.display())]
+    Shots {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with the line where there is one.
+        message: String,
+    },
     /// The settings give nothing that could be compared, or the values do not.
     #[error("{0}")]
     Comparison(String),

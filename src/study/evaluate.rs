@@ -76,6 +76,10 @@ pub struct Evaluator {
     ends_alone: bool,
     /// Workers that wait for samples.
     idle: Mutex<Vec<Worker>>,
+    /// Whether a body that still moves in a target at the end of its run leaves the sample without numbers.
+    to_the_end: bool,
+    /// Samples so far at whose end one did.
+    still_moving: AtomicUsize,
 }
 
 /// Samples in their order.
@@ -129,7 +133,30 @@ impl Evaluator {
         }
         let ends_alone = quantities.iter().all(Quantity::looks_at_end_alone);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
-        Ok(Evaluator { source, fixed, names, quantities, user, most_threads, ends_alone, idle })
+        let (to_the_end, still_moving) = (false, AtomicUsize::new(0));
+        Ok(Evaluator {
+            source,
+            fixed,
+            names,
+            quantities,
+            user,
+            most_threads,
+            ends_alone,
+            idle,
+            to_the_end,
+            still_moving,
+        })
+    }
+
+    /// The same, where a sample has no numbers if a body still moves in a target at the end of its run.
+    #[must_use]
+    pub fn to_the_end(self) -> Evaluator {
+        Evaluator { to_the_end: true, ..self }
+    }
+
+    /// At the end of how many samples so far a body still moved in a target: a depth read there is not its last.
+    pub fn still_moving(&self) -> usize {
+        self.still_moving.load(Ordering::Relaxed)
     }
 
     /// Numbers of a sample.
@@ -403,6 +430,13 @@ fn finish(
 ) -> Result<(), StudyError> {
     let end = Some((outcome.total_time(), state));
     outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
+    if outcome.still_moving > 0 {
+        evaluator.still_moving.fetch_add(1, Ordering::Relaxed);
+        if evaluator.to_the_end {
+            let why = format!("{}; its steps need more time", outcome.unfinished.join("; "));
+            return Err(StudyError::Unfinished(why));
+        }
+    }
     evaluator.values(Finished { history, end }, out)
 }
 

@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{RngCore, SeedableRng};
+use rand_chacha::rand_core::RngCore as _;
 
 use super::StudyError;
+use super::statistics::design::{draws, unit};
+use super::statistics::distribution::Distribution;
 use crate::output::csv;
 
 /// The most combinations of one sweep.
@@ -27,7 +28,7 @@ enum Order {
     Product,
     /// Side by side: the rows of a table of samples.
     Rows,
-    /// Drawn between ends, so many times: a draw depends on the seed and its own number alone.
+    /// Drawn from distributions, which stand in place of values, so many times: a draw depends on the seed and its own number alone.
     Random {
         /// How many.
         count: usize,
@@ -107,33 +108,28 @@ impl Grid {
         Grid { axes, order: Order::Rows }
     }
 
-    /// So many draws, evenly spread, from `NAME=low..high`; other parameters have one value each.
+    /// So many draws from `NAME=DISTRIBUTION`; other parameters have one value each.
     ///
     /// # Errors
-    /// In words, for several values or ends that are none, and where nothing is drawn.
+    /// In words, for several values or a distribution that is none, and where nothing is drawn.
     pub fn random(settings: &[String], count: usize, seed: u64) -> Result<Grid, StudyError> {
-        let wrong = |setting: &str| {
-            StudyError::Setting(format!("--set {setting}: beside --random NAME=low..high or one value"))
-        };
         let mut grid = Grid { axes: Vec::new(), order: Order::Random { count, seed } };
         for setting in settings {
-            let (name, text) = setting.split_once('=').ok_or_else(|| wrong(setting))?;
-            let Some((low, high)) = text.split_once("..") else {
-                let (name, values) = axis(setting).map_err(StudyError::Setting)?;
+            let wrong = |why: String| StudyError::Setting(format!("--set {setting}: {why}"));
+            let (name, text) = setting.split_once('=').ok_or_else(|| wrong("NAME=value is the form".into()))?;
+            let values = if is_distribution(text) {
+                Distribution::parse(text).map_err(wrong)?;
+                vec![text.trim().to_owned()]
+            } else {
+                let (_, values) = axis(setting).map_err(StudyError::Setting)?;
                 if values.len() > 1 {
-                    return Err(wrong(setting));
+                    return Err(wrong("beside --random a distribution or one value".into()));
                 }
-                grid.add(name, values).map_err(StudyError::Setting)?;
-                continue;
+                values
             };
-            let ends = [low, high].map(|end| end.trim().parse::<f64>().unwrap_or(f64::NAN));
-            if !(ends[0] < ends[1] && (ends[1] - ends[0]).is_finite()) {
-                return Err(wrong(setting));
-            }
-            let values = ends.map(|end| end.to_string()).to_vec();
             grid.add(name.trim().to_owned(), values).map_err(StudyError::Setting)?;
         }
-        if grid.axes.iter().all(|axis| axis.1.len() == 1) || count == 0 {
+        if !grid.axes.iter().any(|axis| is_distribution(&axis.1[0])) || count == 0 {
             return Err(StudyError::Setting("--random: no parameter is drawn; --set NAME=low..high".into()));
         }
         if count > MOST {
@@ -195,9 +191,9 @@ impl Grid {
         }
         if let Order::Random { seed, .. } = self.order {
             let mut draws = draws(seed, index as u64);
-            let value = |ends: &Vec<String>| match &ends[..] {
-                [low, high] => between(low, high, draws.next_u64()).to_string(),
-                one => one.concat(),
+            let value = |of: &Vec<String>| match Distribution::parse(&of[0]) {
+                Ok(distribution) => distribution.quantile(unit(draws.next_u64())).to_string(),
+                Err(_) => of.concat(),
             };
             let values: Vec<String> = self.axes.iter().map(|axis| &axis.1).map(value).collect();
             return self.axes.iter().map(|axis| axis.0.clone()).zip(values).collect();
@@ -218,18 +214,9 @@ impl Grid {
     }
 }
 
-/// The generator of a case: a stream of its own of the cipher ChaCha with eight rounds, so that no case waits for another.
-fn draws(seed: u64, case: u64) -> ChaCha8Rng {
-    let mut draws = ChaCha8Rng::seed_from_u64(seed);
-    draws.set_stream(case);
-    draws
-}
-
-/// A number between two ends, by the 53 first bits of a draw.
-fn between(low: &str, high: &str, draw: u64) -> f64 {
-    let [low, high] = [low, high].map(|end| end.parse::<f64>().unwrap_or_default());
-    let part = (draw >> 11) as f64 / (1_u64 << 53) as f64;
-    low + part * (high - low)
+/// Whether a text stands for a distribution, and not for a value.
+fn is_distribution(text: &str) -> bool {
+    text.contains("..") || text.contains('(')
 }
 
 fn axis(setting: &str) -> Result<(String, Vec<String>), String> {

@@ -11,6 +11,7 @@ use super::chart::{Chart, Form, Series};
 use super::compare::{Reference, rms};
 use super::grid::Grid;
 use super::quantity::{self, Finished, Quantity};
+use super::table::number;
 use crate::job;
 use crate::model::Precision;
 use crate::output::{History, Job};
@@ -167,13 +168,6 @@ pub fn sheet(grid: &Grid, quantities: &[Quantity], results: &Results, reference:
     }
     let rms = columns.iter().zip(&differences).filter_map(|(c, d)| Some((c.clone(), rms(d)?))).collect();
     Sheet { header, rows, rms }
-}
-
-/// Seven digits: what a run's accuracy can carry.
-fn number(value: f64) -> String {
-    let text = format!("{value:.6e}");
-    let short: f64 = text.parse().unwrap_or(value);
-    format!("{short}")
 }
 
 /// Results and references over the first swept parameter; of a grid, one line for each combination of the others, of scattered

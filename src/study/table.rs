@@ -14,3 +14,10 @@ pub fn csv(header: &[String], rows: &[Vec<String>]) -> String {
     let line = |row: &[String]| row.iter().map(|f| csv::field(f)).collect::<Vec<_>>().join(",") + "\n";
     line(header) + &rows.iter().map(|r| line(r)).collect::<String>()
 }
+
+/// Seven digits: what a run's accuracy can carry.
+pub fn number(value: f64) -> String {
+    let text = format!("{value:.6e}");
+    let short: f64 = text.parse().unwrap_or(value);
+    format!("{short}")
+}

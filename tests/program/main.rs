@@ -21,6 +21,7 @@ mod report;
 mod reproducibility;
 mod restart;
 mod same_bits;
+mod searches;
 mod slurm;
 mod study;
 mod study_cases;

@@ -1,0 +1,114 @@
+//! `revolve identify`.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use crate::deck::files;
+use crate::study::identify::{self, Shots};
+use crate::study::quantity::Quantity;
+use crate::study::statistics::least_squares::Fit;
+use crate::study::table::number;
+use clap::Args;
+use serde_json::json;
+
+use super::search::{self, Search, Sheet};
+use super::{HALTED, REFUSED, Status, folder_of};
+
+/// Fit parameters of a deck to a table of shots: values with confidence intervals, and what the shots cannot tell apart.
+#[derive(Args)]
+pub struct Identify {
+    #[command(flatten)]
+    search: Search,
+    /// CSV file, a row a shot: parameters of the deck under their names, and what was measured.
+    #[arg(long, value_name = "FILE")]
+    shots: PathBuf,
+    /// Column of what was measured.
+    #[arg(long, value_name = "COLUMN")]
+    measured: String,
+    /// Column with standard deviations of what was measured, by which shots are weighted.
+    #[arg(long, value_name = "COLUMN")]
+    deviation: Option<String>,
+    /// Expression over history columns that was measured, such as "-1000*final(U2@REF)".
+    #[arg(long, allow_hyphen_values = true)]
+    quantity: String,
+    /// Parameters to be found, and where to start: NAME=NUMBER, several with commas between them or several times.
+    #[arg(long, value_name = "NAME=START", value_delimiter = ',', required = true)]
+    unknown: Vec<String>,
+}
+
+impl Identify {
+    /// Carries it out.
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+        let (names, start) = self.unknowns()?;
+        let text = files::read_text(&self.shots).map_err(|e| format!("--shots {}: {e}", self.shots.display()))?;
+        let shots = Shots::parse(&self.shots, &text, &self.measured, self.deviation.as_deref())?;
+        if let Some(name) = names.iter().find(|name| shots.names.contains(name)) {
+            return Err(format!("--unknown {name}: it is a column of {}, so it is known", self.shots.display()).into());
+        }
+        let Some(routines) = self.search.routines() else { return Ok(Status::from(REFUSED)) };
+        let all = shots.names.iter().chain(&names).cloned().collect();
+        let evaluator = self.search.evaluator(all, vec![Quantity::parse(&self.quantity)?], &routines)?;
+        let Some((job, _lock)) = folder_of(&self.search.deck, self.search.out.clone())? else {
+            return Ok(Status::from(REFUSED));
+        };
+        let found = identify::identify(&evaluator, &shots, &start, self.search.threads())?;
+        let sheet = sheet(&names, &found);
+        let chart = shots.chart(&job.name, &self.measured, &self.quantity, &found);
+        search::write(&job, "identify", &sheet, &[(String::new(), chart)])?;
+        let said = identify::sentences(&found, &names);
+        self.search.print(&sheet, &self.lines(&shots, &found, &said, &job));
+        let estimates = names.iter().cloned().zip(found.estimates().into_iter().map(|e| json!(e)));
+        let estimates: serde_json::Map<_, _> = estimates.collect();
+        let correlations: Vec<Vec<Option<f64>>> =
+            (0..names.len()).map(|i| (0..names.len()).map(|j| found.correlation(i, j)).collect()).collect();
+        self.search.print_json(&json!({
+            "estimates": estimates, "correlations": correlations, "deviation": found.deviation(),
+            "freedom": found.freedom, "settled": found.settled, "said": said,
+        }))?;
+        search::tell_still_moving(&evaluator);
+        Ok(if found.settled { Status::SUCCESS } else { Status::from(HALTED) })
+    }
+
+    fn unknowns(&self) -> Result<(Vec<String>, Vec<f64>), String> {
+        let (mut names, mut start) = (Vec::new(), Vec::new());
+        for text in &self.unknown {
+            let parts =
+                text.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
+            let Some((name, value)) = parts.filter(|p| p.1.is_finite()) else {
+                return Err(format!("--unknown {text}: NAME=NUMBER is the form"));
+            };
+            if names.iter().any(|known| known == name) {
+                return Err(format!("--unknown {name} is given twice"));
+            }
+            names.push(name.to_owned());
+            start.push(value);
+        }
+        Ok((names, start))
+    }
+
+    fn lines(&self, shots: &Shots, found: &Fit, said: &[String], job: &crate::output::Job) -> Vec<String> {
+        let unit = if self.deviation.is_some() { "standard deviations" } else { "units of the quantity" };
+        let mut lines = vec![format!(
+            "{} shots, {} degrees of freedom; standard deviation of a residual {} {unit}",
+            shots.rows.len(),
+            found.freedom,
+            number(found.deviation())
+        )];
+        lines.extend(said.iter().cloned());
+        let (csv, png) = (job.path("_identify.csv"), job.path("_identify.png"));
+        lines.push(format!("table {}, picture {}", csv.display(), png.display()));
+        lines
+    }
+}
+
+/// Parameters with their intervals, and how they go together.
+fn sheet(names: &[String], found: &Fit) -> Sheet {
+    let mut header = search::header("parameter");
+    header.extend(names.iter().map(|name| format!("correlation with {name}")));
+    let row = |(i, estimate)| {
+        let with = |j| found.correlation(i, j).map_or("-".to_owned(), |r| format!("{r:.4}"));
+        let cells = [names[i].clone()].into_iter().chain(search::cells(estimate));
+        cells.chain((0..names.len()).map(with)).collect()
+    };
+    Sheet { header, rows: found.estimates().into_iter().enumerate().map(row).collect() }
+}

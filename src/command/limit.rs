@@ -1,0 +1,187 @@
+//! `revolve limit`.
+
+use std::error::Error;
+use std::sync::atomic::AtomicUsize;
+
+use crate::output::Job;
+use crate::study::StudyError;
+use crate::study::evaluate::{Evaluator, Samples};
+use crate::study::inputs::Inputs;
+use crate::study::limit::{self, Asked, Limit as Found, Scattered};
+use crate::study::quantity::Quantity;
+use crate::study::statistics::design::{Design, Sampling};
+use crate::study::table::number;
+use clap::Args;
+use serde_json::json;
+
+use super::search::{self, Routines, Search, Sheet};
+use super::{HALTED, REFUSED, Status, folder_of};
+
+/// Find the striking velocity from which on a body perforates, the residual velocity above it, and how the limit scatters.
+#[derive(Args)]
+pub struct Limit {
+    #[command(flatten)]
+    search: Search,
+    /// Parameter of the deck that is the striking velocity.
+    #[arg(long, value_name = "NAME")]
+    velocity: String,
+    /// Velocities between which the limit lies.
+    #[arg(long, value_name = "LOW,HIGH")]
+    between: String,
+    /// Width of the bracket of the limit that is enough.
+    #[arg(long, value_name = "WIDTH")]
+    tolerance: f64,
+    /// The residual velocity, positive in the direction of flight, such as "-final(V2@REF)".
+    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
+    residual: String,
+    /// Residual velocity above which a shot has perforated: of plates that are meshed, more than that of their own motion.
+    #[arg(long, value_name = "SPEED", default_value_t = 0.0)]
+    least: f64,
+    /// Shots above the limit for the curve of residual velocities.
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    shots: u32,
+    /// NAME=DISTRIBUTION as of `scatter`: the limit of each of `--count` draws, and V50 with its scatter.
+    #[arg(short, long, value_name = "NAME=DISTRIBUTION")]
+    distribution: Vec<String>,
+    /// How two parameters go together: NAME:OTHER=NUMBER between -1 and 1.
+    #[arg(long, value_name = "NAME:OTHER=NUMBER", requires = "distribution")]
+    correlation: Vec<String>,
+    /// How many draws.
+    #[arg(short, long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(3..=10_000_000))]
+    count: u32,
+    /// Seed of the draws.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
+    seed: u64,
+}
+
+impl Limit {
+    /// Carries it out.
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
+        let asked = Asked::new(&self.between, self.tolerance, self.least, self.shots as usize)?;
+        let inputs = Inputs::parse(&self.distribution, &self.correlation)?;
+        if inputs.names.contains(&self.velocity) {
+            return Err(format!("--distribution {}: the limit of this velocity is looked for", self.velocity).into());
+        }
+        let Some(routines) = self.search.routines() else { return Ok(Status::from(REFUSED)) };
+        let evaluator = self.evaluator(&[], &routines)?;
+        let Some((job, _lock)) = folder_of(&self.search.deck, self.search.out.clone())? else {
+            return Ok(Status::from(REFUSED));
+        };
+        let found = limit::find(&asked, &mut |velocities| self.fire(&evaluator, velocities))?;
+        let scattered = match inputs.names.is_empty() {
+            true => None,
+            false => Some(self.scatter(&asked, &inputs, &self.evaluator(&inputs.names, &routines)?)?),
+        };
+        let sheet = sheet(&found, scattered.as_ref());
+        let mut charts = vec![(String::new(), limit::chart(&job.name, &found))];
+        charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
+        search::write(&job, "limit", &sheet, &charts)?;
+        self.search.print(&sheet, &self.lines(&found, scattered.as_ref(), &job));
+        self.search.print_json(&json!({
+            "bracket": found.bracket,
+            "shots": found.shots,
+            "a": found.curve.as_ref().map(|c| c.estimates[0]),
+            "p": found.curve.as_ref().map(|c| c.estimates[1]),
+            "limit_of_curve": found.curve.as_ref().map(|c| c.estimates[2]),
+            "v50": scattered.as_ref().and_then(|s| s.scatter).map(|s| s.median),
+            "deviation": scattered.as_ref().and_then(|s| s.scatter).map(|s| s.deviation),
+            "lost": scattered.as_ref().map(|s| s.lost),
+        }))?;
+        let whole = found.gaps.is_empty() && scattered.is_none_or(|s| s.lost == 0);
+        Ok(if whole { Status::SUCCESS } else { Status::from(HALTED) })
+    }
+
+    /// Residual velocities over the striking velocity and other parameters.
+    fn evaluator(&self, others: &[String], routines: &Routines) -> Result<Evaluator, Box<dyn Error>> {
+        let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
+        let evaluator = self.search.evaluator(names, vec![Quantity::parse(&self.residual)?], routines)?;
+        Ok(evaluator.to_the_end())
+    }
+
+    fn run(
+        &self,
+        evaluator: &Evaluator,
+        samples: &[f64],
+        count: usize,
+    ) -> Result<(Vec<f64>, Option<StudyError>), StudyError> {
+        let mut table = vec![f64::NAN; count];
+        let asked = Samples { values: samples, count };
+        let failures = evaluator.run(asked, &mut table, self.search.threads(), &AtomicUsize::new(0), &mut |_| {})?;
+        Ok((table, failures.into_iter().next().map(|failure| failure.reason)))
+    }
+
+    fn fire(&self, evaluator: &Evaluator, velocities: &[f64]) -> Result<Vec<f64>, StudyError> {
+        let (table, failure) = self.run(evaluator, velocities, velocities.len())?;
+        failure.map_or(Ok(table), Err)
+    }
+
+    /// Limits of all draws.
+    fn scatter(&self, asked: &Asked, inputs: &Inputs, evaluator: &Evaluator) -> Result<Scattered, Box<dyn Error>> {
+        let (width, count) = (inputs.names.len(), self.count as usize);
+        let mut points = vec![0.0; width * count];
+        Design::new(Sampling::Random, width, count, self.seed)?.fill(&mut points);
+        let mut drawn = vec![0.0; width * count];
+        points.chunks(width).zip(drawn.chunks_mut(width)).for_each(|(point, values)| inputs.values(point, values));
+        let fire = &mut |shots: &[(usize, f64)]| -> Result<Vec<f64>, StudyError> {
+            let row = |(draw, velocity): &(usize, f64)| {
+                [*velocity].into_iter().chain(drawn[draw * width..(draw + 1) * width].iter().copied())
+            };
+            let samples: Vec<f64> = shots.iter().flat_map(row).collect();
+            Ok(self.run(evaluator, &samples, shots.len())?.0)
+        };
+        Ok(limit::scatter(asked, count, fire)?)
+    }
+
+    fn lines(&self, found: &Found, scattered: Option<&Scattered>, job: &Job) -> Vec<String> {
+        let [low, high] = found.bracket.map(number);
+        let mut lines =
+            vec![format!("limit velocity {}: {low} does not perforate, {high} does", number(found.velocity()))];
+        match &found.curve {
+            Some(curve) => lines.push(format!(
+                "Lambert and Jonas: v_r = a (v^p - v_l^p)^(1/p); shots lie {} off it{}",
+                number(curve.deviation),
+                if curve.settled { "" } else { ", and it may not be the nearest" }
+            )),
+            None => lines.push("no curve of Lambert and Jonas: it takes four shots that perforate, or more".into()),
+        }
+        if let Some(gap) = found.gaps.first() {
+            lines.push(format!("a shot at {} does not perforate: there is more than one limit", number(*gap)));
+        }
+        if let Some(scattered) = scattered {
+            let all = scattered.members.len() + scattered.lost;
+            let outside = scattered.members.iter().filter(|m| m.0.is_infinite() || m.1.is_infinite()).count();
+            lines.push(format!(
+                "{all} draws: the limits of {outside} lie outside --between, {} were not found",
+                scattered.lost
+            ));
+            if scattered.scatter.is_none() {
+                lines.push("the draws tell no scatter of the limit: all lie in one bracket".into());
+            }
+        }
+        let (csv, png) = (job.path("_limit.csv"), job.path("_limit.png"));
+        lines.push(format!("{} shots; table {}, picture {}", found.shots.len(), csv.display(), png.display()));
+        lines
+    }
+}
+
+/// The bracket, the curve and the scatter.
+fn sheet(found: &Found, scattered: Option<&Scattered>) -> Sheet {
+    let mut rows = vec![vec![
+        "limit velocity (bracket)".to_owned(),
+        number(found.velocity()),
+        number(found.bracket[0]),
+        number(found.bracket[1]),
+    ]];
+    let mut row =
+        |what: &str, estimate| rows.push([what.to_owned()].into_iter().chain(search::cells(estimate)).collect());
+    if let Some(curve) = &found.curve {
+        for (what, estimate) in ["a", "p", "limit velocity of the curve"].into_iter().zip(curve.estimates) {
+            row(what, estimate);
+        }
+    }
+    if let Some(scatter) = scattered.and_then(|s| s.scatter) {
+        row("V50", scatter.median);
+        row("standard deviation of the limit", scatter.deviation);
+    }
+    Sheet { header: search::header("what"), rows }
+}

@@ -1,0 +1,147 @@
+//! Parameters of a deck that are drawn: each from its distribution, together by their correlations.
+//! Never here: how points are spread, runs.
+
+use super::StudyError;
+use super::statistics::cholesky::Factor;
+use super::statistics::distribution::Distribution;
+use super::statistics::normal;
+
+/// Parameters with their distributions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inputs {
+    /// Names of the parameters.
+    pub names: Vec<String>,
+    distributions: Vec<Distribution>,
+    /// Of the matrix of correlations; `None` where all are zero.
+    together: Option<Factor>,
+}
+
+impl Inputs {
+    /// From `NAME=DISTRIBUTION` and, of pairs that do not go by themselves, `NAME:OTHER=NUMBER`.
+    ///
+    /// # Errors
+    /// In words: a form that is none, a parameter given twice, a pair of which one is not drawn, correlations that cannot be together.
+    pub fn parse(distributions: &[String], correlations: &[String]) -> Result<Inputs, StudyError> {
+        let mut inputs = Inputs { names: Vec::new(), distributions: Vec::new(), together: None };
+        for text in distributions {
+            let wrong = |why: String| StudyError::Setting(format!("--distribution {text}: {why}"));
+            let (name, of) = text.split_once('=').ok_or_else(|| wrong("NAME=DISTRIBUTION is the form".into()))?;
+            if inputs.names.iter().any(|known| known == name.trim()) {
+                return Err(wrong("the parameter is given twice".into()));
+            }
+            inputs.distributions.push(Distribution::parse(of).map_err(wrong)?);
+            inputs.names.push(name.trim().to_owned());
+        }
+        if !correlations.is_empty() {
+            inputs.together = Some(inputs.correlated(correlations)?);
+        }
+        Ok(inputs)
+    }
+
+    fn correlated(&self, correlations: &[String]) -> Result<Factor, StudyError> {
+        let size = self.names.len();
+        let mut matrix: Vec<f64> = (0..size * size).map(|k| f64::from(u8::from(k % (size + 1) == 0))).collect();
+        for text in correlations {
+            let wrong = |why: &str| StudyError::Setting(format!("--correlation {text}: {why}"));
+            let parts = text.split_once('=').and_then(|(pair, number)| Some((pair.split_once(':')?, number)));
+            let ((one, other), number) = parts.ok_or_else(|| wrong("NAME:OTHER=NUMBER is the form"))?;
+            let place = |name: &str| self.names.iter().position(|known| known == name.trim());
+            let (Some(i), Some(j)) = (place(one), place(other)) else {
+                return Err(wrong("both parameters need a --distribution"));
+            };
+            let number = number.trim().parse::<f64>().ok().filter(|r| r.abs() < 1.0);
+            let number = number.ok_or_else(|| wrong("a number between -1 and 1 is needed"))?;
+            if i == j || matrix[i * size + j] != 0.0 {
+                return Err(wrong("the pair is given twice, or is none"));
+            }
+            matrix[i * size + j] = number;
+            matrix[j * size + i] = number;
+        }
+        let impossible = "--correlation: the numbers cannot be together: their matrix is not positive definite";
+        Factor::of(&matrix, size, 1e-12).ok_or_else(|| StudyError::Setting(impossible.into()))
+    }
+
+    /// Whether parameters go together.
+    pub fn are_correlated(&self) -> bool {
+        self.together.is_some()
+    }
+
+    /// Values at a point of the unit cube. Correlations are those of the normal distributions behind them (a Gaussian copula, Nelsen,
+    /// An Introduction to Copulas, section 2.3): of parameters that are normal their own.
+    pub fn values(&self, point: &[f64], values: &mut [f64]) {
+        values.copy_from_slice(point);
+        if let Some(together) = &self.together {
+            values.iter_mut().for_each(|u| *u = normal::quantile(*u));
+            together.multiply(values);
+            values.iter_mut().for_each(|z| *z = normal::cumulative(*z));
+        }
+        values.iter_mut().zip(&self.distributions).for_each(|(value, of)| *value = of.quantile(*value));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Inputs;
+    use crate::study::statistics::design::{Design, Sampling};
+
+    fn words(words: &[&str]) -> Vec<String> {
+        words.iter().map(|w| (*w).to_owned()).collect()
+    }
+
+    fn correlation(pairs: &[[f64; 2]]) -> f64 {
+        let count = pairs.len() as f64;
+        let mean = [0, 1].map(|i| pairs.iter().map(|p| p[i]).sum::<f64>() / count);
+        let product = |i: usize, j: usize| pairs.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>();
+        product(0, 1) / (product(0, 0) * product(1, 1)).sqrt()
+    }
+
+    fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
+        let values: Vec<f64> = values.collect();
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        let mut ranks = vec![0.0; values.len()];
+        order.into_iter().enumerate().for_each(|(rank, i)| ranks[i] = rank as f64);
+        ranks
+    }
+
+    /// Source: of normal numbers the correlation is their own; that of ranks is 6/pi asin(r/2) whatever the distributions.
+    #[test]
+    fn samples_have_the_correlations_that_are_asked_for() {
+        let distributions = words(&["V=normal(800, 20)", "m=normal(0.02, 0.001)", "A=lognormal(4, 1)", "mu=0..0.2"]);
+        let inputs = Inputs::parse(&distributions, &words(&["V:m=0.6", "m : A=-0.5"])).expect("inputs");
+        let count = 1 << 14;
+        let (mut points, mut all) = (vec![0.0; 4 * count], vec![0.0; 4 * count]);
+        Design::new(Sampling::Sobol, 4, count, 5).expect("a design").fill(&mut points);
+        points.chunks(4).zip(all.chunks_mut(4)).for_each(|(point, values)| inputs.values(point, values));
+        let pair = |i: usize, j: usize| -> Vec<[f64; 2]> { all.chunks(4).map(|v| [v[i], v[j]]).collect() };
+        assert!((correlation(&pair(0, 1)) - 0.6).abs() < 0.01);
+        assert!(correlation(&pair(0, 3)).abs() < 0.01 && correlation(&pair(0, 2)).abs() < 0.01);
+        let ranked: Vec<[f64; 2]> = ranks(all.chunks(4).map(|v| v[1]))
+            .into_iter()
+            .zip(ranks(all.chunks(4).map(|v| v[2])))
+            .map(|(a, b)| [a, b])
+            .collect();
+        let of_ranks = 6.0 / std::f64::consts::PI * libm::asin(-0.25);
+        assert!((correlation(&ranked) - of_ranks).abs() < 0.01);
+        let mean = all.chunks(4).map(|v| v[2]).sum::<f64>() / count as f64;
+        assert!((mean - 4.0).abs() < 0.01, "correlations leave the distributions as they are: {mean}");
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_told() {
+        let two = words(&["V=0..1", "m=0..1", "A=0..1"]);
+        for (distributions, correlations) in [
+            (words(&["V"]), vec![]),
+            (words(&["V=1"]), vec![]),
+            (words(&["V=0..1", "V=0..2"]), vec![]),
+            (two.clone(), words(&["V:x=0.5"])),
+            (two.clone(), words(&["V:m"])),
+            (two.clone(), words(&["V:m=1"])),
+            (two.clone(), words(&["V:V=0.5"])),
+            (two.clone(), words(&["V:m=0.5", "m:V=0.5"])),
+            (two, words(&["V:m=0.9", "m:A=0.9", "V:A=-0.9"])),
+        ] {
+            assert!(Inputs::parse(&distributions, &correlations).is_err(), "{distributions:?} {correlations:?}");
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! `limit`: the striking velocity from which on a body perforates, the residual velocity above it, and how the limit scatters.
+//! Never here: fits (`statistics`), printing.
+
+use super::StudyError;
+use super::chart::{Chart, Form, Series};
+use super::statistics::lambert_jonas::{self, Curve};
+use super::statistics::probit::{self, Scatter};
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asked {
+    /// Ends between which the limit is looked for.
+    pub between: [f64; 2],
+    /// Width of the bracket that is enough.
+    pub tolerance: f64,
+    /// The residual velocity above which a shot has perforated.
+    pub least: f64,
+    /// Shots of the curve above the limit.
+    pub shots: usize,
+}
+
+impl Asked {
+    /// Reads `LOW,HIGH`.
+    ///
+    /// # Errors
+    /// In words, for what are no ends that rise, a tolerance that is not above zero or finer than velocities are told apart.
+    pub fn new(between: &str, tolerance: f64, least: f64, shots: usize) -> Result<Asked, StudyError> {
+        let wrong = |why: &str| StudyError::Setting(why.into());
+        let ends: Option<Vec<f64>> = between.split(',').map(|end| end.trim().parse().ok()).collect();
+        let Some(&[low, high]) = ends.as_deref() else {
+            return Err(wrong("--between LOW,HIGH: two velocities are needed"));
+        };
+        if !(0.0 <= low && low < high && high.is_finite()) {
+            return Err(wrong("--between LOW,HIGH: velocities that rise, none below zero"));
+        }
+        if !(tolerance > 1e-12 * high) {
+            return Err(wrong("--tolerance: a width above zero is needed, such as 0.1"));
+        }
+        Ok(Asked { between: [low, high], tolerance, least, shots })
+    }
+
+    /// Rounds of halving that bring the ends together.
+    fn rounds(&self) -> usize {
+        libm::log2((self.between[1] - self.between[0]) / self.tolerance).ceil().max(0.0) as usize
+    }
+}
+
+/// Residual velocities of shots at some velocities.
+pub type Fire<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, StudyError> + 'a;
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// A velocity that does not perforate, and one that does.
+    pub bracket: [f64; 2],
+    /// All shots, striking and residual velocity, by striking velocity.
+    pub shots: Vec<(f64, f64)>,
+    /// The curve above the limit, where one comes near.
+    pub curve: Option<Curve>,
+    /// Velocities above the limit that do not perforate: there is more than one limit.
+    pub gaps: Vec<f64>,
+}
+
+impl Limit {
+    /// The limit velocity: the middle of its bracket.
+    pub fn velocity(&self) -> f64 {
+        0.5 * (self.bracket[0] + self.bracket[1])
+    }
+}
+
+/// Halves until the bracket is as narrow as asked, then shoots the curve above it.
+///
+/// # Errors
+/// Where the upper end does not perforate, or the lower one does; those of the shots.
+pub fn find(asked: &Asked, fire: &mut Fire<'_>) -> Result<Limit, StudyError> {
+    let [mut low, mut high] = asked.between;
+    let ends = fire(&[low, high])?;
+    let mut shots = vec![(low, ends[0]), (high, ends[1])];
+    if ends[0] > asked.least {
+        return Err(StudyError::Comparison(format!(
+            "a shot at {low} perforates: --between has no limit, its lower end is too high"
+        )));
+    }
+    if ends[1] <= asked.least {
+        return Err(StudyError::Comparison(format!(
+            "a shot at {high} does not perforate: --between has no limit, its upper end is too low"
+        )));
+    }
+    for _ in 0..asked.rounds() {
+        let middle = 0.5 * (low + high);
+        let residual = fire(&[middle])?[0];
+        shots.push((middle, residual));
+        if residual > asked.least { high = middle } else { low = middle }
+    }
+    // Evenly from the limit to the upper end.
+    let step = (asked.between[1] - high) / asked.shots.max(1) as f64;
+    let velocities: Vec<f64> = (1..=asked.shots).map(|i| high + step * i as f64).collect();
+    let above: Vec<(f64, f64)> = velocities.iter().copied().zip(fire(&velocities)?).collect();
+    let through: Vec<(f64, f64)> = above.iter().copied().filter(|shot| shot.1 > asked.least).collect();
+    let gaps = above.iter().filter(|shot| shot.1 <= asked.least).map(|shot| shot.0).collect();
+    shots.extend(above);
+    shots.sort_by(|a, b| a.0.total_cmp(&b.0));
+    shots.dedup_by_key(|shot| shot.0);
+    let curve = lambert_jonas::fit(&through, 0.5 * (low + high));
+    Ok(Limit { bracket: [low, high], shots, curve, gaps })
+}
+
+/// How the limit scatters where parameters are drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scattered {
+    /// Ends between which the limit of each draw lies; infinite where it lies outside of what was asked.
+    pub members: Vec<(f64, f64)>,
+    /// The normal distribution of them, where they tell one.
+    pub scatter: Option<Scatter>,
+    /// Draws whose limit was not found, because a shot gave nothing.
+    pub lost: usize,
+}
+
+/// Halves for each of so many draws by itself; `fire` is given draws and velocities, and says not-a-number where a shot gives nothing.
+///
+/// # Errors
+/// Those of the shots.
+pub fn scatter(
+    asked: &Asked,
+    draws: usize,
+    fire: &mut dyn FnMut(&[(usize, f64)]) -> Result<Vec<f64>, StudyError>,
+) -> Result<Scattered, StudyError> {
+    let [low, high] = asked.between;
+    let mut ends = vec![(low, high); draws];
+    let mut open: Vec<usize> = (0..draws).collect();
+    let mut lost = vec![false; draws];
+    for (end, through) in [(low, true), (high, false)] {
+        let shots: Vec<(usize, f64)> = open.iter().map(|draw| (*draw, end)).collect();
+        for ((draw, _), residual) in shots.iter().zip(fire(&shots)?) {
+            lost[*draw] |= residual.is_nan();
+            if (residual > asked.least) == through {
+                ends[*draw] = if through { (f64::NEG_INFINITY, low) } else { (high, f64::INFINITY) };
+            }
+        }
+        open.retain(|draw| !lost[*draw] && ends[*draw] == (low, high));
+    }
+    for _ in 0..asked.rounds() {
+        let middle = |draw: &usize| 0.5 * (ends[*draw].0 + ends[*draw].1);
+        let shots: Vec<(usize, f64)> = open.iter().map(|draw| (*draw, middle(draw))).collect();
+        for ((draw, velocity), residual) in shots.iter().zip(fire(&shots)?) {
+            lost[*draw] |= residual.is_nan();
+            if residual > asked.least { ends[*draw].1 = *velocity } else { ends[*draw].0 = *velocity }
+        }
+        open.retain(|draw| !lost[*draw]);
+    }
+    let members: Vec<(f64, f64)> =
+        ends.into_iter().zip(&lost).filter(|(_, lost)| !**lost).map(|(ends, _)| ends).collect();
+    let lost = lost.into_iter().filter(|lost| *lost).count();
+    Ok(Scattered { scatter: probit::fit(&members), members, lost })
+}
+
+/// Residual over striking velocity, with the fitted curve.
+pub fn chart(title: &str, found: &Limit) -> Chart {
+    let shots = Series { name: "shots".into(), points: found.shots.clone(), form: Form::Marks };
+    let mut series = vec![shots];
+    if let (Some(curve), Some(last)) = (&found.curve, found.shots.last()) {
+        let constants = curve.estimates.map(|e| e.value);
+        let limit = constants[2];
+        // Closer near the limit, where the curve is steep.
+        let place = |i: u32| limit + (last.0 - limit) * (f64::from(i) / 200.0).powi(2);
+        let points = (0..=200).map(place).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
+        series.push(Series { name: "Lambert and Jonas".into(), points, form: Form::Line });
+    }
+    let (x_label, y_label) = ("striking velocity".into(), "residual velocity".into());
+    Chart { title: title.into(), x_label, y_label, series, ..Chart::default() }
+}
+
+/// The fraction of draws that perforate over the striking velocity, with the normal distribution fitted to it.
+pub fn scatter_chart(title: &str, found: &Scattered) -> Chart {
+    let mut limits: Vec<f64> = found.members.iter().map(|m| 0.5 * (m.0 + m.1)).filter(|v| v.is_finite()).collect();
+    limits.sort_by(f64::total_cmp);
+    let below = found.members.iter().filter(|m| m.0 == f64::NEG_INFINITY).count();
+    let all = found.members.len().max(1) as f64;
+    let step = |(i, v): (usize, &f64)| [(*v, (below + i) as f64 / all), (*v, (below + i + 1) as f64 / all)];
+    let points = limits.iter().enumerate().flat_map(step).collect();
+    let mut series = vec![Series { name: "draws that perforate".into(), points, form: Form::Line }];
+    if let (Some(scatter), Some(low), Some(high)) = (&found.scatter, limits.first(), limits.last()) {
+        let place = |i: u32| low + (high - low) * f64::from(i) / 200.0;
+        let points = (0..=200).map(place).map(|v| (v, probit::part_below(scatter, v))).collect();
+        series.push(Series { name: "normal distribution".into(), points, form: Form::Guide });
+    }
+    let (x_label, y_label) = ("striking velocity".into(), "fraction that perforates".into());
+    Chart { title: title.into(), x_label, y_label, series, ..Chart::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRUTH: [f64; 3] = [0.9, 2.1, 417.3];
+
+    fn asked() -> Asked {
+        Asked::new("200,900", 0.1, 0.0, 12).expect("sound")
+    }
+
+    #[test]
+    fn a_limit_is_bracketed_and_its_curve_found() {
+        let mut fired = 0;
+        let found = find(&asked(), &mut |velocities| {
+            fired += velocities.len();
+            Ok(velocities.iter().map(|v| lambert_jonas::residual(TRUTH, *v)).collect())
+        });
+        let found = found.expect("a limit");
+        assert!(
+            found.bracket[0] <= TRUTH[2] && TRUTH[2] <= found.bracket[1] && found.bracket[1] - found.bracket[0] <= 0.1
+        );
+        assert_eq!((fired, found.gaps.len()), (2 + 13 + 12, 0));
+        let curve = found.curve.as_ref().expect("a curve");
+        assert!(curve.estimates.iter().zip(TRUTH).all(|(e, truth)| (e.value / truth - 1.0).abs() < 1e-4), "{curve:?}");
+        assert!(found.shots.is_sorted_by(|a, b| a.0 < b.0));
+    }
+
+    #[test]
+    fn ends_without_a_limit_between_them_are_told() {
+        for (always, told) in [(5.0, "at 200 perforates"), (0.0, "at 900 does not")] {
+            let found = find(&asked(), &mut |velocities| Ok(vec![always; velocities.len()]));
+            assert!(found.is_err_and(|e| e.to_string().contains(told)));
+        }
+        for (between, tolerance) in
+            [("200", 0.1), ("900,200", 0.1), ("-1,5", 0.1), ("1,x", 0.1), ("1,2", 0.0), ("1,2", f64::NAN)]
+        {
+            assert!(Asked::new(between, tolerance, 0.0, 5).is_err(), "{between}");
+        }
+        // A hole in what perforates.
+        let odd = |v: f64| if v > 400.0 && !(600.0..700.0).contains(&v) { v } else { 0.0 };
+        let found = find(&asked(), &mut |velocities| Ok(velocities.iter().map(|v| odd(*v)).collect()));
+        assert!(!found.expect("a limit").gaps.is_empty());
+    }
+
+    #[test]
+    fn each_draw_has_a_limit_of_its_own() {
+        let limits = [150.0, 400.0, 410.0, 420.0, 425.0, f64::NAN, 1000.0];
+        let found = scatter(&asked(), limits.len(), &mut |shots| {
+            Ok(shots
+                .iter()
+                .map(|(draw, v)| if limits[*draw].is_nan() { f64::NAN } else { v - limits[*draw] })
+                .collect())
+        });
+        let found = found.expect("limits");
+        assert_eq!((found.lost, found.members.len()), (1, 6));
+        let known = limits.iter().filter(|limit| limit.is_finite());
+        assert!(found.members.iter().zip(known).all(|(m, limit)| m.0 <= *limit && *limit <= m.1));
+        assert_eq!([found.members[0].0, found.members[5].1], [f64::NEG_INFINITY, f64::INFINITY]);
+        assert!(found.members[1..5].iter().all(|m| m.1 - m.0 <= 0.1) && found.scatter.is_some());
+    }
+}

@@ -1,0 +1,213 @@
+//! Distributions of one number, by their quantiles: any point of the unit interval becomes a value, however points are spread.
+//! Never here: points (`design`), correlations (`design`).
+
+use super::normal;
+
+/// How a number is distributed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Distribution {
+    /// Evenly between two ends.
+    Uniform {
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// Normally.
+    Normal {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation.
+        deviation: f64,
+    },
+    /// Its logarithm is normal.
+    LogNormal {
+        /// Mean of the logarithm.
+        mean: f64,
+        /// Standard deviation of the logarithm.
+        deviation: f64,
+    },
+    /// Another one, of which nothing lies outside two ends.
+    Truncated {
+        /// The other.
+        of: Box<Distribution>,
+        /// Lower end, and how much of the other lies below.
+        low: (f64, f64),
+        /// Upper end, and how much of the other lies below.
+        high: (f64, f64),
+    },
+}
+
+const FORMS: &str = "low..high, uniform(low, high), normal(mean, deviation), lognormal(mean, deviation), \
+                     truncated(normal(…), low, high)";
+
+impl Distribution {
+    /// Reads `low..high`, `uniform(low, high)`, `normal(mean, deviation)`, `lognormal(mean, deviation)` (mean and standard
+    /// deviation of the number itself) or `truncated(D, low, high)`, where an end may be `-inf` or `inf`.
+    ///
+    /// # Errors
+    /// In words, for what is none of these, ends that do not rise, deviations that are not above zero.
+    pub fn parse(text: &str) -> Result<Distribution, String> {
+        let text = text.trim();
+        if let Some((low, high)) = text.split_once("..").filter(|_| !text.contains('(')) {
+            return Distribution::uniform(number(low)?, number(high)?);
+        }
+        let call = text.strip_suffix(')').and_then(|t| t.split_once('('));
+        let (name, arguments) = call.ok_or_else(|| format!("`{text}` is no distribution; there are {FORMS}"))?;
+        match (name.trim(), &split(arguments)[..]) {
+            ("uniform", [low, high]) => Distribution::uniform(number(low)?, number(high)?),
+            ("normal", [mean, deviation]) => Distribution::normal(number(mean)?, number(deviation)?),
+            ("lognormal", [mean, deviation]) => Distribution::log_normal(number(mean)?, number(deviation)?),
+            ("truncated", [of, low, high]) => Distribution::parse(of)?.truncated(end(low)?, end(high)?),
+            _ => Err(format!("`{text}` is no distribution; there are {FORMS}")),
+        }
+    }
+
+    fn uniform(low: f64, high: f64) -> Result<Distribution, String> {
+        let rise = low < high && (high - low).is_finite();
+        if rise { Ok(Distribution::Uniform { low, high }) } else { Err(format!("{low}..{high}: the ends must rise")) }
+    }
+
+    fn normal(mean: f64, deviation: f64) -> Result<Distribution, String> {
+        above_zero("a standard deviation", deviation)?;
+        Ok(Distribution::Normal { mean, deviation })
+    }
+
+    /// By mean and deviation of the number itself: s^2 = ln(1 + (deviation/mean)^2), m = ln(mean) - s^2/2.
+    fn log_normal(mean: f64, deviation: f64) -> Result<Distribution, String> {
+        above_zero("the mean of a lognormal", mean)?;
+        above_zero("a standard deviation", deviation)?;
+        let square = libm::log1p((deviation / mean) * (deviation / mean));
+        Ok(Distribution::LogNormal { mean: libm::log(mean) - 0.5 * square, deviation: square.sqrt() })
+    }
+
+    fn truncated(self, low: f64, high: f64) -> Result<Distribution, String> {
+        let below = [low, high].map(|x| self.cumulative(x));
+        // What is left must be enough to tell its values apart.
+        if below[1] - below[0] < 1e-9 {
+            return Err(format!("next to nothing of the distribution lies between {low} and {high}"));
+        }
+        Ok(Distribution::Truncated { of: Box::new(self), low: (low, below[0]), high: (high, below[1]) })
+    }
+
+    /// How much lies below.
+    pub fn cumulative(&self, x: f64) -> f64 {
+        match self {
+            Distribution::Uniform { low, high } => ((x - low) / (high - low)).clamp(0.0, 1.0),
+            Distribution::Normal { mean, deviation } => normal::cumulative((x - mean) / deviation),
+            Distribution::LogNormal { .. } if x <= 0.0 => 0.0,
+            Distribution::LogNormal { mean, deviation } => normal::cumulative((libm::log(x) - mean) / deviation),
+            Distribution::Truncated { of, low, high } => {
+                ((of.cumulative(x) - low.1) / (high.1 - low.1)).clamp(0.0, 1.0)
+            }
+        }
+    }
+
+    /// The value below which so much lies.
+    pub fn quantile(&self, part: f64) -> f64 {
+        match self {
+            Distribution::Uniform { low, high } => low + part * (high - low),
+            Distribution::Normal { mean, deviation } => mean + deviation * normal::quantile(part),
+            Distribution::LogNormal { mean, deviation } => libm::exp(mean + deviation * normal::quantile(part)),
+            Distribution::Truncated { of, low, high } => {
+                of.quantile(low.1 + part * (high.1 - low.1)).clamp(low.0, high.0)
+            }
+        }
+    }
+}
+
+fn above_zero(what: &str, value: f64) -> Result<(), String> {
+    if value > 0.0 { Ok(()) } else { Err(format!("{what} must be above zero, not {value}")) }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    number.ok_or_else(|| format!("`{}` is not a number", text.trim()))
+}
+
+/// A number or an infinite end.
+fn end(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|v| !v.is_nan());
+    number.ok_or_else(|| format!("`{}` is not a number", text.trim()))
+}
+
+/// Parts between commas that are in no parentheses.
+fn split(list: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut parts) = (0_usize, 0, Vec::new());
+    for (i, c) in list.char_indices() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            ',' if depth == 0 => {
+                parts.push(&list[start..i]);
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&list[start..]);
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Distribution;
+
+    fn parse(text: &str) -> Distribution {
+        Distribution::parse(text).expect(text)
+    }
+
+    /// Mean and deviation by the midpoint rule over quantiles.
+    fn moments(of: &Distribution) -> [f64; 2] {
+        let n = 200_000;
+        let values = || (0..n).map(|i| of.quantile((f64::from(i) + 0.5) / f64::from(n)));
+        let mean = values().sum::<f64>() / f64::from(n);
+        [mean, (values().map(|x| (x - mean) * (x - mean)).sum::<f64>() / f64::from(n)).sqrt()]
+    }
+
+    /// Source: the closed moments of each; of the truncated normal Johnson, Kotz and Balakrishnan, Continuous Univariate
+    /// Distributions 1, section 13.10: within one deviation of the mean sqrt(1 - 2 phi(1)/(2 Phi(1) - 1)).
+    #[test]
+    fn quantiles_have_the_moments_that_are_asked_for() {
+        for (text, mean, deviation) in [
+            ("500..600", 550.0, 100.0 / 12_f64.sqrt()),
+            ("uniform(-1, 1)", 0.0, 2.0 / 12_f64.sqrt()),
+            ("normal(800, 20)", 800.0, 20.0),
+            ("lognormal(2, 0.5)", 2.0, 0.5),
+            ("truncated(normal(3, 1), 2, 4)", 3.0, 0.539_560),
+            ("truncated( normal(3,1), -inf, inf )", 3.0, 1.0),
+        ] {
+            let of = parse(text);
+            let [m, s] = moments(&of);
+            assert!((m - mean).abs() < 1e-3 * deviation && (s / deviation - 1.0).abs() < 1e-3, "{text}: {m} {s}");
+            for part in [1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-6] {
+                assert!((of.cumulative(of.quantile(part)) - part).abs() < 1e-12, "{text} at {part}");
+            }
+        }
+        let cut = parse("truncated(normal(0, 1), 1, 2)");
+        assert_eq!([0.0, 1.0].map(|u| (1.0..=2.0).contains(&cut.quantile(u))), [true; 2]);
+    }
+
+    #[test]
+    fn what_is_no_distribution_is_told() {
+        for wrong in [
+            "",
+            "5",
+            "2..1",
+            "a..b",
+            "normal(1)",
+            "normal(1, 0)",
+            "normal(1, -1)",
+            "normal(x, 1)",
+            "lognormal(-1, 1)",
+            "gamma(1, 2)",
+            "truncated(normal(0, 1), 2, 1)",
+            "truncated(normal(0, 1), 50, 60)",
+            "truncated(normal(0, 1), 2)",
+            "uniform(1, nan)",
+            "normal(1, 2",
+        ] {
+            assert!(Distribution::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+}

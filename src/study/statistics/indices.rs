@@ -1,0 +1,146 @@
+//! Sobol's indices: how much of a variance comes of each input, alone and with all others.
+//! Never here: runs; inputs that depend on each other, for which there are no such indices.
+
+use rand_chacha::rand_core::RngCore as _;
+
+use super::design::draws;
+use super::summary::between;
+use super::{Estimate, TAIL};
+
+/// Indices of each input.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Indices {
+    /// Of the first order: the part of the variance that goes with the input alone.
+    pub first: Vec<Estimate>,
+    /// Total: the part that is left when all other inputs are known.
+    pub total: Vec<Estimate>,
+}
+
+/// So many times rows are drawn again.
+const RESAMPLED: usize = 1000;
+
+/// What a row adds to: variance and mean, and for each input the two numerators.
+struct Sums(Vec<f64>);
+
+/// From rows f(A), f(B), f(A with input 1 of B), f(A with input 2 of B), …, without those that hold what is not a number; `None` where
+/// nothing varies or there are fewer than two rows.
+///
+/// First order by Saltelli et al. (Comput. Phys. Commun. 181 (2010) 259, equation (b) of table 2), total by Jansen (Comput. Phys.
+/// Commun. 117 (1999) 35). Intervals: percentiles of rows drawn again (bootstrap).
+pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<Indices> {
+    let width = inputs + 2;
+    let good = || rows.chunks_exact(width).filter(|row| row.iter().all(|f| f.is_finite()));
+    let count = good().count();
+    if count < 2 {
+        return None;
+    }
+    // Numerators that are taken from the mean vary less.
+    let mean = good().map(|row| 0.5 * (row[0] + row[1])).sum::<f64>() / count as f64;
+    let terms: Vec<f64> = good().flat_map(|row| terms(row, mean)).collect();
+    let sums = |rows: &mut dyn Iterator<Item = usize>| {
+        let mut sums = vec![0.0; 2 * inputs + 2];
+        for row in rows {
+            let of = &terms[row * sums.len()..(row + 1) * sums.len()];
+            sums.iter_mut().zip(of).for_each(|(sum, term)| *sum += term);
+        }
+        Sums(sums)
+    };
+    let found = sums(&mut (0..count)).indices(count)?;
+    let mut resampled = vec![Vec::with_capacity(RESAMPLED); 2 * inputs];
+    for again in 0..RESAMPLED {
+        let mut draws = draws(seed, again as u64);
+        let mut drawn = (0..count).map(|_| (u128::from(draws.next_u64()) * count as u128 >> 64) as usize);
+        if let Some(values) = sums(&mut drawn).indices(count) {
+            resampled.iter_mut().zip(values).for_each(|(list, value)| list.push(value));
+        }
+    }
+    let estimate = |(value, list): (f64, &mut Vec<f64>)| {
+        list.sort_by(f64::total_cmp);
+        Estimate { value, low: between(list, TAIL), high: between(list, 1.0 - TAIL) }
+    };
+    let mut all: Vec<Estimate> = found.into_iter().zip(&mut resampled).map(estimate).collect();
+    let total = all.split_off(inputs);
+    Some(Indices { first: all, total })
+}
+
+fn terms(row: &[f64], mean: f64) -> impl Iterator<Item = f64> {
+    let [a, b] = [row[0] - mean, row[1] - mean];
+    let mixed = row[2..].iter().map(move |f| f - mean);
+    let first = mixed.clone().map(move |m| b * (m - a));
+    let total = mixed.map(move |m| 0.5 * (a - m) * (a - m));
+    [a + b, a * a + b * b].into_iter().chain(first).chain(total)
+}
+
+impl Sums {
+    /// First orders, then totals; `None` where nothing varies.
+    fn indices(&self, count: usize) -> Option<Vec<f64>> {
+        let [mean, square] = [0, 1].map(|i| self.0[i] / (2 * count) as f64);
+        let variance = square - mean * mean;
+        let some = variance > 1e-24 * square && variance.is_finite();
+        some.then(|| self.0[2..].iter().map(|sum| sum / count as f64 / variance).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::statistics::design::{Design, Sampling};
+    use std::f64::consts::PI;
+
+    fn ishigami(x: &[f64]) -> f64 {
+        let [x1, x2, x3] = [x[0], x[1], x[2]].map(|u| PI * (2.0 * u - 1.0));
+        libm::sin(x1) + 7.0 * libm::sin(x2).powi(2) + 0.1 * x3.powi(4) * libm::sin(x1)
+    }
+
+    fn of_ishigami(sampling: Sampling, count: usize, seed: u64) -> Indices {
+        let mut points = vec![0.0; 6 * count];
+        Design::new(sampling, 6, count, seed).expect("a design").fill(&mut points);
+        let row = |point: &[f64]| {
+            let mixed = (0..3).map(|i| {
+                let mut x = [point[0], point[1], point[2]];
+                x[i] = point[3 + i];
+                ishigami(&x)
+            });
+            [ishigami(&point[..3]), ishigami(&point[3..])].into_iter().chain(mixed).collect::<Vec<_>>()
+        };
+        indices(&points.chunks(6).flat_map(row).collect::<Vec<_>>(), 3, seed).expect("indices")
+    }
+
+    /// Source: the closed form of Ishigami and Homma (1990) with a = 7, b = 0.1.
+    fn exact() -> [f64; 6] {
+        let (a, b) = (7.0, 0.1);
+        let v1 = 0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2);
+        let (v2, v13) = (a * a / 8.0, b * b * PI.powi(8) * 8.0 / 225.0);
+        [v1, v2, 0.0, v1 + v13, v2, v13].map(|v| v / (v1 + v2 + v13))
+    }
+
+    #[test]
+    fn indices_of_ishigamis_function_lie_in_their_intervals() {
+        let exact = exact();
+        assert!((exact[0] - 0.3139).abs() < 1e-4 && (exact[3] - 0.5576).abs() < 1e-4);
+        // Twenty seeds and six indices: 114 of 120 are to be expected inside.
+        let mut inside = 0;
+        for seed in 0..20 {
+            let found = of_ishigami(Sampling::Random, 1024, seed);
+            let all: Vec<Estimate> = found.first.into_iter().chain(found.total).collect();
+            inside += all.iter().zip(exact).filter(|(found, exact)| found.holds(*exact)).count();
+        }
+        println!("{inside} of 120 inside");
+        assert!((108..=120).contains(&inside), "{inside}");
+        // What intervals say is no idle talk: with Sobol's sequence errors are a few thousandths, inside all the more.
+        let found = of_ishigami(Sampling::Sobol, 1 << 14, 1);
+        for (found, exact) in found.first.iter().chain(&found.total).zip(exact) {
+            println!("{found:?} {exact}");
+            assert!(found.holds(exact) && (found.value - exact).abs() < 5e-3 && found.high - found.low < 0.08);
+        }
+    }
+
+    #[test]
+    fn rows_without_a_number_are_left_out() {
+        let rows = [1.0, 2.0, 3.0, f64::NAN, 1.0, 1.0, 2.0, 1.0, 5.0, 4.0, 0.0, 1.0];
+        let without: Vec<f64> = rows.chunks(3).filter(|r| r[0].is_finite()).flatten().copied().collect();
+        assert_eq!(indices(&rows, 1, 3), indices(&without, 1, 3));
+        assert_eq!(indices(&[1.0; 9], 1, 0), None);
+        assert_eq!(indices(&[f64::NAN; 9], 1, 0), None);
+    }
+}

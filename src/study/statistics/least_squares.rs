@@ -1,0 +1,289 @@
+//! Least squares of a model that is costly and known by its values alone: Levenberg and Marquardt's method, and what the
+//! residuals say of the parameters.
+//! Never here: the models.
+
+use super::Estimate;
+use super::cholesky::Factor;
+
+/// Change of a parameter, of itself or of its scale, below which nothing more is looked for.
+const SETTLED: f64 = 1e-7;
+const MOST_ITERATIONS: usize = 100;
+/// Part of a column that the others must leave: below it the parameters are one.
+const LEAST_PIVOT: f64 = 1e-9;
+
+/// Residuals of several points at once, each divided by its deviation; what is not finite says that the model has no value there.
+pub type Residuals<'a, E> = dyn FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E> + 'a;
+
+/// Where the sum of squares is least.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// Parameters.
+    pub values: Vec<f64>,
+    /// Residuals there.
+    pub residuals: Vec<f64>,
+    /// Number of residuals less that of parameters.
+    pub freedom: usize,
+    /// Covariance of the parameters, row by row; `None` where the residuals do not tell all of them.
+    pub covariance: Option<Vec<f64>>,
+    /// Parameters that no residual depends on.
+    pub idle: Vec<usize>,
+    /// Parameters beside which, on one side, the model has no value.
+    pub edges: Vec<usize>,
+    /// Whether the least was found, and the search not given up.
+    pub settled: bool,
+}
+
+impl Fit {
+    /// The standard deviation of a residual: sqrt(sum r^2/(n - p)).
+    pub fn deviation(&self) -> f64 {
+        (square(&self.residuals) / self.freedom.max(1) as f64).sqrt()
+    }
+
+    /// Parameters with their intervals, by Student's t and the covariance of the linearised model (Seber and Wild, Nonlinear
+    /// Regression, section 5.1); without ends where the residuals do not tell them.
+    pub fn estimates(&self) -> Vec<Estimate> {
+        let size = self.values.len();
+        let error = |i: usize| match &self.covariance {
+            Some(covariance) if self.freedom > 0 => covariance[i * size + i].sqrt(),
+            _ => f64::INFINITY,
+        };
+        self.values.iter().enumerate().map(|(i, v)| Estimate::around(*v, error(i), self.freedom as f64)).collect()
+    }
+
+    /// How two parameters go together, from -1 to 1.
+    pub fn correlation(&self, one: usize, other: usize) -> Option<f64> {
+        let (covariance, size) = (self.covariance.as_ref()?, self.values.len());
+        let [a, b, ab] = [(one, one), (other, other), (one, other)].map(|(i, j)| covariance[i * size + j]);
+        Some(ab / (a * b).sqrt())
+    }
+}
+
+/// A point with its residuals.
+struct Point {
+    at: Vec<f64>,
+    residuals: Vec<f64>,
+}
+
+impl Point {
+    fn cost(&self) -> f64 {
+        square(&self.residuals)
+    }
+}
+
+/// Fits parameters from `start`, with derivatives over this part of a parameter or of its start. `None` where the model has no value there, or there are fewer residuals than parameters.
+///
+/// # Errors
+/// Those of the model.
+pub fn fit<E>(start: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Option<Fit>, E> {
+    let scale: Vec<f64> = start.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
+    let Some(mut here) = best(model, vec![start.to_vec()])? else { return Ok(None) };
+    if here.residuals.len() < start.len() {
+        return Ok(None);
+    }
+    let steps: Vec<f64> = scale.iter().map(|s| part * s).collect();
+    let (mut damping, mut settled) = (1e-3, false);
+    let mut slopes = jacobian(&here, &steps, part, model)?;
+    for _ in 0..MOST_ITERATIONS {
+        let Some(next) = step(&here, &slopes.columns, &mut damping, &steps, model)? else {
+            settled = true;
+            break;
+        };
+        let moved = |i: usize| (next.at[i] - here.at[i]).abs() / here.at[i].abs().max(steps[i]);
+        let small = (0..start.len()).all(|i| moved(i) < SETTLED);
+        here = next;
+        slopes = jacobian(&here, &steps, part, model)?;
+        if small {
+            settled = true;
+            break;
+        }
+    }
+    let freedom = here.residuals.len() - start.len();
+    let (normal, norms) = normal(&slopes.columns);
+    let idle: Vec<usize> = (0..start.len()).filter(|i| norms[*i] == 0.0).collect();
+    let mut fit = Fit {
+        values: here.at,
+        residuals: here.residuals,
+        freedom,
+        covariance: None,
+        idle,
+        edges: slopes.edges,
+        settled,
+    };
+    let variance = fit.deviation().powi(2);
+    let told = Factor::of(&normal, start.len(), LEAST_PIVOT).filter(|_| fit.idle.is_empty());
+    fit.covariance = told.map(|factor| {
+        let mut inverse = factor.inverse();
+        for (i, row) in inverse.chunks_exact_mut(norms.len()).enumerate() {
+            row.iter_mut().zip(&norms).for_each(|(c, norm)| *c *= variance / (norms[i] * norm));
+        }
+        inverse
+    });
+    Ok(Some(fit))
+}
+
+fn square(residuals: &[f64]) -> f64 {
+    residuals.iter().map(|r| r * r).sum()
+}
+
+/// The best of some points, where the model has a value at any.
+fn best<E>(model: &mut Residuals<'_, E>, points: Vec<Vec<f64>>) -> Result<Option<Point>, E> {
+    let residuals = model(&points)?;
+    let all = points.into_iter().zip(residuals).map(|(at, residuals)| Point { at, residuals });
+    Ok(all.filter(|p| p.cost().is_finite()).min_by(|a, b| a.cost().total_cmp(&b.cost())))
+}
+
+/// Derivatives of all residuals by each parameter, and parameters beside which one side has no value.
+struct Slopes {
+    columns: Vec<Vec<f64>>,
+    edges: Vec<usize>,
+}
+
+/// Derivatives of all residuals, a column a parameter: central, or one-sided where one side has no value, which is told.
+fn jacobian<E>(here: &Point, steps: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Slopes, E> {
+    let step = |i: usize| steps[i].max(part * here.at[i].abs());
+    let beside = |i: usize, side: f64| {
+        let mut at = here.at.clone();
+        at[i] += side * step(i);
+        at
+    };
+    let points: Vec<Vec<f64>> = (0..steps.len()).flat_map(|i| [1.0, -1.0].map(|side| beside(i, side))).collect();
+    let values = model(&points)?;
+    let mut edges = Vec::new();
+    let mut column = |i: usize| -> Vec<f64> {
+        let good = |side: usize| Some(&values[2 * i + side]).filter(|r| r.iter().all(|v| v.is_finite()));
+        let (above, below) = (good(0), good(1));
+        let width = step(i) * f64::from(u8::from(above.is_some()) + u8::from(below.is_some()));
+        if above.is_none() || below.is_none() {
+            edges.push(i);
+        }
+        let (above, below) = (above.unwrap_or(&here.residuals), below.unwrap_or(&here.residuals));
+        let slope = |(a, b): (&f64, &f64)| if width > 0.0 { (a - b) / width } else { 0.0 };
+        above.iter().zip(below).map(slope).collect()
+    };
+    let columns = (0..steps.len()).map(&mut column).collect();
+    Ok(Slopes { columns, edges })
+}
+
+/// The matrix of the normal equations over columns of length 1, and the lengths.
+fn normal(columns: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
+    let cell = |i: usize, j: usize| {
+        let norm = norms[i] * norms[j];
+        if i == j {
+            1.0
+        } else if norm > 0.0 {
+            dot(&columns[i], &columns[j]) / norm
+        } else {
+            0.0
+        }
+    };
+    let size = columns.len();
+    ((0..size * size).map(|k| cell(k / size, k % size)).collect(), norms)
+}
+
+/// The next point, where the sum of squares is less; `None` where none is found.
+fn step<E>(
+    here: &Point,
+    columns: &[Vec<f64>],
+    damping: &mut f64,
+    steps: &[f64],
+    model: &mut Residuals<'_, E>,
+) -> Result<Option<Point>, E> {
+    let (normal, norms) = normal(columns);
+    let size = steps.len();
+    let downhill: Vec<f64> = columns
+        .iter()
+        .zip(&norms)
+        .map(|(c, norm)| {
+            let dot: f64 = c.iter().zip(&here.residuals).map(|(c, r)| c * r).sum();
+            if *norm > 0.0 { -dot / norm } else { 0.0 }
+        })
+        .collect();
+    // What is left to gain is rounding.
+    if downhill.iter().all(|d| d.abs() <= 1e-12 * here.cost().sqrt()) {
+        return Ok(None);
+    }
+    while *damping < 1e12 {
+        let mut damped = normal.clone();
+        (0..size).for_each(|i| damped[i * size + i] += *damping);
+        let Some(factor) = Factor::of(&damped, size, 0.0) else {
+            *damping *= 10.0;
+            continue;
+        };
+        let mut change = downhill.clone();
+        factor.solve(&mut change);
+        let at: Vec<f64> =
+            (0..size).map(|i| here.at[i] + if norms[i] > 0.0 { change[i] / norms[i] } else { 0.0 }).collect();
+        let small = (0..size).all(|i| (at[i] - here.at[i]).abs() < SETTLED * here.at[i].abs().max(steps[i]));
+        if let Some(next) = best(model, vec![at])?.filter(|next| next.cost() < here.cost()) {
+            *damping = (*damping * 0.1).max(1e-12);
+            return Ok(Some(next));
+        }
+        if small {
+            return Ok(None);
+        }
+        *damping *= 10.0;
+    }
+    Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::statistics::design::{draws, unit};
+    use crate::study::statistics::normal;
+    use rand_chacha::rand_core::RngCore as _;
+
+    /// y = a exp(-b x) with errors of deviation 0.05.
+    fn table(seed: u64) -> Vec<(f64, f64)> {
+        let mut draws = draws(seed, 0);
+        let x = (0..20).map(|i| 0.2 * f64::from(i));
+        x.map(|x| (x, 2.0 * libm::exp(-0.7 * x) + 0.05 * normal::quantile(unit(draws.next_u64())))).collect()
+    }
+
+    fn decay(table: &[(f64, f64)]) -> Fit {
+        let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, ()> {
+            let residuals = |p: &Vec<f64>| table.iter().map(|(x, y)| p[0] * libm::exp(-p[1] * x) - y).collect();
+            Ok(points.iter().map(residuals).collect())
+        };
+        fit(&[1.0, 0.1], 1e-3, model).expect("a model").expect("a fit")
+    }
+
+    /// Of 500 tables and two parameters 950 of 1000 intervals are to be expected to hold the truth, give or take 7.
+    #[test]
+    fn intervals_hold_what_made_the_table() {
+        let mut inside = 0;
+        for seed in 0..500 {
+            let fit = decay(&table(seed));
+            assert!(fit.settled && fit.freedom == 18);
+            inside += fit.estimates().iter().zip([2.0, 0.7]).filter(|(e, truth)| e.holds(*truth)).count();
+        }
+        println!("{inside} of 1000 inside");
+        assert!((925..=975).contains(&inside), "{inside}");
+        let fit = decay(&table(3));
+        let correlation = fit.correlation(0, 1).expect("both are told");
+        assert!((0.02..0.08).contains(&fit.deviation()) && (0.3..0.9).contains(&correlation), "{correlation}");
+    }
+
+    /// What cannot be told apart, or does not matter, has no interval; what the model refuses is not gone to.
+    #[test]
+    fn what_the_table_does_not_tell_is_said() {
+        let table = table(1);
+        let residuals = |of: &dyn Fn(&[f64], f64) -> f64, start: &[f64]| {
+            let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, ()> {
+                Ok(points.iter().map(|p| table.iter().map(|(x, y)| of(p, *x) - y).collect()).collect())
+            };
+            fit(start, 1e-3, model).expect("a model")
+        };
+        let product = residuals(&|p, x| p[0] * p[1] * libm::exp(-0.7 * x), &[1.0, 1.0]).expect("a fit");
+        assert!(product.covariance.is_none() && product.idle.is_empty());
+        assert!((product.values[0] * product.values[1] - 2.0).abs() < 0.1);
+        let idle = residuals(&|p, x| p[0] * libm::exp(-0.7 * x), &[1.0, 5.0]).expect("a fit");
+        assert_eq!((idle.idle, idle.values[1]), (vec![1], 5.0));
+        let walled = |p: &[f64], x: f64| if p[0] > 1.5 { f64::NAN } else { p[0] * libm::exp(-0.7 * x) };
+        let fit = residuals(&walled, &[1.0]).expect("a fit");
+        assert!((1.4..=1.5).contains(&fit.values[0]) && fit.edges == [0], "{fit:?}");
+        assert!(residuals(&|_, _| f64::NAN, &[1.0]).is_none());
+    }
+}

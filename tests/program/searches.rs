@@ -1,0 +1,263 @@
+//! Searches over many runs: limits of perforation, parameters fitted to shots, samples of distributions.
+//!
+//! Sources: parameters that made a table of shots, runs at the ends of a bracket, fractions that are counted, `sweep` for the same draws.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+use std::sync::atomic::AtomicUsize;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore as _, SeedableRng as _};
+use revolve::study::evaluate::{Evaluator, Samples, Source, User};
+use revolve::study::identify::{self, Shots};
+use revolve::study::quantity::Quantity;
+use revolve::study::statistics::least_squares::Fit;
+use revolve::study::statistics::{design, normal};
+use serde_json::Value;
+
+use crate::common::{project, revolve};
+
+const PLATE: &str = "input/plate_6061.inp";
+const RESIDUAL: &str = "-final(V2@REF)";
+const DEPTH: &str = "-1000*final(U2@REF)";
+
+fn said(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn json(words: &[&str]) -> Value {
+    serde_json::from_str(&said(&revolve(&[words, &["--json"]].concat()))).expect("an object")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn evaluator(names: &[&str]) -> Evaluator {
+    let names = names.iter().map(|n| (*n).to_owned()).collect();
+    let source = Source::File(project("input/ogive.inp"));
+    let quantity = Quantity::parse(DEPTH).expect("a quantity");
+    Evaluator::new(source, Vec::new(), names, vec![quantity], User::Absent).expect("an evaluator")
+}
+
+/// Shots of the deck as it stands, with normal errors of 1.5 mm.
+fn shots(seed: u64) -> Shots {
+    let velocities: Vec<f64> = (0..8).map(|i| 500.0 + 80.0 * f64::from(i)).collect();
+    let mut measured = vec![0.0; velocities.len()];
+    let asked = Samples { values: &velocities, count: velocities.len() };
+    let failures = evaluator(&["V"]).run(asked, &mut measured, 2, &AtomicUsize::new(0), &mut |_| {}).expect("threads");
+    assert!(failures.is_empty());
+    let mut draws = ChaCha8Rng::seed_from_u64(seed);
+    measured.iter_mut().for_each(|depth| *depth += 1.5 * normal::quantile(design::unit(draws.next_u64())));
+    Shots {
+        names: vec!["V".into()],
+        rows: velocities.into_iter().map(|v| vec![v]).collect(),
+        deviations: vec![1.0; measured.len()],
+        measured,
+    }
+}
+
+fn fitted(seed: u64, unknown: &[&str], start: &[f64]) -> Fit {
+    let names: Vec<&str> = ["V"].iter().chain(unknown).copied().collect();
+    identify::identify(&evaluator(&names), &shots(seed), start, 2).expect("a fit")
+}
+
+/// A 95 % interval holds the A that made the table in 19 of 20 tables.
+#[test]
+fn the_resistance_that_made_a_table_is_recovered() {
+    let inside = (1..=20).filter(|seed| {
+        let fit = fitted(*seed, &["A"], &[4.0]);
+        let found = fit.estimates()[0];
+        assert!(fit.settled && fit.freedom == 7 && found.high - found.low < 1.0, "{fit:?}");
+        found.holds(5.0394)
+    });
+    let inside = inside.count();
+    println!("A is inside in {inside} of 20 tables");
+    assert!(inside >= 19, "{inside}");
+}
+
+/// A and friction both hold the body back: the shots tell little but their sum, and that is said.
+#[test]
+fn what_shots_cannot_tell_apart_is_said() {
+    let names = ["A".to_owned(), "friction".to_owned()];
+    let fit = fitted(3, &["A", "friction"], &[4.0, 0.02]);
+    let correlation = fit.correlation(0, 1).expect("both are told");
+    assert!(correlation < -0.95, "{correlation}");
+    let told = identify::sentences(&fit, &names).join("\n");
+    assert!(told.contains("hardly tell A and friction apart"), "{told}");
+    let alone = fitted(3, &["A"], &[4.0]).estimates()[0];
+    let both = fit.estimates()[0];
+    assert!(both.high - both.low > 3.0 * (alone.high - alone.low), "{both:?} {alone:?}");
+}
+
+#[test]
+fn identify_reads_a_table_and_leaves_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    let table: Vec<String> =
+        shots(5).rows.iter().zip(shots(5).measured).map(|(v, p)| format!("{},{p},1.5\n", v[0])).collect();
+    fs::write(at("shots.csv"), format!("V,depth,error\n{}", table.concat())).expect("a table");
+    let (file, out) = (at("shots.csv"), at("out"));
+    let words =
+        ["identify", "input/ogive.inp", "--shots", &file, "--measured", "depth", "--quantity", DEPTH, "--out", &out];
+    let weighted = json(&[&words[..], &["--deviation", "error", "--unknown", "A=4"]].concat());
+    assert!((number(&weighted["estimates"]["A"]["value"]) - 5.0394).abs() < 0.5, "{weighted}");
+    assert!((0.3..2.0).contains(&number(&weighted["deviation"])));
+    for file in ["ogive_identify.csv", "ogive_identify.svg", "ogive_identify.png", "ogive_identify.sfv"] {
+        assert!(Path::new(&out).join(file).exists(), "{file}");
+    }
+    for (wrong, told) in [
+        (&["--unknown", "A=4"][..], "no parameter error"),
+        (&["--unknown", "A=x", "--deviation", "error"], "NAME=NUMBER"),
+        (&["--unknown", "V=500", "--deviation", "error"], "it is known"),
+        (&["--unknown", "A=4", "--deviation", "eror"], "no column is named eror"),
+        (&["--unknown", "A=4", "--deviation", "error", "--set", "V=5"], "given already"),
+    ] {
+        let output = revolve(&[&words[..], wrong].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(told), "{wrong:?}: {message}");
+    }
+}
+
+/// A shot at the lower end of the bracket stays in the plates, one at the upper end leaves them; the curve goes through all.
+#[test]
+fn a_limit_lies_in_its_bracket() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    let words = ["limit", PLATE, "--velocity", "V", "--tolerance", "0.1", "--residual", RESIDUAL, "--out", out];
+    let found = json(&[&words[..], &["--between", "200,900"]].concat());
+    let [low, high] = [0, 1].map(|i| number(&found["bracket"][i]));
+    assert!(low < high && high - low <= 0.1, "{low} {high}");
+    let ends = format!("V={low},{high}");
+    let table = said(&revolve(&["sweep", PLATE, "--set", &ends, "--quantity", RESIDUAL, "--out", out, "--json"]));
+    let table: Value = serde_json::from_str(&table).expect("an object");
+    let residual = |i: usize| number(&table["runs"][i]["values"][RESIDUAL]);
+    assert!(residual(0) == 0.0 && residual(1) > 0.0, "{table}");
+    let [a, p, of_curve] = ["a", "p", "limit_of_curve"].map(|name| number(&found[name]["value"]));
+    assert!(
+        (0.9..=1.0).contains(&a) && (1.8..2.2).contains(&p) && (of_curve / low - 1.0).abs() < 0.02,
+        "{a} {p} {of_curve}"
+    );
+    for file in ["plate_6061_limit.csv", "plate_6061_limit.svg", "plate_6061_limit.png"] {
+        assert!(folder.path().join(file).exists(), "{file}");
+    }
+    for (between, more, told) in [
+        ("500,900", &[][..], "a shot at 500 perforates"),
+        ("100,300", &[], "a shot at 300 does not perforate"),
+        ("900,200", &[], "velocities that rise"),
+        ("200,900", &["--distribution", "V=1..2"], "is looked for"),
+        ("200,900", &["--set", "V=1"], "given already"),
+    ] {
+        let output = revolve(&[&words[..], &["--between", between], more].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(told), "{between} {more:?}: {message}");
+    }
+}
+
+/// A run that is over while the body still moves in the plates says nothing of perforation.
+#[test]
+fn a_shot_that_is_not_over_is_no_shot() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let text = fs::read_to_string(project(PLATE)).expect("a deck").replace(" , 2.e-3\n", " , 2.e-5\n");
+    let deck = folder.path().join("short.inp");
+    fs::write(&deck, text).expect("a deck");
+    let [deck, out] = [&deck, &out].map(|path| path.to_str().expect("a name"));
+    let words = ["limit", deck, "--velocity", "V", "--tolerance", "1", "--residual", RESIDUAL, "--out", out];
+    let output = revolve(&[&words[..], &["--between", "200,900"]].concat());
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && message.contains("its steps need more time"), "{message}");
+    let words = ["scatter", deck, "-d", "V=500..600", "--quantity", "final(U2@REF)", "--count", "5", "--out", out];
+    let message = String::from_utf8_lossy(&revolve(&words).stderr).into_owned();
+    assert!(message.contains("at the end of 5 runs a body still moves"), "{message}");
+}
+
+/// At V50 half of the shots perforate, and so do as many at the velocity one deviation above as a normal distribution says.
+#[test]
+fn limits_of_draws_give_v50() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().to_str().expect("a name");
+    let drawn = ["-d", "THICK=normal(0.013, 0.0003)", "-d", "MASS=truncated(normal(0.021, 0.0004), 0.02, 0.022)"];
+    let words =
+        ["limit", PLATE, "--velocity", "V", "--between", "300,500", "--tolerance", "0.05", "--residual", RESIDUAL];
+    let with = |threads: &str| {
+        json(&[&words[..], &drawn, &["--count", "100", "--seed", "4", "--threads", threads, "--out", out]].concat())
+    };
+    let found = with("2");
+    assert_eq!(found, with("1"));
+    assert_eq!(found["lost"], 0);
+    let [median, deviation] = ["v50", "deviation"].map(|name| number(&found[name]["value"]));
+    assert!((1.0..20.0).contains(&deviation), "{deviation}");
+    for (velocity, fraction) in [(median, 0.5), (median + deviation, 0.841)] {
+        let velocity = format!("V={velocity}");
+        let table = folder.path().join("shots.csv");
+        let file = table.to_str().expect("a name");
+        let more = ["--set", &velocity, "--count", "400", "--quantity", RESIDUAL, "--table", file, "--out", out];
+        said(&revolve(&[&["scatter", PLATE][..], &drawn, &more].concat()));
+        let text = fs::read_to_string(&table).expect("a table");
+        let through = text.lines().skip(1).filter(|line| !line.ends_with(",0")).count() as f64 / 400.0;
+        // Three deviations of the count, and what 100 draws leave open.
+        assert!((through - fraction).abs() < 0.12, "{velocity}: {through} perforate, not {fraction}");
+    }
+    assert!(folder.path().join("plate_6061_limit_scatter.svg").exists());
+}
+
+/// Samples depend on the seed alone: the same bytes on one thread and two, and the draws that `sweep --random` has.
+#[test]
+fn samples_have_the_same_bytes_on_any_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    for sampling in ["random", "latin", "sobol"] {
+        let tables = ["1", "2"].map(|threads| {
+            let (table, out) = (at(&format!("{sampling}{threads}.csv")), at(threads));
+            let words =
+                ["scatter", "input/ogive.inp", "-d", "V=600..900", "-d", "mass=lognormal(0.021, 0.001)", "--seed", "3"];
+            let more = ["--sampling", sampling, "--count", "50", "--quantity", DEPTH, "--indices", "--table", &table];
+            let told = json(&[&words[..], &more, &["--threads", threads, "--out", &out]].concat());
+            assert_eq!((&told["runs"], &told["failed"]), (&Value::from(200), &Value::from(0)));
+            (told, fs::read(table).expect("a table"))
+        });
+        assert!(tables[0] == tables[1], "{sampling}");
+        assert_eq!(tables[0].1.iter().filter(|b| **b == b'\n').count(), 51);
+    }
+    let set = ["--set", "V=600..900", "--set", "mass=lognormal(0.021, 0.001)", "--quantity", DEPTH];
+    let plan =
+        said(&revolve(&[&["sweep", "input/ogive.inp", "--random", "50", "--seed", "3", "--plan"], &set[..]].concat()));
+    let table = fs::read_to_string(at("random1.csv")).expect("a table");
+    for (drawn, planned) in table.lines().zip(plan.lines()).skip(1) {
+        let both = drawn.rsplit_once(',').expect("a quantity").0;
+        assert_eq!(both, planned.split_once(',').expect("a number of the case").1);
+    }
+}
+
+/// Runs that give nothing are counted and told, and their cells are empty.
+#[test]
+fn samples_that_fail_are_told_and_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
+    let (table, out) = (at("a.csv"), at("out"));
+    let words = ["scatter", "input/ogive.inp", "--quantity", DEPTH, "--count", "40", "--table", &table, "--out", &out];
+    let output = revolve(&[&words[..], &["-d", "mass=-0.01..0.02"]].concat());
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && message.contains("of 40 runs gave no result; the first:"), "{message}");
+    let text = fs::read_to_string(&table).expect("a table");
+    for line in text.lines().skip(1) {
+        let (mass, depth) = line.split_once(',').expect("two cells");
+        assert_eq!(depth.is_empty(), mass.starts_with('-'), "{line}");
+    }
+    for (wrong, told) in [
+        (&["-d", "mass=0.01"][..], "is no distribution"),
+        (&["-d", "mas=0.01..0.02"], "did you mean mass?"),
+        (&["-d", "mass=0.01..0.02", "--correlation", "mass:V=0.5"], "both parameters need"),
+        (&["-d", "mass=0.01..0.02", "--sampling", "sobol", "--count", "8"], "32 points or more"),
+        (&["-d", "mass=0.01..0.02", "--quantiles", "2"], "between 0 and 1"),
+        (&["-d", "mass=0.01..0.02", "--table", "a.xls"], "ends in .csv or .parquet"),
+    ] {
+        let words = ["scatter", "input/ogive.inp", "--quantity", DEPTH, "--out", &out];
+        let output = revolve(&[&words[..], wrong].concat());
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains(told), "{wrong:?}: {message}");
+    }
+}
