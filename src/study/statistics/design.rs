@@ -51,6 +51,11 @@ pub fn unit(draw: u64) -> f64 {
     (draw >> 11) as f64 / (1_u64 << 53) as f64
 }
 
+/// A whole number below a count that is far from 2^64: what does not divide evenly is then too little to matter.
+pub fn whole(draw: u64, count: usize) -> usize {
+    ((u128::from(draw) * count as u128) >> 64) as usize
+}
+
 /// Points, one after the other.
 pub struct Design {
     sampling: Sampling,
@@ -152,9 +157,7 @@ impl Design {
 fn permutation(size: usize, draws: &mut ChaCha8Rng) -> Vec<u32> {
     let mut list: Vec<u32> = (0..size as u32).collect();
     for i in (1..size).rev() {
-        // The part of 2^64 that does not divide evenly is less than 2^-32.
-        let other = (u128::from(draws.next_u64()) * (i as u128 + 1) >> 64) as usize;
-        list.swap(i, other);
+        list.swap(i, whole(draws.next_u64(), i + 1));
     }
     list
 }

@@ -3,7 +3,7 @@
 
 use rand_chacha::rand_core::RngCore as _;
 
-use super::design::draws;
+use super::design::{draws, whole};
 use super::summary::between;
 use super::{Estimate, TAIL};
 
@@ -49,7 +49,7 @@ pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<Indices> {
     let mut resampled = vec![Vec::with_capacity(RESAMPLED); 2 * inputs];
     for again in 0..RESAMPLED {
         let mut draws = draws(seed, again as u64);
-        let mut drawn = (0..count).map(|_| (u128::from(draws.next_u64()) * count as u128 >> 64) as usize);
+        let mut drawn = (0..count).map(|_| whole(draws.next_u64(), count));
         if let Some(values) = sums(&mut drawn).indices(count) {
             resampled.iter_mut().zip(values).for_each(|(list, value)| list.push(value));
         }
