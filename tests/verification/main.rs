@@ -34,6 +34,7 @@ mod precision;
 mod properties;
 mod rates;
 mod reference_nodes;
+mod resistance;
 mod rigid;
 mod rings;
 mod scene;
