@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use clap::{Parser, Subcommand};
 
 use super::words::tell;
-use super::{REFUSED, Status, chart, check, explain, new, report, run, shell, signals, study, sweep};
+use super::{REFUSED, Status, chart, check, explain, new, report, resistance, run, shell, signals, study, sweep};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
 #[derive(Parser)]
@@ -24,6 +24,7 @@ enum Command {
     Explain(explain::Explain),
     Sweep(sweep::Sweep),
     Report(report::Report),
+    Resistance(resistance::Resistance),
     Chart(chart::Chart),
     New(new::New),
     Completions(shell::Completions),
@@ -50,6 +51,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
         Command::Explain(explain) => explain.execute(),
         Command::Sweep(sweep) => sweep.execute(),
         Command::Report(report) => report.execute(),
+        Command::Resistance(resistance) => resistance.execute(),
         Command::Chart(chart) => chart.execute(),
         Command::New(new) => new.execute(),
         Command::Completions(completions) => completions.execute::<Arguments>(),

@@ -9,6 +9,7 @@ pub mod new;
 mod outcome;
 mod progress;
 pub mod report;
+pub mod resistance;
 pub mod run;
 pub mod shell;
 pub mod signals;

@@ -157,6 +157,11 @@ pub const CODES: &[Code] = &[
         "history expression without a name",
         "A line of *OUTPUT EXPRESSION is `name = expression`; the name has letters, digits and `_`.",
     ),
+    code(
+        "M185",
+        "resistance without strain rates",
+        "A strain rate needs a length: the radius of the cavity. Without RADIUS on *CAVITY EXPANSION, DERIVE the constants are those of slow straining, below what *RATE DEPENDENT gives.",
+    ),
     code("M180", "section of other elements", "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1."),
     code(
         "M150",

@@ -227,6 +227,28 @@ impl Compiler<'_> {
         let more = if target.layers.len() > 4 { ", …" } else { "" };
         let detail = format!("{}: {}{more}; front at z = {}", target.name, names.join(", "), target.front);
         self.cause(target.span, "target", target.layers.len(), "layers", detail);
+        target.layers.iter().for_each(|layer| self.derived_row(layer.material));
+    }
+
+    fn derived_row(&mut self, material: usize) {
+        let material = &self.model.materials[material];
+        let Some(law) = material.cavity else { return };
+        let Some(from) = law.derived else { return };
+        let detail = format!(
+            "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, at most {:.2} % off (at {}); at rest {:.4}",
+            material.name,
+            law.yield_stress,
+            law.a,
+            law.b,
+            law.c,
+            from.range[0],
+            from.range[1],
+            from.residual,
+            100.0 * from.worst[0],
+            from.worst[1],
+            from.still
+        );
+        self.cause(law.span, "derived resistance", 3, "constants", detail);
     }
 
     fn layers(&self, target: &model::Target) -> Option<Vec<(f64, Resistance)>> {

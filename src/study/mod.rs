@@ -15,9 +15,13 @@ pub mod draw;
 pub mod effects;
 mod error;
 pub mod evaluate;
+#[cfg(feature = "resistance")]
+pub mod expansion;
 pub mod field;
 pub mod grid;
 mod histories;
+#[cfg(feature = "resistance")]
+pub mod law;
 pub mod price;
 pub mod quantity;
 pub mod record;
