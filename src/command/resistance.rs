@@ -12,7 +12,7 @@ use crate::deck::Diagnostic;
 use crate::model::derive::target_of;
 use crate::resistance::fit::Weight;
 use crate::resistance::rate::{Factor, Rate};
-use crate::resistance::similarity::pressure;
+use crate::resistance::similarity::Expansion;
 use crate::resistance::{Curve, Fault, Material, Request, Target, derive};
 use crate::study::law::Record;
 use crate::study::{draw, expansion, table};
@@ -234,7 +234,8 @@ impl Resistance {
             let (header, rows) = record.sheet();
             words::write(format_args!("{}", table::terminal(&header, &rows)), false);
             if !record.measured.is_empty() {
-                let similar = |v: f64| pressure(target, v).ok().map(|p| p.stress);
+                let expansion = Expansion::new(target).map_err(|fault| fault.to_string())?;
+                let similar = |v: f64| expansion.pressure(v).ok().map(|p| p.stress);
                 let (header, rows) = record.measured_sheet(&similar);
                 words::write(format_args!("{}", table::terminal(&header, &rows)), false);
             }

@@ -21,7 +21,7 @@ pub fn front(target: &Target, m: f64, tension: f64) -> Option<Front> {
     if fastest <= 1.0 || excess(1.0).is_none_or(|value| value >= 0.0) {
         return None;
     }
-    let [eta, _] = root::bracketed(excess, [1.0, fastest], 1e-14);
+    let [eta, _] = root::between(excess, [1.0, fastest], 1e-15);
     let columns = columns(target, &elastic, m, tension, eta)?;
     let displacement = columns.amplitude * (1.0 + m / e) + columns.shift;
     if !(0.0..1.0).contains(&displacement) {

@@ -3,7 +3,7 @@
 
 use super::Fault;
 use super::fit::{self, Fit, Form, Weight};
-use super::similarity::{self, Point};
+use super::similarity::{Expansion, Point};
 use super::target::Target;
 
 /// Velocities at which the pressure is found, where nothing else is asked for.
@@ -58,13 +58,13 @@ pub fn derive(target: &Target, request: &Request) -> Result<Derived, Fault> {
     if !(5..=100_000).contains(&request.points) {
         return Err(Fault::Range(format!("{} points: a fit takes 5 to 100000", request.points)));
     }
-    let still = similarity::pressure(target, 0.0)?.stress;
+    let expansion = Expansion::new(target)?;
+    let still = expansion.pressure(0.0)?.stress;
     let step = (to - from) / (request.points - 1) as f64;
     let at = |i: usize| if i + 1 == request.points { to } else { from + step * i as f64 };
     // The fastest first: where it is too fast that is all there is to say.
-    similarity::pressure(target, to)?;
-    let points: Vec<Point> =
-        (0..request.points).map(|i| similarity::pressure(target, at(i))).collect::<Result<_, _>>()?;
+    expansion.pressure(to)?;
+    let points: Vec<Point> = (0..request.points).map(|i| expansion.pressure(at(i))).collect::<Result<_, _>>()?;
     let pairs: Vec<[f64; 2]> = points.iter().map(|p| [p.velocity / target.velocity, p.stress]).collect();
     let pinned = request.pinned.then_some(still);
     let fit = fit::fit(&pairs, Form { linear: request.linear, pinned, weight: request.weight })?;

@@ -11,9 +11,11 @@ use super::target::Target;
 /// Difference of the logarithmic strains where the integration ends: the cavity's wall is exp(-36) nearer, below rounding.
 pub const WALL: f64 = 36.0;
 /// Relative and absolute error of a step.
-const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 1e-10;
 /// Steps between two kinks; a smooth zone takes some twenty.
 const STEPS: usize = 2000;
+/// The first step that is tried, of ln q: between two kinks mostly the only one.
+const FIRST: f64 = 0.3;
 
 struct System<'a, F>(&'a F);
 
@@ -38,7 +40,8 @@ pub fn integrate<const N: usize>(
         if next - at < 1e-13 {
             continue;
         }
-        let method = ExplicitRungeKutta::dop853().rtol(TOLERANCE).atol(TOLERANCE).max_steps(STEPS);
+        let method =
+            ExplicitRungeKutta::dop853().h0(FIRST.min(next - at)).rtol(TOLERANCE).atol(TOLERANCE).max_steps(STEPS);
         let lost = |why: &str| {
             Fault::Lost(format!(
                 "{why} between the strains {:.3e} and {:.3e}",

@@ -17,8 +17,9 @@ use super::overstress;
 use super::root;
 use super::target::Target;
 
-/// Relative width to which the speed of the plastic front is found.
-const FOUND: f64 = 1e-12;
+/// Relative error of the velocity that is met, and the one that is believed where rounding lets none nearer.
+const FOUND: f64 = 1e-11;
+const ROUGHLY: f64 = 1e-9;
 
 /// The pressure on a cavity at one velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,41 +44,71 @@ struct Zones {
     stress: f64,
 }
 
-/// The pressure on a cavity that opens at a velocity, rates included.
-///
-/// # Errors
-/// `C002` where the plastic front would be a shock, `C004` where the plastic zone cannot be followed.
-pub fn pressure(target: &Target, velocity: f64) -> Result<Point, Fault> {
-    let zones = if velocity == 0.0 { zones(target, 0.0)? } else { opened(target, velocity)? };
-    let rates = target.rate.as_ref().map_or(Ok(0.0), |rate| overstress::gain(target, rate, velocity))?;
-    let plastic = 1.0 / zones.cavity;
-    let cracked = zones.front.crack.map(|eta| eta * plastic);
-    Ok(Point { velocity, stress: zones.stress + rates, plastic, cracked })
+/// A target around a cavity.
+pub struct Expansion<'a> {
+    target: &'a Target,
+    still: Zones,
 }
 
-/// The zones of a cavity that opens at a velocity. The front is faster than the cavity and, but for the jump where cracks end,
-/// slower than in proportion to a cavity at rest.
-fn opened(target: &Target, velocity: f64) -> Result<Zones, Fault> {
-    let v = velocity / target.velocity;
-    let excess = |c: f64| zones(target, c * c).ok().map(|zones| c * zones.cavity - v);
-    let mut high = 1.0001 * v / zones(target, 0.0)?.cavity;
-    while excess(high).is_some_and(|value| value < 0.0) {
-        high *= 1.5;
+impl<'a> Expansion<'a> {
+    /// Around a cavity at rest.
+    ///
+    /// # Errors
+    /// `C004` where the plastic zone cannot be followed.
+    pub fn new(target: &'a Target) -> Result<Self, Fault> {
+        Ok(Expansion { target, still: zones(target, 0.0)? })
     }
-    let [low, high] = root::bracketed(excess, [v, high], FOUND);
-    match (zones(target, low * low), zones(target, high * high)) {
-        (Ok(zones), _) if (low * zones.cavity / v - 1.0).abs() < 1e-9 => Ok(zones),
-        // The bracket closed on the end of cracks, where the cavity's velocity jumps.
-        (Ok(_), Ok(beyond)) => Ok(beyond),
-        (Err(lost @ Fault::Lost(_)), _) | (_, Err(lost @ Fault::Lost(_))) => Err(lost),
-        _ => Err(Fault::Fast { velocity, fastest: fastest(target, high)? }),
+
+    /// The pressure on a cavity that opens at a velocity, rates included.
+    ///
+    /// # Errors
+    /// `C002` where the plastic front would be a shock, `C004` where the plastic zone cannot be followed.
+    pub fn pressure(&self, velocity: f64) -> Result<Point, Fault> {
+        let zones = if velocity == 0.0 { self.still } else { self.opened(velocity)? };
+        let rate = self.target.rate.as_ref();
+        let rates = rate.map_or(Ok(0.0), |rate| overstress::gain(self.target, rate, velocity))?;
+        let plastic = 1.0 / zones.cavity;
+        let cracked = zones.front.crack.map(|eta| eta * plastic);
+        Ok(Point { velocity, stress: zones.stress + rates, plastic, cracked })
+    }
+
+    /// The zones of a cavity that opens at a velocity. The front is faster than the cavity and, but for the jump where cracks end,
+    /// slower than in proportion to a cavity at rest; and the cavity that belongs to that front is larger than its own.
+    fn opened(&self, velocity: f64) -> Result<Zones, Fault> {
+        let target = self.target;
+        let v = velocity / target.velocity;
+        let mut last = Err(Fault::Lost("there are no zones".into()));
+        let mut excess = |c: f64| {
+            last = zones(target, c * c);
+            last.as_ref().ok().map(|zones| c * zones.cavity - v)
+        };
+        let mut high = (1.0001 * v / self.still.cavity, None);
+        high.1 = excess(high.0);
+        while high.1.is_some_and(|value| value < 0.0) {
+            high.0 *= 1.5;
+            high.1 = excess(high.0);
+        }
+        let near = high.1.map(|value| v * high.0 / (value + v));
+        let near = near.map(|c| (c, excess(c))).filter(|low| low.1.is_some_and(|value| value < 0.0));
+        let low = near.unwrap_or_else(|| (v, excess(v)));
+        let [low, high] = root::bracketed(&mut excess, [low, high], FOUND * v);
+        if low == high && last.is_ok() {
+            return last;
+        }
+        match (zones(target, low * low), zones(target, high * high)) {
+            (Ok(zones), _) if (low * zones.cavity / v - 1.0).abs() < ROUGHLY => Ok(zones),
+            // The bracket closed on the end of cracks, where the cavity's velocity jumps.
+            (Ok(_), Ok(beyond)) => Ok(beyond),
+            (Err(lost @ Fault::Lost(_)), _) | (_, Err(lost @ Fault::Lost(_))) => Err(lost),
+            _ => Err(Fault::Fast { velocity, fastest: fastest(target, high)? }),
+        }
     }
 }
 
 /// The velocity at which cavities end whose plastic front is no shock, below a front of the speed c over sqrt(Y/rho).
 fn fastest(target: &Target, c: f64) -> Result<f64, Fault> {
     let still_runs = |c: f64| zones(target, c * c).ok().map(|_| -1.0);
-    let [low, _] = root::bracketed(still_runs, [1e-6 * c, c], 1e-6);
+    let [low, _] = root::between(still_runs, [1e-6 * c, c], 0.0);
     // Three digits downwards: what is told must be what can be had.
     let velocity = low * zones(target, low * low)?.cavity * target.velocity;
     let unit = libm::pow(10.0, libm::floor(libm::log10(velocity)) - 2.0);
@@ -130,7 +161,7 @@ impl Plastic<'_> {
     fn state(&self, q: f64, [log_x, stress]: [f64; 2]) -> State {
         let target = self.target;
         let [flow, slope] = target.flow(q);
-        let [strain, strain_slope] = target.shear_strain(q);
+        let [strain, strain_slope] = target.shear_strain_of(q, [flow, slope]);
         let strain = strain + self.offset;
         let pressure = (stress - 2.0 / 3.0 * flow) / self.grows();
         let (closes, x) = (libm::exp(-strain), libm::exp(log_x));

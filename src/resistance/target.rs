@@ -109,7 +109,7 @@ impl Target {
         match &self.flow {
             Flow::Power(0.0) => [1.0, 0.0],
             Flow::Power(n) => {
-                let stress = libm::pow(q, *n);
+                let stress = libm::exp(n * libm::log(q));
                 [stress, n * stress / q]
             }
             Flow::Table(rows, beyond) => {
@@ -124,7 +124,11 @@ impl Target {
     /// The difference of the logarithmic strains around and along a radius at q, and its slope: elastic part by G, plastic part
     /// 3/2 of the equivalent one.
     pub fn shear_strain(&self, q: f64) -> [f64; 2] {
-        let [stress, slope] = self.flow(q);
+        self.shear_strain_of(q, self.flow(q))
+    }
+
+    /// The same, where what [`Target::flow`] gives is known.
+    pub fn shear_strain_of(&self, q: f64, [stress, slope]: [f64; 2]) -> [f64; 2] {
         let scale = 1.5 / self.young;
         [scale * (q - self.lateral * stress), scale * (1.0 - self.lateral * slope)]
     }
@@ -134,8 +138,8 @@ impl Target {
         let guess = shear_strain / 1.5 * self.young;
         // The yield stress is at most E e, and not below zero: q lies between the guess and the guess over 1 - lateral.
         let high = (guess + 1.0) / (1.0 - self.lateral);
-        let [low, _] = root::bracketed(|q| Some(self.shear_strain(q)[0] - shear_strain), [0.5 * guess, high], 1e-15);
-        low
+        let excess = |q: f64| Some(self.shear_strain(q)[0] - shear_strain);
+        root::between(excess, [0.5 * guess, high], 1e-16 * shear_strain)[0]
     }
 
     /// Values of q between two at which the slope of the curve jumps.

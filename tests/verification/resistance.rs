@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use revolve::resistance::fit::Weight;
 use revolve::resistance::rate::{Factor, Rate};
-use revolve::resistance::similarity::{Point, pressure};
+use revolve::resistance::similarity::{Expansion, Point};
 use revolve::resistance::{Curve, Derived, Fault, Material, Request, Target, derive};
 
 const YOUNG: f64 = 68.9e9;
@@ -18,6 +18,10 @@ const DENSITY: f64 = 2710.0;
 fn aluminium(curve: Curve, poisson: f64) -> Material {
     let (young, density, yield_stress) = (YOUNG, DENSITY, Y);
     Material { young, poisson, density, yield_stress, curve, pressure_slope: 0.0, tension: None, rate: None }
+}
+
+fn pressure(target: &Target, velocity: f64) -> Result<Point, Fault> {
+    Expansion::new(target)?.pressure(velocity)
 }
 
 fn point(material: &Material, velocity: f64) -> Point {
