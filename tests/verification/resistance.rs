@@ -362,3 +362,100 @@ fn targets_that_cannot_be_are_refused() {
     }
     assert_eq!(derive(&target, &Request::over([0.0, 2e4])).expect_err("too fast").code(), "C002");
 }
+
+/// A rigid cone into soil whose resistance a card gives, or derives.
+fn shot(cards: &str) -> String {
+    format!(
+        "*Node\n 1, 0., 0.\n 2, 0.5, 0.5\n*Node, nset=REF\n 99, 0., 0.\n*Element, type=RAX2, elset=HULL\n 1, 2, 1\n\
+         *Element, type=MASS, elset=POINT\n 3, 99\n*Mass, elset=POINT\n 5000.,\n*Rigid Body, ref node=REF, elset=HULL\n\
+         *Surface, name=NOSE\n HULL, SPOS\n*Target, name=BLOCK, front=0., direction=-1\n AL\n{cards}\
+         *Initial Conditions, type=VELOCITY\n REF, 2, -600.\n*Step\n*Dynamic, Explicit\n , 1.e-3\n*Dsload, target=BLOCK\n NOSE, CAVITY\n\
+         *Output, history, number interval=4\n*Node Output, nset=REF\n U2, V2\n*End Step\n"
+    )
+}
+
+const PLASTIC: &str = "*Plastic\n 276.e6, 0.\n 310.e6, 0.1\n 330.e6, 1.\n";
+
+fn derived_card(above: &str, card: &str) -> String {
+    shot(&format!("*Material, name=AL\n{card}*Density\n 2710.,\n*Elastic\n 68.9e9, 0.3333\n{above}"))
+}
+
+/// `DERIVE` in a deck comes to what the card of the same constants comes to, bit by bit, wherever it stands in its material; and
+/// the ledger says what was derived, over what range, and how well it fits.
+#[test]
+fn a_deck_derives_the_card_that_it_could_have() {
+    let deck = derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 800.\n");
+    let (model, diagnostics) = revolve::model::build(&revolve::deck::read_text("derived", &deck, &[]).0);
+    assert!(!diagnostics.has_errors(), "{}", diagnostics.render(&model.sources));
+    let law = model.materials[0].cavity.expect("a resistance");
+    let [a, b, c] = [law.a, law.b, law.c];
+    let given = shot(&format!(
+        "*Material, name=AL\n*Density\n 2710.,\n*Cavity Expansion, yield={:?}\n {a:?}, {b:?}, {c:?}\n",
+        law.yield_stress
+    ));
+    let [derived, given] = [&deck, &given].map(|text| {
+        let (outcome, memory) = crate::common::solid::run(text);
+        (outcome.digest, format!("{:?}", memory.rows))
+    });
+    assert_eq!(derived, given);
+    let rows = vec![[276e6, 0.0], [310e6, 0.1], [330e6, 1.0]];
+    let same = fitted(&aluminium(Curve::Table { rows, extrapolates: false }, 0.3333), 800.0, true);
+    assert_eq!(same.constants, [a, b, c]);
+    let ledger = crate::common::prepared(&deck, &[], &revolve::user::Routines::none()).plan.ledger;
+    let row = ledger.effects.iter().find(|r| r.effect == "derived resistance").expect("a row");
+    for word in [format!("A = {a}"), format!("C = {c}"), "velocities 0 to 800".into(), "residual".into()] {
+        assert!(row.detail.contains(&word), "{} lacks {word}", row.detail);
+    }
+}
+
+#[test]
+fn decks_that_cannot_derive_say_why() {
+    let card = "*Cavity Expansion, derive\n 0., 800.\n";
+    let rated = format!("{PLASTIC}*Rate Dependent, type=power law\n 8.e5, 3.\n");
+    for (deck, code) in [
+        (derived_card("", card), "M101"),
+        (shot(&format!("*Material, name=AL\n*Density\n 2710.,\n{PLASTIC}{card}")), "M101"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive\n 800., 0.\n"), "C003"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 20000.\n"), "C002"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 800., 2\n"), "C003"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive\n 0.\n"), "M102"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive, yield=1.\n 0., 800.\n"), "M103"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive, terms=4\n 0., 800.\n"), "M103"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive, weight=HEAVY\n 0., 800.\n"), "M103"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive, radius=-1.\n 0., 800.\n"), "M103"),
+        (derived_card(PLASTIC, "*Cavity Expansion, derive, radius=1.\n 0., 800.\n"), "M101"),
+        (derived_card("*Plastic\n 276.e6, 0., 20.\n 200.e6, 0., 200.\n", card), "M104"),
+        (derived_card("*Plastic\n 60.e9, 0.\n", card), "C001"),
+        (derived_card(&rated, card), "M185"),
+    ] {
+        let (model, diagnostics) = revolve::model::build(&revolve::deck::read_text("derived", &deck, &[]).0);
+        let codes: Vec<&str> = diagnostics.iter().map(|d| d.code).collect();
+        assert!(codes.contains(&code), "{code}: {}", diagnostics.render(&model.sources));
+        assert_eq!(diagnostics.has_errors(), code != "M185", "{code}");
+    }
+}
+
+/// The pressure on a meshed cavity against the similarity solution, with hardening, at two velocities: three meshes show an order,
+/// and Richardson's value lies within 0.1 % (0.02 %).
+#[test]
+fn a_meshed_cavity_presses_as_the_similar_one() {
+    let material = aluminium(Curve::Power(0.051), 1.0 / 3.0);
+    let measured = revolve::study::expansion::measure(&material, &[500.0, 1000.0]).expect("runs");
+    for m in &measured {
+        let exact = point(&material, m.velocity).stress;
+        let off = m.estimate.limit / exact - 1.0;
+        println!(
+            "{} m/s: {:?} limit {} order {:?} drift {:e}: {off:e} off {exact}",
+            m.velocity, m.levels, m.estimate.limit, m.estimate.order, m.drift
+        );
+        assert!(off.abs() < 1e-3, "{m:?} {exact}");
+        assert!(m.estimate.order.is_some_and(|order| order > 0.8), "{m:?}");
+        assert!(m.levels.windows(2).all(|w| w[1] < w[0]) && m.drift < 2e-3 * exact, "{m:?}");
+        assert!((m.estimate.limit - exact).abs() < 2.0 * m.uncertainty(), "{m:?} {exact}");
+    }
+    let brittle = Material { tension: Some(1e6), ..material.clone() };
+    let incompressible = Material { poisson: 0.5, ..material };
+    for refused in [brittle, incompressible] {
+        assert!(revolve::study::expansion::measure(&refused, &[500.0]).is_err());
+    }
+}
