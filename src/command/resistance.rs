@@ -123,12 +123,15 @@ enum Weights {
     Velocity,
 }
 
-/// A refusal that has been told or is to be told.
-type Refused = Result<Status, Box<dyn Error>>;
+/// Pressure over the yield stress at a velocity, by similarity.
+type Similar<'a> = dyn Fn(f64) -> Option<f64> + 'a;
+
+/// Steps in which a curve is drawn.
+const DRAWN: u32 = 120;
 
 impl Resistance {
     /// Carries it out.
-    pub fn execute(self) -> Refused {
+    pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let svg = self.chart.as_deref().map(super::chart::is_svg).transpose()?;
         let material = match self.described()? {
             Ok(material) => material,
@@ -152,8 +155,10 @@ impl Resistance {
             None => Vec::new(),
         };
         let record = Record::new(&target, &self.request(), &derived, measured, seconds);
-        self.write(&record, svg)?;
-        self.print(&record, &target)?;
+        let expansion = Expansion::new(&target).map_err(|fault| fault.to_string())?;
+        let similar = |v: f64| expansion.pressure(v).ok().map(|p| p.stress);
+        self.write(&record, svg, &target, &similar)?;
+        self.print(&record, &similar)?;
         Ok(super::shown())
     }
 
@@ -213,9 +218,11 @@ impl Resistance {
         }
     }
 
-    fn write(&self, record: &Record, svg: Option<bool>) -> Result<(), Box<dyn Error>> {
+    fn write(&self, record: &Record, svg: Option<bool>, target: &Target, similar: &Similar<'_>) -> Result<(), Box<dyn Error>> {
         if let (Some(path), Some(svg)) = (&self.chart, svg) {
-            let chart = record.chart("Resistance to an expanding cavity");
+            let at = |i: u32| self.from + (self.to - self.from) * f64::from(i) / f64::from(DRAWN);
+            let points: Vec<(f64, f64)> = (0..=DRAWN).map(at).filter_map(|v| Some((v, similar(v)?))).collect();
+            let chart = record.chart("Pressure on an expanding cavity", target, &points);
             let bytes = if svg { chart.svg()?.into_bytes() } else { draw::png(&chart.svg()?)? };
             output::write_whole(path, &bytes).map_err(|e| e.to_string())?;
         }
@@ -225,7 +232,7 @@ impl Resistance {
         Ok(())
     }
 
-    fn print(&self, record: &Record, target: &Target) -> Result<(), Box<dyn Error>> {
+    fn print(&self, record: &Record, similar: &Similar<'_>) -> Result<(), Box<dyn Error>> {
         if self.json {
             say!("{}", serde_json::to_string_pretty(record)?);
             return Ok(());
@@ -234,9 +241,7 @@ impl Resistance {
             let (header, rows) = record.sheet();
             words::write(format_args!("{}", table::terminal(&header, &rows)), false);
             if !record.measured.is_empty() {
-                let expansion = Expansion::new(target).map_err(|fault| fault.to_string())?;
-                let similar = |v: f64| expansion.pressure(v).ok().map(|p| p.stress);
-                let (header, rows) = record.measured_sheet(&similar);
+                let (header, rows) = record.measured_sheet(similar);
                 words::write(format_args!("{}", table::terminal(&header, &rows)), false);
             }
             record.conclusions().iter().for_each(|line| say!("{line}"));

@@ -17,51 +17,50 @@ const STEPS: usize = 2000;
 /// The first step that is tried, of ln q: between two kinks mostly the only one.
 const FIRST: f64 = 0.3;
 
-struct System<'a, F>(&'a F);
+/// A slope between two kinks.
+struct Piece<'a, F> {
+    slope: &'a F,
+    /// Values of q; the last one belongs to the next piece.
+    ends: [f64; 2],
+}
 
-impl<const N: usize, F: Fn(f64, &[f64; N]) -> [f64; N]> ODE<f64, [f64; N]> for System<'_, F> {
-    fn diff(&self, t: f64, y: &[f64; N], dydt: &mut [f64; N]) {
-        *dydt = (self.0)(t, y);
+impl<const N: usize, F: Fn(f64, &[f64; N]) -> [f64; N]> ODE<f64, [f64; N]> for Piece<'_, F> {
+    fn diff(&self, log_q: f64, y: &[f64; N], slope: &mut [f64; N]) {
+        // Rounding must not reach across a kink.
+        let q = libm::exp(log_q).clamp(self.ends[0], self.ends[1].next_down());
+        *slope = (self.slope)(q, y);
     }
 }
 
-/// What `y' = slope(ln q, y)` comes to between two values of q, step by step of Dormand and Prince's order 8, from kink to kink
-/// of the target's curve.
+/// What `dy / d ln q = slope(q, y)` comes to between two values of q, step by step of Dormand and Prince's order 8, from kink to
+/// kink of the target's curve.
 pub fn integrate<const N: usize>(
     slope: &impl Fn(f64, &[f64; N]) -> [f64; N],
     [from, to]: [f64; 2],
     target: &Target,
     mut y: [f64; N],
 ) -> Result<[f64; N], Fault> {
-    let mut at = libm::log(from);
-    for q in target.kinks([from, to]).chain([to]) {
-        let next = libm::log(q);
+    let mut at = from;
+    for next in target.kinks([from, to]).chain([to]) {
+        let ends = [libm::log(at), libm::log(next)];
         // Nothing happens within the rounding of a strain.
-        if next - at < 1e-13 {
+        if ends[1] - ends[0] < 1e-13 {
             continue;
         }
-        let method =
-            ExplicitRungeKutta::dop853().h0(FIRST.min(next - at)).rtol(TOLERANCE).atol(TOLERANCE).max_steps(STEPS);
+        let first = FIRST.min(ends[1] - ends[0]);
+        let method = ExplicitRungeKutta::dop853().h0(first).rtol(TOLERANCE).atol(TOLERANCE).max_steps(STEPS);
         let lost = |why: &str| {
-            Fault::Lost(format!(
-                "{why} between the strains {:.3e} and {:.3e}",
-                strain(at, target),
-                strain(next, target)
-            ))
+            let [from, to] = [at, next].map(|q| q / target.young);
+            Fault::Lost(format!("{why} between the strains {from:.3e} and {to:.3e}"))
         };
-        let solution = IVP::ode(&System(slope), at, next, y)
-            .method(method)
-            .solve()
-            .map_err(|_| lost("no step is small enough"))?;
-        y = *solution.y.last().ok_or_else(|| lost("nothing"))?;
+        let piece = Piece { slope, ends: [at, next] };
+        let solved = IVP::ode(&piece, ends[0], ends[1], y).method(method).solve();
+        let solution = solved.map_err(|_| lost("no step is small enough"))?;
+        y = *solution.y.last().ok_or_else(|| lost("nothing is integrated"))?;
         if y.iter().any(|v| !v.is_finite()) {
             return Err(lost("the stress has no value"));
         }
         at = next;
     }
     Ok(y)
-}
-
-fn strain(log_q: f64, target: &Target) -> f64 {
-    libm::exp(log_q) / target.young
 }

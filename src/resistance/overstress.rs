@@ -14,8 +14,7 @@ pub fn gain(target: &Target, rate: &Rate, velocity: f64) -> Result<f64, Fault> {
         return Ok(0.0);
     }
     let strain = |q: f64| 1.5 * q / target.young;
-    let slope = |log_q: f64, _: &[f64; 1]| {
-        let q = libm::exp(log_q);
+    let slope = |q: f64, _: &[f64; 1]| {
         let opened = -libm::expm1(-strain(q));
         let gain = rate.factor.gain(2.0 * velocity / rate.radius * opened);
         [target.flow(q)[0] * gain * strain(q) * libm::exp(-strain(q)) / opened / 1.5]

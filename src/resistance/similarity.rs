@@ -126,7 +126,7 @@ fn zones(target: &Target, m: f64) -> Result<Zones, Fault> {
         return Err(too_fast());
     }
     let wall = target.strain_at(WALL - offset);
-    let slope = |log_q: f64, y: &[f64; 2]| plastic.slope(libm::exp(log_q), *y);
+    let slope = |q: f64, y: &[f64; 2]| plastic.slope(q, *y);
     let [log_x, stress] = integrate(&slope, [front.strain, wall], target, [0.0, front.stress])?;
     Ok(Zones { front, cavity: libm::exp(log_x), stress })
 }

@@ -142,22 +142,23 @@ impl Record {
         ]
     }
 
-    /// The picture: the pressures, the law, and what was measured.
-    pub fn chart(&self, title: &str) -> Chart {
+    /// The picture: pressures at velocities that lie close, the law, and what was measured.
+    pub fn chart(&self, title: &str, target: &Target, pressures: &[(f64, f64)]) -> Chart {
         let [a, b, c] = self.constants;
-        let line = |name: &str, form: Form, of: &dyn Fn(&Row) -> f64| Series {
-            name: name.into(),
-            points: self.points.iter().map(|p| (p.velocity, of(p))).collect(),
-            form,
-        };
+        let fitted = |p: &(f64, f64)| (p.0, law(self.constants, p.0 / target.velocity));
         let mut series = vec![
-            line("expanding cavity, similarity solution", Form::Line, &|p| p.pressure),
-            line(&format!("{a} + {b} x + {c} x²"), Form::Guide, &|p| p.law),
+            Series { name: "similarity solution".into(), points: pressures.to_vec(), form: Form::Line },
+            Series {
+                name: format!("A = {a}, B = {b}, C = {c}"),
+                points: pressures.iter().map(fitted).collect(),
+                form: Form::Guide,
+            },
         ];
-        // Short lines carry marks of their own, which are those of what is measured.
         if !self.measured.is_empty() {
             let points = self.measured.iter().map(|m| (m.velocity, m.estimate.limit)).collect();
-            series.push(Series { name: "expanding cavity, finite elements".into(), points, form: Form::Marks });
+            let widest = self.measured.iter().map(|m| m.uncertainty() / m.estimate.limit).fold(0.0, f64::max);
+            let name = format!("finite elements, ± {:.2} %", 100.0 * widest);
+            series.push(Series { name, points, form: Form::Marks });
         }
         Chart {
             title: title.into(),
