@@ -218,7 +218,13 @@ impl Resistance {
         }
     }
 
-    fn write(&self, record: &Record, svg: Option<bool>, target: &Target, similar: &Similar<'_>) -> Result<(), Box<dyn Error>> {
+    fn write(
+        &self,
+        record: &Record,
+        svg: Option<bool>,
+        target: &Target,
+        similar: &Similar<'_>,
+    ) -> Result<(), Box<dyn Error>> {
         if let (Some(path), Some(svg)) = (&self.chart, svg) {
             let at = |i: u32| self.from + (self.to - self.from) * f64::from(i) / f64::from(DRAWN);
             let points: Vec<(f64, f64)> = (0..=DRAWN).map(at).filter_map(|v| Some((v, similar(v)?))).collect();

@@ -26,6 +26,9 @@ pub(super) struct Asked {
 impl Builder<'_> {
     /// Notes the request; the other cards of the material may follow.
     pub(super) fn derivation(&mut self, card: &Card) {
+        // A target finds the material resisting; the constants come when all cards are read.
+        self.last_material().cavity =
+            Some(CavityExpansion { yield_stress: 0.0, a: 0.0, b: 0.0, c: 0.0, derived: None, span: card.span });
         if let Some(word) = card.value("YIELD") {
             let message = "DERIVE takes Y from the first row of *PLASTIC, not from YIELD";
             self.out_of_range(word.span, message);
@@ -68,9 +71,6 @@ impl Builder<'_> {
         let points = if points.fract() == 0.0 { points as usize } else { 0 };
         let request = Request { range: [from, to], points, linear, pinned: card.has("STATIC"), weight };
         let material = self.model.materials.len() - 1;
-        // A target finds the material resisting; the constants come when all cards are read.
-        self.last_material().cavity =
-            Some(CavityExpansion { yield_stress: 0.0, a: 0.0, b: 0.0, c: 0.0, derived: None, span: card.span });
         self.derivations.push(Asked { material, request, radius, tension, span: card.span });
     }
 

@@ -368,7 +368,7 @@ fn shot(cards: &str) -> String {
     format!(
         "*Node\n 1, 0., 0.\n 2, 0.5, 0.5\n*Node, nset=REF\n 99, 0., 0.\n*Element, type=RAX2, elset=HULL\n 1, 2, 1\n\
          *Element, type=MASS, elset=POINT\n 3, 99\n*Mass, elset=POINT\n 5000.,\n*Rigid Body, ref node=REF, elset=HULL\n\
-         *Surface, name=NOSE\n HULL, SPOS\n*Target, name=BLOCK, front=0., direction=-1\n AL\n{cards}\
+         *Surface, name=NOSE\n HULL, SPOS\n{cards}*Target, name=BLOCK, front=0., direction=-1\n AL\n\
          *Initial Conditions, type=VELOCITY\n REF, 2, -600.\n*Step\n*Dynamic, Explicit\n , 1.e-3\n*Dsload, target=BLOCK\n NOSE, CAVITY\n\
          *Output, history, number interval=4\n*Node Output, nset=REF\n U2, V2\n*End Step\n"
     )
