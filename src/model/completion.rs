@@ -13,6 +13,7 @@ impl Builder<'_> {
         if !self.lost.bodies {
             self.initial_densities();
         }
+        #[cfg(feature = "resistance")]
         self.derive_resistances();
         self.refuse_kept_elements();
         self.missing_degrees();

@@ -3,8 +3,9 @@
 //! Never here: the expansion of the cavity (`resistance`).
 
 use super::builder::Builder;
+use super::derivation::Asked;
 use super::types::{CavityExpansion, Derivation, Material, Plastic, RateDependence};
-use crate::deck::{Card, Diagnostic, Span};
+use crate::deck::{Card, Diagnostic};
 use crate::resistance::fit::Weight;
 use crate::resistance::rate::{Factor, Rate};
 use crate::resistance::{self, Curve, Derived, Request, Target, derive};
@@ -13,15 +14,6 @@ use crate::resistance::{self, Curve, Derived, Request, Target, derive};
 /// a ninth, within 0.1 % of the curve.
 const ROWS: i32 = 140;
 const STRAINS: [f64; 2] = [1e-5, 30.0];
-
-/// What a card asks for.
-pub(super) struct Asked {
-    material: usize,
-    request: Request,
-    radius: Option<f64>,
-    tension: Option<f64>,
-    span: Span,
-}
 
 impl Builder<'_> {
     /// Notes the request; the other cards of the material may follow.

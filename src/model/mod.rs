@@ -21,6 +21,8 @@ mod copies;
 mod coupling;
 mod degrees;
 #[cfg(feature = "resistance")]
+mod derivation;
+#[cfg(feature = "resistance")]
 pub(crate) mod derive;
 #[cfg(not(feature = "resistance"))]
 #[path = "no_derive.rs"]

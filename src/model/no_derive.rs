@@ -3,18 +3,10 @@
 use super::builder::Builder;
 use crate::deck::Card;
 
-/// What a card asks for: it is refused at once.
-pub(super) enum Asked {}
-
 impl Builder<'_> {
     /// Refuses the card.
     pub(super) fn derivation(&mut self, card: &Card) {
         let message = "DERIVE is not in this build: the library's feature `resistance` is off";
         self.unsupported(card.span, message, "`revolve resistance` of a full build prints the card");
-    }
-
-    /// There are none.
-    pub(super) fn derive_resistances(&mut self) {
-        debug_assert!(self.derivations.is_empty());
     }
 }
