@@ -73,6 +73,8 @@ pub mod overview;
 pub mod plan;
 #[cfg(feature = "cli")]
 pub mod report;
+#[cfg(feature = "resistance")]
+pub mod resistance;
 pub mod solve;
 mod state;
 pub mod study;

@@ -7,7 +7,8 @@ use clap::{Parser, Subcommand};
 
 use super::words::tell;
 use super::{
-    REFUSED, Status, chart, check, explain, identify, limit, new, report, run, scatter, shell, signals, study, sweep,
+    REFUSED, Status, chart, check, explain, identify, limit, new, report, resistance, run, scatter, shell, signals,
+    study, sweep,
 };
 
 /// Axisymmetric explicit finite elements with user-load hooks.
@@ -29,6 +30,7 @@ enum Command {
     Limit(limit::Limit),
     Identify(identify::Identify),
     Report(report::Report),
+    Resistance(resistance::Resistance),
     Chart(chart::Chart),
     New(new::New),
     Completions(shell::Completions),
@@ -58,6 +60,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
         Command::Limit(limit) => limit.execute(),
         Command::Identify(identify) => identify.execute(),
         Command::Report(report) => report.execute(),
+        Command::Resistance(resistance) => resistance.execute(),
         Command::Chart(chart) => chart.execute(),
         Command::New(new) => new.execute(),
         Command::Completions(completions) => completions.execute::<Arguments>(),

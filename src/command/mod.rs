@@ -11,6 +11,7 @@ pub mod new;
 mod outcome;
 mod progress;
 pub mod report;
+pub mod resistance;
 pub mod run;
 pub mod scatter;
 mod search;

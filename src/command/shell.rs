@@ -57,7 +57,11 @@ pub fn version() -> &'static str {
 
 fn long_version() -> String {
     let commit = option_env!("REVOLVE_COMMIT").map_or(String::new(), |commit| format!(" ({commit})"));
-    let features = [("dense", cfg!(feature = "dense")), ("mesh-files", cfg!(feature = "mesh-files"))];
+    let features = [
+        ("dense", cfg!(feature = "dense")),
+        ("mesh-files", cfg!(feature = "mesh-files")),
+        ("resistance", cfg!(feature = "resistance")),
+    ];
     let features: Vec<&str> = features.iter().filter(|f| f.1).map(|f| f.0).collect();
     let has = |set: &Instructions| set.arch().is_some();
     let sets = [("avx512", Instructions::Avx512), ("avx2", Instructions::Avx2), ("scalar", Instructions::Scalar)];

@@ -36,10 +36,15 @@ pub fn nearest_word(word: &str) -> Option<&'static str> {
 
 /// All diagnostic codes of all rooms.
 pub fn codes() -> impl Iterator<Item = &'static Code> {
+    #[cfg(feature = "resistance")]
+    let of_cavities = crate::resistance::codes::CODES;
+    #[cfg(not(feature = "resistance"))]
+    let of_cavities: &[Code] = &[];
     deck::CODES
         .iter()
         .chain(model::codes::CODES)
         .chain(plan::codes::CODES)
         .chain(user::codes::CODES)
         .chain(output::codes::CODES)
+        .chain(of_cavities)
 }

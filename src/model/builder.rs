@@ -13,6 +13,8 @@ use indexmap::IndexMap;
 use super::budget::{Budget, Good};
 use super::coupling::Coupling;
 use super::degrees::Rotational;
+#[cfg(feature = "resistance")]
+use super::derivation::Asked;
 use super::lost::{Lost, is_skipped};
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
@@ -84,6 +86,9 @@ pub(super) struct Builder<'a> {
     pub clearances: Vec<(String, super::types::Clearance)>,
     /// Boundaries on degrees of freedom above 2 alone.
     pub rotational: Vec<Rotational>,
+    /// Resistances that are derived once all cards are read.
+    #[cfg(feature = "resistance")]
+    pub derivations: Vec<Asked>,
     /// Place of each `*MATERIAL` of the deck among them, by its name in upper case.
     pub material_places: IndexMap<String, usize>,
     /// What the deck has asked for so far.
@@ -130,6 +135,8 @@ impl<'a> Builder<'a> {
             interactions_used: Vec::new(),
             clearances: Vec::new(),
             rotational: Vec::new(),
+            #[cfg(feature = "resistance")]
+            derivations: Vec::new(),
             material_places: super::names::material_places(deck),
             budget: Budget::default(),
             suggested: 0,

@@ -162,6 +162,11 @@ pub const CODES: &[Code] = &[
         "free surface without stiffness",
         "How much a free surface weakens a target follows from 2E/3Y: E of *ELASTIC, Y of *CAVITY EXPANSION, above 1.",
     ),
+    code(
+        "M185",
+        "resistance without strain rates",
+        "A strain rate needs a length: the radius of the cavity. Without RADIUS on *CAVITY EXPANSION, DERIVE the constants are those of slow straining, below what *RATE DEPENDENT gives.",
+    ),
     code("M180", "section of other elements", "*SOLID SECTION is of CAX3 and CAX4R, *SHELL SECTION of SAX1."),
     code(
         "M150",

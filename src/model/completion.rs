@@ -13,6 +13,9 @@ impl Builder<'_> {
         if !self.lost.bodies {
             self.initial_densities();
         }
+        #[cfg(feature = "resistance")]
+        self.derive_resistances();
+        self.check_free_surfaces();
         self.refuse_kept_elements();
         self.missing_degrees();
     }

@@ -348,6 +348,9 @@ impl Builder<'_> {
     }
 
     fn cavity_expansion(&mut self, card: &Card) {
+        if card.has("DERIVE") {
+            return self.derivation(card);
+        }
         let Some(yield_word) = self.required(card, "YIELD") else { return };
         let Some(yield_stress) = yield_word.number(&mut self.diagnostics) else { return };
         let Some(line) = self.first_line(card) else { return };
@@ -360,7 +363,7 @@ impl Builder<'_> {
             self.out_of_range(line.span, "a resistance needs YIELD above zero and A, B, C not below zero");
             return;
         }
-        self.last_material().cavity = Some(CavityExpansion { yield_stress, a, b, c, span: card.span });
+        self.last_material().cavity = Some(CavityExpansion { yield_stress, a, b, c, derived: None, span: card.span });
     }
 
     pub(super) fn solid_section(&mut self, card: &Card) {

@@ -20,6 +20,13 @@ mod controls;
 mod copies;
 mod coupling;
 mod degrees;
+#[cfg(feature = "resistance")]
+mod derivation;
+#[cfg(feature = "resistance")]
+pub(crate) mod derive;
+#[cfg(not(feature = "resistance"))]
+#[path = "no_derive.rs"]
+mod derive;
 mod element_nodes;
 mod elements;
 mod energy_limit;

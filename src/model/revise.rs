@@ -2,7 +2,7 @@
 //! no other number of the model follows from.
 //! Never here: what follows from them in a plan.
 
-use super::types::{InitialKind, LoadKind, Model};
+use super::types::{CavityExpansion, InitialKind, LoadKind, Model};
 use crate::deck::template::{At, OpenWord};
 use crate::deck::{Card, Deck, Span};
 
@@ -30,7 +30,10 @@ pub enum Place {
 /// The number that an open word gives; `None` where more than a number follows from it.
 pub fn place_of(model: &Model, deck: &Deck, word: &OpenWord) -> Option<Place> {
     let card = &deck.cards[word.card];
-    let is_first = |card: &Card| model.materials.iter().position(|m| m.cavity.is_some_and(|c| c.span == card.span));
+    let given = |card: &Card| {
+        let of_card = |c: &CavityExpansion| c.span == card.span && c.derived.is_none();
+        model.materials.iter().position(|m| m.cavity.as_ref().is_some_and(of_card))
+    };
     match (card.keyword.name, word.at) {
         ("INITIAL CONDITIONS", At::Field(line, 2)) => {
             let span = card.lines[line].span;
@@ -40,10 +43,13 @@ pub fn place_of(model: &Model, deck: &Deck, word: &OpenWord) -> Option<Place> {
         ("MASS", At::Field(0, 0)) => Some(Place::Mass(card.span)),
         ("DENSITY", At::Field(0, 0)) if card.lines.len() == 1 && card.lines[0].fields.len() == 1 => {
             let material = material_above(deck, word.card)?;
-            model.materials.iter().position(|m| m.name == material).map(Place::Density)
+            let at = model.materials.iter().position(|m| m.name == material)?;
+            // Derived constants follow from it.
+            let derives = model.materials[at].cavity.is_some_and(|c| c.derived.is_some());
+            (!derives).then_some(Place::Density(at))
         }
-        ("CAVITY EXPANSION", At::Parameter("YIELD")) => Some(Place::Resistance(is_first(card)?, 0)),
-        ("CAVITY EXPANSION", At::Field(0, i @ 0..3)) => Some(Place::Resistance(is_first(card)?, i + 1)),
+        ("CAVITY EXPANSION", At::Parameter("YIELD")) => Some(Place::Resistance(given(card)?, 0)),
+        ("CAVITY EXPANSION", At::Field(0, i @ 0..3)) => Some(Place::Resistance(given(card)?, i + 1)),
         ("TARGET", At::Parameter("FRONT")) => target(model, card).map(Place::Front),
         ("TARGET", At::Field(line, 1)) => {
             let (target, span) = (target(model, card)?, card.lines[line].span);

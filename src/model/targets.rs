@@ -42,9 +42,6 @@ impl Builder<'_> {
             let span = gap.span;
             self.out_of_range(span, "a gap lies between two layers: the first and the last need a material");
         }
-        if free_surfaces != FreeSurfaces::Off {
-            layers.iter().for_each(|layer| self.must_be_elastic(layer));
-        }
         let (Some(separation), span) = (self.separation(card), card.span) else { return };
         let name = upper(&name.text);
         self.model.targets.push(Target {
@@ -123,10 +120,17 @@ impl Builder<'_> {
         Some(Layer { material, thickness, radius, span: line.span })
     }
 
-    /// The factor of a free surface follows from Young's modulus and the yield stress of the resistance.
+    /// Once all cards are read: the factor of a free surface follows from Young's modulus and the yield stress of the resistance.
+    pub(super) fn check_free_surfaces(&mut self) {
+        let free = self.model.targets.iter().filter(|t| t.free_surfaces != FreeSurfaces::Off);
+        let layers: Vec<Layer> = free.flat_map(|t| t.layers.iter().copied()).collect();
+        layers.iter().for_each(|layer| self.must_be_elastic(layer));
+    }
+
     fn must_be_elastic(&mut self, layer: &Layer) {
         let Some(properties) = layer.material.map(|m| &self.model.materials[m]) else { return };
-        let Some(cavity) = properties.cavity else { return };
+        // One that could not be derived has been told.
+        let Some(cavity) = properties.cavity.filter(|law| law.yield_stress > 0.0) else { return };
         let fault = match properties.elastic {
             None => "has no *ELASTIC",
             Some([young, _]) if FiniteSphere::new(young, cavity.yield_stress).is_none() => {

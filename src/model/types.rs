@@ -534,8 +534,23 @@ pub struct CavityExpansion {
     pub b: f64,
     /// C, dimensionless.
     pub c: f64,
+    /// Where A, B and C come from, if the card derives them.
+    pub derived: Option<Derivation>,
     /// The card.
     pub span: Span,
+}
+
+/// How constants were derived from a material's own curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Derivation {
+    /// Range of velocities of the fit.
+    pub range: [f64; 2],
+    /// Root of the weighted mean square of what the fit leaves over, over Y.
+    pub residual: f64,
+    /// The largest relative difference of the law from the pressure, and the velocity there.
+    pub worst: [f64; 2],
+    /// Pressure at rest over Y.
+    pub still: f64,
 }
 
 /// `*SOLID SECTION`.

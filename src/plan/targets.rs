@@ -97,6 +97,7 @@ impl Compiler<'_> {
             if target.obliquity == 0.0 { String::new() } else { format!(", tilted by {} deg", target.obliquity) };
         let detail = format!("{}: {}{more}; front at z = {}{tilt}", target.name, names.join(", "), target.front);
         self.cause(target.span, "target", target.layers.len(), "layers", detail);
+        target.layers.iter().filter_map(|layer| layer.material).for_each(|material| self.derived_row(material));
         let mut row = |effect, detail: String| {
             self.cause(target.span, effect, target.layers.len(), "layers", format!("{}: {detail}", target.name));
         };
@@ -114,6 +115,27 @@ impl Compiler<'_> {
         if target.separation {
             row("separation", "the tunnel's wall stays where it is pushed".into());
         }
+    }
+
+    fn derived_row(&mut self, material: usize) {
+        let material = &self.model.materials[material];
+        let Some(law) = material.cavity else { return };
+        let Some(from) = law.derived else { return };
+        let detail = format!(
+            "{}: Y = {}, A = {}, B = {}, C = {} over velocities {} to {}; residual {:.2e} Y, at most {:.2} % off (at {}); at rest {:.4}",
+            material.name,
+            law.yield_stress,
+            law.a,
+            law.b,
+            law.c,
+            from.range[0],
+            from.range[1],
+            from.residual,
+            100.0 * from.worst[0],
+            from.worst[1],
+            from.still
+        );
+        self.cause(law.span, "derived resistance", 3, "constants", detail);
     }
 
     fn stack(&self, target: &Target) -> Option<Stack> {

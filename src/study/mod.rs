@@ -16,11 +16,15 @@ pub mod draw;
 pub mod effects;
 mod error;
 pub mod evaluate;
+#[cfg(feature = "resistance")]
+pub mod expansion;
 pub mod field;
 pub mod grid;
 mod histories;
 pub mod identify;
 pub mod inputs;
+#[cfg(feature = "resistance")]
+pub mod law;
 pub mod limit;
 pub mod price;
 pub mod quantity;

@@ -20,14 +20,15 @@ const FLOORS: &[&[&str]] = &[
     &["user", "mesh"],
     &["model", "output"],
     &["variables", "state"],
+    &["resistance"],
     &["deck"],
     &["kernel"],
 ];
 
 /// Below `plan` numbers and words know nothing of each other,
 const WORDS: &[&str] = &["model", "deck"];
-/// but for what both may use: arithmetic, the table of output variables,
-const SHARED: &[&str] = &["kernel", "variables"];
+/// but for what both may use: arithmetic, the table of output variables, the expansion of cavities,
+const SHARED: &[&str] = &["kernel", "variables", "resistance"];
 /// and how faults are told.
 const TELLING: &[&str] =
     &["Code", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest", "files", "printable"];

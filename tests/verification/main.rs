@@ -35,6 +35,7 @@ mod precision;
 mod properties;
 mod rates;
 mod reference_nodes;
+mod resistance;
 mod rigid;
 mod rings;
 mod scene;

@@ -214,7 +214,16 @@ pub const CARDS: &[Keyword] = &[
     }, [(rows ["number of state variables"] ["number" read "Of the variable that is named", "name" read "Frames show the variable as SDV_name", "description" inert "for people"])]),
     row!(extension "CAVITY EXPANSION", "Resistance of a target material: Y (A + B x + C x^2), x = v_n sqrt(rho/Y)", (once below "MATERIAL"), {
         "YIELD" read "Y, the strength that the law is scaled by",
-    }, [(lines ["A", "B", "C"])]),
+        "DERIVE" read "Y, A, B and C from the material's own *ELASTIC, *DENSITY and *PLASTIC: expansion of a spherical cavity, fitted over a range of velocities",
+        "TERMS" read "Of DERIVE: 3 (default), or 2 for a law with B = 0",
+        "STATIC" read "Of DERIVE: A is the pressure at rest instead of being fitted",
+        "WEIGHT" read "Of DERIVE: EVEN (default: differences of pressures), RELATIVE (relative differences) or VELOCITY (by the velocity)",
+        "RADIUS" read "Of DERIVE: radius of the cavity, with which *RATE DEPENDENT counts",
+        "TENSION" read "Of DERIVE: tension beyond which the target cracks along rays",
+    }, [
+        (when "DERIVE" = "" lines ["lowest velocity", "highest velocity", "number of velocities" read "41 if not given"]),
+        (lines ["A", "B", "C"]),
+    ]),
     row!("CONDUCTIVITY", "Heat conduction, in steps that solve for temperatures", (once below "MATERIAL"), {
         "TYPE" only ["ISO"] "nothing here is anisotropic",
         "DEPENDENCIES" refused "*ELASTIC and *PLASTIC alone depend on field variables",

@@ -1,0 +1,189 @@
+//! Weighted least squares: A, B, C of sigma/Y = A + B x + C x^2.
+//! Never here: where the pressures come from.
+
+use faer::Mat;
+
+use super::Fault;
+
+/// What a fit leaves free and what it looks at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Form {
+    /// Whether there is a B; else it is zero, as in much of the literature.
+    pub linear: bool,
+    /// A, where it is not fitted.
+    pub pinned: Option<f64>,
+    /// Weights of the points.
+    pub weight: Weight,
+}
+
+/// Weights of squared differences.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weight {
+    /// All alike: the difference of pressures counts.
+    #[default]
+    Even,
+    /// By 1/sigma^2: the relative difference counts.
+    Relative,
+    /// By V: depth is the integral of m V dV over the force.
+    Velocity,
+}
+
+/// Constants and how well they fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// A, B, C.
+    pub constants: [f64; 3],
+    /// Half of the interval of 95 % of each by Student's t; `None` of what was not fitted. What is left over is the law's misfit and
+    /// no noise, so they say how sharply the range determines a constant.
+    pub half_widths: [Option<f64>; 3],
+    /// Root of the weighted mean of squared differences, over Y.
+    pub residual: f64,
+}
+
+impl Fit {
+    /// sigma/Y at x = V sqrt(rho/Y).
+    pub fn at(&self, x: f64) -> f64 {
+        law(self.constants, x)
+    }
+}
+
+/// A + B x + C x^2.
+pub fn law([a, b, c]: [f64; 3], x: f64) -> f64 {
+    a + x * (b + x * c)
+}
+
+/// Fits points `[x, sigma/Y]`; no constant is below zero, those that would be are zero.
+///
+/// # Errors
+/// `C003` with fewer points than two more than constants, `C005` where nothing fits without going below zero.
+pub fn fit(points: &[[f64; 2]], form: Form) -> Result<Fit, Fault> {
+    let mut free = [form.pinned.is_none(), form.linear, true];
+    loop {
+        let fit = free_fit(points, form, free)?;
+        let below = (0..3).filter(|i| free[*i] && fit.constants[*i] < 0.0);
+        let Some(worst) = below.min_by(|i, k| fit.constants[*i].total_cmp(&fit.constants[*k])) else { return Ok(fit) };
+        free[worst] = false;
+        if worst == 0 || free == [false; 3] {
+            return Err(Fault::Negative(format!("A, B, C would be {:?}", fit.constants)));
+        }
+    }
+}
+
+fn free_fit(points: &[[f64; 2]], form: Form, free: [bool; 3]) -> Result<Fit, Fault> {
+    let columns: Vec<usize> = (0..3).filter(|i| free[*i]).collect();
+    let (rows, count) = (points.len(), columns.len());
+    if rows < count + 2 {
+        return Err(Fault::Range(format!(
+            "{rows} points do not determine {count} constants: give {} or more",
+            count + 2
+        )));
+    }
+    let weights = weights(points, form.weight);
+    let fixed = [form.pinned.unwrap_or(0.0), 0.0, 0.0];
+    let power = |x: f64, term: usize| [1.0, x, x * x][term];
+    let matrix = Mat::from_fn(rows, count, |i, k| weights[i].sqrt() * power(points[i][0], columns[k]));
+    let right = Mat::from_fn(rows, 1, |i, _| weights[i].sqrt() * (points[i][1] - law(fixed, points[i][0])));
+    let svd = matrix.thin_svd().map_err(|_| Fault::Range("the least squares have no solution".into()))?;
+    let singular: Vec<f64> = (0..count).map(|k| svd.S()[k]).collect();
+    if singular[count - 1] <= 1e-12 * singular[0] || singular[0].is_nan() {
+        return Err(Fault::Range("the points lie at too few velocities to determine the constants".into()));
+    }
+    let turned = svd.U().transpose() * &right;
+    let mut constants = fixed;
+    let mut spread = [None; 3];
+    for (row, &term) in columns.iter().enumerate() {
+        let share = |k: usize| svd.V()[(row, k)] / singular[k];
+        constants[term] = (0..count).map(|k| share(k) * turned[(k, 0)]).sum();
+        spread[term] = Some((0..count).map(|k| share(k) * share(k)).sum::<f64>().sqrt());
+    }
+    let left = |(point, weight): (&[f64; 2], &f64)| weight * (point[1] - law(constants, point[0])).powi(2);
+    let sum: f64 = points.iter().zip(&weights).map(left).sum();
+    let freedom = (rows - count) as f64;
+    let scale = student(freedom) * (sum / freedom).sqrt();
+    let half_widths = spread.map(|s| s.map(|s| scale * s));
+    Ok(Fit { constants, half_widths, residual: (sum / rows as f64).sqrt() })
+}
+
+/// Weights with a mean of one.
+fn weights(points: &[[f64; 2]], weight: Weight) -> Vec<f64> {
+    let of = |p: &[f64; 2]| match weight {
+        Weight::Even => 1.0,
+        Weight::Relative => 1.0 / (p[1] * p[1]),
+        Weight::Velocity => p[0],
+    };
+    let all: Vec<f64> = points.iter().map(of).collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    all.iter().map(|w| w / mean).collect()
+}
+
+/// The quantile 0.975 of Student's t, by its expansion around the normal one (Abramowitz and Stegun 26.7.5).
+fn student(freedom: f64) -> f64 {
+    let z: f64 = 1.959_963_984_540_054;
+    let g = [
+        (z.powi(3) + z) / 4.0,
+        (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
+        (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0,
+        (79.0 * z.powi(9) + 776.0 * z.powi(7) + 1482.0 * z.powi(5) - 1920.0 * z.powi(3) - 945.0 * z) / 92160.0,
+    ];
+    g.iter().rev().fold(0.0, |sum, g| (sum + g) / freedom) + z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FREE: Form = Form { linear: true, pinned: None, weight: Weight::Even };
+
+    fn parabola(constants: [f64; 3]) -> Vec<[f64; 2]> {
+        (0..21).map(|i| 0.1 * f64::from(i)).map(|x| [x, law(constants, x)]).collect()
+    }
+
+    #[test]
+    fn a_parabola_is_found_whatever_the_weights() {
+        for weight in [Weight::Even, Weight::Relative, Weight::Velocity] {
+            for pinned in [None, Some(4.0)] {
+                let fit = fit(&parabola([4.0, 0.5, 1.1]), Form { pinned, weight, ..FREE }).expect("a fit");
+                assert!(fit.constants.iter().zip([4.0, 0.5, 1.1]).all(|(a, b)| (a - b).abs() < 1e-12), "{fit:?}");
+                assert!(fit.residual < 1e-13);
+                assert_eq!(fit.half_widths[0].is_none(), pinned.is_some());
+            }
+        }
+    }
+
+    /// By hand: of the points (0, 1), (1, 0), (2, 3), (3, 2), (4, 7) in A + C x^2 the normal equations are 5 A + 30 C = 13 and
+    /// 30 A + 354 C = 142.
+    #[test]
+    fn two_constants_by_hand() {
+        let points = [[0.0, 1.0], [1.0, 0.0], [2.0, 3.0], [3.0, 2.0], [4.0, 7.0]];
+        let fit = fit(&points, Form { linear: false, ..FREE }).expect("a fit");
+        let c = (142.0 - 6.0 * 13.0) / (354.0 - 180.0);
+        let a = (13.0 - 30.0 * c) / 5.0;
+        assert!(
+            (fit.constants[0] - a).abs() < 1e-13 && fit.constants[1] == 0.0 && (fit.constants[2] - c).abs() < 1e-13
+        );
+        let squares: f64 = points.iter().map(|p| (p[1] - a - c * p[0] * p[0]).powi(2)).sum();
+        assert!((fit.residual - (squares / 5.0).sqrt()).abs() < 1e-14);
+        // Three degrees of freedom: t = 3.182; the variance of C is s^2 over the sum of squares of x^2 about their mean.
+        let half = 3.182 * (squares / 3.0 / 174.0).sqrt();
+        assert!((fit.half_widths[2].expect("fitted") / half - 1.0).abs() < 5e-3, "{fit:?} {half}");
+    }
+
+    #[test]
+    fn quantiles_of_students_t() {
+        for (freedom, exact) in [(3.0, 3.182446), (10.0, 2.228139), (38.0, 2.024394), (1000.0, 1.962339)] {
+            assert!((student(freedom) / exact - 1.0).abs() < 1e-2 / freedom, "{freedom} {}", student(freedom));
+        }
+    }
+
+    #[test]
+    fn what_would_be_below_zero_is_zero() {
+        let fitted = fit(&parabola([4.0, -0.3, 1.1]), FREE).expect("a fit");
+        assert!(
+            fitted.constants[1] == 0.0 && fitted.half_widths[1].is_none() && fitted.constants[2] > 0.0,
+            "{fitted:?}"
+        );
+        assert_eq!(fit(&parabola([-4.0, 0.0, 1.0]), FREE).expect_err("below zero").code(), "C005");
+        assert_eq!(fit(&parabola([4.0, 0.0, 1.0])[..4], FREE).expect_err("few").code(), "C003");
+        assert_eq!(fit(&[[1.0, 2.0]; 9], FREE).expect_err("one place").code(), "C003");
+    }
+}

@@ -1,0 +1,25 @@
+//! What strain rates add to the pressure on a cavity: similarity is lost, so it depends on the cavity's radius.
+//! Never here: the pressure without rates.
+
+use super::Fault;
+use super::integrate::{WALL, integrate};
+use super::rate::Rate;
+use super::target::Target;
+
+/// What the rates of a cavity that opens at a velocity add to the pressure over Y. The motion is that of an incompressible
+/// target, v = V (a/r)^2 (Warren and Forrestal 1998, Int. J. Solids Struct. 35, 3737): with x = (a/r)^3 the rate is 2 V x / a,
+/// and the pressure grows by 2/3 of the integral of what the yield stress gains over ln x, up to the front x = 3 Y / 2 E.
+pub fn gain(target: &Target, rate: &Rate, velocity: f64) -> Result<f64, Fault> {
+    if velocity == 0.0 {
+        return Ok(0.0);
+    }
+    let strain = |q: f64| 1.5 * q / target.young;
+    let slope = |q: f64, _: &[f64; 1]| {
+        let opened = -libm::expm1(-strain(q));
+        let gain = rate.factor.gain(2.0 * velocity / rate.radius * opened);
+        [target.flow(q)[0] * gain * strain(q) * libm::exp(-strain(q)) / opened / 1.5]
+    };
+    let front = -libm::log1p(-1.5 / target.young) / 1.5 * target.young;
+    let wall = WALL / 1.5 * target.young;
+    integrate(&slope, [front, wall], target, [0.0]).map(|[gain]| gain)
+}
