@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use clap::{Parser, Subcommand};
 
 use super::words::tell;
-use super::{REFUSED, Status, chart, check, explain, new, report, run, shell, signals, study, sweep};
+use super::{REFUSED, Status, chart, check, explain, mesh, new, report, run, shell, signals, study, sweep};
 
 /// Axisymmetric explicit finite elements with user-load hooks.
 #[derive(Parser)]
@@ -26,6 +26,7 @@ enum Command {
     Report(report::Report),
     Chart(chart::Chart),
     New(new::New),
+    Mesh(mesh::Mesh),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -52,6 +53,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
         Command::Report(report) => report.execute(),
         Command::Chart(chart) => chart.execute(),
         Command::New(new) => new.execute(),
+        Command::Mesh(mesh) => mesh.execute(),
         Command::Completions(completions) => completions.execute::<Arguments>(),
         Command::Man(man) => man.execute::<Arguments>(),
     };

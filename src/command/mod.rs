@@ -5,6 +5,7 @@ pub mod chart;
 pub mod check;
 pub mod explain;
 pub mod line;
+pub mod mesh;
 pub mod new;
 mod outcome;
 mod progress;
