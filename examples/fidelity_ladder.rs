@@ -28,8 +28,9 @@ enum Model {
     ClosedForm,
     /// A deck, what is set in it besides the velocity, and the depth as a quantity.
     Deck(&'static str, &'static [(&'static str, &'static str)], &'static str),
-    /// `input/ogive_rod.inp` on two meshes, extrapolated to elements of size 0, with what is set in it besides the velocity.
-    Rod(&'static [(&'static str, &'static str)]),
+    /// `input/ogive_rod.inp`, what is set in it besides the velocity, and the size of its elements; two sizes, the second half the
+    /// first, are extrapolated to 0.
+    Rod(&'static [(&'static str, &'static str)], &'static [f64]),
 }
 
 const RIGID: &str = "-1000*final(U2@REF)";
@@ -48,8 +49,8 @@ const LADDER: [Rung; 7] = [
     Rung { name: "rigid, three terms", model: Model::Deck("input/ogive.inp", THREE_TERMS, RIGID) },
     Rung { name: "rigid, three terms, friction 0.02", model: Model::Deck("input/ogive.inp", FRICTION, RIGID) },
     Rung { name: "elastic steel, three terms", model: Model::Deck("input/ogive_steel.inp", ELASTIC, SOLID) },
-    Rung { name: "steel that yields, three terms, converged", model: Model::Rod(&[]) },
-    Rung { name: "the same, shank resisted as the nose", model: Model::Rod(WHOLE) },
+    Rung { name: "steel that yields, three terms, converged", model: Model::Rod(&[], &rod::SIZES) },
+    Rung { name: "the same, shank resisted as the nose", model: Model::Rod(WHOLE, &[rod::SIZES[1]]) },
 ];
 
 /// What a rung gave: depths, mm, and seconds for all shots on one thread.
@@ -80,14 +81,18 @@ fn climb(rung: &Rung, shots: &[(f64, f64)]) -> Result<Climbed, Box<dyn Error>> {
         Model::Deck(deck, settings, quantity) => {
             shoot(&std::fs::read_to_string(deck)?, deck, settings, quantity, velocity)
         }
-        Model::Rod(settings) => {
-            let [coarse, fine] = rod::SIZES.map(|size| {
+        Model::Rod(settings, sizes) => {
+            let depth = |&size: &f64| {
                 let (text, volume) = rod::deck(size)?;
                 let volume = volume.to_string();
                 let settings = [settings, &[("volume", &*volume)]].concat();
                 shoot(&text, "input/ogive_rod.inp", &settings, SOLID, velocity)
-            });
-            Ok(2.0 * fine? - coarse?)
+            };
+            let depths = sizes.iter().map(depth).collect::<Result<Vec<f64>, Box<dyn Error>>>()?;
+            Ok(match depths[..] {
+                [coarse, fine] => 2.0 * fine - coarse,
+                _ => depths[0],
+            })
         }
     };
     let depths = shots.iter().map(depth).collect::<Result<_, Box<dyn Error>>>()?;

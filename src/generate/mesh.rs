@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use super::nose;
 use super::profile::{Piece, Point};
-use super::shape::{Nose, Outline, length, positive};
+use super::shape::{Nose, Outline, positive};
 use super::sheet::Sheet;
 use super::spacing::{graded, rows};
 use crate::deck::Diagnostic;
@@ -380,13 +380,8 @@ impl Mesh {
         [self.outline.volume() - hollow, if filled { hollow } else { 0.0 }]
     }
 
-    /// Length of the wetted outline, and places for pictures: nodes of an element.
+    /// Corners of an element.
     pub(super) fn corners_of(&self, element: usize) -> [Point; 4] {
         self.sheet.corners(element)
-    }
-
-    /// Length of the flank of the nose.
-    pub fn flank(&self) -> f64 {
-        length(&self.outline.nose)
     }
 }
