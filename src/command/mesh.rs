@@ -2,6 +2,7 @@
 //! Never here: how it is made (`generate`).
 
 use std::error::Error;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -93,7 +94,7 @@ struct Made {
     wall: Option<f64>,
     /// Elements through the wall (default: by their size, two at least).
     #[arg(long, requires = "wall", value_name = "N")]
-    through: Option<usize>,
+    through: Option<NonZeroUsize>,
     /// Where the cavity begins, from the tip.
     #[arg(long, requires = "wall", value_name = "LENGTH")]
     cavity_front: Option<f64>,
@@ -126,7 +127,7 @@ struct Made {
     fill_material: String,
     /// The first number of nodes and of elements.
     #[arg(long, default_value = "1", value_name = "N")]
-    first: usize,
+    first: NonZeroUsize,
     /// What the names of sets and surfaces begin with.
     #[arg(long, default_value = "", value_name = "TEXT")]
     prefix: String,
@@ -174,7 +175,7 @@ impl Made {
         };
         let cavity = self.wall.zip(self.cavity_front).map(|(wall, front)| Cavity {
             wall,
-            through: self.through,
+            through: self.through.map(NonZeroUsize::get),
             front,
             base: self.cavity_base,
             fill,
@@ -193,7 +194,7 @@ impl Made {
             Err(finding) => return Ok(Err(finding)),
         };
         let labels = Labels {
-            first: self.first,
+            first: self.first.get(),
             prefix: self.prefix.clone(),
             material: self.material.clone(),
             fill: self.fill_material.clone(),
