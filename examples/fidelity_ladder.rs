@@ -14,6 +14,9 @@ use revolve::study::compare::{Reference, rms};
 use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::Routines;
 
+#[path = "common/rod.rs"]
+mod rod;
+
 /// A rung: what stands in the table, and how the depth of a shot is found, mm.
 struct Rung {
     name: &'static str,
@@ -25,6 +28,9 @@ enum Model {
     ClosedForm,
     /// A deck, what is set in it besides the velocity, and the depth as a quantity.
     Deck(&'static str, &'static [(&'static str, &'static str)], &'static str),
+    /// `input/ogive_rod.inp`, what is set in it besides the velocity, and the size of its elements; two sizes, the second half the
+    /// first, are extrapolated to 0.
+    Rod(&'static [(&'static str, &'static str)], &'static [f64]),
 }
 
 const RIGID: &str = "-1000*final(U2@REF)";
@@ -34,13 +40,17 @@ const FRICTION: &[(&str, &str)] = &[("B", "0.9830"), ("C", "0.9402"), ("friction
 /// Steel that cannot yield.
 const ELASTIC: &[(&str, &str)] = &[("JCA", "1.e12"), ("JCB", "0."), ("JCC", "0.")];
 
-const LADDER: [Rung; 6] = [
+/// The law of the nose on the shank as well.
+const WHOLE: &[(&str, &str)] = &[("WA", "5.0394"), ("WB", "0.9830"), ("WC", "0.9402")];
+
+const LADDER: [Rung; 7] = [
     Rung { name: "closed form, two terms, embedded", model: Model::ClosedForm },
     Rung { name: "rigid, two terms, entry", model: Model::Deck("input/ogive.inp", &[], RIGID) },
     Rung { name: "rigid, three terms", model: Model::Deck("input/ogive.inp", THREE_TERMS, RIGID) },
     Rung { name: "rigid, three terms, friction 0.02", model: Model::Deck("input/ogive.inp", FRICTION, RIGID) },
     Rung { name: "elastic steel, three terms", model: Model::Deck("input/ogive_steel.inp", ELASTIC, SOLID) },
-    Rung { name: "elastic-plastic steel, three terms", model: Model::Deck("input/ogive_steel.inp", &[], SOLID) },
+    Rung { name: "steel that yields, three terms, converged", model: Model::Rod(&[], &rod::SIZES) },
+    Rung { name: "the same, shank resisted as the nose", model: Model::Rod(WHOLE, &[rod::SIZES[1]]) },
 ];
 
 /// What a rung gave: depths, mm, and seconds for all shots on one thread.
@@ -68,7 +78,22 @@ fn climb(rung: &Rung, shots: &[(f64, f64)]) -> Result<Climbed, Box<dyn Error>> {
     let clock = Instant::now();
     let depth = |&(velocity, _): &(f64, f64)| match rung.model {
         Model::ClosedForm => Ok(closed_form(velocity)),
-        Model::Deck(deck, settings, quantity) => shoot(deck, settings, quantity, velocity),
+        Model::Deck(deck, settings, quantity) => {
+            shoot(&std::fs::read_to_string(deck)?, deck, settings, quantity, velocity)
+        }
+        Model::Rod(settings, sizes) => {
+            let depth = |&size: &f64| {
+                let (text, volume) = rod::deck(size)?;
+                let volume = volume.to_string();
+                let settings = [settings, &[("volume", &*volume)]].concat();
+                shoot(&text, "input/ogive_rod.inp", &settings, SOLID, velocity)
+            };
+            let depths = sizes.iter().map(depth).collect::<Result<Vec<f64>, Box<dyn Error>>>()?;
+            Ok(match depths[..] {
+                [coarse, fine] => 2.0 * fine - coarse,
+                _ => depths[0],
+            })
+        }
     };
     let depths = shots.iter().map(depth).collect::<Result<_, Box<dyn Error>>>()?;
     Ok(Climbed { depths, seconds: clock.elapsed().as_secs_f64() })
@@ -85,10 +110,16 @@ fn closed_form(velocity: f64) -> f64 {
     1e3 * mass / (2.0 * beta) * libm::log(1.0 + beta * velocity * velocity / alpha)
 }
 
-fn shoot(deck: &str, settings: &[(&str, &str)], quantity: &str, velocity: f64) -> Result<f64, Box<dyn Error>> {
+fn shoot(
+    text: &str,
+    deck: &str,
+    settings: &[(&str, &str)],
+    quantity: &str,
+    velocity: f64,
+) -> Result<f64, Box<dyn Error>> {
     let mut overrides: Vec<(String, String)> = vec![("V".into(), velocity.to_string())];
     overrides.extend(settings.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())));
-    let prepared = job::prepare(Path::new(deck), &overrides, &Routines::none());
+    let prepared = job::prepare_text(deck, text, &overrides, &Routines::none());
     if prepared.diagnostics.has_errors() {
         return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
     }

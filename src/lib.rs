@@ -61,6 +61,7 @@ mod constraint;
 pub mod deck;
 mod element;
 pub mod explain;
+pub mod generate;
 mod heat;
 pub mod job;
 mod kernel;

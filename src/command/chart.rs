@@ -68,11 +68,11 @@ impl Chart {
 }
 
 /// By the ending of the file's name.
-pub fn is_svg(path: &Path) -> Result<bool, String> {
+pub(super) fn is_svg(path: &Path) -> Result<bool, String> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match ending.as_deref() {
         Some("svg") => Ok(true),
         Some("png") => Ok(false),
-        _ => Err(format!("picture {}: the name ends in .png or .svg", path.display())),
+        _ => Err(format!("{}: the name of a picture ends in .png or .svg", path.display())),
     }
 }

@@ -7,8 +7,8 @@ use clap::{Parser, Subcommand};
 
 use super::words::tell;
 use super::{
-    REFUSED, Status, chart, check, explain, identify, limit, new, report, resistance, run, scatter, shell, signals,
-    study, sweep,
+    REFUSED, Status, chart, check, explain, identify, limit, mesh, new, report, resistance, run, scatter, shell,
+    signals, study, sweep,
 };
 
 /// Axisymmetric explicit finite elements with user-load hooks.
@@ -33,6 +33,7 @@ enum Command {
     Resistance(resistance::Resistance),
     Chart(chart::Chart),
     New(new::New),
+    Mesh(mesh::Mesh),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -63,6 +64,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
         Command::Resistance(resistance) => resistance.execute(),
         Command::Chart(chart) => chart.execute(),
         Command::New(new) => new.execute(),
+        Command::Mesh(mesh) => mesh.execute(),
         Command::Completions(completions) => completions.execute::<Arguments>(),
         Command::Man(man) => man.execute::<Arguments>(),
     };

@@ -7,6 +7,7 @@ pub mod explain;
 pub mod identify;
 pub mod limit;
 pub mod line;
+pub mod mesh;
 pub mod new;
 mod outcome;
 mod progress;

@@ -4,7 +4,7 @@
 mod topics;
 
 use crate::deck::{self, Code, manual, names::nearest};
-use crate::{model, output, plan, user};
+use crate::{generate, model, output, plan, user};
 use topics::TOPICS;
 
 /// What is to be said of a word, if it is a keyword, an output variable, a code, an element type, a function of quantities, a topic,
@@ -47,4 +47,5 @@ pub fn codes() -> impl Iterator<Item = &'static Code> {
         .chain(user::codes::CODES)
         .chain(output::codes::CODES)
         .chain(of_cavities)
+        .chain(generate::codes::CODES)
 }

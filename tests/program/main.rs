@@ -14,6 +14,7 @@ mod hostile;
 mod manual;
 mod matrix;
 mod memory;
+mod mesh;
 mod parts;
 mod precision;
 mod python;

@@ -13,7 +13,7 @@ use crate::common::project;
 const FLOORS: &[&[&str]] = &[
     &["command"],
     &["report", "study"],
-    &["job", "explain", "overview"],
+    &["job", "explain", "overview", "generate"],
     &["solve"],
     &["plan"],
     &["heat", "constraint", "load", "element", "material"],

@@ -17,6 +17,7 @@ mod contact_friction;
 mod contact_heat;
 mod contact_hertz;
 mod contact_scenes;
+mod deformable;
 mod element_output;
 mod erosion;
 mod erosion_criteria;

@@ -1,0 +1,212 @@
+//! Where the rigid assumption ends: a rod of VAR 4340 steel that yields (`input/ogive_rod.inp`) beside the rigid one, over velocity,
+//! on two meshes of `revolve mesh` and extrapolated. Writes the table of `docs/fidelity.md`, `docs/rod-depths.png` and
+//! `docs/rod-noses.png`:
+//!
+//!     cargo run --release --example deformable_rod
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use revolve::job;
+use revolve::output::Frame;
+use revolve::plan::Plan;
+use revolve::solve::{Instant, Sink, SinkError};
+use revolve::study::chart::{Chart, Form, Series};
+use revolve::study::compare::Reference;
+use revolve::study::draw;
+use revolve::user::Routines;
+use rod::{SIZES, deck};
+
+#[path = "common/rod.rs"]
+mod rod;
+
+/// Striking velocities, m/s; those of the experiment are among them.
+const VELOCITIES: [f64; 9] = [300.0, 450.0, 569.0, 679.0, 821.0, 966.0, 1147.0, 1300.0, 1450.0];
+/// Velocities of the picture of noses.
+const DRAWN: [f64; 3] = [569.0, 966.0, 1147.0];
+/// The law of the nose on the shank as well.
+const WHOLE: [(&str, &str); 3] = [("WA", "5.0394"), ("WB", "0.9830"), ("WC", "0.9402")];
+
+/// What a shot came to, mm.
+#[derive(Clone, Copy)]
+struct Shot {
+    depth: f64,
+    shorter: f64,
+    wider: f64,
+}
+
+/// The rows of a shot and its last frame.
+#[derive(Default)]
+struct Kept {
+    rows: Vec<Vec<f64>>,
+    frame: Option<Frame>,
+}
+
+impl Sink for Kept {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+    fn frame(&mut self, frame: &Frame) -> Result<(), SinkError> {
+        self.frame = Some(frame.clone());
+        Ok(())
+    }
+    fn row(&mut self, _: &Instant, values: &[f64]) -> Result<(), SinkError> {
+        self.rows.push(values.to_vec());
+        Ok(())
+    }
+}
+
+fn shoot(
+    (text, volume): &(String, f64),
+    velocity: f64,
+    law: &[(&str, &str)],
+    quads: &mut String,
+) -> Result<Shot, Box<dyn Error>> {
+    let own = [("V", velocity.to_string()), ("volume", volume.to_string())];
+    let given = law.iter().map(|(n, v)| (*n, (*v).to_owned()));
+    let settings: Vec<(String, String)> = own.into_iter().chain(given).map(|(n, v)| (n.to_owned(), v)).collect();
+    let prepared = job::prepare_text("ogive_rod.inp", text, &settings, &Routines::none());
+    if prepared.diagnostics.has_errors() {
+        return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
+    }
+    let mut kept = Kept::default();
+    let (outcome, _) = job::run_into(&prepared, &mut kept);
+    if let Some(halt) = outcome.halt {
+        return Err(format!("at {velocity} m/s: {halt}").into());
+    }
+    let column =
+        |name: &str| prepared.plan.columns.iter().position(|c| c.name == name).ok_or(format!("no column {name}"));
+    let [tip, back, shoulder] = [column("U2@TIP")?, column("U2@BACK")?, column("U1@SHOULDER")?];
+    let least = kept.rows.iter().map(|row| row[tip]).fold(0.0, f64::min);
+    let most = kept.rows.iter().map(|row| row[shoulder]).fold(0.0, f64::max);
+    let last = kept.rows.last().ok_or("no rows")?;
+    if let Some(frame) = &kept.frame {
+        *quads = silhouette(&prepared.plan, frame);
+    }
+    Ok(Shot { depth: -1e3 * least, shorter: 1e3 * (last[tip] - last[back]), wider: 1e3 * most })
+}
+
+/// The right half shows the rod at the end, moved so that its tip is where it was; the left half the rod as it was, which a
+/// rigid one still is. mm.
+fn silhouette(plan: &Plan, frame: &Frame) -> String {
+    let mesh = &plan.mesh;
+    let Some(moved) = frame.point_fields.iter().find(|f| f.name == "U") else { return String::new() };
+    let tip = mesh.points.iter().position(|p| *p == [0.0, 0.0]).unwrap_or(0);
+    let shift = moved.values[2 * tip + 1];
+    let mut text = String::new();
+    for element in mesh.elements.iter().filter(|e| e.nodes.to_vec().len() == 4) {
+        let path = |side: f64, part: f64| {
+            let place = |n: usize| {
+                let [r, z] = mesh.points[n];
+                let u = [moved.values[2 * n], moved.values[2 * n + 1] - shift];
+                format!("{:.3} {:.3}", side * 1e3 * (r + part * u[0]), -1e3 * (z + part * u[1]))
+            };
+            element.nodes.to_vec().into_iter().map(place).collect::<Vec<_>>().join("L")
+        };
+        for (side, part, colour) in [(-1.0, 0.0, "#9aa4ad"), (1.0, 1.0, "#c9702b")] {
+            let _ = writeln!(
+                text,
+                "<path d=\"M{}Z\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"0.05\"/>",
+                path(side, part)
+            );
+        }
+    }
+    text
+}
+
+/// Depth of the rigid rod with the law of three terms, mm.
+fn rigid(velocity: f64) -> Result<f64, Box<dyn Error>> {
+    let settings = [("V", velocity.to_string()), ("B", "0.9830".into()), ("C", "0.9402".into())];
+    let settings: Vec<(String, String)> = settings.map(|(n, v): (&str, String)| (n.to_owned(), v)).into();
+    let prepared = job::prepare(Path::new("input/ogive.inp"), &settings, &Routines::none());
+    let (_, history) = job::run_in_memory(&prepared);
+    Ok(-1e3 * history.0.get("U2@REF").ok_or("no column U2@REF")?.last)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let reference = Reference::read(Path::new("input/reference/piekutowski_1999.csv"))?;
+    let known: Vec<(f64, f64)> = reference.rows.iter().map(|(v, columns)| (*v, columns[0])).collect();
+    let decks = [deck(SIZES[0])?, deck(SIZES[1])?];
+    let mut table = String::from(
+        "| striking velocity, m/s | experiment, mm | rigid | yields, 0.6 mm | 0.3 mm | to size 0 | of rigid | shank as nose, 0.3 mm | shorter, mm | \
+         wider, mm |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let (mut lines, mut noses): ([Vec<(f64, f64)>; 3], Vec<String>) = Default::default();
+    for velocity in VELOCITIES {
+        eprintln!("{velocity} m/s");
+        let (mut quads, mut other) = (String::new(), String::new());
+        let coarse = shoot(&decks[0], velocity, &[], &mut other)?;
+        let fine = shoot(&decks[1], velocity, &[], &mut quads)?;
+        let whole = shoot(&decks[1], velocity, &WHOLE, &mut other)?;
+        let (limit, rigid) = (2.0 * fine.depth - coarse.depth, rigid(velocity)?);
+        let experiment = known.iter().find(|k| k.0 == velocity).map_or(String::new(), |k| k.1.to_string());
+        let _ = writeln!(
+            table,
+            "| {velocity} | {experiment} | {rigid:.1} | {:.1} | {:.1} | {limit:.1} | {:+.1} % | {:.1} | {:.2} | {:.2} |",
+            coarse.depth,
+            fine.depth,
+            100.0 * (limit / rigid - 1.0),
+            whole.depth,
+            fine.shorter,
+            fine.wider
+        );
+        for (line, depth) in lines.iter_mut().zip([rigid, limit, whole.depth]) {
+            line.push((velocity, depth));
+        }
+        if DRAWN.contains(&velocity) {
+            noses.push(quads);
+        }
+    }
+    print!("{table}");
+    put_into_page(&table)?;
+    let names = ["rigid", "yields, shank in an elastic wall", "yields, shank resisted as the nose"];
+    let mut series: Vec<Series> = names
+        .iter()
+        .zip(lines)
+        .map(|(name, points)| Series { name: (*name).into(), points, form: Form::Line })
+        .collect();
+    series.push(Series { name: "experiment".into(), points: known, form: Form::Marks });
+    let chart = Chart {
+        title: "Depth of a rigid rod and of one that yields".into(),
+        x_label: "striking velocity".into(),
+        y_label: "depth".into(),
+        units: ["m/s".into(), "mm".into()],
+        series,
+    };
+    std::fs::write("docs/rod-depths.png", chart.png()?)?;
+    Ok(std::fs::write("docs/rod-noses.png", draw::png(&picture(&noses))?)?)
+}
+
+/// The noses side by side, tips down.
+fn picture(noses: &[String]) -> String {
+    let (wide, high, scale) = (360.0, 760.0, 32.0);
+    let width = wide * noses.len() as f64;
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{high}\" viewBox=\"0 0 {width} {high}\" \
+         font-family=\"DejaVu Sans, sans-serif\" font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+    );
+    for (n, (nose, velocity)) in noses.iter().zip(DRAWN).enumerate() {
+        let middle = wide * (n as f64 + 0.5);
+        let _ = writeln!(
+            text,
+            "<clipPath id=\"c{n}\"><rect x=\"{}\" y=\"40\" width=\"{wide}\" height=\"{}\"/></clipPath>\n\
+             <text x=\"{middle}\" y=\"26\" text-anchor=\"middle\">{velocity} m/s: rigid | yields</text>\n\
+             <g clip-path=\"url(#c{n})\"><g transform=\"translate({middle} {}) scale({scale})\">\n{nose}</g></g>",
+            wide * n as f64,
+            high - 50.0,
+            high - 24.0
+        );
+    }
+    text + "</svg>\n"
+}
+
+/// Replaces the table between the two marks of the page.
+fn put_into_page(table: &str) -> Result<(), String> {
+    const PAGE: &str = "docs/fidelity.md";
+    let text = std::fs::read_to_string(PAGE).map_err(|e| format!("{PAGE}: {e}"))?;
+    let marks = text.split_once("<!-- rod -->\n").zip(text.split_once("<!-- end of rod -->"));
+    let ((before, _), (_, after)) = marks.ok_or_else(|| format!("{PAGE} has lost the marks of its second table"))?;
+    std::fs::write(PAGE, format!("{before}<!-- rod -->\n{table}<!-- end of rod -->{after}"))
+        .map_err(|e| format!("{PAGE}: {e}"))
+}

@@ -1,0 +1,94 @@
+//! A mesh as the text of a deck, to be included by another.
+//! Never here: materials, steps, loads.
+
+use std::fmt::Write as _;
+
+use super::mesh::{Belongs, Labels, Mesh, Wall};
+
+impl Mesh {
+    /// The text: `*NODE`, `*ELEMENT, TYPE=CAX4R`, sets, surfaces, `*SOLID SECTION`. `comments` are written at its head.
+    pub fn deck(&self, labels: &Labels, comments: &[String]) -> String {
+        let mut text = String::new();
+        comments.iter().for_each(|line| text += &format!("** {line}\n"));
+        let name = |word: &str| format!("{}{word}", labels.prefix);
+        let _ = writeln!(text, "*Node, nset={}", name("PROJECTILE"));
+        for (n, [r, z]) in self.sheet.points.iter().enumerate() {
+            let _ = writeln!(text, " {}, {r:.12e}, {z:.12e}", n + labels.first);
+        }
+        let hollow = self.wanted.cavity.is_some();
+        let case = name(if hollow { "CASE" } else { "BODY" });
+        self.elements(&mut text, &case, Belongs::Case, labels.first);
+        if self.belongs.contains(&Belongs::Fill) {
+            self.elements(&mut text, &name("FILL"), Belongs::Fill, labels.first);
+        }
+        if hollow {
+            let fill =
+                if self.belongs.contains(&Belongs::Fill) { format!(", {}", name("FILL")) } else { String::new() };
+            let _ = writeln!(text, "*Elset, elset={}\n {case}{fill}", name("BODY"));
+        }
+        if self.in_nose > 0 {
+            let last = labels.first + self.in_nose - 1;
+            let _ = writeln!(text, "*Elset, elset={}, generate\n {}, {last}, 1", name("NOSE"), labels.first);
+        }
+        self.sets(&mut text, labels);
+        self.surfaces(&mut text, labels);
+        let _ = writeln!(text, "*Solid Section, elset={case}, material={}", labels.material);
+        if self.belongs.contains(&Belongs::Fill) {
+            let _ = writeln!(text, "*Solid Section, elset={}, material={}", name("FILL"), labels.fill);
+        }
+        text
+    }
+
+    fn elements(&self, text: &mut String, set: &str, part: Belongs, first: usize) {
+        let _ = writeln!(text, "*Element, type=CAX4R, elset={set}");
+        let of_part = self.sheet.elements.iter().zip(&self.belongs).enumerate().filter(|(_, (_, b))| **b == part);
+        for (n, (corners, _)) in of_part {
+            let [a, b, c, d] = corners.map(|c| c + first);
+            let _ = writeln!(text, " {}, {a}, {b}, {c}, {d}", n + first);
+        }
+    }
+
+    fn sets(&self, text: &mut String, labels: &Labels) {
+        let on_axis = (0..self.sheet.points.len()).filter(|&n| self.sheet.points[n][0] == 0.0);
+        let end = self.outline.rim()[1];
+        let at_base = (0..self.sheet.points.len()).filter(|&n| self.sheet.points[n][1] == end);
+        let sets: [(&str, Vec<usize>); 6] = [
+            ("AXIS", on_axis.collect()),
+            ("BASE", at_base.collect()),
+            ("TIP", vec![self.corners[0]]),
+            ("SHOULDER", vec![self.corners[1]]),
+            ("BACK", vec![self.corners[2]]),
+            ("RIM", vec![self.corners[3]]),
+        ];
+        for (set, nodes) in sets {
+            let _ = writeln!(text, "*Nset, nset={}{set}", labels.prefix);
+            for line in nodes.chunks(12) {
+                let line: Vec<String> = line.iter().map(|n| (n + labels.first).to_string()).collect();
+                let _ = writeln!(text, " {}", line.join(", "));
+            }
+        }
+    }
+
+    /// `OUTER` is all that a target can wet: nose, shank and base.
+    fn surfaces(&self, text: &mut String, labels: &Labels) {
+        let outer: &[Wall] = &[Wall::Nose, Wall::Shank, Wall::Base];
+        let surfaces: [(&str, &[Wall]); 6] = [
+            ("OUTER", outer),
+            ("NOSE", &[Wall::Nose]),
+            ("SHANK", &[Wall::Shank]),
+            ("BASE", &[Wall::Base]),
+            ("INNER", &[Wall::Inner]),
+            ("FILL", &[Wall::Fill]),
+        ];
+        for (surface, walls) in surfaces {
+            let sides: Vec<_> = self.walls.iter().filter(|side| walls.contains(&side.2)).collect();
+            if sides.is_empty() {
+                continue;
+            }
+            let _ = writeln!(text, "*Surface, name={}{surface}", labels.prefix);
+            for (element, side, _) in sides {
+                let _ = writeln!(text, " {}, S{side}", element + labels.first);
+            }
+        }
+    }
+}

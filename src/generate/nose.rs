@@ -1,0 +1,211 @@
+//! A pointed nose in three blocks: its section is a triangle of axis, flank and shoulder, and a triangle is three quadrilaterals
+//! that meet in one node. So no element degenerates at the tip, and the columns of the shank need not all reach it.
+//! Never here: what lies behind the shoulder.
+
+use super::profile::{Piece, Point, distance};
+use super::shape::length;
+use super::sheet::{Block, Sheet};
+
+/// Nodes of a nose that others go on from.
+pub struct Meshed {
+    /// From the tip to the shoulder along the flank.
+    pub flank: Vec<usize>,
+    /// From the tip to the shoulder along the axis.
+    pub axis: Vec<usize>,
+    /// From the axis to the flank at the shoulder.
+    pub shoulder: Vec<usize>,
+}
+
+/// Meshes a nose; `columns` are shares of the radius at the shoulder from 0 to 1, three or more.
+pub fn mesh(sheet: &mut Sheet, pieces: &[Piece], columns: &[f64], size: f64) -> Meshed {
+    let [_, [radius, height]] = pieces[pieces.len() - 1].ends();
+    let across = columns.len() - 1;
+    // Columns beside the flank and beside the axis.
+    let outer = across / 2;
+    let inner = across - outer;
+    let points = flank(pieces, inner, size, height);
+    let behind = points.len() - 1 - inner;
+    let flank: Vec<usize> = points.into_iter().map(|p| sheet.node(p)).collect();
+    let (tip, end) = (flank[0], flank[flank.len() - 1]);
+    let along = outer + behind;
+    let mut axis = vec![tip];
+    axis.extend((1..=along).map(|n| sheet.node([0.0, height * n as f64 / along as f64])));
+    let mut shoulder = vec![axis[along]];
+    shoulder.extend(columns[1..across].iter().map(|share| sheet.node([share * radius, height])));
+    shoulder.push(end);
+
+    let middle = sheet.node([0.0; 2]);
+    let mut inside = |count: usize| -> Vec<usize> { (1..count).map(|_| sheet.node([0.0; 2])).collect() };
+    let (on_axis, on_flank, on_shoulder) = (axis[outer], flank[inner], shoulder[inner]);
+    let to_axis = [&[middle][..], &inside(inner), &[on_axis]].concat();
+    let to_flank = [&[middle][..], &inside(outer), &[on_flank]].concat();
+    let to_shoulder = [&[middle][..], &inside(behind), &[on_shoulder]].concat();
+    let backwards = |edge: &[usize]| -> Vec<usize> { edge.iter().rev().copied().collect() };
+    let from_axis = backwards(&to_axis);
+    let from_flank = backwards(&to_flank);
+    let blocks = [
+        sheet.block([&flank[..=inner], &from_axis], [&axis[..=outer], &from_flank]),
+        sheet.block([&from_axis, &shoulder[..=inner]], [&axis[outer..], &to_shoulder]),
+        sheet.block([&to_flank, &shoulder[inner..]], [&to_shoulder, &flank[inner..]]),
+    ];
+    let shares = |part: &[f64]| -> Vec<f64> {
+        let (from, to) = (part[0], part[part.len() - 1]);
+        part.iter().map(|x| (x - from) / (to - from)).collect()
+    };
+    let at_axis: Vec<f64> = shares(&columns[..=inner]).into_iter().rev().map(|x| 1.0 - x).collect();
+    let at_flank = shares(&columns[inner..]);
+    let even: Vec<f64> = (0..=behind).map(|n| n as f64 / behind as f64).collect();
+    let edges = [(to_axis, at_axis), (to_flank, at_flank), (to_shoulder, even)];
+    let nose = Blocks {
+        blocks,
+        edges,
+        middle,
+        axis: &axis,
+        flank: &flank,
+        piece: pieces.first().filter(|_| pieces.len() == 1),
+    };
+    nose.settle(&mut sheet.points, [outer, inner], on_shoulder);
+    nose.blocks.iter().for_each(|block| sheet.fill(block));
+    Meshed { flank, axis, shoulder }
+}
+
+/// Points along the flank: the ends of its pieces are among them; `inner` divisions belong to the block at the tip, one at least
+/// to what is behind it. Sizes follow from the mean length of flank and axis, as both have as many divisions on the average.
+fn flank(pieces: &[Piece], inner: usize, size: f64, height: f64) -> Vec<Point> {
+    let whole = length(pieces);
+    let wanted = 0.5 * (whole + height) / whole / size;
+    let mut counts: Vec<usize> = pieces.iter().map(|p| ((p.length() * wanted).round() as usize).max(1)).collect();
+    while counts.iter().sum::<usize>() < inner + 1 {
+        let widest = |k: &usize| pieces[*k].length() / counts[*k] as f64;
+        let most = (0..counts.len()).max_by(|a, b| widest(a).total_cmp(&widest(b))).unwrap_or(0);
+        counts[most] += 1;
+    }
+    let mut points = vec![pieces[0].ends()[0]];
+    for (piece, count) in pieces.iter().zip(counts) {
+        points.extend((1..=count).map(|n| piece.at(n as f64 / count as f64)));
+    }
+    points
+}
+
+/// Three blocks about the node where they meet; each edge runs from there, with shares of its length.
+struct Blocks<'a> {
+    blocks: [Block; 3],
+    edges: [(Vec<usize>, Vec<f64>); 3],
+    middle: usize,
+    axis: &'a [usize],
+    flank: &'a [usize],
+    /// The flank, if it is of one piece: its nodes may then be moved along it.
+    piece: Option<&'a Piece>,
+}
+
+/// Where the blocks meet: shares of axis and flank at which the block at the tip ends, and the middle.
+#[derive(Clone, Copy)]
+struct Places {
+    ends: [f64; 2],
+    middle: Point,
+}
+
+impl Places {
+    /// A trial: one of the four numbers, or two of the middle, moved by a step (shares by as many hundredths).
+    fn moved(mut self, [axis, flank, r, z]: [f64; 4], step: f64, length: f64) -> Places {
+        self.ends = [self.ends[0] + axis * step, self.ends[1] + flank * step].map(|share| share.clamp(0.02, 0.98));
+        self.middle = [self.middle[0] + r * step * length, self.middle[1] + z * step * length];
+        self
+    }
+}
+
+/// Directions of trials.
+const TRIALS: [[f64; 4]; 14] = [
+    [0.0, 0.0, 1.0, 0.0],
+    [0.0, 0.0, -1.0, 0.0],
+    [0.0, 0.0, 0.0, 1.0],
+    [0.0, 0.0, 0.0, -1.0],
+    [0.0, 0.0, 0.3, 1.0],
+    [0.0, 0.0, -0.3, -1.0],
+    [1.0, 0.0, 0.0, 0.0],
+    [-1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, -1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0, 0.0],
+    [-1.0, -1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0, 1.0],
+    [-1.0, -1.0, 0.0, -1.0],
+];
+
+impl Blocks<'_> {
+    /// Finds the places at which the worst element is best, measured by the product of the least scaled Jacobian and the least
+    /// height: the one is distortion to come, the other the stable increment. A search by halved steps from three beginnings: a
+    /// rhombus at the tip, a kite, and what lies nearer to the shoulder.
+    fn settle(&self, points: &mut [Point], [outer, inner]: [usize; 2], on_shoulder: usize) {
+        let [axis, flank, shoulder] = [self.axis[outer], self.flank[inner], on_shoulder].map(|n| points[n]);
+        let ends = [outer as f64 / (self.axis.len() - 1) as f64, inner as f64 / (self.flank.len() - 1) as f64];
+        let mixed = |a: f64, b: f64, c: f64| [0, 1].map(|k| a * axis[k] + b * flank[k] + c * shoulder[k]);
+        let length = distance(points[self.axis[0]], shoulder);
+        let starts = [mixed(1.0, 1.0, 0.0), mixed(0.55, 0.55, 0.0), mixed(0.4, 0.4, 0.2)];
+        let search = |points: &mut [Point], middle: Point| {
+            let mut places = Places { ends, middle };
+            let (mut best, mut step) = (self.worth(points, places), 0.125);
+            let mut trials = self.trials();
+            while step > 2e-4 && trials > 0 {
+                trials -= 1;
+                let tried = TRIALS.map(|trial| places.moved(trial, step, length));
+                let found = tried.into_iter().map(|p| (self.worth(points, p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
+                match found {
+                    Some((worth, p)) if worth > best => (best, places) = (worth, p),
+                    _ => step *= 0.5,
+                }
+            }
+            (best, places)
+        };
+        let found = starts.map(|middle| search(points, middle));
+        if let Some((_, places)) = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
+            self.place(points, places);
+        }
+    }
+
+    /// How many times the search may move or halve its step: fine meshes are content with less.
+    fn trials(&self) -> usize {
+        let [outer, inner, behind] = [1, 0, 2].map(|k| self.edges[k].0.len() - 1);
+        let elements = outer * inner + (outer + inner) * behind;
+        (60_000 / elements).clamp(12, 200)
+    }
+
+    /// Places all inner nodes, and those along axis and flank.
+    fn place(&self, points: &mut [Point], places: Places) {
+        let [outer, inner] = [&self.edges[1], &self.edges[0]].map(|edge| edge.0.len() - 1);
+        let height = points[self.axis[self.axis.len() - 1]][1];
+        for (n, share) in split(self.axis.len() - 1, outer, places.ends[0]) {
+            points[self.axis[n]] = [0.0, height * share];
+        }
+        if let Some(piece) = self.piece {
+            for (n, share) in split(self.flank.len() - 1, inner, places.ends[1]) {
+                points[self.flank[n]] = piece.at(share);
+            }
+        }
+        points[self.middle] = places.middle;
+        for (edge, shares) in &self.edges {
+            let end = points[edge[edge.len() - 1]];
+            for (&n, share) in edge.iter().zip(shares).skip(1).take(edge.len() - 2) {
+                points[n] = [0, 1].map(|k| places.middle[k] + share * (end[k] - places.middle[k]));
+            }
+        }
+        self.blocks.iter().for_each(|block| block.spread(points));
+    }
+
+    fn worth(&self, points: &mut [Point], places: Places) -> f64 {
+        self.place(points, places);
+        let each = self.blocks.iter().map(|block| block.worst(points));
+        let [jacobian, height] = each.fold([f64::INFINITY; 2], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);
+        if jacobian > 0.0 { jacobian * height } else { jacobian }
+    }
+}
+
+/// Shares of a line of `count` divisions that is evenly divided on both sides of the end of division `at`, which lies at a share;
+/// without its ends.
+fn split(count: usize, at: usize, share: f64) -> impl Iterator<Item = (usize, f64)> {
+    let behind = (count - at) as f64;
+    (1..count).map(move |n| {
+        let near = share * n as f64 / at as f64;
+        (n, if n <= at { near } else { share + (1.0 - share) * (n - at) as f64 / behind })
+    })
+}

@@ -1,0 +1,105 @@
+//! A mesh of quadrilaterals in the meridian while it is made: nodes, blocks between four edges, elements.
+//! Never here: what is meshed.
+
+use super::profile::Point;
+use super::quality::{height, least_scaled_jacobian};
+
+/// Nodes and elements.
+#[derive(Clone, Debug, Default)]
+pub struct Sheet {
+    /// Places of nodes.
+    pub points: Vec<Point>,
+    /// Corners of elements, counterclockwise in (r, z).
+    pub elements: Vec<[usize; 4]>,
+}
+
+/// Nodes of a block: rows of equal length. Outer rows and columns are its edges.
+#[derive(Clone, Debug)]
+pub struct Block(Vec<Vec<usize>>);
+
+impl Sheet {
+    /// A new node.
+    pub fn node(&mut self, point: Point) -> usize {
+        self.points.push(point);
+        self.points.len() - 1
+    }
+
+    /// A block between edges that share their ends: `first` and `last` run alike, `left` from the beginning of `first` to that of
+    /// `last`, `right` between their ends; from `first` to its left lies `last`. New nodes lie within; `Block::spread` gives them
+    /// places.
+    pub fn block(&mut self, [first, last]: [&[usize]; 2], [left, right]: [&[usize]; 2]) -> Block {
+        let rows = left.len();
+        let row = |n: usize, sheet: &mut Sheet| -> Vec<usize> {
+            if n == 0 {
+                return first.to_vec();
+            }
+            if n + 1 == rows {
+                return last.to_vec();
+            }
+            let inner = (1..first.len() - 1).map(|_| sheet.node([0.0; 2])).collect::<Vec<_>>();
+            [&[left[n]], &inner[..], &[right[n]]].concat()
+        };
+        Block((0..rows).map(|n| row(n, self)).collect())
+    }
+
+    /// The elements of a block.
+    pub fn fill(&mut self, block: &Block) {
+        for rows in block.0.windows(2) {
+            for (low, high) in rows[0].windows(2).zip(rows[1].windows(2)) {
+                self.elements.push([low[0], low[1], high[1], high[0]]);
+            }
+        }
+    }
+
+    /// Corners of an element.
+    pub fn corners(&self, element: usize) -> [Point; 4] {
+        self.elements[element].map(|n| self.points[n])
+    }
+}
+
+impl Block {
+    /// Places the inner nodes by transfinite interpolation between the edges (Gordon and Hall 1973): each node is what the two
+    /// pairs of edges say, less what the corners say.
+    pub fn spread(&self, points: &mut [Point]) {
+        let (rows, columns) = (self.0.len() - 1, self.0[0].len() - 1);
+        for i in 1..rows {
+            for j in 1..columns {
+                let at = |i: usize, j: usize, axis: usize| points[self.0[i][j]][axis];
+                // Shares along the edges, as mean of both of a pair.
+                let along = |ends: [Point; 2], p: Point| {
+                    let chord = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
+                    let square = chord[0] * chord[0] + chord[1] * chord[1];
+                    ((p[0] - ends[0][0]) * chord[0] + (p[1] - ends[0][1]) * chord[1]) / square
+                };
+                let point = |i: usize, j: usize| points[self.0[i][j]];
+                let u = 0.5
+                    * (along([point(0, 0), point(0, columns)], point(0, j))
+                        + along([point(rows, 0), point(rows, columns)], point(rows, j)));
+                let v = 0.5
+                    * (along([point(0, 0), point(rows, 0)], point(i, 0))
+                        + along([point(0, columns), point(rows, columns)], point(i, columns)));
+                let place = [0, 1].map(|k| {
+                    (1.0 - v) * at(0, j, k) + v * at(rows, j, k) + (1.0 - u) * at(i, 0, k) + u * at(i, columns, k)
+                        - (1.0 - u) * (1.0 - v) * at(0, 0, k)
+                        - u * (1.0 - v) * at(0, columns, k)
+                        - (1.0 - u) * v * at(rows, 0, k)
+                        - u * v * at(rows, columns, k)
+                });
+                points[self.0[i][j]] = place;
+            }
+        }
+    }
+
+    /// The least scaled Jacobian and the least height of its elements.
+    pub fn worst(&self, points: &[Point]) -> [f64; 2] {
+        let mut worst = [f64::INFINITY; 2];
+        for rows in self.0.windows(2) {
+            for (low, high) in rows[0].windows(2).zip(rows[1].windows(2)) {
+                let corners = [low[0], low[1], high[1], high[0]].map(|n| points[n]);
+                worst[0] = worst[0].min(least_scaled_jacobian(corners));
+                worst[1] = worst[1].min(height(corners));
+            }
+        }
+        worst
+    }
+}

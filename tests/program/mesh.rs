@@ -1,0 +1,217 @@
+//! `revolve mesh`: shapes, quality, sets and surfaces, refusals, and that decks take what it writes.
+//! Volumes are compared with closed forms of bodies of revolution.
+
+use std::f64::consts::PI;
+
+use revolve::generate::{Cavity, Fill, Labels, Measure, Mesh, Nose, Wanted};
+use revolve::job;
+use revolve::user::Routines;
+
+use crate::common::{self, revolve};
+
+fn wanted(nose: Nose, length: f64, size: f64) -> Wanted {
+    Wanted { nose, radius: 1.0, length, size, along: 1.0, across: 1.0, cavity: None }
+}
+
+fn hollow(fill: Fill, through: Option<usize>, wall: f64, base: f64) -> Wanted {
+    let cavity = Some(Cavity { wall, through, front: 4.0, base, fill });
+    Wanted { cavity, ..wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25) }
+}
+
+fn measure(wanted: &Wanted) -> Measure {
+    Mesh::new(wanted).unwrap_or_else(|e| panic!("{wanted:?}: {e:?}")).measure()
+}
+
+fn refusal(wanted: &Wanted) -> &'static str {
+    Mesh::new(wanted).expect_err("a refusal").code
+}
+
+/// The deck of a mesh with all that a run needs besides, loaded on its whole outer surface.
+fn findings(wanted: &Wanted) -> String {
+    let labels = Labels { first: 1001, prefix: "P_".into(), material: "STEEL".into(), fill: "SOFT".into() };
+    let mesh = Mesh::new(wanted).expect("a mesh").deck(&labels, &["a comment".into()]);
+    let text = format!(
+        "{mesh}*Material, name=STEEL\n*Density\n 7800.\n*Elastic\n 2.e11, 0.3\n*Material, name=SOFT\n*Density\n 1600.\n*Elastic\n \
+         1.e9, 0.3\n*Material, name=AL\n*Density\n 2700.\n*Cavity Expansion, yield=2.76e8\n 5., 1., 1.\n*Target, name=BLOCK, \
+         front=0., direction=-1\n AL, 50.\n*Initial Conditions, type=VELOCITY\n P_PROJECTILE, 2, -500.\n*Step\n*Dynamic, \
+         Explicit\n , 1.e-6\n*Dsload, target=BLOCK\n P_OUTER, CAVITY\n*Output, history, number interval=2\n*Node Output, \
+         nset=P_TIP\n U2\n*Node Output, nset=P_BACK\n U2\n*Node Output, nset=P_RIM\n U2\n*Node Output, nset=P_SHOULDER\n \
+         U1\n*End Step\n"
+    );
+    let prepared = job::prepare_text("made.inp", &text, &[], &Routines::none());
+    // Material that nothing is made of is the only note a solid projectile may get.
+    let told = prepared.diagnostics.render(&prepared.deck.sources);
+    assert!(!prepared.diagnostics.has_errors(), "{wanted:?}: {told}");
+    let (outcome, _) = job::run_in_memory(&prepared);
+    assert!(outcome.halt.is_none(), "{wanted:?}: {:?}", outcome.halt);
+    told
+}
+
+/// The volume of an ogive by its closed form (the nose of radius 1: integral of pi r^2, r = c + sqrt(R^2 - x^2)) plus the shank,
+/// and the order of the meshed volume over three halvings of the size: 2, that of a polygon in an arc, within 0.3, for nodes along
+/// the flank move with the size.
+#[test]
+fn volumes_come_to_those_of_bodies_of_revolution_with_order_two() {
+    for (crh, length) in [(1.0, 4.0), (3.0, 6.0), (6.0, 8.0)] {
+        let arc = 2.0 * crh;
+        let (centre, height) = (1.0 - arc, (4.0_f64 * crh - 1.0).sqrt());
+        let segment = 0.5 * (height * (arc * arc - height * height).sqrt() + arc * arc * (height / arc).asin());
+        let nose = PI
+            * (centre * centre * height + 2.0 * centre * segment + arc * arc * height - height * height * height / 3.0);
+        let exact = nose + PI * (length - height);
+        let errors = [0.4, 0.05].map(|size| {
+            let mesh = Mesh::new(&wanted(Nose::Ogive { crh }, length, size)).expect("a mesh");
+            let measure = mesh.measure();
+            assert!((measure.case.exact / exact - 1.0).abs() < 1e-12, "{crh}");
+            assert!((mesh.order().expect("an arc") - 2.0).abs() < 0.05, "{crh} {:?}", mesh.order());
+            1.0 - measure.case.meshed / exact
+        });
+        let order = (errors[0] / errors[1]).log2() / 3.0;
+        println!("CRH {crh}: errors {errors:?}, order {order:.2}");
+        assert!((order - 2.0).abs() < 0.3, "{order}");
+    }
+    let half = measure(&wanted(Nose::Sphere, 3.0, 0.1)).case;
+    assert!((half.exact / (2.0 / 3.0 * PI + 2.0 * PI) - 1.0).abs() < 1e-12 && half.error().abs() < 2e-3, "{half:?}");
+    for exact in [
+        Nose::Cone { half_angle: 20.0 },
+        Nose::Blunt,
+        Nose::Polyline(vec![[0.0, 0.0], [0.6, 1.0], [1.0, 3.0], [0.9, 5.0]]),
+    ] {
+        let made = measure(&wanted(exact, 5.0, 0.2)).case;
+        assert_eq!(made.error(), 0.0, "{made:?}");
+    }
+}
+
+/// The least scaled Jacobian is the sine of the sharpest corner of the profile, which no quadrilateral mesh that has a node there can
+/// beat (the tip, or the rim of a blunt cone), less one tenth; but where that corner is not sharp, 0.6 is enough. Walls as thin as a
+/// fiftieth of the radius keep it.
+#[test]
+fn elements_are_as_good_as_the_sharpest_corner_lets_them_be() {
+    let ogive = |crh: f64| (Nose::Ogive { crh }, ((2.0 * crh - 1.0) / (2.0 * crh)).acos().to_degrees());
+    let cone = |half_angle: f64| (Nose::Cone { half_angle }, f64::min(half_angle, 90.0 - half_angle));
+    let shapes = [ogive(1.0), ogive(3.0), ogive(6.0), cone(10.0), cone(30.0), cone(60.0), (Nose::Sphere, 90.0)];
+    for (nose, sharpest) in shapes {
+        for size in [0.5, 0.25, 0.11] {
+            let made = measure(&wanted(nose.clone(), 8.0, size));
+            let bound = f64::min(0.9 * sharpest.to_radians().sin(), 0.6);
+            println!("{nose:?} {size}: {:.3} (bound {bound:.3}), aspect {:.1}", made.jacobian.0, made.aspect.0);
+            assert!(made.jacobian.0 > bound, "{nose:?} {size}: {:?} {bound}", made.jacobian);
+            assert!(made.height.0 > 0.1 * size, "{nose:?} {size}: {:?}", made.height);
+        }
+    }
+    for wall in [0.3, 0.1, 0.02] {
+        let made = measure(&hollow(Fill::None, None, wall, 0.5));
+        assert!(made.jacobian.0 > 0.9 * 33.56_f64.to_radians().sin(), "{wall}: {:?}", made.jacobian);
+    }
+}
+
+/// Case and fill have the volumes of cylinder and rest; a fill apart has nodes of its own, a bonded one has not.
+#[test]
+fn cases_and_fills_have_their_volumes_and_nodes() {
+    let whole = measure(&wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25)).case.exact;
+    let inner = PI * 0.8 * 0.8 * 5.5;
+    let [none, bonded, apart] =
+        [Fill::None, Fill::Bonded, Fill::Apart].map(|fill| measure(&hollow(fill, None, 0.2, 0.5)));
+    for made in [&none, &bonded, &apart] {
+        assert!((made.case.exact / (whole - inner) - 1.0).abs() < 1e-12 && made.case.error().abs() < 2e-3, "{made:?}");
+    }
+    assert_eq!(none.fill.exact, 0.0);
+    assert!((bonded.fill.meshed / inner - 1.0).abs() < 1e-12 && (apart.fill.meshed / inner - 1.0).abs() < 1e-12);
+    assert_eq!(bonded.counts[1], apart.counts[1]);
+    assert!(none.counts[0] < bonded.counts[0] && bonded.counts[0] < apart.counts[0]);
+    let three = measure(&hollow(Fill::None, Some(3), 0.2, 0.0));
+    let five = measure(&hollow(Fill::None, Some(5), 0.2, 0.0));
+    assert!(five.counts[1] > three.counts[1]);
+}
+
+/// Sizes grow as asked: the largest aspect ratio of a cylinder is that of its last row, and with `across` that of its surface.
+#[test]
+fn sizes_grow_along_and_across() {
+    let even = measure(&wanted(Nose::Blunt, 8.0, 0.25));
+    let along = measure(&Wanted { along: 4.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
+    let across = measure(&Wanted { across: 3.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
+    assert!((even.aspect.0 - 1.0).abs() < 1e-9, "{:?}", even.aspect);
+    assert!((3.0..4.0).contains(&along.aspect.0) && along.aspect.1[1] > 7.0, "{:?}", along.aspect);
+    assert!(across.aspect.0 > 1.5 && across.height.1[0] > 0.8, "{across:?}");
+    assert!(along.counts[1] < even.counts[1] && across.counts[1] == even.counts[1]);
+}
+
+/// Every shape makes a deck without a finding but for materials that nothing is made of, and runs with its outer surface loaded.
+#[test]
+fn decks_take_every_shape() {
+    let level = Nose::Polyline(vec![[0.0, 0.0], [0.3, 0.0], [1.0, 2.0], [1.0, 5.0]]);
+    let pointed = Nose::Polyline(vec![[0.0, 1.0], [0.5, 1.6], [1.0, 3.0], [1.0, 7.0], [0.8, 9.0]]);
+    let shapes = [Nose::Ogive { crh: 3.0 }, Nose::Sphere, Nose::Cone { half_angle: 12.0 }, Nose::Blunt, level, pointed];
+    for nose in shapes {
+        let told = findings(&wanted(nose.clone(), 6.0, 0.4));
+        assert!(!told.contains("warning"), "{nose:?}: {told}");
+    }
+    for (fill, base) in
+        [(Fill::None, 0.5), (Fill::None, 0.0), (Fill::Bonded, 0.0), (Fill::Apart, 0.5), (Fill::Apart, 0.0)]
+    {
+        let told = findings(&hollow(fill, None, 0.2, base));
+        // Two parts that do not hang together are told: that is what APART is for.
+        assert!(fill == Fill::Apart || !told.contains("warning"), "{fill:?} {base}: {told}");
+    }
+}
+
+#[test]
+fn what_cannot_be_meshed_is_refused_in_words() {
+    let ogive = wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25);
+    let profile = |points: &[[f64; 2]]| wanted(Nose::Polyline(points.to_vec()), 1.0, 0.2);
+    let cavity = |wall: f64, front: f64, base: f64| {
+        let cavity = Some(Cavity { wall, through: None, front, base, fill: Fill::None });
+        Wanted { cavity, ..ogive.clone() }
+    };
+    let cases = [
+        ("G001", Wanted { radius: -1.0, ..ogive.clone() }),
+        ("G001", Wanted { size: f64::NAN, ..ogive.clone() }),
+        ("G001", Wanted { size: 2.0, ..ogive.clone() }),
+        ("G001", Wanted { size: 1e-4, ..ogive.clone() }),
+        ("G001", Wanted { along: 0.0, ..ogive.clone() }),
+        ("G002", wanted(Nose::Ogive { crh: 0.4 }, 10.0, 0.25)),
+        ("G002", wanted(Nose::Cone { half_angle: 90.0 }, 10.0, 0.25)),
+        ("G003", wanted(Nose::Ogive { crh: 3.0 }, 3.0, 0.25)),
+        ("G004", profile(&[[0.0, 0.0]])),
+        ("G004", profile(&[[0.0, 0.0], [1.0, 2.0], [0.5, 1.0]])),
+        ("G004", profile(&[[0.0, 0.0], [1.0, 2.0], [0.0, 3.0]])),
+        ("G004", profile(&[[0.0, 0.0], [0.8, 2.0], [0.5, 3.0], [1.0, 4.0]])),
+        ("G004", profile(&[[0.0, 0.0], [0.5, 2.0], [1.0, 2.0], [1.0, 4.0]])),
+        ("G005", cavity(1.0, 4.0, 0.5)),
+        ("G005", cavity(0.2, 3.0, 0.5)),
+        ("G005", cavity(0.2, 4.0, 6.5)),
+    ];
+    for (code, case) in cases {
+        assert_eq!(refusal(&case), code, "{case:?}");
+        assert!(revolve::explain::explain(code).is_some());
+    }
+}
+
+/// The command: what it prints, writes and refuses; the kept mesh of input/ogive_rod.inp is what it makes.
+#[test]
+fn the_command_writes_the_kept_mesh_and_says_what_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = |file: &str| folder.path().join(file).to_str().expect("a name").to_owned();
+    let kept = std::fs::read_to_string(common::project("input/ogive_rod_mesh.inp")).expect("the kept mesh");
+    let ogive = ["mesh", "ogive", "--crh", "3", "--radius", "3.555e-3", "--length", "71.1e-3", "--size", "0.6e-3"];
+    let (out, picture) = (name("rod.inp"), name("rod.svg"));
+    let told = revolve(&[&ogive[..], &["--material", "VAR4340", "-o", &out, "--picture", &picture]].concat());
+    let said = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(
+        told.status.success() && said.contains("least scaled Jacobian 0.5") && said.contains("order 2.00"),
+        "{said}"
+    );
+    assert_eq!(std::fs::read_to_string(&out).expect("a mesh"), kept);
+    assert!(std::fs::read_to_string(&picture).expect("a picture").matches("<path").count() > 1400);
+    let told = revolve(&[&ogive[..], &["--target-mass", "0.021", "-o", &out]].concat());
+    assert!(String::from_utf8_lossy(&told.stdout).contains("density 8.0443"), "{told:?}");
+    let heavy = ["--wall", "1.e-3", "--cavity-front", "20.e-3", "--fill", "bonded", "--fill-density", "1.e6"];
+    let told = revolve(&[&ogive[..], &heavy, &["--target-mass", "0.021", "-o", &name("no.inp")]].concat());
+    assert_eq!(told.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&told.stderr).contains("G007"), "{told:?}");
+    std::fs::write(name("points.txt"), "# tip\n0, 0\n1; 2\n1 x\n").expect("a file");
+    let told = revolve(&["mesh", "polyline", &name("points.txt"), "--size", "0.2", "-o", &name("no.inp")]);
+    assert_eq!(told.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&told.stderr).contains("line 4"), "{told:?}");
+    assert!(!folder.path().join("no.inp").exists());
+}
