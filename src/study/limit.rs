@@ -33,7 +33,7 @@ impl Asked {
         if !(0.0 <= low && low < high && high.is_finite()) {
             return Err(wrong("--between LOW,HIGH: velocities that rise, none below zero"));
         }
-        if !(tolerance > 1e-12 * high) {
+        if tolerance.is_nan() || tolerance <= 1e-12 * high {
             return Err(wrong("--tolerance: a width above zero is needed, such as 0.1"));
         }
         Ok(Asked { between: [low, high], tolerance, least, shots })
@@ -47,6 +47,9 @@ impl Asked {
 
 /// Residual velocities of shots at some velocities.
 pub type Fire<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, StudyError> + 'a;
+
+/// Residual velocities of draws, each at a velocity; not a number where a shot gives nothing.
+pub type FireDraws<'a> = dyn FnMut(&[(usize, f64)]) -> Result<Vec<f64>, StudyError> + 'a;
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,11 +123,7 @@ pub struct Scattered {
 ///
 /// # Errors
 /// Those of the shots.
-pub fn scatter(
-    asked: &Asked,
-    draws: usize,
-    fire: &mut dyn FnMut(&[(usize, f64)]) -> Result<Vec<f64>, StudyError>,
-) -> Result<Scattered, StudyError> {
+pub fn scatter(asked: &Asked, draws: usize, fire: &mut FireDraws<'_>) -> Result<Scattered, StudyError> {
     let [low, high] = asked.between;
     let mut ends = vec![(low, high); draws];
     let mut open: Vec<usize> = (0..draws).collect();
