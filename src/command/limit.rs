@@ -73,7 +73,7 @@ impl Limit {
             false => Some(self.scatter(&asked, &inputs, &self.evaluator(&inputs.names, &routines)?)?),
         };
         let sheet = sheet(&found, scattered.as_ref());
-        let mut charts = vec![(String::new(), limit::chart(&job.name, &found))];
+        let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered.as_ref()))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
         search::write(&job, "limit", &sheet, &charts)?;
         self.search.print(&sheet, &self.lines(&found, scattered.as_ref(), &job));

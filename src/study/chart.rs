@@ -41,6 +41,8 @@ pub enum Form {
     Area,
     /// A thin broken line to compare others with.
     Guide,
+    /// What lies within an outline: points along its lower edge, then back along the upper one.
+    Band,
 }
 
 /// Points with a name.

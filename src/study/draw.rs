@@ -193,7 +193,9 @@ impl<'a> Sheet<'a> {
 
     fn draw_series(&mut self, series: &Series, colour: &str) {
         let path = self.path(&series.points);
-        if series.form != Form::Marks && !path.is_empty() {
+        if series.form == Form::Band {
+            let _ = writeln!(self.text, "<path d=\"{path}Z\" fill=\"{colour}\" fill-opacity=\"0.25\"/>");
+        } else if series.form != Form::Marks && !path.is_empty() {
             let _ = writeln!(self.text, "<path d=\"{path}\" {}/>", stroke(series.form, colour));
         }
         if series.form == Form::Marks || series.form == Form::Line && series.points.len() <= MARKED {
@@ -219,10 +221,11 @@ impl<'a> Sheet<'a> {
                             y - 5.0
                         )
                     }
-                    Form::Area => writeln!(
+                    form @ (Form::Area | Form::Band) => writeln!(
                         self.text,
-                        "<rect x=\"{x}\" y=\"{}\" width=\"26\" height=\"12\" fill=\"{colour}\" fill-opacity=\"0.75\"/>",
-                        y - 11.0
+                        "<rect x=\"{x}\" y=\"{}\" width=\"26\" height=\"12\" fill=\"{colour}\" fill-opacity=\"{}\"/>",
+                        y - 11.0,
+                        if form == Form::Band { 0.25 } else { 0.75 }
                     ),
                     form => writeln!(self.text, "<path d=\"M{x} {}h26\" {}/>", y - 5.0, stroke(form, colour)),
                 };

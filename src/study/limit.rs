@@ -5,6 +5,7 @@ use super::StudyError;
 use super::chart::{Chart, Form, Series};
 use super::statistics::lambert_jonas::{self, Curve};
 use super::statistics::probit::{self, Scatter};
+use super::statistics::summary;
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +118,13 @@ pub struct Scattered {
     pub scatter: Option<Scatter>,
     /// Draws whose limit was not found, because a shot gave nothing.
     pub lost: usize,
+    /// Striking velocities with the residual velocities between which 90 % of the draws lie.
+    pub band: Vec<(f64, [f64; 2])>,
 }
+
+/// Velocities at which the band of residual velocities is taken, and the parts of draws below its edges.
+const ACROSS: u32 = 32;
+const PARTS: [f64; 2] = [0.05, 0.95];
 
 /// Halves for each of so many draws by itself; `fire` is given draws and velocities, and says not-a-number where a shot gives nothing.
 ///
@@ -150,13 +157,41 @@ pub fn scatter(asked: &Asked, draws: usize, fire: &mut FireDraws<'_>) -> Result<
     let members: Vec<(f64, f64)> =
         ends.into_iter().zip(&lost).filter(|(_, lost)| !**lost).map(|(ends, _)| ends).collect();
     let lost = lost.into_iter().filter(|lost| *lost).count();
-    Ok(Scattered { scatter: probit::fit(&members), members, lost })
+    let first = members.iter().map(|m| m.0).filter(|v| v.is_finite()).fold(f64::INFINITY, f64::min);
+    let band = band(if first.is_finite() { [first, high] } else { asked.between }, asked.least, draws, fire)?;
+    Ok(Scattered { scatter: probit::fit(&members), members, lost, band })
 }
 
-/// Residual over striking velocity, with the fitted curve.
-pub fn chart(title: &str, found: &Limit) -> Chart {
+/// Residual velocities of all draws between two striking velocities, closer together at the lower one, where they rise steeply.
+fn band(
+    [low, high]: [f64; 2],
+    least: f64,
+    draws: usize,
+    fire: &mut FireDraws<'_>,
+) -> Result<Vec<(f64, [f64; 2])>, StudyError> {
+    let place = |i: u32| low + (high - low) * (f64::from(i) / f64::from(ACROSS)).powi(2);
+    (0..=ACROSS)
+        .map(place)
+        .map(|velocity| {
+            let shots: Vec<(usize, f64)> = (0..draws).map(|draw| (draw, velocity)).collect();
+            let told = fire(&shots)?.into_iter().filter(|v| v.is_finite());
+            let mut residuals: Vec<f64> = told.map(|v| if v > least { v } else { 0.0 }).collect();
+            residuals.sort_by(f64::total_cmp);
+            Ok((velocity, PARTS.map(|part| summary::between(&residuals, part))))
+        })
+        .filter(|found| !matches!(found, Ok((_, edges)) if edges[0].is_nan()))
+        .collect()
+}
+
+/// Residual over striking velocity, with the fitted curve, and the band of draws where there are any.
+pub fn chart(title: &str, found: &Limit, scattered: Option<&Scattered>) -> Chart {
     let shots = Series { name: "shots".into(), points: found.shots.clone(), form: Form::Marks };
     let mut series = vec![shots];
+    if let Some(band) = scattered.map(|s| &s.band).filter(|band| !band.is_empty()) {
+        let edge = |side: usize| band.iter().map(move |(velocity, edges)| (*velocity, edges[side]));
+        let points = edge(0).chain(edge(1).rev()).collect();
+        series.push(Series { name: "90 % of draws".into(), points, form: Form::Band });
+    }
     if let (Some(curve), Some(last)) = (&found.curve, found.shots.last()) {
         let constants = curve.estimates.map(|e| e.value);
         let limit = constants[2];
@@ -246,5 +281,12 @@ mod tests {
         assert!(found.members.iter().zip(known).all(|(m, limit)| m.0 <= *limit && *limit <= m.1));
         assert_eq!([found.members[0].0, found.members[5].1], [f64::NEG_INFINITY, f64::INFINITY]);
         assert!(found.members[1..5].iter().all(|m| m.1 - m.0 <= 0.1) && found.scatter.is_some());
+        // At 900 the six draws are 900 less their limits fast, the last one not at all; by type 7 a twentieth lies a quarter on.
+        let (velocity, [low, high]) = found.band[ACROSS as usize];
+        assert!((velocity - 900.0).abs() < 1e-9);
+        assert!(
+            (low - 0.25 * 475.0).abs() < 1e-9 && (high - (0.75 * 750.0 + 0.25 * 500.0)).abs() < 1e-9,
+            "{low} {high}"
+        );
     }
 }
