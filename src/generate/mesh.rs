@@ -141,7 +141,7 @@ fn check_sizes(wanted: &Wanted, outline: &Outline) -> Result<(), Diagnostic> {
     positive("element size", wanted.size)?;
     positive("growth along the shank", wanted.along)?;
     positive("growth towards the axis", wanted.across)?;
-    let [radius, _] = outline.shoulder();
+    let radius = outline.widest();
     if wanted.size > radius * (1.0 + 1e-12) {
         let message = format!("elements of {} are larger than the radius of {radius}", wanted.size);
         return Err(Diagnostic::error("G001", message).help("two elements over the radius are few, eight are many"));
@@ -189,7 +189,7 @@ impl Columns {
         let count = |length: f64, least: usize| ((length / wanted.size).round() as usize).max(least);
         let Some(cavity) = &wanted.cavity else {
             // As many beside the axis as beside the flank: a nose is best with an even number.
-            let even = if pointed { 2 * count(radius / 2.0, 1) } else { count(radius, 1) };
+            let even = if pointed { 2 * count(radius / 2.0, 1) } else { count(outline.widest(), 1) };
             let shares = graded(even, wanted.across);
             return Columns { shares, within: 0 };
         };

@@ -80,6 +80,12 @@ impl Outline {
         self.body.last().map_or(self.shoulder(), |piece| piece.ends()[1])
     }
 
+    /// The largest radius.
+    pub fn widest(&self) -> f64 {
+        let ends = self.nose.iter().chain(&self.body).flat_map(Piece::ends);
+        ends.fold(0.0, |most, end| most.max(end[0]))
+    }
+
     /// The exact volume.
     pub fn volume(&self) -> f64 {
         self.nose.iter().chain(&self.body).map(Piece::volume).sum()
