@@ -30,8 +30,8 @@ use crate::overview::Overview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, Control, Energy, Every, Instant, LOST, LimitsOverTime, Outcome, Progress, Rest, Sink, SinkError, FlightSummary, StepSummary,
-    UnfitState,
+    self, Control, Energy, Every, FlightSummary, Instant, LOST, LimitsOverTime, Outcome, Progress, Rest, Sink,
+    SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Archive, Persist};
 use crate::user::{Routines, host};

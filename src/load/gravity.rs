@@ -76,7 +76,8 @@ impl Load for Gravity {
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let masses = size_of::<(usize, f64)>() * (self.bodies.capacity() + self.flights.capacity() + self.nodes.capacity());
+        let masses =
+            size_of::<(usize, f64)>() * (self.bodies.capacity() + self.flights.capacity() + self.nodes.capacity());
         vec![("masses", masses), ("amplitude", self.acceleration.bytes() + self.across.bytes())]
     }
 

@@ -79,9 +79,13 @@ impl Builder<'_> {
         let Some(set) = self.required(card, "ELSET") else { return };
         let Some(line) = self.first_line(card) else { return };
         let Some(first) = self.number(line, 0, "the moment of inertia I11") else { return };
-        let (Some(axial), Some(third)) = (self.number_or(line, 1, first), self.number_or(line, 2, first)) else { return };
+        let (Some(axial), Some(third)) = (self.number_or(line, 1, first), self.number_or(line, 2, first)) else {
+            return;
+        };
         if first < 0.0 || axial < 0.0 || first != third {
-            let message = format!("I11 and I33 of a body of revolution are equal, and none is below zero, not {first}, {axial}, {third}");
+            let message = format!(
+                "I11 and I33 of a body of revolution are equal, and none is below zero, not {first}, {axial}, {third}"
+            );
             self.out_of_range(line.span, message);
             return;
         }

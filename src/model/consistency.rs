@@ -234,8 +234,13 @@ impl Check<'_> {
     }
 
     fn target(&mut self, target: &Target) {
-        let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty() && target.obliquity.abs() < 90.0;
-        self.value(good, target.span, || "a target needs a front, the direction +1 or -1, an obliquity below 90 degrees, and layers".into());
+        let good = target.front.is_finite()
+            && target.direction.abs() == 1.0
+            && !target.layers.is_empty()
+            && target.obliquity.abs() < 90.0;
+        self.value(good, target.span, || {
+            "a target needs a front, the direction +1 or -1, an obliquity below 90 degrees, and layers".into()
+        });
         for layer in &target.layers {
             self.indices("M111", layer.span, "material", &[layer.material], self.model.materials.len());
             self.value(layer.thickness > 0.0, layer.span, || {

@@ -179,7 +179,13 @@ impl Compiler<'_> {
             };
             if dof != 2 {
                 if self.is_of_flight(&condition.members) {
-                    self.cause(condition.span, "initial velocity", 1, "bodies", format!("{} = {value}", ALONG[usize::from(dof) - 1]));
+                    self.cause(
+                        condition.span,
+                        "initial velocity",
+                        1,
+                        "bodies",
+                        format!("{} = {value}", ALONG[usize::from(dof) - 1]),
+                    );
                 } else {
                     self.radial_velocity(condition.span, value);
                 }
@@ -221,7 +227,8 @@ impl Compiler<'_> {
             self.unused(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
         } else {
             let message = "a rigid body of revolution cannot start with a radial velocity or a rotation";
-            self.diagnostics.push(Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move"));
+            let finding = Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move");
+            self.diagnostics.push(finding.help("*ATTITUDE gives a body that starts so six degrees of freedom"));
         }
     }
 

@@ -116,7 +116,11 @@ impl Compiler<'_> {
                     self.diagnostics.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
                 }
                 Some(body) if body.flight.is_none() => {
-                    self.unused(inertia.span, "*ROTARY INERTIA", "a rigid body of revolution that moves along z does not turn");
+                    self.unused(
+                        inertia.span,
+                        "*ROTARY INERTIA",
+                        "a rigid body of revolution that moves along z does not turn",
+                    );
                 }
                 Some(_) => {}
             }
@@ -165,7 +169,10 @@ impl Compiler<'_> {
             mesh.node_names[rigid.reference], inertia.axial, inertia.transverse
         );
         let span = given.map_or(rigid.span, |a| a.span);
-        if !(inertia.axial > 0.0 && inertia.transverse > 0.0 && inertia.axial <= 2.0 * inertia.transverse * (1.0 + 1e-12)) {
+        if !(inertia.axial > 0.0
+            && inertia.transverse > 0.0
+            && inertia.axial <= 2.0 * inertia.transverse * (1.0 + 1e-12))
+        {
             self.no_inertia(span, index, inertia);
         }
         self.cause(span, "six degrees of freedom", 1, "body", detail);
@@ -180,7 +187,9 @@ impl Compiler<'_> {
                 inertia.axial, inertia.transverse
             )
         } else {
-            format!("rigid body `{name}` is oblique and has no rotary inertia: its mass lies on the axis or in one point")
+            format!(
+                "rigid body `{name}` is oblique and has no rotary inertia: its mass lies on the axis or in one point"
+            )
         };
         let help = "give *ROTARY INERTIA to an element of TYPE=ROTARYI on its reference node, spread its mass with *ATTITUDE, \
                     INERTIA=UNIFORM, or give its elements a density";
@@ -248,9 +257,8 @@ impl Compiler<'_> {
         let on_nodes = |list: &[usize]| list.iter().any(|n| flies(n));
         let tie = self.ties.iter().find(|tie| self.bodies[tie.body].flight.is_some());
         let tied = tie.map(|tie| (self.bodies[tie.body].span, "deformable elements that share its nodes"));
-        let spring = model.connectors.iter().find(|c| {
-            c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes))
-        });
+        let spring =
+            model.connectors.iter().find(|c| c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes)));
         let spring = spring.map(|c| (c.span, "a spring or a dashpot"));
         let equation = model.equations.iter().find(|e| e.terms.iter().any(|t| flies(&t.0)));
         let equation = equation.map(|e| (e.span, "an *EQUATION"));
@@ -284,9 +292,8 @@ fn in_solid(corners: [[f64; 2]; 4], mut each: impl FnMut([f64; 2], f64)) {
             let shape = [(1.0 - x) * (1.0 - y), (1.0 + x) * (1.0 - y), (1.0 + x) * (1.0 + y), (1.0 - x) * (1.0 + y)];
             let by_x = [-(1.0 - y), 1.0 - y, 1.0 + y, -(1.0 + y)];
             let by_y = [-(1.0 - x), -(1.0 + x), 1.0 + x, 1.0 - x];
-            let sum = |weights: [f64; 4], axis: usize| {
-                0.25 * (0..4).map(|i| weights[i] * corners[i][axis]).sum::<f64>()
-            };
+            let sum =
+                |weights: [f64; 4], axis: usize| 0.25 * (0..4).map(|i| weights[i] * corners[i][axis]).sum::<f64>();
             let place = [sum(shape, 0), sum(shape, 1)];
             let area = sum(by_x, 0) * sum(by_y, 1) - sum(by_x, 1) * sum(by_y, 0);
             each(place, 2.0 * std::f64::consts::PI * place[0] * area * wx * wy);

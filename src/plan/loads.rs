@@ -11,14 +11,16 @@ use crate::kernel::amplitude::Curve;
 use crate::kernel::cavity::Resistance;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
-use crate::mesh::surface::{Patch, Surface};
 use crate::load::Load as Effect;
 use crate::load::cavity::{CavityExpansion, Stack, Tilt};
 use crate::load::concentrated::Concentrated;
 use crate::load::gravity::Gravity;
 use crate::load::pressure::Pressure;
 use crate::load::user_load::{Description, UserLoad, Volume};
-use crate::model::{self, AmplitudeDefinition, DEFAULT_ACCURACY, ElementKind, IncrementControl, Load, LoadKind, Sides, Step};
+use crate::mesh::surface::{Patch, Surface};
+use crate::model::{
+    self, AmplitudeDefinition, DEFAULT_ACCURACY, ElementKind, IncrementControl, Load, LoadKind, Sides, Step,
+};
 use crate::state::magnitude::{Magnitude, Shape};
 
 impl Compiler<'_> {
@@ -98,7 +100,8 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
         if dof != 2 && !flights.is_empty() {
-            let name = self.bodies.iter().find(|b| b.flight == Some(flights[0].0)).map_or(String::new(), |b| b.name.clone());
+            let name =
+                self.bodies.iter().find(|b| b.flight == Some(flights[0].0)).map_or(String::new(), |b| b.name.clone());
             self.refuse_on_flight(load.span, &name, "a concentrated force that is not along 2, or a moment,");
             flights.clear();
         }
@@ -143,7 +146,8 @@ impl Compiler<'_> {
             return None;
         }
         let along_z = (0..self.bodies.len()).filter(|&b| self.bodies[b].flight.is_none());
-        let bodies: Vec<(usize, f64)> = along_z.filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
+        let bodies: Vec<(usize, f64)> =
+            along_z.filter_map(|b| Some((b, self.weighed(&self.bodies[b], elements)?))).collect();
         let flights = self.weighed_flights(load, elements);
         let nodes: Vec<(usize, f64)> = match elements {
             None => {
@@ -158,8 +162,11 @@ impl Compiler<'_> {
             self.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
         }
         let detail = format!("a_z = {axial}{}", self.amplitude_name(load));
-        let (count, unit) =
-            if nodes.is_empty() { (bodies.len() + flights.len(), "bodies") } else { (bodies.len() + nodes.len(), "nodes") };
+        let (count, unit) = if nodes.is_empty() {
+            (bodies.len() + flights.len(), "bodies")
+        } else {
+            (bodies.len() + nodes.len(), "nodes")
+        };
         let id = self.cause(load.span, "gravity", count, unit, detail);
         let acceleration = self.magnitude(axial, load.amplitude);
         let across = self.magnitude(load.magnitude * direction[0], load.amplitude);
@@ -245,7 +252,8 @@ impl Compiler<'_> {
         let target = &self.model.targets[target];
         let layers = self.layers(target)?;
         if target.obliquity != 0.0 && !surface.skin.faces.is_empty() {
-            let message = format!("target {} is tilted: what deforms cannot meet it in a body of revolution", target.name);
+            let message =
+                format!("target {} is tilted: what deforms cannot meet it in a body of revolution", target.name);
             let finding = Diagnostic::error("P132", message).at(load.span, "here").at(target.span, "its OBLIQUITY");
             self.diagnostics.push(finding.help("a tilted target resists rigid bodies"));
             return None;
@@ -280,7 +288,11 @@ impl Compiler<'_> {
         let (oblique, along_z): (Vec<Patch>, Vec<Patch>) =
             std::mem::take(&mut surface.patches).into_iter().partition(|p| self.bodies[p.body].flight.is_some());
         surface.patches = along_z;
-        oblique.into_iter().filter_map(|patch| Some((self.bodies[patch.body].flight?, patch))).map(|(f, p)| (p, f)).collect()
+        oblique
+            .into_iter()
+            .filter_map(|patch| Some((self.bodies[patch.body].flight?, patch)))
+            .map(|(f, p)| (p, f))
+            .collect()
     }
 
     /// Refuses a load on surfaces of bodies with six degrees of freedom.
@@ -295,7 +307,8 @@ impl Compiler<'_> {
         let names: Vec<_> =
             target.layers.iter().take(4).map(|l| self.model.materials[l.material].name.clone()).collect();
         let more = if target.layers.len() > 4 { ", …" } else { "" };
-        let tilt = if target.obliquity == 0.0 { String::new() } else { format!(", tilted by {} deg", target.obliquity) };
+        let tilt =
+            if target.obliquity == 0.0 { String::new() } else { format!(", tilted by {} deg", target.obliquity) };
         let detail = format!("{}: {}{more}; front at z = {}{tilt}", target.name, names.join(", "), target.front);
         self.cause(target.span, "target", target.layers.len(), "layers", detail);
     }

@@ -61,8 +61,8 @@ use crate::model::{
     EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model, Precision,
     Shared, SurfaceContact,
 };
-pub use crate::state::dofs::{Dof, Dofs};
 use crate::state::EffectId;
+pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub use bodies::Body;
 pub use expressions::RowExpression;

@@ -144,7 +144,8 @@ impl Compiler<'_> {
 
     fn pieces_of(&self, is: impl Fn(ElementKind) -> bool) -> Vec<Piece> {
         let mesh = &self.model.mesh;
-        let solids: Vec<usize> = (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !self.flies(e)).collect();
+        let solids: Vec<usize> =
+            (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !self.flies(e)).collect();
         let piece = |elements: Vec<usize>| {
             let places: Vec<[f64; 2]> =
                 elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]).collect();

@@ -97,7 +97,10 @@ impl Run<'_> {
                 How::Through => {
                     self.outcome.unfinished.push(format!("{body} has left the target through its back {exit}"));
                 }
-                How::Ricochet => self.outcome.unfinished.push(format!("{body} has ricocheted: it left the target through its front {exit}")),
+                How::Ricochet => self
+                    .outcome
+                    .unfinished
+                    .push(format!("{body} has ricocheted: it left the target through its front {exit}")),
                 How::AtRest | How::NotMet => {}
             }
             self.outcome.flights.push(FlightSummary {
@@ -173,10 +176,8 @@ impl Flight {
         self.centre = plus(self.centre, dt, velocity);
         self.attitude = self.inertia.free_motion(self.attitude, momentum, dt);
         let shown = |v: Vector, rate: Vector, factor: f64| plus(v, reach * factor, rate);
-        self.shown = self.motion_of(
-            shown(velocity, self.total.force, per_mass),
-            shown(momentum, self.total.moment, 1.0),
-        );
+        self.shown =
+            self.motion_of(shown(velocity, self.total.force, per_mass), shown(momentum, self.total.moment, 1.0));
         self.fastest = self.fastest.max(self.reach(&motion));
     }
 
@@ -185,5 +186,4 @@ impl Flight {
         let Place { centre, attitude, moving: [velocity, momentum] } = self.last;
         (self.centre, self.attitude, self.velocity, self.momentum) = (centre, attitude, velocity, momentum);
     }
-
 }

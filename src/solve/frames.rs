@@ -214,7 +214,11 @@ pub(super) fn frame(run: &Run<'_>) -> Frame {
             (_, Position::Nodes) => averaged_at_nodes(run, field, &solid, &frame),
         };
         let list = if field.is_on_points() { &mut frame.point_fields } else { &mut frame.cell_fields };
-        list.push(if in_space(run, field) { array_in_space(field, values, run, &of_point) } else { array(field, values) });
+        list.push(if in_space(run, field) {
+            array_in_space(field, values, run, &of_point)
+        } else {
+            array(field, values)
+        });
     }
     frame.cell_fields.extend(facet_fields(run, &elements));
     let nodes: Vec<usize> = of_point.iter().map(|point| point.1).collect();

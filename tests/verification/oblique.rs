@@ -115,9 +115,8 @@ impl Shot {
         let moving = cross(turning, axis);
         let spin = dot(turning, axis);
         let spin_rate = dot(angular, axis) + dot(turning, moving);
-        let moment = std::array::from_fn(|i| {
-            across * angular[i] + (axial - across) * (spin_rate * axis[i] + spin * moving[i])
-        });
+        let moment =
+            std::array::from_fn(|i| across * angular[i] + (axial - across) * (spin_rate * axis[i] + spin * moving[i]));
         [force, moment]
     }
 
@@ -320,7 +319,10 @@ fn a_vanishing_angle_comes_to_normal_impact() {
         let (flat, tilted) = (flat.run(), tilted.run());
         assert_eq!((flat.six, tilted.six), (0, 1));
         let [a, b] = [&flat, &tilted].map(|run| run.outcome.rests.first().expect("it rests").clone());
-        println!("friction {friction}: {a:?} {b:?}, {} and {} increments", flat.outcome.increments, tilted.outcome.increments);
+        println!(
+            "friction {friction}: {a:?} {b:?}, {} and {} increments",
+            flat.outcome.increments, tilted.outcome.increments
+        );
         assert!((a.displacement / b.displacement - 1.0).abs() < 5e-4, "{a:?} {b:?}");
         assert!((a.time / b.time - 1.0).abs() < 5e-3, "{a:?} {b:?}");
         assert!(tilted.outcome.energy.drift < 1e-3, "{}", tilted.outcome.energy.drift);
@@ -346,7 +348,10 @@ fn books_of_energy_and_momentum_are_kept() {
     for (name, shot) in [("yawed", yawed), ("grazing", grazing)] {
         let drift = [1e-3, 1e-4, 1e-5].map(|accuracy| {
             let run = Shot { accuracy, ..shot.clone() }.run();
-            println!("{name} {accuracy:e}: drift {:.2e}, {} increments, {:?}", run.outcome.energy.drift, run.outcome.increments, run.outcome.flights);
+            println!(
+                "{name} {accuracy:e}: drift {:.2e}, {} increments, {:?}",
+                run.outcome.energy.drift, run.outcome.increments, run.outcome.flights
+            );
             if accuracy == 1e-4 {
                 momentum(&shot, &run);
             }
@@ -386,7 +391,14 @@ fn momentum(shot: &Shot, run: &Run) {
 #[test]
 fn torque_free_spin_is_the_closed_form() {
     let starts = [30.0, -SPEED, 5.0, 800.0, 12000.0, 300.0];
-    let far = Shot { front: -10.0, starts, time: 5e-3, angles: [5.0, 0.0], every: "number interval=50", ..Shot::new(blunt(2), 0.022) };
+    let far = Shot {
+        front: -10.0,
+        starts,
+        time: 5e-3,
+        angles: [5.0, 0.0],
+        every: "number interval=50",
+        ..Shot::new(blunt(2), 0.022)
+    };
     let run = far.run();
     let [axial, across] = far.inertia;
     let (e, w) = (axis(far.angles), [starts[3], starts[4], starts[5]]);
@@ -399,9 +411,8 @@ fn torque_free_spin_is_the_closed_form() {
         let angle = rate * run.memory.rows[row].0;
         let side = cross(unit, e);
         let along = dot(unit, e);
-        let now: [f64; 3] = std::array::from_fn(|i| {
-            e[i] * angle.cos() + side[i] * angle.sin() + unit[i] * along * (1.0 - angle.cos())
-        });
+        let now: [f64; 3] =
+            std::array::from_fn(|i| e[i] * angle.cos() + side[i] * angle.sin() + unit[i] * along * (1.0 - angle.cos()));
         let tilt = now[1].acos().to_degrees();
         assert!((run.value("TILT@REF", row) - tilt).abs() < 1e-7, "row {row}");
         let w = run.vector("VR", row);
@@ -422,7 +433,7 @@ fn a_sphere_is_indifferent_to_its_attitude() {
         starts,
         obliquity: 35.0,
         front: -0.011,
-        thickness: 0.012,
+        thickness: 0.003,
         time: 2e-4,
         inertia: [2e-6, 2e-6],
         every: "number interval=4",
@@ -435,11 +446,12 @@ fn a_sphere_is_indifferent_to_its_attitude() {
         let others = [([90.0, 0.0], still), ([-47.0, 31.0], still), ([20.0, -70.0], spinning)];
         let far = others.map(|(angles, starts)| {
             let other = shot(facets, angles, starts).run();
+            assert_eq!(other.outcome.flights[0].end, "through");
             let (a, b) = (one.vector("V", one.last()), other.vector("V", other.last()));
             norm(std::array::from_fn(|i| a[i] - b[i])) / SPEED
         });
         println!("{facets} facets: {far:.2?}, {:?}", one.outcome.flights);
         far.into_iter().fold(0.0, f64::max)
     });
-    assert!(errors[2] < 0.1 * errors[0] && errors[2] < 3e-3, "{errors:?}");
+    assert!(errors[2] < 0.15 * errors[0] && errors[2] < 3e-3, "{errors:?}");
 }

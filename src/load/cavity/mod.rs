@@ -111,7 +111,9 @@ impl Load for CavityExpansion {
     fn on_flights(&mut self, clock: &Clock<'_>, flights: &mut [Flight]) -> Result<(), Halt> {
         let time = clock.now.total_time;
         for oblique in &mut self.oblique {
-            oblique.resist(&self.stack, flights, time).ok_or_else(|| unbounded(time, flights[oblique.flight()].fastest))?;
+            oblique
+                .resist(&self.stack, flights, time)
+                .ok_or_else(|| unbounded(time, flights[oblique.flight()].fastest))?;
         }
         Ok(())
     }
@@ -152,7 +154,8 @@ impl Load for CavityExpansion {
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let noses = self.noses.iter().map(Nose::bytes).sum::<usize>() + size_of::<Nose>() * self.noses.capacity();
-        let oblique = self.oblique.iter().map(Oblique::bytes).sum::<usize>() + size_of::<Oblique>() * self.oblique.capacity();
+        let oblique =
+            self.oblique.iter().map(Oblique::bytes).sum::<usize>() + size_of::<Oblique>() * self.oblique.capacity();
         vec![("facets", noses + self.skin.bytes()), ("rings", oblique), ("layers", self.stack.bytes())]
     }
 

@@ -137,7 +137,13 @@ impl Oblique {
         let along = dot(flight.velocity, self.tilt.up).abs();
         let obliquity = if speed > 0.0 { libm::acos((along / speed).min(1.0)) } else { 0.0 };
         let how = match self.left {
-            Some((_, through)) => if through { How::Through } else { How::Ricochet },
+            Some((_, through)) => {
+                if through {
+                    How::Through
+                } else {
+                    How::Ricochet
+                }
+            }
             None if !self.met => How::NotMet,
             None if flight.rests => How::AtRest,
             None => How::Moving,
@@ -169,7 +175,8 @@ impl Oblique {
     pub(super) fn show(&self, stack: &Stack, flights: &[Flight], fields: &mut FacetFields) {
         let flight = &flights[self.flight];
         let scene = self.scene(flight, &flight.motion());
-        self.rings.show(stack, &scene, |ring, _, [pressure, velocity]| fields.push(self.elements[ring], pressure, velocity));
+        self.rings
+            .show(stack, &scene, |ring, _, [pressure, velocity]| fields.push(self.elements[ring], pressure, velocity));
     }
 
     /// The flight that it acts on.
@@ -185,8 +192,18 @@ impl Oblique {
 
 impl Persist for Oblique {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Oblique { flight: _, tilt: _, friction: _, travel: _, rings: _, elements: _, direction: _, met, left, damping } =
-            self;
+        let Oblique {
+            flight: _,
+            tilt: _,
+            friction: _,
+            travel: _,
+            rings: _,
+            elements: _,
+            direction: _,
+            met,
+            left,
+            damping,
+        } = self;
         persist_fields!(archive; met, left, damping);
     }
 }

@@ -237,7 +237,9 @@ impl pulp::NullaryFnOnce for All<'_> {
                 Some(layer) if slowest >= scene.onset && scene.friction == 0.0 => {
                     closed(ring, &around, &stack.laws[layer], stations.count, &mut sum.pressure);
                 }
-                _ if scene.friction > 0.0 => over_stations::<true>(ring, &around, stations, stack, layer, scene, &mut sum),
+                _ if scene.friction > 0.0 => {
+                    over_stations::<true>(ring, &around, stations, stack, layer, scene, &mut sum)
+                }
                 _ => over_stations::<false>(ring, &around, stations, stack, layer, scene, &mut sum),
             }
         }
@@ -420,7 +422,9 @@ fn over_stations<const FRICTION: bool>(
             rub(ring, scene, [c, s], &loaded.middle, &pressure, &mut rubbed);
         }
     }
-    let total = |lanes: &Lane| ring.area * ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7])));
+    let total = |lanes: &Lane| {
+        ring.area * ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7])))
+    };
     add(ring, &mut sum.pressure, [total(&pressed[0]), total(&pressed[1]), total(&pressed[2])]);
     sum.damping += total(&pressed[3]);
     if FRICTION {
