@@ -289,7 +289,7 @@ fn the_order_in_stations_is_two() {
             x.iter().zip(&y).map(|(a, b)| (a - mx) * (b - my)).sum::<f64>()
                 / x.iter().map(|a| (a - mx) * (a - mx)).sum::<f64>()
         };
-        println!("pose {pose}: order {slope:.2}, errors {errors:.2?}");
+        println!("pose {pose}: order {slope:.2}, errors {errors:?}");
         assert!(slope > 1.8, "pose {pose}: order {slope}, {errors:?}");
         assert!(errors[2] < 2e-3, "pose {pose}: {errors:?}");
     }
@@ -341,7 +341,7 @@ fn books_of_energy_and_momentum_are_kept() {
         thickness: 0.02,
         friction: 0.1,
         starts: [0.0, -SPEED, 0.0, 0.0, 3000.0, 0.0],
-        time: 3e-4,
+        time: 6e-5,
         ..blunt.clone()
     };
     let grazing = Shot { angles: [0.0; 2], obliquity: 75.0, front: -0.02, time: 3e-4, ..blunt };
@@ -450,7 +450,7 @@ fn a_sphere_is_indifferent_to_its_attitude() {
             let (a, b) = (one.vector("V", one.last()), other.vector("V", other.last()));
             norm(std::array::from_fn(|i| a[i] - b[i])) / SPEED
         });
-        println!("{facets} facets: {far:.2?}, {:?}", one.outcome.flights);
+        println!("{facets} facets: {far:?}, {:?}", one.outcome.flights);
         far.into_iter().fold(0.0, f64::max)
     });
     assert!(errors[2] < 0.15 * errors[0] && errors[2] < 3e-3, "{errors:?}");
