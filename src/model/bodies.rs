@@ -118,7 +118,12 @@ impl Builder<'_> {
             return;
         };
         let stations = card.value("STATIONS").map_or(Some(STATIONS as f64), |w| w.number(&mut self.diagnostics));
-        let uniform = card.value("INERTIA").is_some_and(|w| upper(&w.text) == "UNIFORM");
+        let uniform = card.value("INERTIA");
+        if let Some(word) = uniform.filter(|w| upper(&w.text) != "UNIFORM") {
+            self.unsupported(word.span, format!("INERTIA={} is not known", word.text), "UNIFORM is");
+            return;
+        }
+        let uniform = uniform.is_some();
         let line = card.lines.first();
         let angle = |builder: &mut Self, at| line.map_or(Some(0.0), |line| builder.number_or(line, at, 0.0));
         let (Some(stations), Some(first), Some(second)) = (stations, angle(self, 0), angle(self, 1)) else { return };

@@ -24,8 +24,10 @@ impl Builder<'_> {
     /// and 2 (z), the reference node of a rigid one the rotation 6 as well, which symmetry holds (ABAQUS Analysis User's
     /// Guide 1.2.2, "Conventions").
     fn missing_degrees(&mut self) {
+        // A body with an attitude may have six degrees of freedom.
+        let in_space = |nodes: &[usize]| self.model.attitudes.iter().any(|a| nodes.contains(&a.reference));
         let velocities = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
-            InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 => {
+            InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 && !in_space(&c.members) => {
                 let (nodes, set) =
                     (c.members.clone(), self.model.sources.text(c.span).split(',').next().unwrap_or("").trim().into());
                 Some(Rotational { span: c.span, set, dofs: [dof; 2], nodes, lost: "moves", value })

@@ -227,7 +227,8 @@ impl Compiler<'_> {
             self.unused(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
         } else {
             let message = "a rigid body of revolution cannot start with a radial velocity or a rotation";
-            self.diagnostics.push(Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move"));
+            let finding = Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move");
+            self.diagnostics.push(finding.help("*ATTITUDE gives a body that starts so six degrees of freedom"));
         }
     }
 

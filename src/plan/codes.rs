@@ -252,6 +252,21 @@ pub const CODES: &[Code] = &[
         text: "`--precision single` is of solid elements with *ELASTIC, which may flow, heat and fail. What has an equation of state, rubber, foam, routines of the user, shells, HOURGLASS=ENHANCED and WEIGHTING=AREA stay in double precision, and rigid bodies have no other; beside elements in single precision the ledger lists those that stay.",
     },
     Code {
+        code: "P130",
+        title: "attitude of what is no body",
+        text: "*ATTITUDE turns a rigid body: it names the REF NODE of a *RIGID BODY, and each body has one.",
+    },
+    Code {
+        code: "P131",
+        title: "oblique body without inertia",
+        text: "A body whose impact is oblique turns, so that it needs moments of inertia about its axis and across it. They follow from solids with a density and from RAX2 elements with DENSITY and thickness; from *ROTARY INERTIA on an element of TYPE=ROTARYI; or from *ATTITUDE, INERTIA=UNIFORM, which spreads the mass evenly over what the meridian encloses. A mass on the reference node alone has none. About its axis no body has more than twice what it has across.",
+    },
+    Code {
+        code: "P132",
+        title: "what an oblique body cannot have",
+        text: "A rigid body that is turned (*ATTITUDE), meets a tilted target (*TARGET, OBLIQUITY) or starts across its axis has six degrees of freedom. It takes the resistance of targets, gravity and *CLOAD along 2. Pressures, user loads, prescribed motions, contact, springs, equations and deformable elements on it are refused, and what deforms cannot meet a tilted target.",
+    },
+    Code {
         code: "R201",
         title: "the user's routine failed",
         text: "It returned an error, ended the analysis (STOP, xplb_exit), or gave a value that is not a finite number. The message names what it was called for, step, increment and time; the last good state is in the last frame.",

@@ -91,9 +91,12 @@ impl Run<'_> {
                 flight.yaw().to_degrees()
             );
             match end.how {
-                How::Moving => self.outcome.unfinished.push(format!(
-                    "{body} still moves in the target, speed {speed:.4e}: a depth read now is not its last"
-                )),
+                How::Moving => {
+                    self.outcome.still_moving += 1;
+                    self.outcome.unfinished.push(format!(
+                        "{body} still moves in the target, speed {speed:.4e}: a depth read now is not its last"
+                    ));
+                }
                 How::Through => {
                     self.outcome.unfinished.push(format!("{body} has left the target through its back {exit}"));
                 }

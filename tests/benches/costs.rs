@@ -9,6 +9,7 @@ mod contact_cost;
 mod elastic_cost;
 mod increment_cost;
 mod law_cost;
+mod oblique_cost;
 mod overhead;
 mod plain_solid;
 mod precision_cost;
@@ -24,6 +25,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("elastic_cost", elastic_cost::run),
     ("user_cost", user_cost::run),
     ("law_cost", law_cost::run),
+    ("oblique_cost", oblique_cost::run),
     ("contact_cost", contact_cost::run),
     ("overhead", overhead::run),
     ("scenes", scenes::run),

@@ -54,8 +54,12 @@ fn nothing_allocates_inside_an_increment() {
     let shorter = |deck: &str| deck.replace(", 1.e-3", ", 1.e-4");
     // What a process makes once and keeps.
     allocations(&shorter(&text));
+    let tilted = text
+        .replace("direction=-1", "direction=-1, obliquity=10.")
+        .replace("*Surface, name=NOSE", "*Attitude, ref node=REF, stations=8, inertia=UNIFORM\n*Surface, name=NOSE");
     for (name, short, long) in [
         ("CAVITY", shorter(&text), text.clone()),
+        ("CAVITY, six degrees of freedom", shorter(&tilted), tilted.clone()),
         ("UserLoad", shorter(&own), own.clone()),
         ("automatic increments", automatic("1e-8"), automatic("1e-10")),
     ] {

@@ -132,6 +132,22 @@ fn temperatures_of_nodes() {
     assert!(outcome.energy.heat.is_some_and(|heat| heat != 0.0), "{:?}", outcome.energy);
 }
 
+/// Six degrees of freedom: off the face of a tilted target, and to rest in one, with spin and friction.
+#[test]
+fn bodies_in_space() {
+    let text = fs::read_to_string(project("input/oblique.inp")).expect("a deck");
+    let ricochet = text.replace("V         = 500.", "V = 400.").replace("obliquity = 30.", "obliquity = 65.");
+    let outcome = goes_on("ricochet", &ricochet, Routines::none);
+    assert_eq!(outcome.flights[0].end, "ricochet");
+    let stuck = text
+        .replace("V         = 500.", "V = 250.")
+        .replace("shank = 0.0593", "shank = 0.002")
+        .replace("friction = 0.", "friction = 0.05")
+        .replace(" REF, 2, <z1>", " REF, 2, <z1>\n REF, 5, 3000.");
+    let outcome = goes_on("rest", &stuck, Routines::none);
+    assert_eq!(outcome.flights[0].end, "at rest");
+}
+
 #[test]
 fn every_law_of_material() {
     let head = "*Density\n 2.785e-9,\n";

@@ -31,6 +31,7 @@ mod links;
 mod loads;
 mod mass_scaling;
 mod materials;
+mod oblique;
 mod over_temperature;
 mod precision;
 mod properties;

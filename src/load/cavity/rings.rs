@@ -15,8 +15,8 @@ use crate::kernel::cavity::Resistance;
 use crate::kernel::facet::Facet;
 use crate::state::flight::Wrench;
 
-/// Stations side by side.
-const LANES: usize = 8;
+/// Stations side by side: enough that compilers leave loops over them to their vectoriser.
+const LANES: usize = 16;
 /// A number at each of them.
 type Lane = [f64; LANES];
 
@@ -289,32 +289,75 @@ impl Loaded {
     #[inline(always)]
     fn new(around: &Around, stations: &Stations, block: usize, onset: f64) -> Loaded {
         let Around { mean, cosine, sine, .. } = *around;
-        let at = |[c, s]: &[Vec<Lane>; 2]| -> Lane {
-            let (c, s) = (&c[block], &s[block]);
-            std::array::from_fn(|l| mean + (cosine * c[l] + sine * s[l]))
-        };
-        let (middle, first, second) = (at(&stations.middle), at(&stations.edges[0]), at(&stations.edges[1]));
-        let (mut speed, mut share, mut growth) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let [cosines, sines] = [&stations.middle[0][block], &stations.middle[1][block]];
+        let [first_cosines, first_sines] = [&stations.edges[0][0][block], &stations.edges[0][1][block]];
+        let [second_cosines, second_sines] = [&stations.edges[1][0][block], &stations.edges[1][1][block]];
+        let (mut middle, mut speed, mut share, mut growth) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
         let (per, small) = (1.0 / onset, 1e-3 * onset);
         for l in 0..LANES {
-            let (a, b) = (first[l].max(0.0), second[l].max(0.0));
-            let ramp = |v: f64| (v * per).min(1.0);
-            let integral = |v: f64| if v < onset { 0.5 * v * v * per } else { v - 0.5 * onset };
-            let difference = second[l] - first[l];
+            let v = mean + (cosine * cosines[l] + sine * sines[l]);
+            let first = mean + (cosine * first_cosines[l] + sine * first_sines[l]);
+            let second = mean + (cosine * second_cosines[l] + sine * second_sines[l]);
+            let (a, b, m) = (above_zero(first), above_zero(second), above_zero(v));
+            let difference = second - first;
             let even = difference.abs() < small;
             let over = 1.0 / if even { 1.0 } else { difference };
-            let m = middle[l].max(0.0);
-            share[l] = if even { ramp(m) } else { (integral(b) - integral(a)) * over };
-            let inside = if (m > 0.0) & (m < onset) { per } else { 0.0 };
-            growth[l] = if even { inside } else { (ramp(b) - ramp(a)) * over };
-            speed[l] = if (a > 0.0) & (b > 0.0) { m } else { 0.5 * (a + b) };
+            let mean_of_line = (integral(b, per, onset) - integral(a, per, onset)) * over;
+            share[l] = if even { ramp(m, per) } else { mean_of_line };
+            let inside = if m > 0.0 { if m < onset { per } else { 0.0 } } else { 0.0 };
+            growth[l] = if even { inside } else { (ramp(b, per) - ramp(a, per)) * over };
+            let crossed = 0.5 * (a + b);
+            speed[l] = if first.min(second) > 0.0 { m } else { crossed };
+            middle[l] = v;
         }
         Loaded { middle, speed, share, growth }
+    }
+
+    /// The same of a ring that moves in all around, beyond the onset.
+    #[inline(always)]
+    fn whole(around: &Around, stations: &Stations, block: usize) -> Loaded {
+        let Around { mean, cosine, sine, .. } = *around;
+        let [cosines, sines] = [&stations.middle[0][block], &stations.middle[1][block]];
+        let mut middle = [0.0; LANES];
+        for l in 0..LANES {
+            middle[l] = mean + (cosine * cosines[l] + sine * sines[l]);
+        }
+        Loaded { middle, speed: middle, share: [1.0; LANES], growth: [0.0; LANES] }
     }
 
     fn is_any(&self) -> bool {
         self.share.iter().any(|&s| s > 0.0)
     }
+}
+
+/// Zero of what lies below.
+#[inline(always)]
+fn above_zero(v: f64) -> f64 {
+    if v > 0.0 { v } else { 0.0 }
+}
+
+/// Share of the pressure at a normal velocity of at least zero.
+#[inline(always)]
+fn ramp(v: f64, per_onset: f64) -> f64 {
+    let share = v * per_onset;
+    if share < 1.0 { share } else { 1.0 }
+}
+
+/// Its integral over the normal velocity.
+#[inline(always)]
+fn integral(v: f64, per_onset: f64, onset: f64) -> f64 {
+    let (below, above) = (0.5 * v * v * per_onset, v - 0.5 * onset);
+    if v < onset { below } else { above }
+}
+
+/// The sum of lanes, in one order.
+#[inline(always)]
+fn total(lanes: &Lane) -> f64 {
+    let mut half = [0.0; LANES / 2];
+    for l in 0..LANES / 2 {
+        half[l] = lanes[l] + lanes[l + LANES / 2];
+    }
+    ((half[0] + half[1]) + (half[2] + half[3])) + ((half[4] + half[5]) + (half[6] + half[7]))
 }
 
 /// Mean pressure on stations: the law at their normal velocity, times the share of the area that moves in, and that in each layer.
@@ -462,56 +505,75 @@ fn over_stations<const FRICTION: bool>(
     scene: &Scene,
     sum: &mut Sum,
 ) {
+    let whole = around.speeds()[0] >= scene.onset;
     let mut pressed = [[0.0; LANES]; 4];
     let mut rubbed = [[0.0; LANES]; 7];
     for block in 0..stations.weight.len() {
-        let loaded = Loaded::new(around, stations, block, scene.onset);
+        let loaded = if whole {
+            Loaded::whole(around, stations, block)
+        } else {
+            Loaded::new(around, stations, block, scene.onset)
+        };
         let pressure = pressures(ring, around, stations, block, stack, layer, scene, &loaded);
         let (c, s) = (&stations.middle[0][block], &stations.middle[1][block]);
         for l in 0..LANES {
             pressed[0][l] += pressure[l];
             pressed[1][l] += pressure[l] * c[l];
             pressed[2][l] += pressure[l] * s[l];
-            // Force a speed: the pressure that it will have come up to.
-            pressed[3][l] += loaded.growth[l] * pressure[l] / loaded.share[l].max(1e-3);
+        }
+        // Force a speed: the pressure that it will have come up to.
+        for l in 0..if whole { 0 } else { LANES } {
+            pressed[3][l] +=
+                loaded.growth[l] * pressure[l] / if loaded.share[l] > 1e-3 { loaded.share[l] } else { 1e-3 };
         }
         if FRICTION {
             rub(ring, scene, [c, s], &loaded.middle, &pressure, &mut rubbed);
         }
     }
-    let total = |lanes: &Lane| {
-        ring.area * ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7])))
-    };
+    let total = |lanes: &Lane| ring.area * total(lanes);
     add(ring, &mut sum.pressure, [total(&pressed[0]), total(&pressed[1]), total(&pressed[2])]);
     sum.damping += total(&pressed[3]);
     if FRICTION {
-        for i in 0..3 {
-            sum.friction.force[i] -= scene.friction * total(&rubbed[i]);
-            sum.friction.moment[i] -= scene.friction * total(&rubbed[3 + i]);
-        }
+        let ([f1, f2, f3], (r, h)) =
+            ([0, 1, 2].map(|i| scene.friction * total(&rubbed[i])), (ring.radius, ring.height));
+        let [cross, twist, along] = [3, 4, 5].map(|i| scene.friction * r * total(&rubbed[i]));
+        let Wrench { force, moment } = &mut sum.friction;
+        *force = [force[0] - f1, force[1] - f2, force[2] - f3];
+        *moment = [moment[0] - (h * f3 - cross), moment[1] - twist, moment[2] - (along - h * f1)];
         sum.damping += scene.friction * total(&rubbed[6]);
     }
 }
 
-/// Adds p t and x cross p t, with t = v_t / max(|v_t|, c) and v_t the velocity along the surface; and p / max(|v_t|, c).
+/// Adds f = p v_t / max(|v_t|, c), with v_t the velocity along the surface and c the onset; sin f_2, sin f_1 - cos f_3 and cos f_2, of
+/// which moments are made; and p / max(|v_t|, c).
 #[inline(always)]
 fn rub(ring: &Ring, scene: &Scene, [c, s]: [&Lane; 2], into: &Lane, pressure: &Lane, sums: &mut [Lane; 7]) {
     let ([n_r, n_z], r, h) = (ring.normal, ring.radius, ring.height);
-    let (v, w) = (scene.velocity, scene.turning);
+    let (v, w, onset) = (scene.velocity, scene.turning, scene.onset);
+    let (mut t1, mut t2, mut t3) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let mut factor = [0.0; LANES];
     for l in 0..LANES {
-        let (c, s, into) = (c[l], s[l], into[l]);
-        let t1 = v[0] - w[2] * h + w[1] * r * s - into * n_r * c;
-        let t2 = v[1] + r * (w[2] * c - w[0] * s) - into * n_z;
-        let t3 = v[2] + w[0] * h - w[1] * r * c - into * n_r * s;
-        let speed = (t1 * t1 + t2 * t2 + t3 * t3).sqrt().max(scene.onset);
-        let factor = pressure[l] / speed;
-        let (t1, t2, t3) = (factor * t1, factor * t2, factor * t3);
-        sums[0][l] += t1;
-        sums[1][l] += t2;
-        sums[2][l] += t3;
-        sums[3][l] += h * t3 - r * s * t2;
-        sums[4][l] += r * (s * t1 - c * t3);
-        sums[5][l] += r * c * t2 - h * t1;
-        sums[6][l] += factor;
+        t1[l] = v[0] - w[2] * h + w[1] * r * s[l] - into[l] * n_r * c[l];
+        t2[l] = v[1] + r * (w[2] * c[l] - w[0] * s[l]) - into[l] * n_z;
+        t3[l] = v[2] + w[0] * h - w[1] * r * c[l] - into[l] * n_r * s[l];
+    }
+    for l in 0..LANES {
+        let slip = (t1[l] * t1[l] + t2[l] * t2[l] + t3[l] * t3[l]).sqrt();
+        factor[l] = pressure[l] / if slip > onset { slip } else { onset };
+    }
+    for l in 0..LANES {
+        (t1[l], t2[l], t3[l]) = (factor[l] * t1[l], factor[l] * t2[l], factor[l] * t3[l]);
+    }
+    let [f1, f2, f3, cross, around, along, grown] = sums;
+    for l in 0..LANES {
+        f1[l] += t1[l];
+        f2[l] += t2[l];
+        f3[l] += t3[l];
+        grown[l] += factor[l];
+    }
+    for l in 0..LANES {
+        cross[l] += s[l] * t2[l];
+        around[l] += s[l] * t1[l] - c[l] * t3[l];
+        along[l] += c[l] * t2[l];
     }
 }
