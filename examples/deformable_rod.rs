@@ -95,14 +95,14 @@ fn silhouette(plan: &Plan, frame: &Frame) -> String {
     let tip = mesh.points.iter().position(|p| *p == [0.0, 0.0]).unwrap_or(0);
     let shift = moved.values[2 * tip + 1];
     let mut text = String::new();
-    for element in mesh.elements.iter().filter(|e| e.nodes.to_vec().len() == 4) {
+    for element in mesh.elements.iter().filter(|e| e.nodes.len() == 4) {
         let path = |side: f64, part: f64| {
             let place = |n: usize| {
                 let [r, z] = mesh.points[n];
                 let u = [moved.values[2 * n], moved.values[2 * n + 1] - shift];
                 format!("{:.3} {:.3}", side * 1e3 * (r + part * u[0]), -1e3 * (z + part * u[1]))
             };
-            element.nodes.to_vec().into_iter().map(place).collect::<Vec<_>>().join("L")
+            element.nodes.iter().copied().map(place).collect::<Vec<_>>().join("L")
         };
         for (side, part, colour) in [(-1.0, 0.0, "#9aa4ad"), (1.0, 1.0, "#c9702b")] {
             let _ = writeln!(
