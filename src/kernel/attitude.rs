@@ -174,7 +174,8 @@ mod tests {
         near(Attitude::turned([0.0, 0.0, 0.5]).axis(), [-libm::sin(0.5), libm::cos(0.5), 0.0], 1e-15);
     }
 
-    /// Euler's equations by steps of the fourth order against the closed form, with the spin far above and below the rest.
+    /// Euler's equations by steps of the fourth order (whose own error is 2e-9 at the largest spin) against the closed form, with the
+    /// spin far above and below the rest.
     #[test]
     fn free_motion_is_that_of_eulers_equations() {
         for spin in [-40.0, 0.0, 3.0, 400.0] {
@@ -199,8 +200,8 @@ mod tests {
                 q = std::array::from_fn(|i| q[i] + dt / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i]));
             }
             let end = inertia.free_motion(start, momentum, time);
-            near(end.axis(), Attitude(q).axis(), 1e-10);
-            near(end.to_world([1.0, 0.0, 0.0]), Attitude(q).to_world([1.0, 0.0, 0.0]), 1e-9);
+            near(end.axis(), Attitude(q).axis(), 1e-8);
+            near(end.to_world([1.0, 0.0, 0.0]), Attitude(q).to_world([1.0, 0.0, 0.0]), 1e-8);
         }
     }
 }

@@ -254,7 +254,7 @@ impl Compiler<'_> {
         let flies = |node: &usize| self.body_of_node.get(node).is_some_and(|&b| self.bodies[b].flight.is_some());
         let model = self.model;
         let contact = self.pairs.iter().flatten().next().map(|pair| (pair.span, "contact"));
-        let on_nodes = |list: &[usize]| list.iter().any(|n| flies(n));
+        let on_nodes = |list: &[usize]| list.iter().any(&flies);
         let tie = self.ties.iter().find(|tie| self.bodies[tie.body].flight.is_some());
         let tied = tie.map(|tie| (self.bodies[tie.body].span, "deformable elements that share its nodes"));
         let spring =

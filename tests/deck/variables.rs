@@ -174,7 +174,7 @@ fn history(variable: Variable, name: &str) -> (String, &'static str) {
 
 #[test]
 fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
-    for &variable in Variable::ALL.iter().filter(|v| v.place() != Place::Facet) {
+    for &variable in Variable::ALL.iter().filter(|v| v.place() != Place::Facet && !is_of_oblique_bodies(**v)) {
         let all = labels(variable);
         let whole = [(variable.name().to_owned(), all.clone())];
         for (name, expected) in whole.into_iter().chain(all.into_iter().map(|l| (l.clone(), vec![l]))) {
@@ -190,8 +190,10 @@ fn every_variable_but_those_of_facets_is_a_history_under_its_labels() {
 
 #[test]
 fn a_rigid_body_has_the_histories_of_a_node() {
-    let plain =
-        |v: &&Variable| v.place() == Place::Node && !is_of_conduction(**v) && !v.is_of_shells() && !is_of_contact(**v);
+    let plain = |v: &&Variable| {
+        let others = is_of_conduction(**v) || v.is_of_shells() || is_of_contact(**v) || is_of_oblique_bodies(**v);
+        v.place() == Place::Node && !others
+    };
     for &variable in Variable::ALL.iter().filter(plain) {
         let request = format!("*Output, history\n*Node Output, nset=REF\n {}\n*End Step", variable.name());
         let (columns, _) = run(&ogive().replace("*End Step", &request));
@@ -201,13 +203,40 @@ fn a_rigid_body_has_the_histories_of_a_node() {
     }
 }
 
+fn is_of_oblique_bodies(variable: Variable) -> bool {
+    variable.row().preselected == Preselected::Oblique
+}
+
+/// A rigid body in space has components along and about three directions, by the name of a whole and by each label.
+#[test]
+fn an_oblique_body_has_its_histories_in_space() {
+    let deck = std::fs::read_to_string(crate::common::project("input/oblique.inp")).expect("a deck");
+    let short = deck.replace(" , 4.e-4", " , 1.e-6").replace("stations  = 64", "stations = 4");
+    let head = short.split("*Output, field").next().expect("a step");
+    let three = |name: &str| [1, 2, 3].map(|i| format!("{name}{i}@REF")).to_vec();
+    let mut asked: Vec<(String, Vec<String>)> =
+        ["U", "V", "A", "UR", "VR", "AR"].map(|name| (name.to_owned(), three(name))).to_vec();
+    for &variable in Variable::ALL.iter().filter(|v| is_of_oblique_bodies(**v)) {
+        asked.extend(labels(variable).into_iter().map(|label| (label.clone(), vec![format!("{label}@REF")])));
+    }
+    for (name, mut expected) in asked {
+        let (mut columns, memory) =
+            run(&format!("{head}*Output, history\n*Node Output, nset=REF\n {name}\n*End Step\n"));
+        columns.sort();
+        expected.sort();
+        assert_eq!(columns, expected, "{name}");
+        assert!(memory.rows.iter().flat_map(|row| &row.1).all(|v| v.is_finite()), "{name}");
+    }
+}
+
 fn field<'a>(fields: &'a [Field], name: &str) -> Option<&'a Field> {
     fields.iter().find(|f| f.name == name)
 }
 
 #[test]
 fn every_variable_of_nodes_and_elements_is_a_field_with_its_labels() {
-    for &variable in Variable::ALL.iter().filter(|v| v.is_of_nodes() || v.is_of_elements()) {
+    let in_frames = |v: &&Variable| (v.is_of_nodes() || v.is_of_elements()) && !is_of_oblique_bodies(**v);
+    for &variable in Variable::ALL.iter().filter(in_frames) {
         let card = if variable.is_of_nodes() { "*Node Output" } else { "*Element Output" };
         let request = format!("*Output, field, number interval=1\n{card}\n {}\n", variable.name());
         let (_, memory) = run(&scene(variable, &request));

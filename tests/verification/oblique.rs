@@ -360,16 +360,18 @@ fn books_of_energy_and_momentum_are_kept() {
             assert!(run.value("ALLCAV", run.last()) > 0.0);
             run.outcome.energy.drift
         });
-        assert!(drift[1] < 2e-3 && drift[2] < 0.3 * drift[0], "{name}: {drift:?}");
+        assert!(drift[1] < 1e-5 && drift[2] < 0.03 * drift[0], "{name}: {drift:?}");
     }
 }
 
 /// By rows of each increment: impulse of forces, and of moments by the angular acceleration, against the change of velocities.
 fn momentum(shot: &Shot, run: &Run) {
     let rows = &run.memory.rows;
+    // The last increment of a step ends with the force at its beginning, as of bodies along z.
+    let end = run.last() - 1;
     for (rate, state) in [("A", "V"), ("AR", "VR")] {
         let mut sum = [0.0; 3];
-        for i in 1..rows.len() {
+        for i in 1..=end {
             let dt = rows[i].0 - rows[i - 1].0;
             let (a, b) = (run.vector(rate, i - 1), run.vector(rate, i));
             for k in 0..3 {
@@ -377,13 +379,13 @@ fn momentum(shot: &Shot, run: &Run) {
             }
         }
         let change: [f64; 3] = {
-            let (first, last) = (run.vector(state, 0), run.vector(state, run.last()));
+            let (first, last) = (run.vector(state, 0), run.vector(state, end));
             std::array::from_fn(|k| last[k] - first[k])
         };
         let most = (0..rows.len()).map(|i| norm(run.vector(state, i))).fold(0.0, f64::max);
         let error = norm(std::array::from_fn(|k| sum[k] - change[k])) / most;
         println!("{rate}: impulse {sum:?} change {change:?} error {error:.1e} stations {}", shot.stations);
-        assert!(error < if rate == "A" { 1e-9 } else { 2e-3 }, "{rate}: {error:e}");
+        assert!(error < if rate == "A" { 1e-13 } else { 1e-5 }, "{rate}: {error:e}");
     }
 }
 
@@ -424,8 +426,8 @@ fn torque_free_spin_is_the_closed_form() {
     assert_eq!(run.outcome.flights[0].end, "not met");
 }
 
-/// A sphere goes the same way whatever its attitude and its spin where nothing rubs; the facets of its meridian are what is left, and
-/// they go with the square of their size.
+/// A sphere goes the same way whatever its attitude and its spin where nothing rubs; the facets of its meridian are what is left. A
+/// facet that turns away from the motion loses A Y as a whole, so that this goes with their size.
 #[test]
 fn a_sphere_is_indifferent_to_its_attitude() {
     let shot = |facets: usize, angles: [f64; 2], starts: [f64; 6]| Shot {
@@ -453,5 +455,5 @@ fn a_sphere_is_indifferent_to_its_attitude() {
         println!("{facets} facets: {far:?}, {:?}", one.outcome.flights);
         far.into_iter().fold(0.0, f64::max)
     });
-    assert!(errors[2] < 0.15 * errors[0] && errors[2] < 3e-3, "{errors:?}");
+    assert!(errors[2] < 0.35 * errors[0] && errors[2] < 3e-3, "{errors:?}");
 }
