@@ -123,7 +123,10 @@ impl Run {
         let shown = PyDict::new(py);
         shown.set_item("time", frame.time)?;
         shown.set_item("increment", frame.increment)?;
-        shown.set_item("points", points.into_pyarray(py).reshape([frame.points.len(), if frame.third.is_empty() { 2 } else { 3 }])?)?;
+        shown.set_item(
+            "points",
+            points.into_pyarray(py).reshape([frame.points.len(), if frame.third.is_empty() { 2 } else { 3 }])?,
+        )?;
         shown.set_item("starts", starts.into_pyarray(py))?;
         shown.set_item("corners", corners.into_pyarray(py))?;
         shown.set_item("deleted", frame.deleted.clone().into_pyarray(py))?;

@@ -63,7 +63,7 @@ mod tests {
         let [low, high] = between(counted, [0.0, 5.0], 1e-14);
         assert!((low - 2f64.cbrt()).abs() < 1e-14 && high == low, "{low} {high}");
         assert!(asked < 40, "{asked}");
-        let half = |x: f64| (x < 3.0).then(|| x - 4.0);
+        let half = |x: f64| (x < 3.0).then_some(x - 4.0);
         let [low, high] = between(half, [0.0, 8.0], 0.0);
         assert!(low < 3.0 && high >= 3.0 && high - low < 1e-10, "{low} {high}");
     }

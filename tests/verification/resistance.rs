@@ -231,7 +231,7 @@ fn concrete(tension: Option<f64>, poisson: f64, pressure_slope: f64) -> Material
 fn cracks_at_rest_closed_form() {
     for tension in [5e6, 13e6, 40e6] {
         let (young, y) = (11.3e9, 130e6);
-        let eta = (y / (2.0 * tension) as f64).sqrt();
+        let eta = f64::sqrt(y / (2.0 * tension));
         // Outside u = s r / 4 G with G = E/3 and s = 2 T; in the columns E du/dr = -Y c^2 / r^2.
         let displacement = 2.0 * tension * 3.0 / (4.0 * young) * eta + y / young * (1.0 - 1.0 / eta);
         let opened = 1.0 - (1.0 - displacement).powi(3);

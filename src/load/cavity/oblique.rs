@@ -36,11 +36,11 @@ impl Tilt {
 
     /// Height in the stack of a point of the world.
     fn height(&self, point: Vector) -> f64 {
-        self.pivot + dot(self.from_pivot(point), self.up)
+        self.pivot + dot(self.beside_pivot(point), self.up)
     }
 
     /// The way from the point about which it is turned.
-    fn from_pivot(&self, [x, y, z]: Vector) -> Vector {
+    fn beside_pivot(&self, [x, y, z]: Vector) -> Vector {
         [x, y - self.pivot, z]
     }
 }
@@ -97,7 +97,7 @@ impl Oblique {
             turning: body(motion.turning),
             up: body(self.tilt.up),
             height: self.tilt.height(flight.centre),
-            from_pivot: body(self.tilt.from_pivot(flight.centre)),
+            beside_pivot: body(self.tilt.beside_pivot(flight.centre)),
             onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),
             friction: self.friction,
         }

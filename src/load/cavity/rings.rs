@@ -105,7 +105,7 @@ pub struct Scene {
     /// Height of the centre of mass in the stack.
     pub height: f64,
     /// The way to the centre of mass from a point on the axis of the stack.
-    pub from_pivot: Vector,
+    pub beside_pivot: Vector,
     /// Speed over which pressure and friction come up: below it they are in proportion to it.
     pub onset: f64,
     /// Coulomb's coefficient.
@@ -425,7 +425,7 @@ fn bound(
         let z = around.height + (around.rise[0] * c[l] + around.rise[1] * s[l]);
         let normal = [n_r * c[l], n_z, n_r * s[l]];
         let radial = [ring.radius * c[l], ring.height, ring.radius * s[l]];
-        let place = std::array::from_fn(|i| scene.from_pivot[i] + radial[i]);
+        let place = std::array::from_fn(|i| scene.beside_pivot[i] + radial[i]);
         pressure[l] *= match across(place, normal, up, finite.layers[layer].radius) {
             Some(distance) => finite.share(layer, z, dot(normal, up), distance, ring.radius),
             None => 0.0,
