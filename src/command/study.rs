@@ -91,6 +91,8 @@ impl Study {
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
+        // Started here, where it can be said that there are none to be had.
+        rayon::ThreadPoolBuilder::new().build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;

@@ -443,7 +443,7 @@ mod tests {
         assert_eq!(Asked::parse("S33"), part(Variable::Stress, 2));
         assert_eq!(Asked::parse("SDV12"), part(Variable::State, 11));
         assert_eq!(Asked::parse("PEEQ"), Some(Asked::Whole(Variable::PlasticStrain)));
-        for word in ["U3", "S13", "SDV0", "MISES1", "NOSUCH", ""] {
+        for word in ["U4", "S13", "SDV0", "MISES1", "NOSUCH", ""] {
             assert_eq!(Asked::parse(word), None, "{word}");
         }
         for word in ["CF", "CF2", "EMSF"] {
