@@ -2,6 +2,7 @@
 //! Never here: how it is made (`generate`).
 
 use std::error::Error;
+use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -284,7 +285,10 @@ fn draw_on<'a>(path: &'a Path, mesh: &Meshed, title: &str) -> Result<(&'a Path, 
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    output::write_whole(path, bytes).map_err(|e| format!("cannot write {}: {e}", path.display()))
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|e| format!("cannot create {}: {e}", folder.display()))?;
+    }
+    output::write_whole(path, bytes).map_err(|e| e.to_string())
 }
 
 fn read_points(path: &Path) -> Result<Vec<Point>, Box<Diagnostic>> {
