@@ -8,7 +8,6 @@ cargo clippy --profile quick --all-targets --locked -- -D warnings
 cargo check --no-default-features --locked
 cargo clippy --manifest-path src/python/Cargo.toml --target-dir target/wheel --locked -- -D warnings
 cargo test --profile quick --locked -- --show-output 2>&1 | tee target/tests.log
-cargo test --profile quick --locked --features parquet --lib columns
 RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true
 if grep -qE "^(left out|skipped):" target/tests.log; then

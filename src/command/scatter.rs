@@ -44,7 +44,7 @@ pub struct Scatter {
     /// Sobol's indices, of the first order and total: N runs for each parameter and two times N more.
     #[arg(long, conflicts_with = "correlation")]
     indices: bool,
-    /// File for all samples with their quantities: .csv, or .parquet if the program was built with it.
+    /// File for all samples with their quantities: .csv or .parquet.
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
 }

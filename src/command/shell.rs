@@ -60,6 +60,7 @@ fn long_version() -> String {
     let features = [
         ("dense", cfg!(feature = "dense")),
         ("mesh-files", cfg!(feature = "mesh-files")),
+        ("parquet", cfg!(feature = "parquet")),
         ("resistance", cfg!(feature = "resistance")),
     ];
     let features: Vec<&str> = features.iter().filter(|f| f.1).map(|f| f.0).collect();

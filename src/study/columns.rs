@@ -38,7 +38,7 @@ impl Columns {
             Some("parquet") => Form::Parquet(Box::new(parquet_file::begin(file()?, &names).map_err(failed)?)),
             #[cfg(not(feature = "parquet"))]
             Some("parquet") => {
-                return Err(wrong("this program was built without Parquet: cargo build --features parquet, or .csv"));
+                return Err(wrong("this program was built without Parquet: its feature `parquet` is off; write .csv"));
             }
             _ => return Err(wrong("the name ends in .csv or .parquet")),
         };
@@ -172,6 +172,6 @@ mod tests {
     #[test]
     fn the_feature_that_is_missing_is_named() {
         let told = Columns::begin("a.parquet".as_ref(), vec![]).err().expect("a refusal").to_string();
-        assert!(told.contains("--features parquet"), "{told}");
+        assert!(told.contains("feature `parquet`"), "{told}");
     }
 }
