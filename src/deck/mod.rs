@@ -9,6 +9,7 @@ pub mod finding;
 mod findings;
 pub mod keywords;
 mod lexer;
+pub mod lists;
 pub mod manual;
 pub mod names;
 pub mod number;

@@ -21,7 +21,7 @@ impl FiniteSphere {
     pub fn new(young: f64, yield_stress: f64) -> Option<Self> {
         let stiffness = 2.0 * young / (3.0 * yield_stress);
         let sound = stiffness > 1.0 && stiffness.is_finite();
-        sound.then(|| FiniteSphere { stiffness, plastic: stiffness.cbrt(), whole: 1.0 + libm::log(stiffness) })
+        sound.then(|| FiniteSphere { stiffness, plastic: libm::cbrt(stiffness), whole: 1.0 + libm::log(stiffness) })
     }
 
     /// The factor at a distance (>= 0) from the cavity's wall to the free surface, for a cavity of this radius.

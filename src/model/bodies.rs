@@ -6,7 +6,7 @@ use super::names::{qualified, upper};
 use super::types::{
     Attitude, ElementKind, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, STATIONS,
 };
-use crate::deck::{Card, Diagnostic};
+use crate::deck::{Card, Diagnostic, Word};
 
 impl Builder<'_> {
     pub(super) fn rigid_body(&mut self, card: &Card) {
@@ -50,28 +50,35 @@ impl Builder<'_> {
             self.out_of_range(line.span, format!("a mass must not be below zero, not {mass}"));
             return;
         }
-        let elements = self.element_members(set).unwrap_or_default();
-        let mesh = &self.model.mesh;
-        if let Some(&other) = elements.iter().find(|&&e| mesh.elements[e].kind != ElementKind::Mass) {
-            let other = &mesh.elements[other];
-            let message = format!(
-                "`{}` holds element {} of the type {}: *MASS is for elements of TYPE=MASS",
-                set.text,
-                other.name,
-                other.kind.name()
-            );
-            let finding = Diagnostic::error("M121", message).at(set.span, "this set");
-            self.diagnostics.push(
-                finding
-                    .help("*Element, type=MASS with an ELSET of its own puts a mass on a node; solids have *DENSITY"),
-            );
-            return;
-        }
+        let elements = match self.point_elements(card, set, ElementKind::Mass) {
+            Ok(elements) => elements,
+            Err(finding) => {
+                let help = "*Element, type=MASS with an ELSET of its own puts a mass on a node; solids have *DENSITY";
+                return self.diagnostics.push(finding.help(help));
+            }
+        };
         self.claim("mass", &elements, card.span);
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
             self.model.point_masses.push(PointMass { node, mass, span: card.span });
         }
+    }
+
+    /// Elements of a set that a card is for, which are all of one kind.
+    fn point_elements(&mut self, card: &Card, set: &Word, kind: ElementKind) -> Result<Vec<usize>, Diagnostic> {
+        let elements = self.element_members(set).unwrap_or_default();
+        let mesh = &self.model.mesh;
+        let Some(&other) = elements.iter().find(|&&e| mesh.elements[e].kind != kind) else { return Ok(elements) };
+        let other = &mesh.elements[other];
+        let message = format!(
+            "`{}` holds element {} of the type {}: *{} is for elements of TYPE={}",
+            set.text,
+            other.name,
+            other.kind.name(),
+            card.keyword.name,
+            kind.name()
+        );
+        Err(Diagnostic::error("M121", message).at(set.span, "this set"))
     }
 
     /// Rotary inertia of ROTARYI elements: a body of revolution is as heavy to turn about 1 as about 3, and has no products.
@@ -89,19 +96,10 @@ impl Builder<'_> {
             self.out_of_range(line.span, message);
             return;
         }
-        let elements = self.element_members(set).unwrap_or_default();
-        let mesh = &self.model.mesh;
-        if let Some(&other) = elements.iter().find(|&&e| mesh.elements[e].kind != ElementKind::RotaryInertia) {
-            let other = &mesh.elements[other];
-            let message = format!(
-                "`{}` holds element {} of the type {}: *ROTARY INERTIA is for elements of TYPE=ROTARYI",
-                set.text,
-                other.name,
-                other.kind.name()
-            );
-            self.diagnostics.push(Diagnostic::error("M121", message).at(set.span, "this set"));
-            return;
-        }
+        let elements = match self.point_elements(card, set, ElementKind::RotaryInertia) {
+            Ok(elements) => elements,
+            Err(finding) => return self.diagnostics.push(finding),
+        };
         self.claim("rotary inertia", &elements, card.span);
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
@@ -211,7 +209,7 @@ impl Builder<'_> {
     }
 
     /// Surface index by name.
-    pub(super) fn surface_key(&mut self, word: &crate::deck::Word) -> Option<String> {
+    pub(super) fn surface_key(&mut self, word: &Word) -> Option<String> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if self.model.surfaces.contains_key(&name) {
                 return Some(name);

@@ -341,6 +341,17 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// A parameter that is a number above zero, where it is given; `None` where it is given and is none (reported).
+    pub fn positive_parameter(&mut self, card: &Card, name: &str) -> Option<Option<f64>> {
+        let Some(word) = card.value(name) else { return Some(None) };
+        let value = word.number(&mut self.diagnostics)?;
+        if value > 0.0 && value.is_finite() {
+            return Some(Some(value));
+        }
+        self.out_of_range(word.span, format!("{name} must be above zero, not {value}"));
+        None
+    }
+
     pub fn out_of_range(&mut self, span: Span, message: impl Into<String>) {
         self.diagnostics.push(Diagnostic::error("M103", message).at(span, "here"));
     }

@@ -34,15 +34,11 @@ impl Builder<'_> {
         ) else {
             return;
         };
-        let mut positive = |name: &str| match card.value(name).map(|w| (w.span, w.number(&mut self.diagnostics))) {
-            Some((span, Some(value))) if value.is_nan() || value <= 0.0 => {
-                self.diagnostics.push(Diagnostic::error("M103", format!("{name} is above zero")).at(span, "here"));
-                None
-            }
-            Some((_, value)) => value,
-            None => None,
+        let (Some(radius), Some(tension)) =
+            (self.positive_parameter(card, "RADIUS"), self.positive_parameter(card, "TENSION"))
+        else {
+            return;
         };
-        let (radius, tension) = (positive("RADIUS"), positive("TENSION"));
         let linear = match card.value("TERMS") {
             None => true,
             Some(word) if word.is("3") => true,

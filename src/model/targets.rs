@@ -22,10 +22,12 @@ impl Builder<'_> {
             self.out_of_range(card.span, format!("DIRECTION is +1 or -1, not {direction}"));
             return;
         }
-        let (Some(free_surfaces), Some(radius)) = (self.free_surfaces(card), self.extent(card, "RADIUS")) else {
+        let (Some(free_surfaces), Some(radius)) = (self.free_surfaces(card), self.positive_parameter(card, "RADIUS"))
+        else {
             return;
         };
-        let (Some(crater), Some(shear_strength)) = (self.extent(card, "CRATER"), self.extent(card, "SHEAR STRENGTH"))
+        let (Some(crater), Some(shear_strength)) =
+            (self.positive_parameter(card, "CRATER"), self.positive_parameter(card, "SHEAR STRENGTH"))
         else {
             return;
         };
@@ -81,17 +83,6 @@ impl Builder<'_> {
                 None
             }
         }
-    }
-
-    /// A number above zero, where it is given.
-    fn extent(&mut self, card: &Card, name: &str) -> Option<Option<f64>> {
-        let Some(word) = card.value(name) else { return Some(None) };
-        let value = word.number(&mut self.diagnostics)?;
-        if value > 0.0 && value.is_finite() {
-            return Some(Some(value));
-        }
-        self.out_of_range(word.span, format!("{name} must be above zero, not {value}"));
-        None
     }
 
     fn layer(&mut self, line: &DataLine, radius: f64) -> Option<Layer> {

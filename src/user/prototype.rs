@@ -11,6 +11,8 @@ enum Kind {
 
 use Kind::{Character, Integer, Real};
 
+use crate::deck::lists;
+
 /// A routine and its arguments in order.
 struct Interface {
     name: &'static str,
@@ -233,26 +235,9 @@ fn prototype(line: &str) -> Option<(String, Vec<String>)> {
     let (head, rest) = line.trim().split_once('(')?;
     let name = head.split_whitespace().last()?.strip_suffix('_')?.to_owned();
     let list = rest.trim_end().strip_suffix(");")?;
-    let arguments = split_top(list).into_iter().map(|a| a.trim().to_owned());
+    // An argument may be a procedure, with commas of its own.
+    let arguments = lists::split(list).into_iter().map(|a| a.trim().to_owned());
     Some((name, arguments.filter(|a| !a.is_empty() && !a.starts_with("size_t ")).collect()))
-}
-
-/// Splits at commas outside brackets: an argument may be a procedure.
-fn split_top(list: &str) -> Vec<&str> {
-    let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
-    for (i, c) in list.char_indices() {
-        match c {
-            '(' => depth += 1,
-            ')' => depth -= 1,
-            ',' if depth == 0 => {
-                parts.push(&list[start..i]);
-                start = i + 1;
-            }
-            _ => {}
-        }
-    }
-    parts.push(&list[start..]);
-    parts
 }
 
 fn check_one(name: &str, arguments: &[String]) -> Option<String> {

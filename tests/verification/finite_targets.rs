@@ -124,9 +124,14 @@ fn close(value: f64, exact: f64, relative: f64, what: &str) {
     assert!(off.abs() <= relative, "{what}: {value} against {exact}, relative {off:.2e}");
 }
 
+/// The quadrature is over the nose that the deck has.
 #[test]
 fn the_height_of_the_nose_is_that_of_the_deck() {
     close(11f64.sqrt() * A * 1e3, HEIGHT, 1e-6, "height");
+    let (_, memory) = common::run(&common::ogive(), &[("n", "4")], &Routines::none());
+    let widest = |[r, _]: &&[f64; 2]| (r - A).abs() < 1e-12;
+    let shoulder = memory.frames[0].points.iter().find(widest).expect("a shoulder");
+    close(shoulder[1] * 1e3, HEIGHT, 1e-6, "height of the shoulder");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! the forces are closed sums wherever one layer holds all loaded facets.
 //! Never here: the law itself (`kernel::cavity`), the load as the integrator sees it.
 
-use super::plug::{self, Inwards};
+use super::plug::{self, Inwards, plus};
 use super::shadow;
 use super::stack::{Stack, is_level};
 use crate::kernel::cavity::Resistance;
@@ -230,39 +230,34 @@ impl Nose {
         &self.fronts[usize::from(direction > 0.0)]
     }
 
-    /// What of a facet bears the law of a layer, where the stack has bounds.
-    fn bearing_area(&self, stack: &Stack, facet: &Facet, layer: usize, shift: f64, direction: f64) -> f64 {
-        let at = facet.shifted(shift);
-        let ahead = at.low[1] + direction * self.rounding;
-        let elsewhere = is_level(facet.normal) && stack.layer_around(ahead, ahead) != Some(layer);
-        if elsewhere { 0.0 } else { stack.bearing_area(layer, &at) }
-    }
-
     /// Calls `each(facet index, layer, area)` for the part of every facet in every layer.
     fn parts(&self, stack: &Stack, front: &Front, shift: f64, direction: f64, mut each: impl FnMut(usize, usize, f64)) {
-        let planes = &stack.planes;
         for (index, facet) in front.facets.iter().enumerate() {
-            let (low, high) = (facet.low[1] + shift, facet.high[1] + shift);
-            if is_level(facet.normal) {
-                let ahead = low + direction * self.rounding;
-                if let Some(layer) = stack.layer_around(ahead, ahead) {
-                    let bounded = stack.finite.is_some();
-                    let area = if bounded { stack.bearing_area(layer, &facet.shifted(shift)) } else { facet.area };
-                    each(index, layer, area);
-                }
-                continue;
+            self.parts_of(stack, facet, shift, direction, |layer, area| each(index, layer, area));
+        }
+    }
+
+    /// Calls `each(layer, area)` for the part of a facet in every layer, as far as it bears the law there.
+    #[inline]
+    fn parts_of(&self, stack: &Stack, facet: &Facet, shift: f64, direction: f64, mut each: impl FnMut(usize, f64)) {
+        let planes = &stack.planes;
+        let (low, high) = (facet.low[1] + shift, facet.high[1] + shift);
+        let bounded = stack.finite.is_some();
+        let bearing = |layer: usize| stack.bearing_area(layer, &facet.shifted(shift));
+        if is_level(facet.normal) {
+            let ahead = low + direction * self.rounding;
+            if let Some(layer) = stack.layer_around(ahead, ahead) {
+                each(layer, if bounded { bearing(layer) } else { facet.area });
             }
-            let first = planes.partition_point(|&p| p <= low).max(1);
-            for layer in first - 1..stack.laws.len() {
-                if planes[layer] >= high {
-                    break;
-                }
-                let area = match &stack.finite {
-                    None => facet.area_between(planes[layer] - shift, planes[layer + 1] - shift),
-                    Some(_) => stack.bearing_area(layer, &facet.shifted(shift)),
-                };
-                each(index, layer, area);
+            return;
+        }
+        let first = planes.partition_point(|&p| p <= low).max(1);
+        for layer in first - 1..stack.laws.len() {
+            if planes[layer] >= high {
+                break;
             }
+            let whole = || facet.area_between(planes[layer] - shift, planes[layer + 1] - shift);
+            each(layer, if bounded { bearing(layer) } else { whole() });
         }
     }
 
@@ -298,20 +293,19 @@ impl Nose {
         let front = self.front(direction);
         if let Some(shear_strength) = stack.shear_strength() {
             let nose = Inwards { facets: &front.facets, order: &front.inwards, shift, direction };
-            return plug::least_forces(stack, shear_strength, nose, |index, layer| {
-                let (facet, law) = (&front.facets[index], &stack.laws[layer]);
-                let force = self.bearing_area(stack, facet, layer, shift, direction)
-                    * law.stress(speed * facet.normal[1].abs());
-                [force * facet.normal[1].abs(), force * facet.normal[0].abs()]
+            return plug::least_forces(stack, shear_strength, nose, |facet, plate| {
+                let mut sum = [0.0; 2];
+                self.parts_of(stack, facet, shift, direction, |layer, area| {
+                    if plate.contains(&layer) {
+                        sum = plus(sum, force(facet, &stack.laws[layer], area, speed));
+                    }
+                });
+                sum
             });
         }
         let mut total = [0.0; 2];
         self.parts(stack, front, shift, direction, |index, layer, area| {
-            let facet = &front.facets[index];
-            let n = facet.normal[1].abs();
-            let force = area * stack.laws[layer].stress(speed * n);
-            total[0] += force * n;
-            total[1] += force * facet.normal[0].abs();
+            total = plus(total, force(&front.facets[index], &stack.laws[layer], area, speed));
         });
         total
     }
@@ -340,6 +334,14 @@ impl Nose {
             .fold(f64::INFINITY, f64::min);
         if jump <= smooth { (jump, true) } else { (smooth, false) }
     }
+}
+
+/// Axial normal and tangential force on an area of a facet at speed V.
+#[inline]
+fn force(facet: &Facet, law: &Resistance, area: f64, speed: f64) -> [f64; 2] {
+    let n = facet.normal[1].abs();
+    let force = area * law.stress(speed * n);
+    [force * n, force * facet.normal[0].abs()]
 }
 
 /// Time to cover a distance at speed v with acceleration a along the motion; infinite if the body stops before.

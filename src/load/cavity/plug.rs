@@ -2,6 +2,7 @@
 //! Never here: the forces of opening the cavity.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::stack::Stack;
 use crate::kernel::facet::Facet;
@@ -19,37 +20,38 @@ pub(super) struct Inwards<'a> {
 /// Axial force of opening the cavity, and of friction with coefficient 1, on a nose for which plates may fail by a plug: within some
 /// radius what is ahead is sheared out by 2 pi r h tau over the way h to the back of the plate, outside it the cavity is opened. The
 /// radius that takes the least force is the one that counts: an upper bound, as those of Recht and Ipson (1963) and Bai and Johnson
-/// (1982) are, without the inertia of the plug. `cavity` gives both forces on a facet in a layer.
+/// (1982) are, without the inertia of the plug. `cavity` gives both forces on a facet in some layers.
 pub(super) fn least_forces(
     stack: &Stack,
     shear_strength: f64,
     nose: Inwards<'_>,
-    cavity: impl Fn(usize, usize) -> [f64; 2],
+    cavity: impl Fn(&Facet, &Range<usize>) -> [f64; 2],
 ) -> [f64; 2] {
-    let mut total = [0.0; 2];
-    for plate in plates(stack) {
-        let [normal, tangential] = through(stack, plate, shear_strength, nose, &cavity);
-        total = [total[0] + normal, total[1] + tangential];
-    }
-    total
+    plates(stack).fold([0.0; 2], |total, plate| plus(total, through(stack, &plate, shear_strength, nose, &cavity)))
+}
+
+/// The sum of two pairs of forces.
+#[inline]
+pub(super) fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] + b[0], a[1] + b[1]]
 }
 
 /// The layers between gaps.
-fn plates(stack: &Stack) -> impl Iterator<Item = [usize; 2]> + '_ {
+fn plates(stack: &Stack) -> impl Iterator<Item = Range<usize>> + '_ {
     let count = stack.laws.len();
     let solid = move |layer: usize| layer < count && !stack.is_gap(layer);
     let firsts = (0..count).filter(move |&l| solid(l) && (l == 0 || !solid(l - 1)));
-    firsts.map(move |first| [first, (first..).find(|&l| !solid(l)).unwrap_or(count)])
+    firsts.map(move |first| first..(first..).find(|&l| !solid(l)).unwrap_or(count))
 }
 
 fn through(
     stack: &Stack,
-    [first, end]: [usize; 2],
+    plate: &Range<usize>,
     shear_strength: f64,
     nose: Inwards<'_>,
-    cavity: &impl Fn(usize, usize) -> [f64; 2],
+    cavity: &impl Fn(&Facet, &Range<usize>) -> [f64; 2],
 ) -> [f64; 2] {
-    let faces = [stack.planes[first], stack.planes[end]];
+    let faces = [stack.planes[plate.start], stack.planes[plate.end]];
     let (mut outside, mut least) = ([0.0; 2], [f64::INFINITY; 2]);
     for &index in nose.order {
         let facet = &nose.facets[index];
@@ -58,10 +60,7 @@ fn through(
         if outside[0] + plug < least[0] {
             least = [outside[0] + plug, outside[1]];
         }
-        for layer in first..end {
-            let more = cavity(index, layer);
-            outside = [outside[0] + more[0], outside[1] + more[1]];
-        }
+        outside = plus(outside, cavity(facet, plate));
     }
     if outside[0] <= least[0] { outside } else { least }
 }

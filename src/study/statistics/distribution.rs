@@ -2,6 +2,7 @@
 //! Never here: points (`design`), correlations (`design`).
 
 use super::normal;
+use crate::deck::lists::split;
 
 /// How a number is distributed.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,24 +130,6 @@ fn number(text: &str) -> Result<f64, String> {
 fn end(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|v| !v.is_nan());
     number.ok_or_else(|| format!("`{}` is not a number", text.trim()))
-}
-
-/// Parts between commas that are in no parentheses.
-fn split(list: &str) -> Vec<&str> {
-    let (mut depth, mut start, mut parts) = (0_usize, 0, Vec::new());
-    for (i, c) in list.char_indices() {
-        match c {
-            '(' => depth += 1,
-            ')' => depth = depth.saturating_sub(1),
-            ',' if depth == 0 => {
-                parts.push(&list[start..i]);
-                start = i + 1;
-            }
-            _ => {}
-        }
-    }
-    parts.push(&list[start..]);
-    parts
 }
 
 #[cfg(test)]

@@ -7,12 +7,13 @@ pub mod distribution;
 pub mod indices;
 pub mod lambert_jonas;
 pub mod least_squares;
-pub mod normal;
 pub mod probit;
 pub mod summary;
 
 use serde::Serialize;
-use statrs::distribution::{Continuous as _, ContinuousCDF as _, StudentsT};
+
+pub use crate::kernel::normal;
+use crate::kernel::students_t;
 
 /// Half of what lies outside an interval: intervals hold 95 %.
 const TAIL: f64 = 0.025;
@@ -42,23 +43,8 @@ impl Estimate {
 }
 
 /// How many standard errors a 95 % interval reaches to either side: the quantile 0.975 of Student's t.
-///
-/// Newton's method on its cumulative function from the expansion of Cornish and Fisher (Abramowitz and Stegun 26.7.5). The quantile of
-/// statrs 0.19 finds no end for some thousand degrees of freedom.
 pub fn student(freedom: f64) -> f64 {
-    let Ok(t) = StudentsT::new(0.0, 1.0, freedom) else { return f64::INFINITY };
-    let x = normal::quantile(1.0 - TAIL);
-    let square = x * x;
-    let first = x * (square + 1.0) / 4.0;
-    let second = x * (5.0 * square * square + 16.0 * square + 3.0) / 96.0;
-    let mut value = x + first / freedom + second / (freedom * freedom);
-    if freedom > 1e4 {
-        return value;
-    }
-    for _ in 0..30 {
-        value += (1.0 - TAIL - t.cdf(value)) / t.pdf(value);
-    }
-    value
+    students_t::quantile(1.0 - TAIL, freedom)
 }
 
 #[cfg(test)]

@@ -120,7 +120,7 @@ pub fn histogram(values: &[f64]) -> (Vec<f64>, Vec<usize>) {
     let sorted = sorted(values);
     let (Some(low), Some(high)) = (sorted.first(), sorted.last()) else { return (Vec::new(), Vec::new()) };
     // Width by Freedman and Diaconis (Z. Wahrscheinlichkeitstheorie 57 (1981) 453).
-    let width = 2.0 * (between(&sorted, 0.75) - between(&sorted, 0.25)) / (sorted.len() as f64).cbrt();
+    let width = 2.0 * (between(&sorted, 0.75) - between(&sorted, 0.25)) / libm::cbrt(sorted.len() as f64);
     let cells = ((high - low) / width).ceil().clamp(1.0, 80.0);
     let cells = if cells.is_finite() { cells as usize } else { 1 };
     let edges: Vec<f64> = (0..=cells).map(|i| low + (high - low) * i as f64 / cells as f64).collect();
