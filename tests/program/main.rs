@@ -6,6 +6,7 @@ mod common;
 mod browser;
 mod command_line;
 mod composed;
+mod diagram;
 mod evaluate;
 mod faults;
 mod fuzz;

@@ -1,7 +1,7 @@
-//! The house as `docs/architecture.md` draws it: arrows between rooms run downwards, files of a room form no large circle,
-//! and what the documentation names is there.
+//! The structure that `docs/architecture.md` describes: imports point downwards, import cycles within a folder are small,
+//! and files and tests that the documentation names exist.
 //!
-//! Source: the paths in `src/`, in `use` lines and elsewhere; tests within the sources are left out.
+//! Imports are read from the paths in `src/`, in `use` lines and elsewhere; unit tests are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,8 +9,8 @@ use std::path::Path;
 
 use crate::common::project;
 
-/// Rooms from top to bottom. A room may use those of lower floors and those further right on its own.
-const FLOORS: &[&[&str]] = &[
+/// Folders of `src` by layer, top first. A folder may import from lower layers and from folders to its right.
+pub const LAYERS: &[&[&str]] = &[
     &["command"],
     &["report", "study"],
     &["job", "explain", "overview", "generate"],
@@ -25,83 +25,79 @@ const FLOORS: &[&[&str]] = &[
     &["kernel"],
 ];
 
-/// Below `plan` numbers and words know nothing of each other,
-const WORDS: &[&str] = &["model", "deck"];
-/// but for what both may use: arithmetic, the table of output variables, the expansion of cavities,
+/// Below `plan` the folders of the input language and those of the numerics do not import each other,
+const LANGUAGE: &[&str] = &["model", "deck"];
+/// except for what both may import: arithmetic, the table of output variables, cavity expansion,
 const SHARED: &[&str] = &["kernel", "variables", "resistance"];
-/// and how faults are told.
-const TELLING: &[&str] =
-    &["Code", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest", "files", "printable"];
+/// the types of diagnostics, and helpers for text and files.
+const DIAGNOSTICS: &[&str] =
+    &["Code", "Diagnostic", "Diagnostics", "Severity", "Sources", "Span", "nearest", "files", "lists", "printable"];
 
-/// Files that may use each other in a circle.
-const CIRCLE: usize = 3;
-
-/// Rooms that still use one above them, and rooms that still hold a larger circle. What is mended leaves the list.
-const UPWARD: &[(&str, &str)] = &[];
-const TANGLED: &[&str] = &[];
+/// Largest number of files in an import cycle.
+const LARGEST_CYCLE: usize = 3;
 
 /// Segments of a path from the root of the crate.
-type Module = Vec<String>;
+pub type Module = Vec<String>;
 
-/// A module's file, what it names, and what it lends a name to.
-struct Source {
+/// A module's file, the paths it names, and the names it re-exports.
+pub struct Source {
     file: String,
     named: Vec<Module>,
-    lent: BTreeMap<String, Module>,
+    exported: BTreeMap<String, Module>,
 }
 
-/// All modules but the roots.
-struct House(BTreeMap<Module, Source>);
+/// All modules except the crate roots.
+pub struct SourceTree(BTreeMap<Module, Source>);
 
-impl House {
-    fn read() -> House {
+impl SourceTree {
+    pub fn read() -> SourceTree {
         let mut files = Vec::new();
         collect(&project("src"), &mut Vec::new(), &mut files);
         let modules: BTreeSet<Module> = files.iter().map(|f| f.0.clone()).collect();
         let read = |(module, file): (Module, String)| {
-            let text = plain(&fs::read_to_string(project(&file)).expect("a source"));
-            let mut source = Source { file, named: Vec::new(), lent: BTreeMap::new() };
-            source.take(&text, &module, &modules);
+            let text = strip_comments(&fs::read_to_string(project(&file)).expect("a source"));
+            let mut source = Source { file, named: Vec::new(), exported: BTreeMap::new() };
+            source.record_paths(&text, &module, &modules);
             (module, source)
         };
-        House(files.into_iter().map(read).collect())
+        SourceTree(files.into_iter().map(read).collect())
     }
 
-    /// The module that holds what a path names, and the name in it; `None` outside the crate.
-    fn holder(&self, path: &Module) -> Option<(Module, Option<String>)> {
+    /// Returns the module that defines what a path names, and the name in it; `None` outside the crate.
+    fn definition(&self, path: &Module) -> Option<(Module, Option<String>)> {
         let mut path = path.clone();
         for _ in 0..8 {
             let depth = (1..=path.len()).rev().find(|&n| self.0.contains_key(&path[..n]))?;
             let (module, rest) = path.split_at(depth);
-            match rest.first().and_then(|name| self.0[module].lent.get(name)) {
-                Some(lender) if lender != &path => path = [lender, &rest[1..]].concat(),
+            match rest.first().and_then(|name| self.0[module].exported.get(name)) {
+                Some(origin) if origin != &path => path = [origin, &rest[1..]].concat(),
                 _ => return Some((module.to_vec(), rest.first().cloned())),
             }
         }
         None
     }
 
-    /// Arrows from file to file with the name that is used.
-    fn arrows(&self) -> Vec<(&Module, Module, Option<String>)> {
+    /// Returns the imports from module to module with the imported name.
+    pub fn imports(&self) -> Vec<(&Module, Module, Option<String>)> {
         let of = |(module, source): (&'_ Module, &Source)| -> Vec<(Module, Option<String>)> {
-            source.named.iter().filter_map(|path| self.holder(path)).filter(|(to, _)| to != module).collect()
+            source.named.iter().filter_map(|path| self.definition(path)).filter(|(to, _)| to != module).collect()
         };
         self.0.iter().flat_map(|(m, s)| of((m, s)).into_iter().map(move |(to, name)| (m, to, name))).collect()
     }
 }
 
 impl Source {
-    /// Notes every path that a text names.
-    fn take(&mut self, text: &str, module: &Module, modules: &BTreeSet<Module>) {
+    /// Records every path that a text names.
+    fn record_paths(&mut self, text: &str, module: &Module, modules: &BTreeSet<Module>) {
         let mut rest = text;
         let mut code = String::new();
         while let Some((before, statement, after)) = next_use(rest) {
             code += before;
-            let lends = before.trim_end().ends_with("pub") || before.trim_end().ends_with(')');
+            let exports = before.trim_end().ends_with("pub") || before.trim_end().ends_with(')');
             for (path, name) in branches(statement) {
                 let Some(path) = absolute(&path, module, modules) else { continue };
-                if lends {
-                    self.lent.insert(name, path);
+                if exports {
+                    self.exported.insert(name, path);
                 } else {
                     self.named.push(path);
                 }
@@ -117,13 +113,13 @@ impl Source {
     }
 }
 
-/// Files below a folder as modules.
+/// Collects the files below a folder as modules.
 fn collect(folder: &Path, above: &mut Module, files: &mut Vec<(Module, String)>) {
     for entry in fs::read_dir(folder).expect("a folder").map(|e| e.expect("a file").path()) {
         let name = entry.file_stem().expect("a name").to_string_lossy().into_owned();
         above.push(name.clone());
         if entry.is_dir() {
-            // What has a manifest of its own is another crate: it sees public modules alone.
+            // A folder with its own manifest is another crate, which sees public modules only.
             if !entry.join("Cargo.toml").exists() {
                 collect(&entry, above, files);
             }
@@ -138,13 +134,13 @@ fn collect(folder: &Path, above: &mut Module, files: &mut Vec<(Module, String)>)
     }
 }
 
-/// A text without comments, and without the tests at its end.
-fn plain(text: &str) -> String {
+/// Returns a text without comments and unit tests.
+fn strip_comments(text: &str) -> String {
     let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     text.lines().map(|l| l.split("//").next().unwrap_or_default().to_owned() + "\n").collect()
 }
 
-/// What stands before the next `use`, its tree, and what follows.
+/// Returns the text before the next `use`, its tree, and the text after it.
 fn next_use(text: &str) -> Option<(&str, &str, &str)> {
     let at = text.match_indices("use ").map(|(i, _)| i);
     let start = at.into_iter().find(|&i| i == 0 || text[..i].ends_with([' ', '\n']))?;
@@ -152,7 +148,7 @@ fn next_use(text: &str) -> Option<(&str, &str, &str)> {
     Some((&text[..start], &text[start + 4..end], &text[end + 1..]))
 }
 
-/// Each path of a tree of `use`, and the name that it brings.
+/// Returns each path of a `use` tree and the name it imports.
 fn branches(tree: &str) -> Vec<(String, String)> {
     let tree = tree.trim();
     if let Some((head, list)) = tree.split_once('{') {
@@ -165,7 +161,7 @@ fn branches(tree: &str) -> Vec<(String, String)> {
     if tree.is_empty() { Vec::new() } else { vec![(path.trim().to_owned(), name.trim().to_owned())] }
 }
 
-/// Parts between commas that are in no braces.
+/// Splits a list at commas outside braces.
 fn split_list(list: &str) -> Vec<&str> {
     let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
     for (i, c) in list.char_indices() {
@@ -183,7 +179,7 @@ fn split_list(list: &str) -> Vec<&str> {
     parts
 }
 
-/// A path from the root of the crate, if it leads there.
+/// Returns a path from the crate root; `None` for other crates.
 fn absolute(path: &str, module: &Module, modules: &BTreeSet<Module>) -> Option<Module> {
     let mut words = path.split("::").filter(|w| !w.is_empty()).map(str::to_owned).peekable();
     let mut base = module.clone();
@@ -205,42 +201,39 @@ fn absolute(path: &str, module: &Module, modules: &BTreeSet<Module>) -> Option<M
     Some(base)
 }
 
-/// Floor and place of a room.
-fn place(room: &str) -> (usize, usize) {
-    let at = FLOORS.iter().enumerate().find_map(|(f, rooms)| Some((f, rooms.iter().position(|r| *r == room)?)));
-    at.unwrap_or_else(|| panic!("the room `{room}` is on no floor"))
+/// Returns the layer of a folder and its place there.
+fn place(folder: &str) -> (usize, usize) {
+    let in_layer = |(layer, folders): (usize, &&[&str])| Some((layer, folders.iter().position(|f| *f == folder)?));
+    LAYERS.iter().enumerate().find_map(in_layer).unwrap_or_else(|| panic!("`{folder}` is in no layer"))
 }
 
-/// Whether an arrow from room to room is as drawn.
+/// Returns whether one folder may import a name from another.
 fn allowed(from: &str, to: &str, name: Option<&str>) -> bool {
     let below_plan = place(from) > place("plan");
-    let crosses = WORDS.contains(&from) != WORDS.contains(&to) && !SHARED.contains(&to);
-    let telling = to == "deck" && name.is_some_and(|n| TELLING.contains(&n));
-    place(from) < place(to) && (!below_plan || !crosses || telling)
+    let crosses = LANGUAGE.contains(&from) != LANGUAGE.contains(&to) && !SHARED.contains(&to);
+    let diagnostic = to == "deck" && name.is_some_and(|n| DIAGNOSTICS.contains(&n));
+    place(from) < place(to) && (!below_plan || !crosses || diagnostic)
 }
 
 #[test]
-fn no_arrow_runs_upward() {
-    let house = House::read();
-    let (mut rooms, mut wrong) = (BTreeSet::new(), BTreeSet::new());
-    for (from, to, name) in house.arrows() {
-        let pair = (from[0].as_str(), to[0].as_str());
-        // A whole file is known by its name.
+fn imports_point_downwards() {
+    let tree = SourceTree::read();
+    let mut wrong = BTreeSet::new();
+    for (from, to, name) in tree.imports().into_iter().filter(|(from, to, _)| from[0] != to[0]) {
+        // The name of a whole file is that of its module.
         let name = name.or_else(|| to.last().cloned());
-        if pair.0 != pair.1 && !allowed(pair.0, pair.1, name.as_deref()) {
-            rooms.insert((from[0].clone(), to[0].clone()));
-            wrong.insert(format!("{} uses {} {}", house.0[from].file, house.0[&to].file, name.unwrap_or_default()));
+        if !allowed(&from[0], &to[0], name.as_deref()) {
+            wrong.insert(format!("{} imports {} {}", tree.0[from].file, tree.0[&to].file, name.unwrap_or_default()));
         }
     }
-    let known: BTreeSet<_> = UPWARD.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
-    assert_eq!(rooms, known, "{wrong:#?}");
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
-fn no_room_holds_a_large_circle() {
-    let house = House::read();
+fn import_cycles_are_small() {
+    let tree = SourceTree::read();
     let mut next: BTreeMap<&Module, BTreeSet<Module>> = BTreeMap::new();
-    for (from, to, _) in house.arrows().into_iter().filter(|(from, to, _)| from[0] == to[0]) {
+    for (from, to, _) in tree.imports().into_iter().filter(|(from, to, _)| from[0] == to[0]) {
         next.entry(from).or_default().insert(to);
     }
     let reached = |start: &Module| {
@@ -254,18 +247,15 @@ fn no_room_holds_a_large_circle() {
         }
         seen
     };
-    let all: BTreeMap<&Module, BTreeSet<&Module>> = house.0.keys().map(|m| (m, reached(m))).collect();
-    let circle = |m: &Module| -> BTreeSet<&str> {
-        all[m].iter().filter(|to| all[*to].contains(m)).map(|to| house.0[*to].file.as_str()).collect()
+    let all: BTreeMap<&Module, BTreeSet<&Module>> = tree.0.keys().map(|m| (m, reached(m))).collect();
+    let cycle = |m: &Module| -> BTreeSet<&str> {
+        all[m].iter().filter(|to| all[*to].contains(m)).map(|to| tree.0[*to].file.as_str()).collect()
     };
-    let large: BTreeMap<&Module, _> = house.0.keys().map(|m| (m, circle(m))).filter(|c| c.1.len() > CIRCLE).collect();
-    let rooms: BTreeSet<&str> = large.keys().map(|m| m[0].as_str()).collect();
-    let known: BTreeSet<&str> = TANGLED.iter().copied().collect();
-    let circles: BTreeSet<_> = large.values().collect();
-    assert_eq!(rooms, known, "{circles:#?}");
+    let large: BTreeSet<_> = tree.0.keys().map(cycle).filter(|files| files.len() > LARGEST_CYCLE).collect();
+    assert!(large.is_empty(), "{large:#?}");
 }
 
-/// Texts of all files below a folder whose names end so, by path from the project.
+/// Returns the texts of all files below a folder with a file name ending, by path from the project.
 fn texts(folder: &str, end: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(project(folder)).expect("a folder").map(|e| e.expect("a file")) {
@@ -279,13 +269,13 @@ fn texts(folder: &str, end: &str) -> BTreeMap<String, String> {
     found
 }
 
-/// What stands between backticks.
+/// Returns the words between backticks.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter(|l| !l.starts_with("```")).flat_map(|l| l.split('`').skip(1).step_by(2))
 }
 
 #[test]
-fn files_and_tests_that_the_documentation_names_are_there() {
+fn files_and_tests_named_in_the_documentation_exist() {
     let sources: BTreeMap<String, String> =
         ["src", "tests", "examples"].iter().flat_map(|folder| texts(folder, ".rs")).collect();
     let is_file = |name: &str| {
