@@ -23,14 +23,14 @@ fn bar(count: usize, duration: f64) -> Model {
         rows.windows(2).map(|w| model.element(ElementKind::Cax4r, &[w[0][0], w[0][1], w[1][1], w[1][0]])).collect();
     let steel = model.material(Material::elastic("STEEL", DENSITY, MODULUS, 0.0));
     model.section(&elements, steel);
-    model.node_set("TIP", &rows[count][..1]);
+    let tip = model.node_set("TIP", &rows[count][..1]);
     let top = Sides::new("TOP", &[(elements[count - 1], Side::Face(3))]);
     let axial = Part { variable: Variable::Displacement, component: 1 };
     model.steps.push(
         Step::new("push", duration)
             .with_boundary(Boundary::held("FOOT", &rows[0], 2))
             .with_load(Load::user(top))
-            .with_output(OutputRequest::history(Region::nodes("TIP"), [axial])),
+            .with_output(OutputRequest::history(Region::Nodes(tip), [axial])),
     );
     model
 }

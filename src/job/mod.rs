@@ -78,7 +78,7 @@ pub fn prepare(path: &Path, overrides: &Overrides, routines: &Routines) -> Prepa
 
 /// The same with elements in this precision, as far as they can be.
 pub fn prepare_in(precision: Precision, path: &Path, overrides: &Overrides, routines: &Routines) -> Prepared {
-    prepare_edited(deck::read(path, overrides), &mut |model| model.precision = precision, routines)
+    prepare_edited(deck::read(path, overrides), &mut |model| model.settings.precision = precision, routines)
 }
 
 /// The same, with what the deck amounts to; `None` where it is refused.
@@ -88,7 +88,7 @@ pub fn examine(
     overrides: &Overrides,
     routines: &Routines,
 ) -> (Prepared, Option<Overview>) {
-    let set = &mut |model: &mut Model| model.precision = precision;
+    let set = &mut |model: &mut Model| model.settings.precision = precision;
     let (prepared, model) = prepared_model(deck::read(path, overrides), set, routines);
     let accepted = !prepared.diagnostics.has_errors();
     let overview = accepted.then(|| Overview::of(&model, &prepared.plan, &prepared.state));
@@ -169,12 +169,12 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
     let (plan, state, mut found) = plan::compile(model, routines);
     // What follows from a fault already told would only hide it; what bodies are made of does not, where all of it was read.
     if diagnostics.has_errors() {
-        found.retain(|d| model.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
+        found.retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
     diagnostics.append(found);
     diagnostics.merge_repeats();
-    let (title, scene, has_routines) = (model.title.clone(), Scene::of(model), routines.any());
-    let units = model.units.clone();
+    let (title, scene, has_routines) = (model.settings.title.clone(), Scene::of(model), routines.any());
+    let units = model.settings.units.clone();
     Prepared { title, scene, units, deck, plan, state, diagnostics, has_routines, composed: None }
 }
 

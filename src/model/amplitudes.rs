@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{Amplitude, AmplitudeDefinition};
+use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId};
 use crate::deck::{Card, Word};
 
 impl Builder<'_> {
@@ -86,7 +86,7 @@ impl Builder<'_> {
     }
 
     /// The magnitude that an amplitude scales: 1 where its values are magnitudes themselves.
-    pub(super) fn scaled(&self, magnitude: f64, amplitude: Option<usize>) -> f64 {
+    pub(super) fn scaled(&self, magnitude: f64, amplitude: Option<AmplitudeId>) -> f64 {
         if amplitude.is_some_and(|i| self.model.amplitudes[i].absolute) { 1.0 } else { magnitude }
     }
 
@@ -100,24 +100,24 @@ impl Builder<'_> {
         values.iter().enumerate().map(|(i, v)| [begin + i as f64 * interval, *v]).collect()
     }
 
-    /// Amplitude index by name; `Err` if it is named and unknown (reported).
-    pub(super) fn amplitude_of(&mut self, card: &Card) -> Result<Option<usize>, ()> {
+    /// The amplitude of a card; `Err` if it is named and unknown (reported).
+    pub(super) fn amplitude_of(&mut self, card: &Card) -> Result<Option<AmplitudeId>, ()> {
         let Some(word) = card.value("AMPLITUDE") else { return Ok(None) };
         self.find_amplitude(word).map(Some).ok_or(())
     }
 
     /// The same of a film coefficient.
-    pub(super) fn film_amplitude(&mut self, card: &Card) -> Result<Option<usize>, ()> {
+    pub(super) fn film_amplitude(&mut self, card: &Card) -> Result<Option<AmplitudeId>, ()> {
         let Some(word) = card.value("FILM AMPLITUDE") else { return Ok(None) };
         self.find_amplitude(word).map(Some).ok_or(())
     }
 
-    fn find_amplitude(&mut self, word: &Word) -> Option<usize> {
+    fn find_amplitude(&mut self, word: &Word) -> Option<AmplitudeId> {
         let name = upper(&word.text);
         let found = self.model.amplitudes.iter().position(|a| a.name == name);
         if found.is_none() {
             self.unknown("M112", "amplitude", word, |b| b.model.amplitudes.iter().map(|a| a.name.clone()).collect());
         }
-        found
+        found.map(AmplitudeId::new)
     }
 }

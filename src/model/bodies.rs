@@ -4,7 +4,7 @@
 use super::builder::Builder;
 use super::names::{qualified, upper};
 use super::types::{
-    Attitude, ElementKind, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, STATIONS,
+    Attitude, ElementKind, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia, STATIONS, SurfaceId,
 };
 use crate::deck::{Card, Diagnostic, Word};
 
@@ -60,7 +60,7 @@ impl Builder<'_> {
         self.claim("mass", &elements, card.span);
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
-            self.model.point_masses.push(PointMass { node, mass, span: card.span });
+            self.model.discrete.masses.push(PointMass { node, mass, span: card.span });
         }
     }
 
@@ -104,7 +104,7 @@ impl Builder<'_> {
         for element in elements {
             let node = self.model.mesh.elements[element].nodes[0];
             let axial_transverse = [axial, first];
-            self.model.rotary_inertias.push(RotaryInertia { node, axial_transverse, span: card.span });
+            self.model.discrete.inertias.push(RotaryInertia { node, axial_transverse, span: card.span });
         }
     }
 
@@ -135,7 +135,7 @@ impl Builder<'_> {
 
     /// Several masses on one node add up; MASS elements without *MASS are left without.
     pub(super) fn apply_masses(&mut self) {
-        self.model.point_masses.retain(|p| p.mass > 0.0);
+        self.model.discrete.masses.retain(|p| p.mass > 0.0);
     }
 
     pub(super) fn initial_conditions(&mut self, card: &Card) {
@@ -209,13 +209,13 @@ impl Builder<'_> {
     }
 
     /// Surface index by name.
-    pub(super) fn surface_key(&mut self, word: &Word) -> Option<String> {
+    pub(super) fn surface_id(&mut self, word: &Word) -> Option<SurfaceId> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if self.model.surfaces.contains_key(&name) {
-                return Some(name);
+            if let Some(index) = self.model.surfaces.faces.get_index_of(&name) {
+                return Some(SurfaceId::new(index));
             }
         }
-        self.unknown("M114", "surface", word, |b| b.model.surfaces.keys().cloned().collect());
+        self.unknown("M114", "surface", word, |b| b.model.surfaces.faces.keys().cloned().collect());
         None
     }
 }

@@ -4,7 +4,7 @@
 use super::builder::Builder;
 use super::degrees::Rotational;
 use super::names::upper;
-use super::types::{Boundary, Motion};
+use super::types::{AmplitudeId, Boundary, Motion};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 /// What a line of `*BOUNDARY` names.
@@ -85,7 +85,7 @@ impl Builder<'_> {
         &mut self,
         card: &Card,
         (line, set, nodes, value): (&DataLine, String, Vec<usize>, f64),
-        amplitude: Option<usize>,
+        amplitude: Option<AmplitudeId>,
     ) {
         let refusal = if card.has("USER") || card.value("TYPE").is_some_and(|w| !w.is("DISPLACEMENT")) {
             Some(("USER and TYPE of a prescribed temperature are not supported", "give a value, with AMPLITUDE="))

@@ -18,7 +18,7 @@ use super::derivation::Asked;
 use super::lost::{Lost, is_skipped};
 use super::names::{Labels, qualified, upper};
 use super::steps::StepState;
-use super::types::{Inert, Material, Model};
+use super::types::{Inert, Material, MaterialId, Model, Origin, SectionControls, SurfaceId};
 
 /// The most nodes, elements or members that one card may generate.
 pub(super) const MOST: usize = 20_000_000;
@@ -69,15 +69,17 @@ pub(super) struct Builder<'a> {
     /// Origin and directions of the coordinates of nodes (`*SYSTEM`).
     pub system: Option<([f64; 2], [[f64; 2]; 2])>,
     /// Surfaces of `*INTEGRATED OUTPUT SECTION` by the name of the section.
-    pub sections: HashMap<String, String>,
+    pub sections: HashMap<String, SurfaceId>,
     /// Nodes with turned directions.
     pub transforms: Vec<(Vec<usize>, Span)>,
     /// Members of UNSORTED node sets in the order given, by the name of the set.
     pub unsorted: HashMap<String, Vec<usize>>,
     /// Where elements were given a section, a mass, a spring or a dashpot.
     pub property_of: HashMap<&'static str, Vec<Option<Span>>>,
-    /// Section controls that sections name.
-    pub controls_used: Vec<Word>,
+    /// Section controls by name.
+    pub controls: IndexMap<String, SectionControls>,
+    /// Sections that name controls, which may follow.
+    pub controls_used: Vec<(usize, Word)>,
     /// The `*COUPLING` whose kind is to follow.
     pub coupling: Option<Coupling>,
     /// Surface interactions that contact pairs name.
@@ -102,8 +104,11 @@ impl<'a> Builder<'a> {
         Builder {
             deck,
             model: Model {
-                sources: Arc::clone(&deck.sources),
-                last_card: deck.cards.last().map(|card| card.span),
+                origin: Origin {
+                    sources: Arc::clone(&deck.sources),
+                    last_card: deck.cards.last().map(|card| card.span),
+                    ..Origin::default()
+                },
                 ..Model::default()
             },
             diagnostics: Diagnostics::default(),
@@ -130,6 +135,7 @@ impl<'a> Builder<'a> {
             transforms: Vec::new(),
             unsorted: HashMap::new(),
             property_of: HashMap::new(),
+            controls: IndexMap::new(),
             controls_used: Vec::new(),
             coupling: None,
             interactions_used: Vec::new(),
@@ -290,16 +296,16 @@ impl<'a> Builder<'a> {
         self.tell_shape_faults();
         self.tell_generated_again();
         self.check_transforms();
-        self.check_controls();
+        self.apply_controls();
         self.apply_interactions();
         self.apply_clearances();
         self.complete();
-        self.model.bodies_read = !self.lost.bodies;
+        self.model.origin.bodies_read = !self.lost.bodies;
         (self.model, self.diagnostics)
     }
 
     pub fn inert(&mut self, card: &Card, why: String) {
-        self.model.inert.push(Inert { keyword: card.keyword.name.into(), span: card.span, why });
+        self.model.origin.inert.push(Inert { keyword: card.keyword.name.into(), span: card.span, why });
     }
 
     /// A parameter value that must be there.
@@ -416,15 +422,15 @@ impl<'a> Builder<'a> {
         false
     }
 
-    /// Material index by name.
-    pub fn material(&mut self, word: &Word) -> Option<usize> {
+    /// The material of a name.
+    pub fn material(&mut self, word: &Word) -> Option<MaterialId> {
         let name = upper(&word.text);
         let place = self.material_places.get(&name).copied();
         let found = place.filter(|&place| self.model.materials.get(place).is_some_and(|m: &Material| m.name == name));
         if found.is_none() {
             self.unknown("M111", "material", word, |b| b.model.materials.iter().map(|m| m.name.clone()).collect());
         }
-        found
+        found.map(MaterialId::new)
     }
 
     /// An element set in the place of a node set: its nodes can be meant only; it is a node set from here on.

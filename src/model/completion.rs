@@ -28,8 +28,10 @@ impl Builder<'_> {
         let in_space = |nodes: &[usize]| self.model.attitudes.iter().any(|a| nodes.contains(&a.reference));
         let velocities = self.model.initial_conditions.iter().filter_map(|c| match c.kind {
             InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 && !in_space(&c.members) => {
-                let (nodes, set) =
-                    (c.members.clone(), self.model.sources.text(c.span).split(',').next().unwrap_or("").trim().into());
+                let (nodes, set) = (
+                    c.members.clone(),
+                    self.model.origin.sources.text(c.span).split(',').next().unwrap_or("").trim().into(),
+                );
                 Some(Rotational { span: c.span, set, dofs: [dof; 2], nodes, lost: "moves", value })
             }
             _ => None,
@@ -46,7 +48,7 @@ impl Builder<'_> {
         let mut told = Vec::new();
         let turning = self.nodes_of_shells();
         for condition in all {
-            let links = &self.model.links;
+            let links = &self.model.constraints.links;
             let references = |n: &usize| {
                 self.model.rigid_bodies.iter().any(|b| b.reference == *n) || links.iter().any(|l| l.reference == *n)
             };
@@ -97,7 +99,7 @@ impl Builder<'_> {
                 condition.members.iter().for_each(|&n| nodes[n] = value);
             }
         }
-        let elements = self.model.made_of().filter(|s| s.0 == material).flat_map(|s| s.1);
+        let elements = self.model.made_of().filter(|s| s.0.index() == material).flat_map(|s| s.1);
         let elements = elements.flat_map(|&e| &self.model.mesh.elements[e].nodes);
         let mut temperatures = elements.map(|&n| nodes[n]);
         let first = temperatures.next().ok_or("a density over temperature needs elements that have a temperature")?;
@@ -110,9 +112,8 @@ impl Builder<'_> {
     /// An element that fails at once is deleted here; where the deck wants it kept, that is refused.
     fn refuse_kept_elements(&mut self) {
         let kept = |section: &super::SolidSection| -> Option<(Span, bool)> {
-            let name = section.controls.as_ref()?;
-            let span = self.model.controls.iter().find(|c| c.name == *name)?.keeps_failed?;
-            let material = self.model.materials.get(section.material)?;
+            let span = section.controls.keeps_failed?;
+            let material = self.model.materials.get(section.material.index())?;
             let sudden = material.failures.iter().any(|f| f.evolution == DamageEvolution::Sudden);
             Some((span, sudden || material.tensile_failure.is_some_and(|t| t.deletes)))
         };

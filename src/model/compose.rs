@@ -4,10 +4,10 @@
 use super::name::Name;
 use super::steps::{BULK_VISCOSITY, DEFAULT_ACCURACY};
 use super::types::{
-    Amplitude, AmplitudeDefinition, Boundary, Element, ElementKind, IncrementControl, InitialCondition, InitialKind,
-    Interval, Load, LoadKind, LoadVelocity, Material, Model, Motion, OutputCard, OutputExpression, OutputKind,
-    OutputRequest, PointMass, Position, Region, RigidBody, Set, ShellSection, ShellThinning, Side, Sides, SolidSection,
-    Step,
+    Amplitude, AmplitudeDefinition, AmplitudeId, Boundary, Element, ElementKind, ElementSetId, IncrementControl,
+    InitialCondition, InitialKind, Interval, Load, LoadKind, LoadVelocity, Material, MaterialId, Model, Motion,
+    NodeSetId, OutputCard, OutputExpression, OutputKind, OutputRequest, PointMass, Position, Region, RigidBody,
+    SectionControls, Set, ShellSection, ShellThinning, Side, Sides, SolidSection, Step,
 };
 use crate::deck::Span;
 use crate::variables::asked::Asked;
@@ -15,8 +15,8 @@ use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Variable};
 
 impl Model {
-    /// What deforms is made of: index of the material and elements of each section, solids before shells.
-    pub fn made_of(&self) -> impl Iterator<Item = (usize, &[usize])> {
+    /// What deforms is made of: material and elements of each section, solids before shells.
+    pub fn made_of(&self) -> impl Iterator<Item = (MaterialId, &[usize])> {
         let solids = self.sections.iter().map(|s| (s.material, &s.elements[..]));
         solids.chain(self.shell_sections.iter().map(|s| (s.material, &s.elements[..])))
     }
@@ -37,34 +37,39 @@ impl Model {
         self.mesh.elements.len() - 1
     }
 
-    /// Names some nodes; names are kept in upper case.
+    /// Names some nodes, for output requests; names are kept in upper case.
     #[track_caller]
-    pub fn node_set(&mut self, name: &str, members: &[usize]) {
-        self.node_sets.insert(name.to_uppercase(), Set::new(members));
+    pub fn node_set(&mut self, name: &str, members: &[usize]) -> NodeSetId {
+        NodeSetId::new(self.node_sets.insert_full(name.to_uppercase(), Set::new(members)).0)
     }
 
     /// Names some elements, likewise.
     #[track_caller]
-    pub fn element_set(&mut self, name: &str, members: &[usize]) {
-        self.element_sets.insert(name.to_uppercase(), Set::new(members));
+    pub fn element_set(&mut self, name: &str, members: &[usize]) -> ElementSetId {
+        ElementSetId::new(self.element_sets.insert_full(name.to_uppercase(), Set::new(members)).0)
     }
 
-    /// Adds a material and returns its index.
-    pub fn material(&mut self, material: Material) -> usize {
+    /// Adds a material.
+    pub fn material(&mut self, material: Material) -> MaterialId {
         self.materials.push(material);
-        self.materials.len() - 1
+        MaterialId::new(self.materials.len() - 1)
     }
 
-    /// Lets elements deform that are of a material, given by its index.
+    /// Lets elements deform that are of a material.
     #[track_caller]
-    pub fn section(&mut self, elements: &[usize], material: usize) {
+    pub fn section(&mut self, elements: &[usize], material: MaterialId) {
         let elements = elements.to_vec();
-        self.sections.push(SolidSection { elements, material, controls: None, span: Span::composed() });
+        self.sections.push(SolidSection {
+            elements,
+            material,
+            controls: SectionControls::default(),
+            span: Span::composed(),
+        });
     }
 
-    /// Lets shells deform that are of a material, given by its index, and of a thickness, with five points through it.
+    /// Lets shells deform that are of a material and of a thickness, with five points through it.
     #[track_caller]
-    pub fn shell_section(&mut self, elements: &[usize], material: usize, thickness: f64) -> &mut ShellSection {
+    pub fn shell_section(&mut self, elements: &[usize], material: MaterialId, thickness: f64) -> &mut ShellSection {
         self.shell_sections.push(ShellSection {
             elements: elements.to_vec(),
             material,
@@ -98,7 +103,7 @@ impl Model {
     /// Puts a mass on a node.
     #[track_caller]
     pub fn mass(&mut self, node: usize, mass: f64) {
-        self.point_masses.push(PointMass { node, mass, span: Span::composed() });
+        self.discrete.masses.push(PointMass { node, mass, span: Span::composed() });
     }
 
     /// Lets nodes start with a velocity along a degree of freedom (1 = r, 2 = z).
@@ -108,13 +113,13 @@ impl Model {
         self.initial_conditions.push(InitialCondition { kind, members: sorted(nodes), span: Span::composed() });
     }
 
-    /// Adds a piecewise linear function of the time in a step, `[time, value]` with ascending times, and returns its index.
+    /// Adds a piecewise linear function of the time in a step, `[time, value]` with ascending times.
     #[track_caller]
-    pub fn amplitude(&mut self, name: &str, points: &[[f64; 2]]) -> usize {
+    pub fn amplitude(&mut self, name: &str, points: &[[f64; 2]]) -> AmplitudeId {
         let definition = AmplitudeDefinition::Curve { points: points.to_vec(), smooth: false, total_time: false };
         let (name, span) = (name.to_uppercase(), Span::composed());
         self.amplitudes.push(Amplitude { name, definition, absolute: false, span });
-        self.amplitudes.len() - 1
+        AmplitudeId::new(self.amplitudes.len() - 1)
     }
 }
 
@@ -244,23 +249,11 @@ impl Load {
         Load::new(LoadKind::User { sides, load_type: 0 }, 1.0)
     }
 
-    /// The same with an amplitude, given by its index.
+    /// The same with an amplitude.
     #[must_use]
-    pub fn with_amplitude(mut self, amplitude: usize) -> Load {
+    pub fn with_amplitude(mut self, amplitude: AmplitudeId) -> Load {
         self.amplitude = Some(amplitude);
         self
-    }
-}
-
-impl Region {
-    /// The node set of that name.
-    pub fn nodes(name: &str) -> Region {
-        Region::Nodes(name.to_uppercase())
-    }
-
-    /// The element set of that name.
-    pub fn elements(name: &str) -> Region {
-        Region::Elements(name.to_uppercase())
     }
 }
 

@@ -39,7 +39,7 @@ impl Builder<'_> {
         let Some(law) = self.connector_law(card, lines, is_spring) else { return };
         self.claim(if is_spring { "spring" } else { "dashpot" }, &elements, card.span);
         let property = ConnectorProperty { elements, dof, law, span: card.span };
-        self.model.connectors.push(property);
+        self.model.discrete.connectors.push(property);
     }
 
     fn connector_law(&mut self, card: &Card, lines: &[&DataLine], is_spring: bool) -> Option<ConnectorLaw> {

@@ -4,9 +4,9 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, AnalyticalSide, Boundary, Clearance, ConnectorLaw, ConnectorProperty, ElementKind, Erosion,
-    Friction, IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion, OutputRequest, Region,
-    ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
+    AmplitudeDefinition, AmplitudeId, AnalyticalSide, Boundary, Clearance, ConnectorLaw, ConnectorProperty,
+    ElementKind, Erosion, Friction, IncrementControl, InitialKind, Interval, LinkKind, Load, LoadKind, Model, Motion,
+    OutputRequest, Region, ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::variables::asked::Asked;
@@ -24,7 +24,7 @@ impl Model {
             check.amplitudes();
             self.erosions.iter().for_each(|e| check.erosion(e));
             self.targets.iter().for_each(|t| check.target(t));
-            self.connectors.iter().for_each(|c| check.connector(c));
+            self.discrete.connectors.iter().for_each(|c| check.connector(c));
             check.conditions();
             self.steps.iter().for_each(|s| check.step(s));
         }
@@ -89,8 +89,8 @@ impl Check<'_> {
         });
     }
 
-    fn amplitude(&mut self, span: Span, index: Option<usize>) {
-        self.indices("M112", span, "amplitude", index.as_slice(), self.model.amplitudes.len());
+    fn amplitude(&mut self, span: Span, id: Option<AmplitudeId>) {
+        self.indices("M112", span, "amplitude", id.map(AmplitudeId::index).as_slice(), self.model.amplitudes.len());
     }
 
     fn degree(&mut self, span: Span, dof: u8, last: u8) {
@@ -137,8 +137,8 @@ impl Check<'_> {
         }
         model.node_sets.values().for_each(|set| self.nodes(set.span, &set.members));
         model.element_sets.values().for_each(|set| self.elements(set.span, &set.members));
-        model.surfaces.values().for_each(|s| self.faces(s.span, &s.faces));
-        model.node_surfaces.values().for_each(|nodes| self.nodes(Span::default(), nodes));
+        model.surfaces.faces.values().for_each(|s| self.faces(s.span, &s.faces));
+        model.surfaces.nodes.values().for_each(|nodes| self.nodes(Span::default(), nodes));
     }
 
     /// Sides of elements: each is one that its element has.
@@ -170,11 +170,11 @@ impl Check<'_> {
         let model = self.model;
         for section in &model.sections {
             self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material], model.materials.len());
+            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
         }
         for section in &model.shell_sections {
             self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material], model.materials.len());
+            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
             self.shell_section(section);
         }
         for body in &model.rigid_bodies {
@@ -185,7 +185,7 @@ impl Check<'_> {
                 "density and thickness of a rigid body must not be below zero".into()
             });
         }
-        for point in &model.point_masses {
+        for point in &model.discrete.masses {
             self.nodes(point.span, &[point.node]);
             self.value(not_below(point.mass), point.span, || {
                 format!("a mass must not be below zero, not {}", point.mass)
@@ -196,13 +196,13 @@ impl Check<'_> {
             let good = attitude.angles.iter().all(|a| a.is_finite()) && (4..=4096).contains(&attitude.stations);
             self.value(good, attitude.span, || "an attitude has finite angles and 4 to 4096 stations".into());
         }
-        for inertia in &model.rotary_inertias {
+        for inertia in &model.discrete.inertias {
             self.nodes(inertia.span, &[inertia.node]);
             self.value(inertia.axial_transverse.iter().all(|i| not_below(*i)), inertia.span, || {
                 "a rotary inertia must not be below zero".into()
             });
         }
-        for surface in model.rigid_surfaces.values() {
+        for surface in model.surfaces.analytical.values() {
             self.nodes(surface.span, surface.reference.as_slice());
             let segments = &surface.profile.segments;
             let finite = segments.iter().flat_map(|s| s.ends()).flatten().all(f64::is_finite);
@@ -246,8 +246,8 @@ impl Check<'_> {
                 format!("a layer must be thicker and wider than zero, not {} by {}", layer.thickness, layer.radius)
             });
             let Some(index) = layer.material else { continue };
-            self.indices("M111", layer.span, "material", &[index], self.model.materials.len());
-            let Some(material) = self.model.materials.get(index) else { continue };
+            self.indices("M111", layer.span, "material", &[index.index()], self.model.materials.len());
+            let Some(material) = self.model.materials.get(index.index()) else { continue };
             if material.cavity.is_none() || material.density.is_none() {
                 let name = &material.name;
                 let message =
@@ -279,7 +279,7 @@ impl Check<'_> {
 
     fn conditions(&mut self) {
         let model = self.model;
-        for equation in &model.equations {
+        for equation in &model.constraints.equations {
             let nodes: Vec<usize> = equation.terms.iter().map(|t| t.0).collect();
             self.nodes(equation.span, &nodes);
             if equation.is_thermal() {
@@ -291,7 +291,7 @@ impl Check<'_> {
             let good = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
             self.value(good, equation.span, || "an equation needs terms, with coefficients other than zero".into());
         }
-        for link in &model.links {
+        for link in &model.constraints.links {
             self.nodes(link.span, &[link.reference]);
             self.nodes(link.span, &link.nodes);
             if let LinkKind::Distributing(weights) = &link.kind {
@@ -301,7 +301,7 @@ impl Check<'_> {
                 self.value(good, link.span, || "a coupling needs a weight for each node, their sum above zero".into());
             }
         }
-        for tie in &model.surface_ties {
+        for tie in &model.constraints.ties {
             self.nodes(tie.span, &tie.slaves);
             self.nodes(tie.span, tie.chosen.as_deref().unwrap_or_default());
             self.faces(tie.span, &tie.masters);
@@ -329,7 +329,7 @@ impl Check<'_> {
                 self.degree(condition.span, dof, 6);
             }
         }
-        self.value(model.absolute_zero.is_finite(), Span::default(), || "absolute zero must be finite".into());
+        self.value(model.settings.absolute_zero.is_finite(), Span::default(), || "absolute zero must be finite".into());
     }
 
     fn step(&mut self, step: &Step) {
@@ -391,10 +391,8 @@ impl Check<'_> {
     fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {
         self.nodes(contact.span, &analytical.nodes);
         self.value(ascend(&analytical.nodes), contact.span, || "nodes in contact must ascend".into());
-        let surface = contact.sides.get(analytical.side).map_or("", |s| &s.name);
-        if !self.model.rigid_surfaces.contains_key(surface) {
-            self.error("M114", contact.span, format!("there is no analytical surface `{surface}`"));
-        }
+        let count = self.model.surfaces.analytical.len();
+        self.indices("M114", contact.span, "analytical surface", &[analytical.surface.index()], count);
     }
 
     fn boundary(&mut self, boundary: &Boundary) {
@@ -439,7 +437,7 @@ impl Check<'_> {
             }
             LoadKind::Cavity { sides, target, friction } => {
                 self.sides(load.span, sides);
-                self.indices("M113", load.span, "target", &[*target], self.model.targets.len());
+                self.indices("M113", load.span, "target", &[target.index()], self.model.targets.len());
                 self.value(not_below(*friction), load.span, || {
                     format!("FRICTION must not be below zero, not {friction}")
                 });
@@ -456,15 +454,6 @@ impl Check<'_> {
     fn output(&mut self, request: &OutputRequest) {
         self.interval(request.span, request.interval);
         let model = self.model;
-        let missing = match &request.region {
-            Region::Nodes(name) => Some(("node", name)).filter(|_| !model.node_sets.contains_key(name)),
-            Region::Elements(name) => Some(("element", name)).filter(|_| !model.element_sets.contains_key(name)),
-            Region::Surface(name, _) => Some(("surface", name)).filter(|_| !model.surfaces.contains_key(name)),
-            Region::Whole | Region::Pairs(_) => None,
-        };
-        if let Some((what, name)) = missing {
-            self.error("M110", request.span, format!("there is no {what} set `{name}`"));
-        }
         for asked in &request.variables {
             let Asked::One(part) = asked else { continue };
             if !part.variable.row().numbered && part.variable.parts().all(|p| p != *part) {
@@ -472,6 +461,13 @@ impl Check<'_> {
                 self.error("M141", request.span, message);
             }
         }
+        let (what, index, count) = match &request.region {
+            Region::Nodes(set) => ("node set", set.index(), model.node_sets.len()),
+            Region::Elements(set) => ("element set", set.index(), model.element_sets.len()),
+            Region::Surface(surface, _) => ("surface", surface.index(), model.surfaces.faces.len()),
+            Region::Whole | Region::Pairs(_) => return,
+        };
+        self.indices("M110", request.span, what, &[index], count);
     }
 
     fn interval(&mut self, span: Span, interval: Interval) {

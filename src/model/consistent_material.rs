@@ -30,13 +30,13 @@ impl Check<'_> {
         need(is_foam(material), "constants of the foam out of range");
         need(material.damping.is_none_or(|d| above_zero(d.0)), "mass proportional damping must be above zero");
         let heat = |rows: &Vec<[f64; 2]>| !rows.is_empty() && rows.iter().all(|r| above_zero(r[0]));
-        need(material.specific_heat.as_ref().is_none_or(heat), "the specific heat must be above zero");
-        let conducts = material.conductivity.as_ref().is_none_or(|(rows, _)| heat(rows));
+        need(material.thermal.specific_heat.as_ref().is_none_or(heat), "the specific heat must be above zero");
+        let conducts = material.thermal.conductivity.as_ref().is_none_or(|(rows, _)| heat(rows));
         need(conducts, "the conductivity must be above zero");
         let expands =
             |e: &Expansion| !e.rows.is_empty() && e.rows.iter().all(|r| r[0].is_finite()) && e.zero.is_finite();
-        need(material.expansion.as_ref().is_none_or(expands), "coefficients of the expansion must be finite");
-        let fraction = material.inelastic_heat_fraction.is_none_or(f64::is_finite);
+        need(material.thermal.expansion.as_ref().is_none_or(expands), "coefficients of the expansion must be finite");
+        let fraction = material.thermal.inelastic_heat_fraction.is_none_or(f64::is_finite);
         need(fraction, "the inelastic heat fraction must be finite");
         need(
             material.eos.as_ref().is_none_or(|eos| is_equation(&eos.kind)),
@@ -49,10 +49,10 @@ impl Check<'_> {
         let resists =
             material.cavity.is_none_or(|c| above_zero(c.yield_stress) && [c.a, c.b, c.c].map(not_below) == [true; 3]);
         need(resists, "a resistance needs YIELD above zero and A, B, C not below zero");
-        let of_fields = material.fields.iter().chain(&material.lengths).flat_map(|f| &f.0);
-        let constants = material.user.iter().flatten().chain(of_fields);
+        let of_fields = material.user.fields.iter().chain(&material.user.lengths).flat_map(|f| &f.0);
+        let constants = material.user.material.iter().flatten().chain(of_fields);
         need(constants.into_iter().all(|c| c.is_finite()), "constants of the user must be finite");
-        let state = material.state;
+        let state = material.user.state;
         need(state.count <= 10_000 && state.delete.is_none_or(|d| d < state.count), "state variables out of range");
     }
 }
@@ -78,12 +78,12 @@ fn is_rubber(rubber: &Hyperelastic) -> bool {
 
 /// The plan says what is missing.
 fn is_foam(material: &Material) -> bool {
-    let shape = match material.foam {
+    let shape = match material.foam.shape {
         None => true,
         Some((FoamShape::Volumetric([k, kt]), _)) => k > 0.0 && k < 3.0 && not_below(kt),
         Some((FoamShape::Isotropic([k, ratio]), _)) => (0.0..3.0).contains(&k) && ratio > -1.0 && ratio < 0.5,
     };
-    let rows = &material.foam_hardening;
+    let rows = &material.foam.hardening;
     let starts = rows.first().is_none_or(|r| r[1] == 0.0);
     shape && starts && rows.iter().all(|r| above_zero(r[0])) && rows.windows(2).all(|w| w[0][1] < w[1][1])
 }

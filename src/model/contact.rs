@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::{qualified, upper};
-use super::types::{AnalyticalSide, Model, Profile, RigidBody, RigidSurface, Segment, Sides};
+use super::types::{AnalyticalSide, Model, Profile, RigidBody, RigidSurface, RigidSurfaceId, Segment, Sides};
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 
 /// Up to this part of the radius the ends of an arc differ by rounding alone.
@@ -60,7 +60,7 @@ impl Builder<'_> {
         }
         let profile = self.placed(profile);
         let surface = RigidSurface { profile, reference: None, span: card.span };
-        self.model.rigid_surfaces.insert(qualified(&self.scope, &name.text), surface);
+        self.model.surfaces.analytical.insert(qualified(&self.scope, &name.text), surface);
     }
 
     fn required_lines(&mut self, card: &Card) {
@@ -163,7 +163,7 @@ impl Builder<'_> {
             self.out_of_range(word.span, format!("REF NODE must be one node; this set has {}", nodes.len()));
             return;
         };
-        if let Some(surface) = self.model.rigid_surfaces.get_mut(&qualified(&self.scope, &name.text)) {
+        if let Some(surface) = self.model.surfaces.analytical.get_mut(&qualified(&self.scope, &name.text)) {
             surface.reference = Some(reference);
         }
         if self.model.rigid_bodies.iter().any(|b| b.reference == reference) {
@@ -177,12 +177,12 @@ impl Builder<'_> {
     /// A rigid body that carries an analytical surface.
     pub(super) fn carry_surface(&mut self, word: &Word, reference: usize) {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if let Some(surface) = self.model.rigid_surfaces.get_mut(&name) {
+            if let Some(surface) = self.model.surfaces.analytical.get_mut(&name) {
                 surface.reference = Some(reference);
                 return;
             }
         }
-        let names: Vec<String> = self.model.rigid_surfaces.keys().cloned().collect();
+        let names: Vec<String> = self.model.surfaces.analytical.keys().cloned().collect();
         self.unknown("M114", "analytical surface", word, |_| names.clone());
     }
 
@@ -207,9 +207,9 @@ impl Builder<'_> {
             };
             // A surface alone meets itself.
             let second = line.field(1).unwrap_or(first);
-            let (known, scope) = (&self.model.rigid_surfaces, &self.scope);
+            let (known, scope) = (&self.model.surfaces.analytical, &self.scope);
             let find =
-                |w: &Word| [qualified(scope, &w.text), upper(&w.text)].into_iter().find(|n| known.contains_key(n));
+                |w: &Word| [qualified(scope, &w.text), upper(&w.text)].iter().find_map(|n| known.get_index_of(n));
             let (side, surface, other) = match (find(first), find(second)) {
                 (Some(surface), None) => (0, surface, second),
                 (None, Some(surface)) => (1, surface, first),
@@ -224,10 +224,12 @@ impl Builder<'_> {
                     continue;
                 }
             };
+            let name = known.get_index(surface).map_or(String::new(), |(name, _)| name.clone());
             let Some((nodes, sides)) = self.sides_of_nodes(other) else { continue };
-            let rigid = Sides { name: surface, surface: true, faces: Vec::new(), whole: Vec::new() };
+            let surface = RigidSurfaceId::new(surface);
+            let rigid = Sides { name, surface: true, faces: Vec::new(), whole: Vec::new() };
             let sides = if side == 0 { [rigid, sides] } else { [sides, rigid] };
-            self.add_pair(card, line, (sides, Some(AnalyticalSide { side, nodes })), adds);
+            self.add_pair(card, line, (sides, Some(AnalyticalSide { side, surface, nodes })), adds);
         }
     }
 
@@ -279,13 +281,13 @@ impl Builder<'_> {
     /// The same, and its faces.
     fn sides_of_nodes(&mut self, word: &Word) -> Option<(Vec<usize>, Sides)> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if let Some(nodes) = self.model.node_surfaces.get(&name) {
+            if let Some(nodes) = self.model.surfaces.nodes.get(&name) {
                 return Some((nodes.clone(), Sides { name, surface: true, faces: Vec::new(), whole: Vec::new() }));
             }
         }
-        let name = self.surface_key(word)?;
-        let mesh = &self.model.mesh;
-        let faces = self.model.surfaces[&name].faces.clone();
+        let id = self.surface_id(word)?;
+        let (mesh, name) = (&self.model.mesh, self.model.surfaces.name(id).to_owned());
+        let faces = self.model.surfaces.faces[id].faces.clone();
         let mut nodes: Vec<usize> = faces.iter().filter_map(|&(e, side)| mesh.ends(e, side)).flatten().collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -298,7 +300,7 @@ impl Builder<'_> {
         let mut nodes: Vec<usize> = words.filter_map(|w| self.node_members(w)).flatten().collect();
         nodes.sort_unstable();
         nodes.dedup();
-        self.model.node_surfaces.insert(qualified(&self.scope, &name.text), nodes);
+        self.model.surfaces.nodes.insert(qualified(&self.scope, &name.text), nodes);
         if !self.deck.cards.iter().any(|c| matches!(c.keyword.name, "COUPLING" | "TIE")) {
             self.contact_note(card);
         }

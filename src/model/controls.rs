@@ -67,18 +67,9 @@ impl Builder<'_> {
             );
             return;
         }
-        let name = upper(&name.text);
-        self.model.controls.push(SectionControls {
-            name,
-            hourglass,
-            factor,
-            by_area,
-            distortion,
-            most_damage,
-            averaged,
-            subzonal,
-            keeps_failed,
-        });
+        let controls =
+            SectionControls { hourglass, factor, by_area, distortion, most_damage, averaged, subzonal, keeps_failed };
+        self.controls.entry(upper(&name.text)).or_insert(controls);
     }
 
     /// Controls that are YES or NO, and what of them means nothing here.

@@ -335,7 +335,7 @@ impl Builder<'_> {
             let finding =
                 Diagnostic::error("M104", message).at(given, "given on nodes of a *TRANSFORM").at(span, "turned here");
             self.diagnostics.push(finding.help("give them along r and z, or write the direction as an *EQUATION"));
-            self.model.inert.retain(|i| i.span != span);
+            self.model.origin.inert.retain(|i| i.span != span);
         }
     }
 

@@ -107,7 +107,7 @@ impl Builder<'_> {
     /// `*PHYSICAL CONSTANTS`: absolute zero; other constants serve analyses that are not here.
     pub(super) fn physical_constants(&mut self, card: &Card) {
         if let Some(zero) = card.value("ABSOLUTE ZERO").and_then(|w| w.number(&mut self.diagnostics)) {
-            self.model.absolute_zero = zero;
+            self.model.settings.absolute_zero = zero;
         }
     }
 }

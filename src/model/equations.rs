@@ -67,7 +67,7 @@ impl Builder<'_> {
         }
         for i in 0..count {
             let term = |(nodes, dof, c): &Term| (nodes[i.min(nodes.len() - 1)], *dof, *c);
-            self.model.equations.push(Equation { terms: terms.iter().map(term).collect(), span });
+            self.model.constraints.equations.push(Equation { terms: terms.iter().map(term).collect(), span });
         }
     }
 }

@@ -24,7 +24,7 @@ impl Builder<'_> {
                 continue;
             }
             let (text, place) = (text.to_owned(), place_of(word, text));
-            self.model.expressions.push(OutputExpression { name, text, span: word.span, place });
+            self.model.output.expressions.push(OutputExpression { name, text, span: word.span, place });
         }
     }
 

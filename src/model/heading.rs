@@ -9,8 +9,8 @@ impl Builder<'_> {
     /// `*HEADING`: its lines one below the other.
     pub(super) fn heading(&mut self, card: &Card) {
         for word in card.lines.iter().filter_map(|l| l.fields.first()) {
-            let gap = if self.model.title.is_empty() { "" } else { "\n" };
-            self.model.title += &format!("{gap}{}", word.text);
+            let gap = if self.model.settings.title.is_empty() { "" } else { "\n" };
+            self.model.settings.title += &format!("{gap}{}", word.text);
         }
     }
 
@@ -25,6 +25,6 @@ impl Builder<'_> {
             return;
         };
         let temperature = word(3).unwrap_or_else(|| "K".into());
-        self.model.units = Some(Units { length, mass, time, temperature });
+        self.model.settings.units = Some(Units { length, mass, time, temperature });
     }
 }

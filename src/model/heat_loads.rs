@@ -4,7 +4,7 @@
 use super::builder::Builder;
 use super::loads::load_family;
 use super::names::upper;
-use super::types::{Load, LoadKind, Sides};
+use super::types::{AmplitudeId, Load, LoadKind, Sides};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 impl Builder<'_> {
@@ -52,7 +52,7 @@ impl Builder<'_> {
         Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat a time and area")?))
     }
 
-    fn film(&mut self, line: &DataLine, family: &str, amplitude: Option<usize>) -> Option<(LoadKind, f64)> {
+    fn film(&mut self, line: &DataLine, family: &str, amplitude: Option<AmplitudeId>) -> Option<(LoadKind, f64)> {
         let sides =
             if family == "FILM" { self.element_sides(line, 'F', "F1 to F4")? } else { self.surface_sides(line)? };
         let fluid = self.number(line, 2, "the temperature of the fluid")?;
@@ -86,7 +86,7 @@ impl Builder<'_> {
 
     fn surface_sides(&mut self, line: &DataLine) -> Option<Sides> {
         let word = self.region(line)?;
-        let key = self.surface_key(word)?;
-        Some(self.model.surfaces[&key].sides(&word.text))
+        let id = self.surface_id(word)?;
+        Some(self.model.surfaces.faces[id].sides(&word.text))
     }
 }

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::types::{Amplitude, AmplitudeDefinition, Boundary, Load, Model, Motion, PrescribedField};
+use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId, Boundary, Load, Model, Motion, PrescribedField};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::amplitude::Curve;
 
@@ -81,18 +81,18 @@ impl History {
     }
 
     /// Value of an amplitude at a time of the step; `None` for one that a routine gives.
-    pub(super) fn amplitude(&self, index: Option<usize>, step_time: f64, model: &Model) -> Option<f64> {
-        let Some(index) = index else { return Some(1.0) };
-        let curve = curve(&model.amplitudes[index])?;
+    pub(super) fn amplitude(&self, amplitude: Option<AmplitudeId>, step_time: f64, model: &Model) -> Option<f64> {
+        let Some(id) = amplitude else { return Some(1.0) };
+        let curve = curve(&model.amplitudes[id])?;
         Some(curve.value(if curve.total_time { self.time + step_time } else { step_time }))
     }
 
     /// What stays of an amplitude after its step: one in total time goes on, and so does a routine, which knows the step. One
     /// in step time is constant from then on.
-    pub(super) fn stays(&self, index: Option<usize>, step: &StepTime, model: &Model) -> Option<f64> {
+    pub(super) fn stays(&self, amplitude: Option<AmplitudeId>, step: &StepTime, model: &Model) -> Option<f64> {
         let in_total_time = |a: &Amplitude| matches!(a.definition, AmplitudeDefinition::Curve { total_time: true, .. });
-        let index = index.filter(|&i| !in_total_time(&model.amplitudes[i]))?;
-        self.amplitude(Some(index), step.duration, model)
+        let id = amplitude.filter(|&id| !in_total_time(&model.amplitudes[id]))?;
+        self.amplitude(Some(id), step.duration, model)
     }
 
     fn settled_boundary(&self, boundary: &Boundary, step: &StepTime, model: &mut Model) -> Boundary {
@@ -222,13 +222,13 @@ fn curve(amplitude: &Amplitude) -> Option<Curve> {
     }
 }
 
-fn push(amplitude: Amplitude, model: &mut Model) -> usize {
+fn push(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
     model.amplitudes.push(amplitude);
-    model.amplitudes.len() - 1
+    AmplitudeId::new(model.amplitudes.len() - 1)
 }
 
 /// An amplitude that stays at what another came to.
-pub(super) fn constant(factor: f64, other: Option<usize>, model: &mut Model) -> usize {
+pub(super) fn constant(factor: f64, other: Option<AmplitudeId>, model: &mut Model) -> AmplitudeId {
     let (name, span) = other.map_or_else(Default::default, |i| {
         let other = &model.amplitudes[i];
         (other.name.clone(), other.span)
@@ -238,7 +238,7 @@ pub(super) fn constant(factor: f64, other: Option<usize>, model: &mut Model) -> 
 }
 
 /// Value and amplitude of what grows linearly over a step from one value to another.
-pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTime, model: &mut Model) -> (f64, Option<usize>) {
+pub(super) fn ramp(from: f64, to: f64, span: Span, step: &StepTime, model: &mut Model) -> (f64, Option<AmplitudeId>) {
     if from == to {
         return (to, None);
     }

@@ -54,7 +54,7 @@ impl Builder<'_> {
         if let LinkKind::Rigid(_) = kind {
             nodes.retain(|&n| n != reference);
         }
-        self.model.links.push(Link { name, kind, reference, nodes, span });
+        self.model.constraints.links.push(Link { name, kind, reference, nodes, span });
     }
 
     pub(super) fn coupling(&mut self, card: &Card) {
@@ -89,11 +89,11 @@ impl Builder<'_> {
     fn areas(&self, word: &Word, members: &[usize]) -> Vec<f64> {
         let mesh = &self.model.mesh;
         let names = [super::names::qualified(&self.scope, &word.text), upper(&word.text)];
-        if names.iter().any(|n| self.model.node_surfaces.contains_key(n)) {
+        if names.iter().any(|n| self.model.surfaces.nodes.contains_key(n)) {
             return vec![1.0; members.len()];
         }
         let mut areas = vec![0.0; members.len()];
-        let surface = names.iter().find_map(|n| self.model.surfaces.get(n));
+        let surface = names.iter().find_map(|n| self.model.surfaces.faces.get(n));
         for &(element, side) in surface.map_or(&[][..], |s| &s.faces) {
             let Some(ends) = mesh.ends(element, side) else { continue };
             let [a, b] = ends.map(|n| mesh.points[n]);
@@ -227,23 +227,23 @@ impl Builder<'_> {
             let Some(masters) = self.master_faces(master) else { continue };
             let Some(slaves) = slaves else { continue };
             let (name, chosen, span) = (upper(&name.text), chosen.clone(), line.span);
-            self.model.surface_ties.push(SurfaceTie { name, slaves, masters, adjust, tolerance, chosen, span });
+            self.model.constraints.ties.push(SurfaceTie { name, slaves, masters, adjust, tolerance, chosen, span });
         }
     }
 
     fn master_faces(&mut self, word: &Word) -> Option<Vec<(usize, super::types::Side)>> {
         let names = [super::names::qualified(&self.scope, &word.text), upper(&word.text)];
-        if names.iter().any(|n| self.model.node_surfaces.contains_key(n)) {
+        if names.iter().any(|n| self.model.surfaces.nodes.contains_key(n)) {
             let message = "a surface of nodes cannot be the master of a tie: between nodes there is no surface";
             self.unsupported(word.span, message, "name the surface of elements second, or use *MPC, TIE for pairs");
             return None;
         }
-        if names.iter().any(|n| self.model.rigid_surfaces.contains_key(n)) {
+        if names.iter().any(|n| self.model.surfaces.analytical.contains_key(n)) {
             let message = "an analytical surface cannot be tied";
             self.unsupported(word.span, message, "*RIGID BODY, TIE NSET= moves nodes with its body");
             return None;
         }
-        let key = self.surface_key(word)?;
-        Some(self.model.surfaces[&key].faces.clone())
+        let id = self.surface_id(word)?;
+        Some(self.model.surfaces.faces[id].faces.clone())
     }
 }

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::history::{History, StepTime, constant, ramp};
 use super::names::upper;
-use super::types::{Load, LoadKind, Model, Side, Sides};
+use super::types::{Load, LoadKind, Model, Side, Sides, TargetId};
 use crate::deck::{Diagnostic, Span};
 
 impl History {
@@ -79,7 +79,7 @@ enum Place {
 enum Kind {
     Pressure,
     User(i32),
-    Cavity(usize),
+    Cavity(TargetId),
     Heat,
     Film,
 }

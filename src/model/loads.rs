@@ -3,7 +3,7 @@
 
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{ElementKind, Load, LoadKind, Side, Sides};
+use super::types::{ElementKind, Load, LoadKind, Side, Sides, TargetId};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 /// Labels this code knows.
@@ -138,14 +138,14 @@ impl Builder<'_> {
 
     fn surface_load(&mut self, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
         let word = self.region(line)?;
-        let key = self.surface_key(word)?;
+        let id = self.surface_id(word)?;
         let label = self.label(line)?;
         let name = upper(&label.text);
         if !matches!(name.as_str(), "P" | "PNU" | "CAVITY") {
             self.unknown_label(label);
             return None;
         }
-        let sides = self.model.surfaces[&key].sides(&word.text);
+        let sides = self.model.surfaces.faces[id].sides(&word.text);
         self.distributed(card, line, sides, (name == "PNU").then_some(0), name == "CAVITY")
     }
 
@@ -178,7 +178,7 @@ impl Builder<'_> {
             self.out_of_range(card.span, format!("FRICTION must not be below zero, not {friction}"));
             return None;
         }
-        Some(LoadKind::Cavity { sides, target: target?, friction })
+        Some(LoadKind::Cavity { sides, target: TargetId::new(target?), friction })
     }
 
     fn gravity(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {

@@ -1,11 +1,12 @@
 //! Materials: `*MATERIAL` and the cards below it, `*SOLID SECTION`.
 //! Never here: what a material does under load.
 
-use std::collections::HashSet;
-
 use super::builder::Builder;
 use super::names::upper;
-use super::types::{CavityExpansion, Element, ElementKind, Expansion, Material, Plastic, RateDependence, SolidSection};
+use super::types::{
+    CavityExpansion, Element, ElementKind, Expansion, Material, MaterialId, Plastic, RateDependence, SectionControls,
+    SolidSection,
+};
 use crate::deck::{Card, DataLine, Diagnostic};
 use crate::kernel::levels::Levels;
 
@@ -45,15 +46,15 @@ impl Builder<'_> {
             "RATE DEPENDENT" => self.rate_dependent(card),
             "INELASTIC HEAT FRACTION" => {
                 let fraction = card.lines.first().map_or(Some(0.9), |l| self.number_or(l, 0, 0.9));
-                self.last_material().inelastic_heat_fraction = fraction;
+                self.last_material().thermal.inelastic_heat_fraction = fraction;
             }
             "SPECIFIC HEAT" => {
                 let rows = self.over_temperature(card, "the specific heat");
-                self.last_material().specific_heat = rows;
+                self.last_material().thermal.specific_heat = rows;
             }
             "CONDUCTIVITY" => {
                 let rows = self.over_temperature(card, "the conductivity");
-                self.last_material().conductivity = rows.map(|rows| (rows, card.span));
+                self.last_material().thermal.conductivity = rows.map(|rows| (rows, card.span));
             }
             "EXPANSION" => self.expansion(card),
             "USER MATERIAL" => self.user_material(card),
@@ -368,13 +369,18 @@ impl Builder<'_> {
 
     pub(super) fn solid_section(&mut self, card: &Card) {
         let Some((elements, material)) = self.section_of(card, |kind| kind != ElementKind::Sax1) else { return };
-        let controls = card.value("CONTROLS").map(|w| upper(&w.text));
-        self.controls_used.extend(card.value("CONTROLS").cloned());
-        self.model.sections.push(SolidSection { elements, material, controls, span: card.span });
+        let named = card.value("CONTROLS").cloned();
+        self.controls_used.extend(named.map(|word| (self.model.sections.len(), word)));
+        let (controls, span) = (SectionControls::default(), card.span);
+        self.model.sections.push(SolidSection { elements, material, controls, span });
     }
 
     /// Elements of a section, which are of certain kinds, and the index of its material.
-    pub(super) fn section_of(&mut self, card: &Card, fits: fn(ElementKind) -> bool) -> Option<(Vec<usize>, usize)> {
+    pub(super) fn section_of(
+        &mut self,
+        card: &Card,
+        fits: fn(ElementKind) -> bool,
+    ) -> Option<(Vec<usize>, MaterialId)> {
         let (Some(set), Some(material)) = (self.required(card, "ELSET"), self.required(card, "MATERIAL")) else {
             return None;
         };
@@ -395,7 +401,7 @@ impl Builder<'_> {
             self.diagnostics.push(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
             return None;
         }
-        Some((elements, index))
+        Some((elements, MaterialId::new(index)))
     }
 
     /// `*EXPANSION`: coefficients of any sign, over temperature.
@@ -410,17 +416,15 @@ impl Builder<'_> {
             self.out_of_range(card.span, "rows of the expansion need temperatures that ascend");
             return;
         }
-        self.last_material().expansion = Some(Expansion { rows, zero, span: card.span });
+        self.last_material().thermal.expansion = Some(Expansion { rows, zero, span: card.span });
     }
 
-    /// Sections may name controls that come later; at the end all must be there.
-    pub(super) fn check_controls(&mut self) {
-        let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "SECTION CONTROLS");
-        let names: Vec<String> = cards.filter_map(|c| c.value("NAME")).map(|w| upper(&w.text)).collect();
-        let known: HashSet<&str> = names.iter().map(String::as_str).collect();
-        for word in std::mem::take(&mut self.controls_used) {
-            if !known.contains(&*upper(&word.text)) {
-                self.unknown("M116", "section controls", &word, |_| names.clone());
+    /// Gives sections their controls, which may stand behind them in the deck.
+    pub(super) fn apply_controls(&mut self) {
+        for (section, word) in std::mem::take(&mut self.controls_used) {
+            match self.controls.get(&upper(&word.text)) {
+                Some(controls) => self.model.sections[section].controls = controls.clone(),
+                None => self.unknown("M116", "section controls", &word, |b| b.controls.keys().cloned().collect()),
             }
         }
     }

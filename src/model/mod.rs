@@ -89,7 +89,7 @@ use crate::deck::{Deck, Diagnostics};
 /// Resolves a deck. Always returns a model; it may be run only where the diagnostics hold no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::Builder::new(deck);
-    (builder.model.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
+    (builder.model.origin.inert, builder.faulty) = check::check(deck, &mut builder.diagnostics);
     for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources) {
         builder.card(card);
     }

@@ -4,7 +4,8 @@
 use super::builder::{Builder, MOST};
 use super::names::{qualified, upper};
 use super::types::{
-    Inert, Interval, OutputCard, OutputKind, OutputRequest, Position, Region, Restart, TimePoints, WhichPairs,
+    ElementSetId, Inert, Interval, NodeSetId, OutputCard, OutputKind, OutputRequest, Position, Region, Restart,
+    TimePoints, TimePointsId, WhichPairs,
 };
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
@@ -141,17 +142,17 @@ impl Builder<'_> {
             self.out_of_range(card.span, "time points ascend");
             return;
         }
-        self.model.time_points.push(TimePoints { name: upper(&name.text), times });
+        self.model.output.time_points.push(TimePoints { name: upper(&name.text), times });
     }
 
     fn interval(&mut self, card: &Card) -> Option<Interval> {
         if let Some(word) = card.value("TIME POINTS") {
-            let names: Vec<String> = self.model.time_points.iter().map(|p| p.name.clone()).collect();
+            let names: Vec<String> = self.model.output.time_points.iter().map(|p| p.name.clone()).collect();
             let found = names.iter().position(|n| *n == upper(&word.text));
             if found.is_none() {
                 self.unknown("M117", "time points", word, |_| names.clone());
             }
-            return found.map(Interval::Points);
+            return found.map(|index| Interval::Points(TimePointsId::new(index)));
         }
         if card.value("FREQUENCY").is_some_and(|w| w.is("0")) {
             return Some(Interval::Never);
@@ -229,10 +230,10 @@ impl Builder<'_> {
         let words: Vec<&Word> = line.fields.iter().filter(|w| !w.text.is_empty()).collect();
         let numbers: Vec<usize> = words.iter().map(|w| w.text.trim().parse().ok()).collect::<Option<_>>()?;
         let members = match region {
-            Region::Elements(set) => self.model.element_sets.get(set).map(|s| s.members.clone()),
+            Region::Elements(set) => Some(&self.model.element_sets[*set].members),
             _ => None,
         };
-        let meant = |e: &usize| members.as_ref().is_none_or(|m| m.binary_search(e).is_ok());
+        let meant = |e: &usize| members.is_none_or(|m| m.binary_search(e).is_ok());
         let shells = self.model.shell_sections.iter().filter(|s| s.elements.iter().any(meant));
         let mut counts: Vec<usize> = shells.map(|s| s.points).collect();
         counts.dedup();
@@ -322,8 +323,8 @@ impl Builder<'_> {
     pub(super) fn integrated_section(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
         let Some(surface) = self.required(card, "SURFACE") else { return };
-        if let Some(key) = self.surface_key(surface) {
-            self.sections.insert(upper(&name.text), key);
+        if let Some(id) = self.surface_id(surface) {
+            self.sections.insert(upper(&name.text), id);
         }
     }
 
@@ -334,17 +335,19 @@ impl Builder<'_> {
         if let Some(word) = card.value("NSET") {
             let members = self.node_members(word)?;
             let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
-            let known = [inner, outer.clone()].into_iter().find(|name| self.model.node_sets.contains_key(name));
+            let known = [&inner, &outer].into_iter().find_map(|name| self.model.node_sets.get_index_of(name));
             // A node by its number is a set of one.
-            let name = known.unwrap_or_else(|| {
-                self.model.node_sets.insert(outer.clone(), super::types::Set { members, span: word.span });
-                outer
-            });
-            return Some(Region::Nodes(name));
+            let set = super::types::Set { members, span: word.span };
+            let index = known.unwrap_or_else(|| self.model.node_sets.insert_full(outer, set).0);
+            return Some(Region::Nodes(NodeSetId::new(index)));
         }
         if let Some(word) = card.value("ELSET") {
-            self.element_members(word)?;
-            return Some(Region::Elements(upper(&word.text)));
+            let members = self.element_members(word)?;
+            let (inner, outer) = (qualified(&self.scope, &word.text), upper(&word.text));
+            let known = [&inner, &outer].into_iter().find_map(|name| self.model.element_sets.get_index_of(name));
+            let set = super::types::Set { members, span: word.span };
+            let index = known.unwrap_or_else(|| self.model.element_sets.insert_full(outer, set).0);
+            return Some(Region::Elements(ElementSetId::new(index)));
         }
         if card.keyword.name == "CONTACT OUTPUT" {
             return self.pairs_of(card);
@@ -357,7 +360,8 @@ impl Builder<'_> {
         let mut surfaces = Vec::new();
         for name in ["SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"] {
             if let Some(word) = card.value(name) {
-                surfaces.push(self.surface_key(word)?);
+                let id = self.surface_id(word)?;
+                surfaces.push(self.model.surfaces.name(id).to_owned());
             }
         }
         let name = |parameter: &str| card.value(parameter).map(|w| upper(&w.text));
@@ -369,17 +373,17 @@ impl Builder<'_> {
     fn integrated_region(&mut self, card: &Card) -> Option<Region> {
         if let Some(word) = card.value("SECTION") {
             let name = upper(&word.text);
-            let Some(key) = self.sections.get(&name).cloned() else {
+            let Some(id) = self.sections.get(&name).copied() else {
                 let mut names: Vec<String> = self.sections.keys().cloned().collect();
                 names.sort();
                 self.unknown("M114", "integrated output section", word, |_| names.clone());
                 return None;
             };
-            return Some(Region::Surface(key, name));
+            return Some(Region::Surface(id, name));
         }
         let word = self.required(card, "SURFACE")?;
-        let key = self.surface_key(word)?;
-        Some(Region::Surface(key.clone(), key))
+        let id = self.surface_id(word)?;
+        Some(Region::Surface(id, self.model.surfaces.name(id).to_owned()))
     }
 
     /// Whether a word is a component that a body of revolution does not have: the ledger tells.
@@ -390,7 +394,7 @@ impl Builder<'_> {
         if zero {
             let why = "a body of revolution has no such component: it is zero".into();
             let keyword = format!("{name} of an output request");
-            self.model.inert.push(Inert { keyword, span: word.span, why });
+            self.model.origin.inert.push(Inert { keyword, span: word.span, why });
         }
         zero
     }

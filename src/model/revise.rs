@@ -84,7 +84,7 @@ pub fn set(model: &mut Model, place: Place, value: f64) -> bool {
             _ => return false,
         },
         Place::Mass(span) => {
-            let mut points = model.point_masses.iter_mut().filter(|p| p.span == span).peekable();
+            let mut points = model.discrete.masses.iter_mut().filter(|p| p.span == span).peekable();
             // One of zero is none.
             if points.peek().is_none() || value <= 0.0 {
                 return false;

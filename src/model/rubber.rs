@@ -145,7 +145,7 @@ impl Builder<'_> {
                 return;
             }
         };
-        self.last_material().foam = Some((shape, card.span));
+        self.last_material().foam.shape = Some((shape, card.span));
     }
 
     /// `*CRUSHABLE FOAM HARDENING`: both columns are given positive in compression.
@@ -160,7 +160,7 @@ impl Builder<'_> {
             self.out_of_range(card.span, "yield stresses must be above zero, plastic strains start at 0 and ascend");
             return;
         }
-        self.last_material().foam_hardening = rows;
+        self.last_material().foam.hardening = rows;
     }
 
     /// `*DAMPING`: a factor of zero is none.

@@ -72,8 +72,8 @@ impl Scene {
     pub fn of(model: &Model) -> Scene {
         Scene {
             targets: model.targets.iter().map(|t| target(model, t)).collect(),
-            planes: model.rigid_surfaces.iter().filter_map(|(name, s)| plane(model, name, s)).collect(),
-            surfaces: model.rigid_surfaces.iter().filter_map(|(name, s)| surface(model, name, s)).collect(),
+            planes: model.surfaces.analytical.iter().filter_map(|(name, s)| plane(model, name, s)).collect(),
+            surfaces: model.surfaces.analytical.iter().filter_map(|(name, s)| surface(model, name, s)).collect(),
         }
     }
 
@@ -90,7 +90,7 @@ fn level(obliquity: &f64) -> bool {
 
 fn target(model: &Model, target: &Target) -> TargetOutline {
     let layers = target.layers.iter().map(|layer| LayerOutline {
-        material: layer.material.and_then(|m| model.materials.get(m)).map_or(String::new(), |m| m.name.clone()),
+        material: layer.material.and_then(|m| model.materials.get(m.index())).map_or(String::new(), |m| m.name.clone()),
         thickness: Some(layer.thickness).filter(|t| t.is_finite()),
     });
     let (name, front, direction) = (target.name.clone(), target.front, target.direction);

@@ -77,18 +77,18 @@ impl Builder<'_> {
     /// The sides of a surface of elements.
     pub(super) fn contact_sides(&mut self, word: &Word) -> Option<Sides> {
         let names = [qualified(&self.scope, &word.text), upper(&word.text)];
-        if names.iter().any(|n| self.model.node_surfaces.contains_key(n)) {
+        if names.iter().any(|n| self.model.surfaces.nodes.contains_key(n)) {
             let message = format!("`{}` is a surface of nodes, which meets analytical surfaces alone", word.text);
             self.unsupported(word.span, message, "give a surface of element faces");
             return None;
         }
-        let key = self.surface_key(word)?;
-        let faces = self.model.surfaces[&key].faces.clone();
+        let id = self.surface_id(word)?;
+        let faces = self.model.surfaces.faces[id].faces.clone();
         if faces.is_empty() {
             self.out_of_range(word.span, format!("surface `{}` has no faces", word.text));
             return None;
         }
-        Some(Sides { name: key, surface: true, faces, whole: Vec::new() })
+        Some(Sides { name: self.model.surfaces.name(id).to_owned(), surface: true, faces, whole: Vec::new() })
     }
 
     /// The largest gap at the start that is taken as none.

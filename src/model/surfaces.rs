@@ -39,7 +39,7 @@ impl Builder<'_> {
         }
         let key = qualified(&self.scope, &name.text);
         let fresh = || Surface { name: name.text.clone(), faces: Vec::new(), whole: Vec::new(), span: card.span };
-        let surface = self.model.surfaces.entry(key).or_insert_with(fresh);
+        let surface = self.model.surfaces.faces.entry(key).or_insert_with(fresh);
         surface.faces.extend(faces);
         surface.whole.extend(whole);
     }

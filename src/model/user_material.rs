@@ -14,7 +14,7 @@ impl Builder<'_> {
     /// `*USER MATERIAL, CONSTANTS=n`.
     pub(super) fn user_material(&mut self, card: &Card) {
         if self.required(card, "CONSTANTS").is_some() {
-            self.last_material().user = self.constants(card, "CONSTANTS");
+            self.last_material().user.material = self.constants(card, "CONSTANTS");
         }
     }
 
@@ -25,7 +25,7 @@ impl Builder<'_> {
 
     /// `*USER DEFINED FIELD, PROPERTIES=n`.
     pub(super) fn user_fields(&mut self, card: &Card) {
-        self.last_material().fields = self.constants(card, "PROPERTIES").map(|constants| (constants, card.span));
+        self.last_material().user.fields = self.constants(card, "PROPERTIES").map(|constants| (constants, card.span));
     }
 
     /// `*CHARACTERISTIC LENGTH`: the root of the area, or what the routine of the user gives.
@@ -33,7 +33,7 @@ impl Builder<'_> {
         match card.value("DEFINITION").map(|w| upper(&w.text).replace(' ', "")).as_deref() {
             None | Some("GEOMETRICMEAN") => {}
             Some("USER") => {
-                self.last_material().lengths = self.constants(card, "PROPERTIES").map(|list| (list, card.span));
+                self.last_material().user.lengths = self.constants(card, "PROPERTIES").map(|list| (list, card.span));
             }
             Some(other) => {
                 let message = format!("DEFINITION is GEOMETRIC MEAN or USER, not {other}");
@@ -102,9 +102,9 @@ impl Builder<'_> {
                 self.out_of_range(word.span, format!("DELETE={number} is none of the {count} state variables"));
             }
         }
-        self.last_material().state = StateVariables { count, delete };
+        self.last_material().user.state = StateVariables { count, delete };
         let names = card.lines[1..].iter().filter_map(|line| self.state_name(line, count)).collect();
-        self.last_material().state_names = names;
+        self.last_material().user.state_names = names;
     }
 
     /// A state variable, counted from 0, and its name.

@@ -32,7 +32,7 @@ pub struct Part {
 /// All parts, in the order of the deck.
 pub(super) fn parts(model: &Model, plan: &Plan, state: &State) -> Vec<Part> {
     let sections = model.made_of().filter_map(|(material, elements)| {
-        let name = model.materials.get(material).map_or(String::new(), |m| m.name.clone());
+        let name = model.materials.get(material.index()).map_or(String::new(), |m| m.name.clone());
         deformable(name, elements, model, plan, state)
     });
     sections.chain(plan.bodies.iter().map(|body| rigid(body, model))).collect()

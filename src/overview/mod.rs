@@ -63,7 +63,7 @@ impl Overview {
     pub fn of(model: &Model, plan: &Plan, state: &State) -> Overview {
         let parts = bodies::parts(model, plan, state);
         Overview {
-            units: model.units.clone(),
+            units: model.settings.units.clone(),
             mass: bodies::mass(plan, state),
             kinetic_energy: bodies::kinetic_energy(state),
             parts,

@@ -78,7 +78,7 @@ impl Compiler<'_> {
             self.curve(pair, 1 - analytical.side, around, found)?
         };
         let opposite = Opposite { sides, nodes: &analytical.nodes, pair };
-        match self.analytical_surface(opposite, &pair.sides[analytical.side].name, around, state) {
+        match self.analytical_surface(opposite, analytical, around, state) {
             Ok((mut surface, body, count)) => {
                 surface.point = found.add_carried(body);
                 let gives_way =
@@ -138,11 +138,11 @@ impl Compiler<'_> {
     fn analytical_surface(
         &mut self,
         opposite: Opposite<'_>,
-        name: &str,
+        side: &AnalyticalSide,
         around: &Around<'_>,
         state: &State,
     ) -> Result<(Analytical, usize, usize), String> {
-        let surface: &RigidSurface = &self.model.rigid_surfaces[name];
+        let surface: &RigidSurface = &self.model.surfaces.analytical[side.surface];
         let reference =
             surface.reference.ok_or("the analytical surface belongs to no *RIGID BODY, ANALYTICAL SURFACE=")?;
         let body = *self.body_of_node.get(&reference).ok_or("the surface's rigid body is missing")?;

@@ -14,17 +14,16 @@ impl Compiler<'_> {
     /// lock.
     pub(super) fn averaging(&mut self, section: &SolidSection, corners: &[[u32; 4]]) -> Option<Averaging> {
         let material = &self.model.materials[section.material];
-        let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
-        let said = controls.and_then(|c| c.averaged);
+        let said = section.controls.averaged;
         if said == Some(false) {
             return None;
         }
         let triangles = corners.iter().filter(|c| c[2] == c[3]).count();
         let why_not = if triangles == 0 {
             Some("the section has no triangles")
-        } else if self.is_by_area(section) {
+        } else if section.controls.by_area {
             Some("not under WEIGHTING=AREA")
-        } else if material.eos.is_some() || material.foam.is_some() || asks_at_points(material) {
+        } else if material.eos.is_some() || material.foam.shape.is_some() || asks_at_points(material) {
             Some("of linear elasticity and rubber alone")
         } else {
             None

@@ -161,7 +161,7 @@ impl Compiler<'_> {
             add(ends[0], if first_is_low { low } else { high });
             add(ends[1], if first_is_low { high } else { low });
         }
-        for point in &self.model.point_masses {
+        for point in &self.model.discrete.masses {
             add(point.node, point.mass);
         }
         nodes.iter().copied().zip(masses).filter(|m| m.1 != 0.0).collect()
@@ -258,7 +258,7 @@ impl Compiler<'_> {
     }
 
     fn refuse_free_masses(&mut self) {
-        for point in &self.model.point_masses {
+        for point in &self.model.discrete.masses {
             if !self.body_of_node.contains_key(&point.node) && !self.places.has_node(point.node) {
                 let name = &self.model.mesh.node_names[point.node];
                 let message = format!("the mass on node {name} belongs to no rigid body");

@@ -12,7 +12,7 @@ impl Compiler<'_> {
         let model = self.model;
         let mut connectors = Vec::new();
         let mut with_property = Vec::new();
-        for property in &model.connectors {
+        for property in &model.discrete.connectors {
             let before = connectors.len();
             for &e in &property.elements {
                 with_property.push(e);
@@ -73,7 +73,7 @@ impl Compiler<'_> {
             let found = self.places.nodes.iter().find(|n| *n.1 == node).map(|n| *n.0);
             let name = found.map_or("", |n| self.model.mesh.node_names[n].as_str());
             let message = format!("a spring or dashpot ends at node {name}, which has no mass of its own");
-            let span = self.model.connectors.first().map(|c| c.span).unwrap_or_default();
+            let span = self.model.discrete.connectors.first().map(|c| c.span).unwrap_or_default();
             self.refuse_connector(span, message + ": put a *MASS there, or let it end at a node that follows");
         }
         if !list.is_empty() && !state.elements.is_empty() {

@@ -37,18 +37,18 @@ impl<'m> Compiler<'m> {
 
     /// Speed of longitudinal waves of an elastic material.
     fn sound(&self, section: &SolidSection) -> Option<f64> {
-        let material = self.model.materials.get(section.material)?;
+        let material = self.model.materials.get(section.material.index())?;
         let ([e, nu], density) = (material.elastic?, material.density?);
         Some((e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * density)).sqrt())
     }
 
     /// Density and modulus that are those of no solid in any system of units, or not in the deck's own.
     fn of_no_units(&mut self) {
-        let own = self.model.units.as_ref().and_then(Units::system);
+        let own = self.model.settings.units.as_ref().and_then(Units::system);
         let mut told = HashSet::new();
         let mut findings = Vec::new();
         for section in &self.model.sections {
-            let Some(material) = self.model.materials.get(section.material) else { continue };
+            let Some(material) = self.model.materials.get(section.material.index()) else { continue };
             let (Some([modulus, _]), Some(density)) = (material.elastic, material.density) else { continue };
             if own.is_none() && is_without_units(density) {
                 continue;
@@ -165,7 +165,7 @@ impl<'m> Compiler<'m> {
         let model = self.model;
         let free = model.rigid_bodies.is_empty()
             && model.targets.is_empty()
-            && model.equations.is_empty()
+            && model.constraints.equations.is_empty()
             && model.materials.iter().all(|m| m.eos.is_none())
             && model.mesh.elements.iter().all(|e| matches!(e.kind, ElementKind::Cax3 | ElementKind::Cax4r))
             && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && !s.has_contact());

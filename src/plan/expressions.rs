@@ -48,7 +48,7 @@ impl Compiler<'_> {
     /// The columns of `*OUTPUT EXPRESSION`, behind those they follow from.
     pub(super) fn expression_columns(&mut self, columns: &mut Vec<Column>) {
         let model = self.model;
-        for definition in &model.expressions {
+        for definition in &model.output.expressions {
             let OutputExpression { name, text, span, .. } = definition;
             if let Some(why) = taken(name, columns) {
                 let finding =

@@ -34,7 +34,7 @@ impl Compiler<'_> {
     /// Field variables of a material: those that the deck gives or that its tables depend on, and one at least where a
     /// routine defines them.
     pub(super) fn field_variables(&self, material: &Material) -> usize {
-        self.given_fields().max(dependencies(material)).max(usize::from(material.fields.is_some()))
+        self.given_fields().max(dependencies(material)).max(usize::from(material.user.fields.is_some()))
     }
 
     /// Values of nodes at the start by variable, 0 where none is given.

@@ -109,7 +109,7 @@ impl Compiler<'_> {
             };
             self.diagnostics.push(Diagnostic::error("P130", message).at(attitude.span, "here"));
         }
-        for inertia in &self.model.rotary_inertias {
+        for inertia in &self.model.discrete.inertias {
             match self.body_of_node.get(&inertia.node).map(|&b| &self.bodies[b]) {
                 None => {
                     let message = "a rotary inertia lies on a node of no rigid body";
@@ -135,7 +135,7 @@ impl Compiler<'_> {
         let uniform = given.is_some_and(|a| a.uniform);
         let moments = if uniform { self.moments_of_volume(rigid, mass) } else { self.moments(rigid, body) };
         let mut inertia = moments.inertia();
-        let on_body = self.model.rotary_inertias.iter().filter(|i| body.nodes.contains(&i.node));
+        let on_body = self.model.discrete.inertias.iter().filter(|i| body.nodes.contains(&i.node));
         for [axial, transverse] in on_body.map(|i| i.axial_transverse) {
             inertia = Inertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
         }
@@ -215,7 +215,7 @@ impl Compiler<'_> {
                 moments.add(per_area * 2.0 * std::f64::consts::PI * place[0] * length * share, place);
             });
         }
-        for point in self.model.point_masses.iter().filter(|p| body.nodes.contains(&p.node)) {
+        for point in self.model.discrete.masses.iter().filter(|p| body.nodes.contains(&p.node)) {
             moments.add(point.mass, mesh.points[point.node]);
         }
         moments
@@ -257,10 +257,13 @@ impl Compiler<'_> {
         let on_nodes = |list: &[usize]| list.iter().any(&flies);
         let tie = self.ties.iter().find(|tie| self.bodies[tie.body].flight.is_some());
         let tied = tie.map(|tie| (self.bodies[tie.body].span, "deformable elements that share its nodes"));
-        let spring =
-            model.connectors.iter().find(|c| c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes)));
+        let spring = model
+            .discrete
+            .connectors
+            .iter()
+            .find(|c| c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes)));
         let spring = spring.map(|c| (c.span, "a spring or a dashpot"));
-        let equation = model.equations.iter().find(|e| e.terms.iter().any(|t| flies(&t.0)));
+        let equation = model.constraints.equations.iter().find(|e| e.terms.iter().any(|t| flies(&t.0)));
         let equation = equation.map(|e| (e.span, "an *EQUATION"));
         let found = [contact, tied, spring, equation];
         let findings: Vec<_> = found.into_iter().flatten().collect();

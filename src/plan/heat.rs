@@ -60,7 +60,7 @@ impl Compiler<'_> {
     fn tell_without_temperatures(&mut self) {
         let model = self.model;
         for material in &model.materials {
-            if let Some((_, span)) = &material.conductivity {
+            if let Some((_, span)) = &material.thermal.conductivity {
                 self.unused(*span, "*CONDUCTIVITY", "nothing here conducts heat");
             }
         }
@@ -76,7 +76,7 @@ impl Compiler<'_> {
                 self.unused(load.span, kind_name(&load.kind), why);
             }
         }
-        if let Some(equation) = model.equations.iter().find(|e| e.is_thermal()) {
+        if let Some(equation) = model.constraints.equations.iter().find(|e| e.is_thermal()) {
             self.unused(equation.span, "*EQUATION between temperatures", why);
         }
     }
@@ -111,7 +111,7 @@ impl Compiler<'_> {
             );
             let row = self.cause(section.span, "heat conduction", elements.len(), "elements", detail);
             id = id.or(Some(row));
-            if !heating(material, 1.0).is_none() && (material.plastic.is_some() || material.user.is_some()) {
+            if !heating(material, 1.0).is_none() && (material.plastic.is_some() || material.user.material.is_some()) {
                 let detail = "from elements to the temperatures of their nodes, at the end of each increment";
                 self.cause(section.span, "plastic heat", elements.len(), "elements", detail.into());
             }
@@ -136,7 +136,7 @@ impl Compiler<'_> {
     /// What a section's material needs to conduct.
     fn properties(&mut self, section: &SolidSection, material: &Material) -> Option<Properties> {
         let mixed = section.elements.iter().find(|e| !self.model.mesh.elements[**e].kind.is_thermal());
-        let missing = match (&material.conductivity, &material.specific_heat) {
+        let missing = match (&material.thermal.conductivity, &material.thermal.specific_heat) {
             _ if mixed.is_some() => "has elements with temperatures at their nodes beside such without",
             _ if matches!(&material.eos, Some(eos) if matches!(eos.kind, crate::model::EosKind::IdealGas(_))) => {
                 "has an ideal gas, whose temperature is that of its energy: it cannot conduct"
@@ -259,7 +259,7 @@ impl Compiler<'_> {
         material: &Material,
         state: &State,
     ) -> Option<Expanding> {
-        let expansion = material.expansion.as_ref()?;
+        let expansion = material.thermal.expansion.as_ref()?;
         let (conducts, elements) = (self.conducts(section), &state.elements.groups[group]);
         let warms = self.adiabatic() && !heating(material, 1.0).is_none() && material.plastic.is_some();
         let idle = |coefficient: f64| coefficient == 0.0;

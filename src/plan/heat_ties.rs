@@ -51,7 +51,7 @@ impl Compiler<'_> {
     /// Each node of a slave surface has the temperature of the point of the master surface that it lies on.
     fn tied_surfaces(&mut self, conducting: &HashSet<usize>, tied: &mut Tied) {
         let model = self.model;
-        for (index, tie) in model.surface_ties.iter().enumerate() {
+        for (index, tie) in model.constraints.ties.iter().enumerate() {
             let before = tied.equations.len();
             for own in self.surface_ties.iter().filter(|t| t.tie == index) {
                 let place = |n: usize| self.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
@@ -75,7 +75,7 @@ impl Compiler<'_> {
         let model = self.model;
         let mut first = None;
         let before = tied.equations.len();
-        for equation in model.equations.iter().filter(|e| e.is_thermal()) {
+        for equation in model.constraints.equations.iter().filter(|e| e.is_thermal()) {
             let mut terms = Vec::with_capacity(equation.terms.len());
             for &(node, _, c) in &equation.terms {
                 let Some(place) = self.places.nodes.get(&node).copied().filter(|p| conducting.contains(p)) else {

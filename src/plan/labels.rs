@@ -21,7 +21,7 @@ impl Labels {
     pub(super) fn of(model: &Model) -> Labels {
         let mut materials = vec![0; model.mesh.elements.len()];
         for (material, elements) in model.made_of() {
-            elements.iter().for_each(|&e| materials[e] = material as i32 + 1);
+            elements.iter().for_each(|&e| materials[e] = material.index() as i32 + 1);
         }
         Labels { materials, node_sets: named(&model.node_sets), element_sets: named(&model.element_sets) }
     }

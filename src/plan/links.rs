@@ -79,7 +79,7 @@ impl Compiler<'_> {
     /// added they may carry others along.
     pub(super) fn carried_along(&self, rigid: &RigidBody, nodes: &mut Vec<usize>) {
         let model = self.model;
-        if model.links.is_empty() && self.surface_ties.is_empty() {
+        if model.constraints.links.is_empty() && self.surface_ties.is_empty() {
             return;
         }
         let mut own: HashSet<usize> = nodes.iter().copied().collect();
@@ -88,7 +88,7 @@ impl Compiler<'_> {
         own.extend(on_body);
         loop {
             let before = own.len();
-            for link in model.links.iter().filter(|l| l.kind == LinkKind::Rigid([true; 2])) {
+            for link in model.constraints.links.iter().filter(|l| l.kind == LinkKind::Rigid([true; 2])) {
                 if own.contains(&link.reference) {
                     own.extend(&link.nodes);
                 }
@@ -103,9 +103,9 @@ impl Compiler<'_> {
     /// Nodes of no element that links and equations join with others: they have a place in the solver, too.
     pub(super) fn bare_nodes(&self) -> Vec<usize> {
         let model = self.model;
-        let linked = model.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));
+        let linked = model.constraints.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));
         let tied = self.surface_ties.iter().map(|t| &t.node);
-        let moving = model.equations.iter().filter(|e| !e.is_thermal());
+        let moving = model.constraints.equations.iter().filter(|e| !e.is_thermal());
         let terms = moving.flat_map(|e| e.terms.iter().map(|t| &t.0));
         let free = |n: &&usize| !self.body_of_node.contains_key(*n);
         linked.chain(tied).chain(terms).filter(free).copied().collect()
@@ -114,11 +114,11 @@ impl Compiler<'_> {
     /// Gathers what keeps nodes together, and lets nodes start with their reference node.
     pub(super) fn keep(&mut self, state: &mut State) {
         let model = self.model;
-        for link in &model.links {
+        for link in &model.constraints.links {
             self.keep_link(link);
         }
         self.keep_surfaces();
-        for equation in model.equations.iter().filter(|e| !e.is_thermal()) {
+        for equation in model.constraints.equations.iter().filter(|e| !e.is_thermal()) {
             if !self.keep_equation(equation, &state.dofs.nodes.mass) {
                 let message = "*EQUATION is for nodes that deform and that no rigid body carries";
                 let finding = Diagnostic::error("P011", message).at(equation.span, "this equation has others");
@@ -198,7 +198,7 @@ impl Compiler<'_> {
         let model = self.model;
         let ties = std::mem::take(&mut self.surface_ties);
         for tied in &ties {
-            let span = model.surface_ties[tied.tie].span;
+            let span = model.constraints.ties[tied.tie].span;
             if self.body_of_element.contains_key(&tied.element) {
                 continue;
             }
@@ -226,7 +226,7 @@ impl Compiler<'_> {
             }
             self.kept.first.get_or_insert(span);
         }
-        for (index, tie) in model.surface_ties.iter().enumerate() {
+        for (index, tie) in model.constraints.ties.iter().enumerate() {
             let count = ties.iter().filter(|t| t.tie == index).count();
             if count > 0 {
                 let adjusted = if tie.adjust { ", put on it" } else { "" };
@@ -271,7 +271,7 @@ impl Compiler<'_> {
         for condition in &self.model.initial_conditions {
             let model::InitialKind::Velocity(dof @ 1..=2, value) = condition.kind else { continue };
             let axis = usize::from(dof) - 1;
-            for link in &self.model.links {
+            for link in &self.model.constraints.links {
                 let LinkKind::Rigid(axes) = link.kind else { continue };
                 if !axes[axis] || condition.members.binary_search(&link.reference).is_err() {
                     continue;

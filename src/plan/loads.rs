@@ -16,7 +16,7 @@ use crate::load::gravity::Gravity;
 use crate::load::pressure::Pressure;
 use crate::load::user_load::{Description, UserLoad, Volume};
 use crate::mesh::surface::Surface;
-use crate::model::{AmplitudeDefinition, ElementKind, Load, LoadKind, Sides, Step};
+use crate::model::{AmplitudeDefinition, AmplitudeId, ElementKind, Load, LoadKind, Sides, Step};
 use crate::state::magnitude::{Magnitude, Shape};
 
 impl Compiler<'_> {
@@ -53,13 +53,13 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn magnitude(&mut self, value: f64, amplitude: Option<usize>) -> Magnitude {
-        let Some(index) = amplitude else { return Magnitude::constant(value) };
-        let shape = match &self.model.amplitudes[index].definition {
+    pub(super) fn magnitude(&mut self, value: f64, amplitude: Option<AmplitudeId>) -> Magnitude {
+        let Some(id) = amplitude else { return Magnitude::constant(value) };
+        let shape = match &self.model.amplitudes[id].definition {
             AmplitudeDefinition::Curve { points, smooth, total_time } => {
                 Shape::Curve(Curve::new(points.clone(), *smooth, *total_time))
             }
-            AmplitudeDefinition::User { .. } => Shape::Told(self.user_amplitude(index)),
+            AmplitudeDefinition::User { .. } => Shape::Told(self.user_amplitude(id)),
         };
         Magnitude { value, shape }
     }
@@ -199,7 +199,7 @@ impl Compiler<'_> {
             points.map(|&e| mesh.elements[e].nodes[0]).filter(|n| body.nodes.contains(n)).collect();
         on.sort_unstable();
         on.dedup();
-        let mass: f64 = self.model.point_masses.iter().filter(|p| on.contains(&p.node)).map(|p| p.mass).sum();
+        let mass: f64 = self.model.discrete.masses.iter().filter(|p| on.contains(&p.node)).map(|p| p.mass).sum();
         (mass > 0.0).then_some(mass)
     }
 

@@ -59,8 +59,8 @@ use crate::heat::Thermal;
 use crate::load::user_amplitude::UserAmplitude;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
-    EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model, Precision,
-    Shared, SurfaceContact,
+    AmplitudeId, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity, Material, Mesh, Model,
+    Precision, Shared, SurfaceContact,
 };
 use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};
@@ -200,7 +200,7 @@ struct Compiler<'a> {
     places: SolidPlaces,
     /// User amplitudes, and by the amplitude's index in the model which function of time each tells.
     amplitudes: Vec<UserAmplitude>,
-    tellers: IndexMap<usize, usize>,
+    tellers: IndexMap<AmplitudeId, usize>,
     /// How many functions of time are told.
     told: usize,
     /// Nodes that each rigid body carries.
@@ -320,7 +320,7 @@ fn compile_with(
         rows,
         labels,
         stores_energy,
-        precision: model.precision,
+        precision: model.settings.precision,
     };
     bytes::book(&mut plan, &state);
     (plan, state, diagnostics)
@@ -330,10 +330,10 @@ fn compile_with(
 fn stores_energy(model: &Model) -> bool {
     let of_material = |m: &Material| {
         m.eos.is_some()
-            || m.user.is_some()
-            || m.expansion.is_some()
+            || m.user.material.is_some()
+            || m.thermal.expansion.is_some()
             || !m.elastic_table.is_empty()
-            || m.fields.is_some()
+            || m.user.fields.is_some()
     };
     let at_start = |c: &InitialCondition| matches!(c.kind, InitialKind::Stress(_) | InitialKind::Energy(_));
     model.materials.iter().any(of_material) || model.initial_conditions.iter().any(at_start)
@@ -353,7 +353,7 @@ impl Compiler<'_> {
         if let Some(&cause) = self.causes.get(&(span, effect)) {
             return cause;
         }
-        let asked_by = self.model.sources.describe(span);
+        let asked_by = self.model.origin.sources.describe(span);
         let cause = self.ledger.add(effect, count, unit, asked_by, detail);
         self.causes.insert((span, effect), cause);
         cause
@@ -361,7 +361,7 @@ impl Compiler<'_> {
 
     /// Notes a card that brings nothing to life.
     fn unused(&mut self, span: Span, what: impl Into<String>, why: impl Into<String>) {
-        let unused = Unused { what: what.into(), asked_by: self.model.sources.describe(span), why: why.into() };
+        let unused = Unused { what: what.into(), asked_by: self.model.origin.sources.describe(span), why: why.into() };
         if !self.ledger.unused.contains(&unused) {
             self.ledger.unused.push(unused);
         }
@@ -475,9 +475,9 @@ impl Compiler<'_> {
         }
         if self.model.rigid_bodies.is_empty() && !deforms || self.model.steps.is_empty() {
             let missing = if self.model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "body that moves" };
-            let what = if self.model.last_card.is_some() { "deck" } else { "model" };
+            let what = if self.model.origin.last_card.is_some() { "deck" } else { "model" };
             let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the {what} has no {missing}"));
-            if let Some(card) = self.model.last_card {
+            if let Some(card) = self.model.origin.last_card {
                 finding = finding.at(card, "the deck ends after this card");
             }
             self.diagnostics.push(
@@ -487,7 +487,7 @@ impl Compiler<'_> {
     }
 
     fn list_inert(&mut self) {
-        for inert in &self.model.inert {
+        for inert in &self.model.origin.inert {
             self.unused(inert.span, format!("*{}", inert.keyword), inert.why.clone());
         }
     }

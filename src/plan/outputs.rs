@@ -4,12 +4,15 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use indexmap::IndexSet;
+use indexmap::{IndexMap, IndexSet};
 
 use super::general_contact::pair_name;
 use super::{Compiler, State};
 use crate::element::values;
-use crate::model::{Interval, Model, OutputCard, OutputKind, OutputRequest, Position, Region, Step, WhichPairs};
+use crate::model::{
+    ElementSetId, Interval, Model, NodeSetId, OutputCard, OutputKind, OutputRequest, Position, Region, Set, Step,
+    SurfaceId, WhichPairs,
+};
 use crate::variables::asked::Asked;
 use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Place, Preselected, Variable};
@@ -41,10 +44,10 @@ pub enum Source {
 }
 
 /// Faces of what deforms, as integrals over them are taken.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Section {
-    /// Key of the surface.
-    surface: String,
+    /// The surface.
+    surface: SurfaceId,
     /// Group, element of it and corner, for each corner of an element behind the surface that lies on it.
     pub corners: Vec<(usize, usize, usize)>,
     /// Ends of the faces.
@@ -137,7 +140,7 @@ impl Schedule {
             Interval::Time(dt) => Schedule::Time(dt),
             Interval::Number(n) => Schedule::Time(step.duration / f64::from(n.max(1))),
             Interval::Increments(n) => Schedule::Increments(u64::from(n.max(1))),
-            Interval::Points(index) => Schedule::Points(model.time_points[index].times.as_slice().into()),
+            Interval::Points(points) => Schedule::Points(model.output.time_points[points].times.as_slice().into()),
             Interval::Never => return None,
             Interval::Default => Schedule::Time(step.duration / f64::from(default)),
         })
@@ -235,9 +238,9 @@ impl Compiler<'_> {
         for &asked in &request.variables {
             let before = columns.len();
             match &request.region {
-                Region::Elements(set) => self.element_columns((asked, request), set, state, columns),
-                Region::Nodes(set) => self.node_columns((asked, request), set, columns),
-                Region::Surface(key, name) => self.section_columns(asked, key, name, state, columns),
+                Region::Elements(set) => self.element_columns((asked, request), *set, state, columns),
+                Region::Nodes(set) => self.node_columns((asked, request), *set, columns),
+                Region::Surface(surface, name) => self.section_columns(asked, *surface, name, state, columns),
                 Region::Whole if request.card == OutputCard::Contact => {
                     self.pair_columns(asked, &WhichPairs::default(), columns);
                 }
@@ -276,9 +279,9 @@ impl Compiler<'_> {
         self.energies().chain([Variable::TimeIncrement]).filter(meant)
     }
 
-    fn node_columns(&mut self, (asked, request): (Asked, &OutputRequest), set: &str, columns: &mut Vec<Column>) {
+    fn node_columns(&mut self, (asked, request): (Asked, &OutputRequest), set: NodeSetId, columns: &mut Vec<Column>) {
         let model = self.model;
-        let Some(members) = model.node_sets.get(set).map(|s| &s.members) else { return };
+        let (set, members) = named(&model.node_sets, set.index());
         let mut parts = self.parts(asked, Variable::is_of_nodes);
         parts.retain(|p| self.has_nodal(p.variable));
         let name = |node: usize| model.mesh.node_names[node].as_str();
@@ -361,12 +364,12 @@ impl Compiler<'_> {
     fn element_columns(
         &mut self,
         (asked, request): (Asked, &OutputRequest),
-        set: &str,
+        set: ElementSetId,
         state: &State,
         columns: &mut Vec<Column>,
     ) {
         let model = self.model;
-        let Some(members) = model.element_sets.get(set).map(|s| &s.members) else { return };
+        let (set, members) = named(&model.element_sets, set.index());
         let parts = self.parts(asked, Variable::is_of_elements);
         let name = |element: usize| model.mesh.elements[element].name.as_str();
         let mut found = Vec::new();
@@ -379,12 +382,19 @@ impl Compiler<'_> {
         self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
     }
 
-    fn section_columns(&mut self, asked: Asked, key: &str, name: &str, state: &State, columns: &mut Vec<Column>) {
+    fn section_columns(
+        &mut self,
+        asked: Asked,
+        surface: SurfaceId,
+        name: &str,
+        state: &State,
+        columns: &mut Vec<Column>,
+    ) {
         let asked = if matches!(asked, Asked::Preselect) { Asked::All } else { asked };
         let parts = self.parts(asked, |v| v.place() == Place::Section);
-        let known = self.sections.iter().position(|s| s.surface == key);
+        let known = self.sections.iter().position(|s| s.surface == surface);
         let at = known.unwrap_or_else(|| {
-            let section = self.section(key, state);
+            let section = self.section(surface, state);
             self.sections.push(section);
             self.sections.len() - 1
         });
@@ -394,10 +404,10 @@ impl Compiler<'_> {
     }
 
     /// The faces of a surface that deform, with the corners of the elements behind them.
-    fn section(&self, key: &str, state: &State) -> Section {
+    fn section(&self, surface: SurfaceId, state: &State) -> Section {
         let model = self.model;
-        let sides = model.surfaces.get(key).map_or(&[][..], |s| &s.faces);
-        let mut section = Section { surface: key.to_owned(), ..Section::default() };
+        let sides = &model.surfaces.faces[surface].faces;
+        let mut section = Section { surface, faces: Vec::new(), corners: Vec::new() };
         let deforming = sides.iter().filter_map(|&(e, side)| Some((self.places.elements.get(&e)?, e, side)));
         for (&(group, element), e, side) in deforming {
             let Some(ends) = model.mesh.ends(e, side).map(|ends| ends.map(|n| self.places.nodes[&n])) else { continue };
@@ -605,6 +615,11 @@ fn is_in_every_frame(asked: Asked) -> bool {
     let implied = |v: &Variable| v.place() == Place::Facet || *v == Variable::Coordinate;
     let named = asked.variables();
     !named.is_empty() && named.iter().all(implied)
+}
+
+/// Name and members of a set.
+fn named(sets: &IndexMap<String, Set>, index: usize) -> (&str, &[usize]) {
+    sets.get_index(index).map_or(("", &[]), |(name, set)| (name, &set.members))
 }
 
 fn model_column(variable: Variable) -> Column {

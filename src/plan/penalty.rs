@@ -3,7 +3,7 @@
 //! Never here: what springs do.
 
 use super::{Compiler, State};
-use crate::model::{Element, ElementKind, EosKind};
+use crate::model::{Element, ElementKind, EosKind, MaterialId};
 
 impl Compiler<'_> {
     /// Length over modulus of the layer of elements behind a facet, the way that it gives under a unit of pressure; 0 of a rigid
@@ -41,7 +41,7 @@ impl Compiler<'_> {
     }
 
     /// Modulus of longitudinal waves.
-    fn modulus(&self, material: usize) -> Option<f64> {
+    fn modulus(&self, material: MaterialId) -> Option<f64> {
         let material = &self.model.materials[material];
         let shear = material.shear_modulus.or(material.elastic.map(|[e, nu]| e / (2.0 * (1.0 + nu)))).unwrap_or(0.0);
         match (material.eos.as_ref().map(|eos| &eos.kind), material.elastic) {

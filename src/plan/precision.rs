@@ -9,7 +9,7 @@ use crate::model::{Material, Precision, SolidSection};
 impl Compiler<'_> {
     /// Whether elements of a section are in single precision, which only those of a job can be that asks for it.
     pub(super) fn is_single(&mut self, section: &SolidSection, material: &Material, constants: &Constants) -> bool {
-        if self.model.precision == Precision::Double {
+        if self.model.settings.precision == Precision::Double {
             return false;
         }
         let count = section.elements.iter().filter(|e| !self.body_of_element.contains_key(*e)).count();
@@ -17,11 +17,11 @@ impl Compiler<'_> {
             "an equation of state tells the pressure by small changes of the volume"
         } else if material.hyperelastic.is_some() {
             "rubber answers to the whole deformation"
-        } else if material.foam.is_some() {
+        } else if material.foam.shape.is_some() {
             "crushable foam"
         } else if constants.hourglass.enhanced > 0.0 {
             "HOURGLASS=ENHANCED"
-        } else if self.is_by_area(section) {
+        } else if section.controls.by_area {
             "WEIGHTING=AREA"
         } else {
             let detail = "stresses, strain increments and forces; nodes, plastic strains and sums are in double";
@@ -34,7 +34,7 @@ impl Compiler<'_> {
 
     /// Books elements that are in double precision although the job asks for single.
     pub(super) fn stays_double(&mut self, span: Span, count: usize, why: &str) {
-        if self.model.precision == Precision::Single {
+        if self.model.settings.precision == Precision::Single {
             self.cause(span, "double precision", count, "elements", why.into());
         }
     }
@@ -42,7 +42,7 @@ impl Compiler<'_> {
     /// Warns where single precision was asked for and nothing is in it.
     pub(super) fn tell_precision(&mut self, state: &State) {
         let none = state.elements.groups.iter().all(|group| !group.is_single());
-        if self.model.precision == Precision::Double || !none || self.diagnostics.has_errors() {
+        if self.model.settings.precision == Precision::Double || !none || self.diagnostics.has_errors() {
             return;
         }
         let message = "single precision was asked for, and nothing here has it: the run is one in double precision";

@@ -154,19 +154,22 @@ fn lies_off_the_axis(corners: &[u32; 4], nodes: &[Node]) -> bool {
 
 /// Why shells cannot be of a material, whose temperature may change; `None` where they can.
 fn refusal(material: &Material, warms: bool) -> Option<&'static str> {
-    if material.user.is_some() {
+    if material.user.material.is_some() {
         return Some("a *USER MATERIAL on shells is not supported");
     }
     if material.eos.is_some() || material.hyperelastic.is_some() || material.shear_modulus.is_some() {
         return Some("shells need *ELASTIC with Young's modulus and Poisson's ratio");
     }
-    if material.foam.is_some() || material.fields.is_some() || matches!(material.plastic, Some(Plastic::User(_))) {
+    if material.foam.shape.is_some()
+        || material.user.fields.is_some()
+        || matches!(material.plastic, Some(Plastic::User(_)))
+    {
         return Some("*CRUSHABLE FOAM and routines of the user on shells are not supported");
     }
     if material.damping.is_some() {
         return Some("*DAMPING of shells is not supported");
     }
-    if warms && material.expansion.is_some() {
+    if warms && material.thermal.expansion.is_some() {
         return Some("thermal strain of shells is not supported");
     }
     if !material.failures.is_empty() || material.tensile_failure.is_some() {

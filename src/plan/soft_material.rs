@@ -52,13 +52,13 @@ impl Compiler<'_> {
     /// The law of a foam; `Some(None)` where the material is none.
     pub(super) fn foam(&mut self, material: &Material, span: Span, moduli: Moduli) -> Option<Option<Foam>> {
         let name = &material.name;
-        let Some((shape, card)) = material.foam else {
-            if material.foam_hardening.is_empty() {
+        let Some((shape, card)) = material.foam.shape else {
+            if material.foam.hardening.is_empty() {
                 return Some(None);
             }
             return self.no_material(span, format!("material `{name}` has *CRUSHABLE FOAM HARDENING alone"));
         };
-        if material.foam_hardening.is_empty() {
+        if material.foam.hardening.is_empty() {
             return self.no_material(span, format!("material `{name}` has no *CRUSHABLE FOAM HARDENING"));
         }
         if material.elastic.is_none() || material.eos.is_some() {
@@ -87,7 +87,7 @@ impl Compiler<'_> {
         };
         let rates = if rate.is_some() { ", rate dependent" } else { "" };
         self.cause(card, "crushable foam", 1, "material", format!("{how}{rates}"));
-        let hardening = Table { rows: material.foam_hardening.clone() };
+        let hardening = Table { rows: material.foam.hardening.clone() };
         Some(Some(Foam { growth, hardening, rate, moduli: [moduli.bulk, moduli.shear] }))
     }
 

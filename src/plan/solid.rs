@@ -105,7 +105,7 @@ impl Compiler<'_> {
             let linear = self.model.steps.iter().map(|s| s.bulk_viscosity[0]).fold(0.0, f64::max);
             elements.damping = Some(Box::new(Damping::new(damped, linear, &elements.groups, nodes.len())));
         }
-        if sections.iter().any(|(s, _)| self.is_by_area(s)) {
+        if sections.iter().any(|(s, _)| s.controls.by_area) {
             elements.rings = Some(Box::new(Rings::new(&elements.groups, nodes.len())));
         }
         let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
@@ -129,7 +129,7 @@ impl Compiler<'_> {
     /// Mass proportional damping of a section, 0 without any.
     fn damping(&mut self, section: &SolidSection, count: usize) -> f64 {
         let Some((alpha, span)) = self.model.materials[section.material].damping else { return 0.0 };
-        if self.is_by_area(section) {
+        if section.controls.by_area {
             let message = "WEIGHTING=AREA with *DAMPING is not supported";
             self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
@@ -140,7 +140,7 @@ impl Compiler<'_> {
     /// Elements of built-in materials whose length a routine of the user gives.
     fn lengths_at_start(&self, section: &SolidSection, elements: &[usize], group: usize) -> Option<AskedLengths> {
         let material = &self.model.materials[section.material];
-        let (properties, _) = material.lengths.as_ref()?;
+        let (properties, _) = material.user.lengths.as_ref()?;
         let evolves = material.failures.iter().any(FailureCriterion::takes_length);
         (evolves && !asks_at_points(material)).then(|| AskedLengths {
             group,
@@ -152,8 +152,7 @@ impl Compiler<'_> {
 
     /// LENGTH RATIO of a section under distortion control.
     fn distortion_control(&mut self, section: &SolidSection, count: usize) -> Option<f64> {
-        let name = section.controls.as_ref()?;
-        let ratio = self.model.controls.iter().find(|c| c.name == *name)?.distortion?;
+        let ratio = section.controls.distortion?;
         self.cause(section.span, "distortion control", count, "elements", format!("length ratio {ratio}"));
         Some(ratio)
     }
@@ -238,7 +237,7 @@ impl Compiler<'_> {
     }
 
     fn point_masses(&mut self, mass: &mut [f64]) {
-        for point in &self.model.point_masses {
+        for point in &self.model.discrete.masses {
             if let Some(n) = self.places.free_node(point.node) {
                 mass[n] += point.mass;
             }

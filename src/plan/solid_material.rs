@@ -21,8 +21,8 @@ use crate::material::kinematic_rate::Moving;
 use crate::material::plasticity::{Elastic, General, Hardening, Lines};
 use crate::material::volumetric::{Linear, Volumetric};
 use crate::model::{
-    DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SolidSection,
-    StrainAtFailure,
+    DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SectionControls,
+    SolidSection, StrainAtFailure,
 };
 use crate::state::nodes::Node;
 
@@ -102,7 +102,7 @@ impl Compiler<'_> {
     ) -> Option<Box<dyn ElementGroup>> {
         let material = &self.model.materials[section.material];
         if asks_at_points(material) {
-            if self.is_by_area(section) {
+            if section.controls.by_area {
                 let message = "WEIGHTING=AREA with routines of the user at points is not supported";
                 self.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
                 return None;
@@ -126,7 +126,7 @@ impl Compiler<'_> {
         if self.is_single(section, material, &constants) {
             return self.with_volumetric(material, section.span, Linear, make.turned::<false, f32>());
         }
-        if self.is_by_area(section) {
+        if section.controls.by_area {
             return self.by_area(section, material, make.turned());
         }
         if let Some(rubber) = &material.hyperelastic {
@@ -158,7 +158,7 @@ impl Compiler<'_> {
                 ..
             } => {
                 if plastic.is_none()
-                    && foam.is_none()
+                    && foam.shape.is_none()
                     && material.failures.is_empty()
                     && material.tensile_failure.is_none()
                 {
@@ -202,9 +202,9 @@ impl Compiler<'_> {
             self.unused(material.span, "*DETONATION POINT", "only *EOS, TYPE=JWL detonates");
         }
         let Some(eos) = &material.eos else { return Some(None) };
-        match (eos.kind.clone(), material.specific_heat.as_deref()) {
+        match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
             (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
-                let absolute_zero = self.model.absolute_zero;
+                let absolute_zero = self.model.settings.absolute_zero;
                 let ratio = 1.0 + gas_constant / specific_heat;
                 self.cause(eos.span, "equation of state", 1, "material", format!("ideal gas, gamma = {ratio}"));
                 Some(Some(Equation::Gas(IdealGas { gas_constant, specific_heat, ambient, absolute_zero })))
@@ -277,12 +277,10 @@ impl Compiler<'_> {
 
     /// 1 less MAX DEGRADATION, and whether elements stay that come so far.
     fn spared(&mut self, section: &SolidSection, material: &Material) -> (f64, bool) {
-        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
-        let own = section.controls.as_ref().and_then(named);
-        let (spared, kept) = own.map_or((0.0, false), |c| (1.0 - c.most_damage, c.keeps_failed.is_some()));
+        let most = section.controls.most_damage;
+        let (spared, kept) = (1.0 - most, section.controls.keeps_failed.is_some());
         let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
         if grows && kept {
-            let most = own.map_or(1.0, |c| c.most_damage);
             let detail = format!("MAX DEGRADATION {most}: the rest of their stiffness stays");
             self.cause(section.span, "failed elements stay", section.elements.len(), "elements", detail);
         }
@@ -296,8 +294,7 @@ impl Compiler<'_> {
     /// Whether quarters of a section's elements push back: where there is an equation of state and no shear modulus, unless its
     /// controls say no.
     fn subzonal(&mut self, section: &SolidSection, material: &Material, count: usize) -> Option<bool> {
-        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
-        let wanted = section.controls.as_ref().and_then(named).and_then(|c| c.subzonal);
+        let wanted = section.controls.subzonal;
         let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
         if wanted == Some(true) && !fluid {
             let message = "SUBZONAL=YES needs *EOS and no shear modulus";
@@ -312,12 +309,6 @@ impl Compiler<'_> {
         Some(subzonal)
     }
 
-    /// Whether the controls of a section weight its elements by area.
-    pub(super) fn is_by_area(&self, section: &SolidSection) -> bool {
-        let named = |name: &String| self.model.controls.iter().find(|c| c.name == *name);
-        section.controls.as_ref().and_then(named).is_some_and(|c| c.by_area)
-    }
-
     /// The group of a section that is weighted by area, where that can be.
     fn by_area(
         &mut self,
@@ -326,11 +317,11 @@ impl Compiler<'_> {
         make: Make<'_, true>,
     ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
-        let refusal = if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.is_some() {
+        let refusal = if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
             Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
         } else if model.steps.iter().any(|s| s.bulk_viscosity[0] <= 0.0) {
             Some("WEIGHTING=AREA needs linear bulk viscosity: without it some of its modes grow")
-        } else if model.sections.iter().any(|s| !self.is_by_area(s)) {
+        } else if model.sections.iter().any(|s| !s.controls.by_area) {
             Some("WEIGHTING=AREA in one section needs it in all")
         } else if !model.shell_sections.is_empty() {
             Some("WEIGHTING=AREA beside shells is not supported")
@@ -357,15 +348,14 @@ impl Compiler<'_> {
         material: &Material,
         moduli: Moduli,
     ) -> Option<HourglassControl> {
-        let controls = section.controls.as_ref().and_then(|name| self.model.controls.iter().find(|c| c.name == *name));
         let fluid = moduli.shear == 0.0;
         let unsaid = match material.hyperelastic {
             _ if fluid => Hourglass::Viscous,
             Some(_) => Hourglass::Enhanced,
             None => Hourglass::RelaxStiffness,
         };
-        let kind = controls.and_then(|c| c.hourglass).unwrap_or(unsaid);
-        let factor = controls.map_or(1.0, |c| c.factor);
+        let SectionControls { hourglass, factor, .. } = section.controls;
+        let kind = hourglass.unwrap_or(unsaid);
         if fluid && kind != Hourglass::Viscous {
             let message = "hourglass control by stiffness needs a shear modulus";
             let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
@@ -610,7 +600,7 @@ fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &Material) {
 
 /// Rise of temperature by plastic work; none where a card for it is missing.
 pub(super) fn heating(material: &Material, density: f64) -> Heating {
-    match (material.inelastic_heat_fraction, material.specific_heat.as_deref()) {
+    match (material.thermal.inelastic_heat_fraction, material.thermal.specific_heat.as_deref()) {
         (Some(fraction), Some(&[[heat, _]])) if fraction != 0.0 => Heating::Constant(fraction / (density * heat)),
         (Some(fraction), Some(rows)) if fraction != 0.0 => {
             Heating::Over { heat: fraction / density, capacity: Table { rows: rows.to_vec() } }

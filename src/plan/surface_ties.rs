@@ -34,7 +34,7 @@ const ON_NODE: f64 = 1e-6;
 /// The tied nodes of all ties; what is not tied is told.
 pub(super) fn find(model: &Model, diagnostics: &mut Diagnostics) -> Vec<TiedNode> {
     let (mut tied, mut taken): (Vec<TiedNode>, HashSet<usize>) = Default::default();
-    for (index, tie) in model.surface_ties.iter().enumerate() {
+    for (index, tie) in model.constraints.ties.iter().enumerate() {
         let facet = |&(element, side)| Some(MasterFacet { nodes: model.mesh.ends(element, side)?, element });
         let facets: Vec<MasterFacet> = tie.masters.iter().filter_map(facet).collect();
         let own: HashSet<usize> = facets.iter().flat_map(|f| f.nodes).collect();
@@ -121,7 +121,7 @@ fn tell(
 
 /// The model with tied nodes put on their master surfaces without strain, where some are to be (`ADJUST=YES`) and are not there.
 pub(super) fn adjusted(model: &Model, tied: &[TiedNode]) -> Option<Model> {
-    let moves = |t: &&TiedNode| model.surface_ties[t.tie].adjust && model.mesh.points[t.node] != t.place;
+    let moves = |t: &&TiedNode| model.constraints.ties[t.tie].adjust && model.mesh.points[t.node] != t.place;
     let moved: Vec<&TiedNode> = tied.iter().filter(moves).collect();
     if moved.is_empty() {
         return None;

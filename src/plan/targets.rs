@@ -8,14 +8,16 @@ use crate::kernel::free_surface::FiniteSphere;
 use crate::load::Load as Effect;
 use crate::load::cavity::{Bounds, CavityExpansion, Crater, Finite, Stack, Tilt};
 use crate::mesh::surface::{Patch, Surface};
-use crate::model::{DEFAULT_ACCURACY, FreeSurfaces, IncrementControl, Layer, Load, Sides, Step, Target};
+use crate::model::{
+    DEFAULT_ACCURACY, FreeSurfaces, IncrementControl, Layer, Load, MaterialId, Sides, Step, Target, TargetId,
+};
 
 impl Compiler<'_> {
     pub(super) fn cavity(
         &mut self,
         load: &Load,
         sides: &Sides,
-        target: usize,
+        target: TargetId,
         friction: f64,
         step: &Step,
         state: &State,
@@ -117,7 +119,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn derived_row(&mut self, material: usize) {
+    fn derived_row(&mut self, material: MaterialId) {
         let material = &self.model.materials[material];
         let Some(law) = material.cavity else { return };
         let Some(from) = law.derived else { return };

@@ -4,7 +4,7 @@
 use super::Compiler;
 use crate::deck::{Diagnostic, Span};
 use crate::load::user_amplitude::{Sensed, UserAmplitude};
-use crate::model::{AmplitudeDefinition, OutputRequest, Region};
+use crate::model::{AmplitudeDefinition, AmplitudeId, OutputRequest, Region};
 use crate::state::dofs::Dof;
 use crate::variables::asked::Asked;
 use crate::variables::{Part, Variable};
@@ -49,14 +49,14 @@ impl Compiler<'_> {
     }
 
     /// Which function of time a user amplitude tells; its routine is asked once an increment, however many loads it scales.
-    pub(super) fn user_amplitude(&mut self, index: usize) -> usize {
-        if let Some(&told) = self.tellers.get(&index) {
+    pub(super) fn user_amplitude(&mut self, id: AmplitudeId) -> usize {
+        if let Some(&told) = self.tellers.get(&id) {
             return told;
         }
         let told = self.told;
         self.told += 1;
-        self.tellers.insert(index, told);
-        let amplitude = &self.model.amplitudes[index];
+        self.tellers.insert(id, told);
+        let amplitude = &self.model.amplitudes[id];
         let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return told };
         if self.routines.amplitude.is_none() {
             let asks = format!("the amplitude `{}` is the user's", amplitude.name);
@@ -104,7 +104,7 @@ impl Compiler<'_> {
         if !request.statistics.is_empty() {
             return None;
         }
-        let [node] = self.model.node_sets.get(set)?.members[..] else { return None };
+        let [node] = self.model.node_sets[*set].members[..] else { return None };
         let [Asked::One(Part { variable, component })] = request.variables[..] else { return None };
         let dof = match (self.places.free_node(node), self.body_of_node.get(&node)) {
             (Some(place), _) => Dof::Node(place, component),

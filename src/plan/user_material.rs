@@ -19,7 +19,7 @@ use crate::state::nodes::Node;
 /// Whether elements of a material ask routines of the user at their points.
 pub(super) fn asks_at_points(material: &Material) -> bool {
     let varies = !material.elastic_table.is_empty();
-    varies || material.user.is_some() || material.fields.is_some() || flows_at_points(material)
+    varies || material.user.material.is_some() || material.user.fields.is_some() || flows_at_points(material)
 }
 
 /// Whether the yield stress is one of points: of the user's, or over field variables.
@@ -46,14 +46,14 @@ impl Compiler<'_> {
         nodes: &[Node],
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
-        let (law, moduli) = match &material.user {
+        let (law, moduli) = match &material.user.material {
             Some(properties) => (UserLaw::Stress(properties), self.user_moduli(section, material)?),
             None => self.user_flow(section, material)?,
         };
         let density = material.density?;
         self.stays_double(section.span, elements.len(), "routines of the user");
         self.ask_fields(section, material)?;
-        let takes_lengths = material.user.is_some() || material.fields.is_some();
+        let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
         self.asks_lengths(section, material, takes_lengths)?;
         add_masses(corners, nodes, density, mass);
         let hourglass = self.hourglass(section, material, moduli)?;
@@ -65,7 +65,7 @@ impl Compiler<'_> {
         let heating =
             if self.adiabatic() || self.conducts(section) { heating(material, density) } else { Heating::None };
         self.user_rows(section, material, &law, (elements.len(), &constants), &heating);
-        let StateVariables { count, delete } = material.state;
+        let StateVariables { count, delete } = material.user.state;
         let (properties, flow) = match law {
             UserLaw::Stress(properties) => (properties.clone(), None),
             UserLaw::Flow(yields) => {
@@ -79,15 +79,15 @@ impl Compiler<'_> {
             variables: count,
             delete,
             fields: self.field_variables(material),
-            asks_fields: material.fields.as_ref().map(|f| f.0.clone()),
-            asks_lengths: material.lengths.as_ref().filter(|_| takes_lengths).map(|l| l.0.clone()),
+            asks_fields: material.user.fields.as_ref().map(|f| f.0.clone()),
+            asks_lengths: material.user.lengths.as_ref().filter(|_| takes_lengths).map(|l| l.0.clone()),
             flow,
             heating,
             density,
         };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.to_string()).collect();
         let mut group = UserQuads::new(description, constants, corners, nodes, names);
-        if material.fields.is_some() {
+        if material.user.fields.is_some() {
             // The routine may ask for strains.
             group.follow();
         }
@@ -118,7 +118,7 @@ impl Compiler<'_> {
     /// has what does not go with that (reported).
     fn user_flow<'m>(&mut self, section: &SolidSection, material: &'m Material) -> Option<(UserLaw<'m>, Moduli)> {
         let moduli = self.moduli(material, section.span)?;
-        let cause = if material.fields.is_some() {
+        let cause = if material.user.fields.is_some() {
             "*USER DEFINED FIELD"
         } else if flows_at_points(material) {
             "*PLASTIC, HARDENING=USER or DEPENDENCIES="
@@ -128,7 +128,7 @@ impl Compiler<'_> {
         let beside = [
             (material.eos.is_some(), "*EOS"),
             (material.hyperelastic.is_some(), "*HYPERELASTIC"),
-            (material.foam.is_some(), "*CRUSHABLE FOAM"),
+            (material.foam.shape.is_some(), "*CRUSHABLE FOAM"),
             (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
             (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
             (matches!(material.plastic, Some(Plastic::Kinematic(_))), "HARDENING=KINEMATIC"),
@@ -158,14 +158,14 @@ impl Compiler<'_> {
 
     /// Whether the routine of fields is there, where one is asked for; `None` if not (reported).
     fn ask_fields(&mut self, section: &SolidSection, material: &Material) -> Option<()> {
-        let Some((properties, span)) = &material.fields else { return Some(()) };
+        let Some((properties, span)) = &material.user.fields else { return Some(()) };
         if self.routines.fields.is_none() {
             let asks = format!("fields of `{}` are the user's (*USER DEFINED FIELD)", material.name);
             self.no_routine(section.span, "section", &asks, "vusdfld");
             return None;
         }
         self.called.push("vusdfld");
-        let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.state.count);
+        let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.user.state.count);
         self.cause(*span, "user-defined fields", 1, "material", detail);
         Some(())
     }
@@ -173,7 +173,7 @@ impl Compiler<'_> {
     /// Whether the routine of characteristic lengths is there, where one is asked for and something takes a length; `None` if
     /// not (reported).
     pub(super) fn asks_lengths(&mut self, section: &SolidSection, material: &Material, takes: bool) -> Option<()> {
-        let Some((properties, span)) = &material.lengths else { return Some(()) };
+        let Some((properties, span)) = &material.user.lengths else { return Some(()) };
         if !takes {
             let why = "no damage evolves in this material, and no vumat or vusdfld is told a length";
             self.unused(*span, "*CHARACTERISTIC LENGTH", why);
@@ -201,7 +201,7 @@ impl Compiler<'_> {
     ) {
         let name = &material.name;
         let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
-        let variables = material.state.count;
+        let variables = material.user.state.count;
         let by = if matches!(law, UserLaw::Stress(_)) { "by the user" } else { "elastic" };
         self.cause(section.span, "deformable elements", count, "CAX4R", format!("material {name}, {by}, Jaumann rate"));
         match law {
@@ -236,21 +236,22 @@ impl Compiler<'_> {
 
     /// The most variables that a material of this scene keeps for the user's routines.
     pub(super) fn state_variables(&self) -> usize {
-        self.materials_present().filter(|m| asks_at_points(m)).map(|m| m.state.count).max().unwrap_or(0)
+        self.materials_present().filter(|m| asks_at_points(m)).map(|m| m.user.state.count).max().unwrap_or(0)
     }
 
     /// The name that *DEPVAR gives a state variable; `None` where materials of the scene call it otherwise.
     pub(super) fn state_name(&self, variable: usize) -> Option<&str> {
-        let keeps = self.materials_present().filter(|m| asks_at_points(m) && m.state.count > variable);
+        let keeps = self.materials_present().filter(|m| asks_at_points(m) && m.user.state.count > variable);
         let mut names =
-            keeps.map(|m| m.state_names.iter().find(|(v, _)| *v == variable).map(|(_, name)| name.as_str()));
+            keeps.map(|m| m.user.state_names.iter().find(|(v, _)| *v == variable).map(|(_, name)| name.as_str()));
         let first = names.next()??;
         names.all(|name| name == Some(first)).then_some(first)
     }
 
     /// Whether elements of the scene can be deleted.
     pub(super) fn deletes(&self) -> bool {
-        let fails = |m: &Material| m.state.delete.is_some() || !m.failures.is_empty() || m.tensile_failure.is_some();
+        let fails =
+            |m: &Material| m.user.state.delete.is_some() || !m.failures.is_empty() || m.tensile_failure.is_some();
         !self.model.erosions.is_empty() || self.materials_present().any(fails)
     }
 }

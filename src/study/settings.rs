@@ -258,31 +258,9 @@ pub fn control_hourglass(model: &mut Model, hourglass: Hourglass, factor: f64) {
     control(model, |controls| (controls.hourglass, controls.factor) = (Some(hourglass), factor));
 }
 
-/// Changes the controls of every section, each of which gets its own; without a word on a card they are those of the default.
+/// Changes the controls of every section.
 pub fn control(model: &mut Model, change: impl Fn(&mut SectionControls)) {
-    let mut changed = Vec::new();
-    for (i, section) in model.sections.iter_mut().enumerate() {
-        let own = section.controls.as_ref().and_then(|name| model.controls.iter().find(|c| c.name == *name));
-        let name = format!("(STUDY {i})");
-        section.controls = Some(name.clone());
-        let mut controls = match own {
-            Some(own) => SectionControls { name, ..own.clone() },
-            None => SectionControls {
-                name,
-                hourglass: None,
-                factor: 1.0,
-                by_area: false,
-                distortion: None,
-                most_damage: 1.0,
-                averaged: None,
-                subzonal: None,
-                keeps_failed: None,
-            },
-        };
-        change(&mut controls);
-        changed.push(controls);
-    }
-    model.controls = changed;
+    model.sections.iter_mut().for_each(|section| change(&mut section.controls));
 }
 
 fn stable_estimate(value: &str) -> Result<Edit, String> {
@@ -313,7 +291,7 @@ fn precision(value: &str) -> Result<Edit, String> {
         if !deforms(model) {
             return refuse("--refine precision: nothing here deforms");
         }
-        model.precision = precision;
+        model.settings.precision = precision;
         Ok(())
     }))
 }

@@ -68,7 +68,7 @@ fn bar([nr, nz]: [usize; 2], increments: usize, precision: Precision) -> Prepare
         + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";
     let settings = [("nr", nr.to_string()), ("nz", nz.to_string())].map(|(n, v)| (n.to_owned(), v));
     let read = deck::read_text("taylor.inp", &text, &settings);
-    let prepared = job::prepare_edited(read, &mut |model| model.precision = precision, &Routines::none());
+    let prepared = job::prepare_edited(read, &mut |model| model.settings.precision = precision, &Routines::none());
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     prepared
 }

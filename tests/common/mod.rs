@@ -91,7 +91,7 @@ pub fn prepared(text: &str, settings: &[(&str, &str)], routines: &Routines) -> P
 /// The same with elements in single precision.
 pub fn prepared_in_single(text: &str, settings: &[(&str, &str)], routines: &Routines) -> Prepared {
     let read = deck::read_text("test.inp", text, &pairs(settings));
-    let prepared = job::prepare_edited(read, &mut |model| model.precision = Precision::Single, routines);
+    let prepared = job::prepare_edited(read, &mut |model| model.settings.precision = Precision::Single, routines);
     assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
     prepared
 }

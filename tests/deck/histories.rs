@@ -6,7 +6,7 @@
 use crate::common::solid::{grid, material};
 use crate::common::{Memory, prepared};
 use revolve::job;
-use revolve::model::{OutputExpression, OutputRequest, Region};
+use revolve::model::{NodeSetId, OutputExpression, OutputRequest, Region};
 use revolve::solve;
 use revolve::study::quantity::{Finished, Quantity};
 use revolve::user::Routines;
@@ -222,13 +222,14 @@ fn scenes_in_rust_have_them() {
     let (deck, _) =
         revolve::deck::read_text("test.inp", &block("*Output, history\n*Energy Output\n ALLKE\n"), &Vec::new());
     let (mut model, _) = revolve::model::build(&deck);
+    let joint = NodeSetId::new(model.node_sets.get_index_of("J1").expect("the set"));
     let statistics =
-        OutputRequest::history(Region::nodes("J1"), [Variable::Displacement]).with_statistics(&[Statistic::Max]);
+        OutputRequest::history(Region::Nodes(joint), [Variable::Displacement]).with_statistics(&[Statistic::Max]);
     model.steps[0].outputs.push(statistics);
-    model.expressions.push(OutputExpression::new("twice", "2*U2_MAX@J1"));
+    model.output.expressions.push(OutputExpression::new("twice", "2*U2_MAX@J1"));
     let prepared = job::prepare_model(&model, &Routines::none());
     let names: Vec<&str> = prepared.plan.columns.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["ALLKE", "U1_MAX@J1", "U2_MAX@J1", "TWICE"]);
-    model.expressions[0].text = "2*U2@J1".into();
+    model.output.expressions[0].text = "2*U2@J1".into();
     assert!(job::prepare_model(&model, &Routines::none()).diagnostics.iter().any(|d| d.code == "P075"));
 }

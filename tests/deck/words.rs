@@ -356,7 +356,7 @@ fn what_is_inert_is_told() {
         let Tier::Inert(why) = keyword.tier else { continue };
         let (deck, _) = deck::read_text("card.inp", &format!("*{}\n", keyword.name), &[]);
         let (model, _) = revolve::model::build(&deck);
-        assert!(model.inert.iter().any(|i| i.keyword == keyword.name && i.why == why), "{}", keyword.name);
+        assert!(model.origin.inert.iter().any(|i| i.keyword == keyword.name && i.why == why), "{}", keyword.name);
     }
 }
 

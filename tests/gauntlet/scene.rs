@@ -43,7 +43,7 @@ pub fn with(name: &str, settings: &[(&str, &str)], routines: &Routines) -> Scene
 /// A deck given as text.
 pub fn text(text: &str, routines: &Routines) -> Scene {
     let read = deck::read_text("gauntlet.inp", text, &[]);
-    run(job::prepare_edited(read, &mut |model| model.precision = precision(), routines))
+    run(job::prepare_edited(read, &mut |model| model.settings.precision = precision(), routines))
 }
 
 fn run(prepared: Prepared) -> Scene {

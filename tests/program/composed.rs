@@ -3,8 +3,8 @@
 
 use revolve::job::{self, Prepared};
 use revolve::model::{
-    Amplitude, AmplitudeDefinition, Boundary, ElementKind, Interval, Load, LoadKind, Material, Model, OutputRequest,
-    Region, Side, Sides, Step,
+    Amplitude, AmplitudeDefinition, AmplitudeId, Boundary, ElementKind, Interval, Load, LoadKind, Material, MaterialId,
+    Model, NodeSetId, OutputRequest, Region, Side, Sides, Step, TargetId,
 };
 use revolve::user::Routines;
 use revolve::variables::{Part, Variable};
@@ -51,12 +51,12 @@ fn composed() -> Model {
     let element = model.element(ElementKind::Cax4r, &nodes);
     let steel = model.material(Material::elastic("STEEL", 7850.0, 210e9, 0.3));
     model.section(&[element], steel);
-    model.node_set("TIP", &nodes[3..]);
+    let tip = model.node_set("TIP", &nodes[3..]);
     let axial = Part { variable: Variable::Displacement, component: 1 };
     let step = Step::new("push", 1e-5)
         .with_boundary(Boundary::held("FOOT", &nodes[..2], 2))
         .with_load(Load::pressure(Sides::new("TOP", &[(element, Side::Face(3))]), 1e8))
-        .with_output(OutputRequest::history(Region::nodes("TIP"), [axial]));
+        .with_output(OutputRequest::history(Region::Nodes(tip), [axial]));
     model.steps.push(step);
     model
 }
@@ -101,7 +101,7 @@ fn what_is_wrong_is_refused_and_never_panics() {
         ("P012", |m| m.mesh.elements[0].nodes.reverse()),
         ("P001", |m| m.sections.clear()),
         ("M110", |m| m.sections[0].elements.push(7)),
-        ("M111", |m| m.sections[0].material = 3),
+        ("M111", |m| m.sections[0].material = MaterialId::new(3)),
         ("M103", |m| m.materials[0].density = Some(-1.0)),
         ("P013", |m| m.materials[0].density = None),
         ("M103", |m| m.materials[0].elastic = Some([210e9, 0.5])),
@@ -110,14 +110,14 @@ fn what_is_wrong_is_refused_and_never_panics() {
         ("M103", |m| m.steps[0].scale_factor = f64::NAN),
         ("M110", |m| m.steps[0].boundaries[0].nodes.push(99)),
         ("M103", |m| m.steps[0].boundaries[0].dof = 0),
-        ("M112", |m| m.steps[0].boundaries[0].amplitude = Some(0)),
+        ("M112", |m| m.steps[0].boundaries[0].amplitude = Some(AmplitudeId::new(0))),
         ("M103", |m| m.steps[0].loads[0].magnitude = f64::INFINITY),
         ("M131", |m| m.steps[0].loads[0].kind = LoadKind::Pressure(Sides::new("TOP", &[(0, Side::Face(5))]))),
         ("M110", |m| m.steps[0].loads[0].kind = LoadKind::Pressure(Sides::new("TOP", &[(4, Side::Face(1))]))),
         ("P004", |m| m.steps[0].loads.push(Load::user(Sides::new("TOP", &[(0, Side::Face(3))])))),
         ("M113", |m| {
             let sides = Sides::new("TOP", &[(0, Side::Face(3))]);
-            m.steps[0].loads.push(Load::new(LoadKind::Cavity { sides, target: 0, friction: 0.0 }, 1.0));
+            m.steps[0].loads.push(Load::new(LoadKind::Cavity { sides, target: TargetId::new(0), friction: 0.0 }, 1.0));
         }),
         ("M103", |m| {
             let definition = AmplitudeDefinition::Curve { points: Vec::new(), smooth: false, total_time: false };
@@ -126,7 +126,7 @@ fn what_is_wrong_is_refused_and_never_panics() {
         ("M110", |m| drop(m.node_sets.shift_remove("TIP"))),
         ("M141", |m| {
             let part = Part { variable: Variable::Displacement, component: 2 };
-            m.steps[0].outputs.push(OutputRequest::history(Region::nodes("TIP"), [part]));
+            m.steps[0].outputs.push(OutputRequest::history(Region::Nodes(NodeSetId::new(0)), [part]));
         }),
         ("M103", |m| m.steps[0].outputs[0].interval = Interval::Time(0.0)),
         ("P006", |m| m.steps.clear()),

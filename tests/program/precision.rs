@@ -169,7 +169,7 @@ fn a_checkpoint_has_its_precision() {
     let text = bar("", &steel(""));
     let prepare = |precision| {
         let read = deck::read_text("bar.inp", &text, &[]);
-        job::prepare_edited(read, &mut |model| model.precision = precision, &Routines::none())
+        job::prepare_edited(read, &mut |model| model.settings.precision = precision, &Routines::none())
     };
     let (single, double) = (prepare(Precision::Single), prepare(Precision::Double));
     let job = Job { folder: folder.path().join("bar"), name: "bar".into() };

@@ -386,7 +386,7 @@ fn derived_card(above: &str, card: &str) -> String {
 fn a_deck_derives_the_card_that_it_could_have() {
     let deck = derived_card(PLASTIC, "*Cavity Expansion, derive\n 0., 800.\n");
     let (model, diagnostics) = revolve::model::build(&revolve::deck::read_text("derived", &deck, &[]).0);
-    assert!(!diagnostics.has_errors(), "{}", diagnostics.render(&model.sources));
+    assert!(!diagnostics.has_errors(), "{}", diagnostics.render(&model.origin.sources));
     let law = model.materials[0].cavity.expect("a resistance");
     let [a, b, c] = [law.a, law.b, law.c];
     let given = shot(&format!(
@@ -430,7 +430,7 @@ fn decks_that_cannot_derive_say_why() {
     ] {
         let (model, diagnostics) = revolve::model::build(&revolve::deck::read_text("derived", &deck, &[]).0);
         let codes: Vec<&str> = diagnostics.iter().map(|d| d.code).collect();
-        assert!(codes.contains(&code), "{code}: {}", diagnostics.render(&model.sources));
+        assert!(codes.contains(&code), "{code}: {}", diagnostics.render(&model.origin.sources));
         assert_eq!(diagnostics.has_errors(), code != "M185", "{code}");
     }
 }

@@ -19,7 +19,9 @@ fn velocity(model: &Model) -> Option<f64> {
     let driven = |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. });
     let loaded = model.steps.iter().any(|s| s.loads.iter().any(|l| driven(&l.kind)));
     let held = model.steps.iter().any(|s| s.has_contact() || s.boundaries.iter().any(|b| b.dof == 2));
-    let joined = !model.rigid_bodies.is_empty() || !model.connectors.is_empty() || !model.equations.is_empty();
+    let joined = !model.rigid_bodies.is_empty()
+        || !model.discrete.connectors.is_empty()
+        || !model.constraints.equations.is_empty();
     if !loaded || held || joined || model.sections.is_empty() || !model.shell_sections.is_empty() {
         return None;
     }
@@ -46,7 +48,7 @@ fn body_nodes(model: &Model) -> Vec<usize> {
 
 fn stiffen(model: &mut Model) {
     let (Some(speed), Some(&reference)) = (velocity(model), body_nodes(model).first()) else { return };
-    let mut mass: f64 = model.point_masses.drain(..).map(|p| p.mass).sum();
+    let mut mass: f64 = model.discrete.masses.drain(..).map(|p| p.mass).sum();
     for section in &model.sections {
         let density = model.materials[section.material].density.unwrap_or(0.0);
         let volume = |&e: &usize| quad::volume(model.mesh.corners(e).map(|n| model.mesh.points[n]));
@@ -56,7 +58,7 @@ fn stiffen(model: &mut Model) {
     let elements = model.sections.iter().flat_map(|s| s.elements.clone()).collect();
     let name = "(STUDY)".to_owned();
     model.sections.clear();
-    model.point_masses.push(PointMass { node: reference, mass, span });
+    model.discrete.masses.push(PointMass { node: reference, mass, span });
     model.rigid_bodies.push(RigidBody {
         name,
         reference,

@@ -51,7 +51,7 @@ pub(super) const LIST: &[Ablation] = &[
         name: "dashpots",
         instead: "coefficient 0",
         ways: |model| {
-            usize::from(model.connectors.iter().any(|c| matches!(c.law, ConnectorLaw::Dashpot(v) if v != 0.0)))
+            usize::from(model.discrete.connectors.iter().any(|c| matches!(c.law, ConnectorLaw::Dashpot(v) if v != 0.0)))
         },
         edit: |model, _| no_dashpots(model),
         way: one_way,
@@ -106,7 +106,7 @@ fn without(model: &mut Model, which: fn(&Load) -> bool) {
 }
 
 fn no_dashpots(model: &mut Model) {
-    for connector in &mut model.connectors {
+    for connector in &mut model.discrete.connectors {
         if let ConnectorLaw::Dashpot(coefficient) = &mut connector.law {
             *coefficient = 0.0;
         }

@@ -24,7 +24,8 @@ pub(super) const LIST: &[Ablation] = &[
         instead: "heat stays where it is given",
         ways: |model| usize::from(conducts(model)),
         edit: |model, _| {
-            let rows = model.materials.iter_mut().filter_map(|m| m.conductivity.as_mut()).flat_map(|c| &mut c.0);
+            let rows =
+                model.materials.iter_mut().filter_map(|m| m.thermal.conductivity.as_mut()).flat_map(|c| &mut c.0);
             rows.for_each(|row| row[0] = NO_CONDUCTION);
         },
         way: one_way,
@@ -32,8 +33,8 @@ pub(super) const LIST: &[Ablation] = &[
     Ablation {
         name: "thermal expansion",
         instead: "coefficient 0",
-        ways: |model| usize::from(any(model, |m| m.expansion.is_some())),
-        edit: |model, _| model.materials.iter_mut().for_each(|m| m.expansion = None),
+        ways: |model| usize::from(any(model, |m| m.thermal.expansion.is_some())),
+        edit: |model, _| model.materials.iter_mut().for_each(|m| m.thermal.expansion = None),
         way: one_way,
     },
     Ablation {
@@ -82,7 +83,9 @@ fn fails(material: &Material) -> bool {
 }
 
 fn heats(model: &Model) -> bool {
-    let hot = |m: &Material| m.plastic.is_some() && m.inelastic_heat_fraction.is_some() && m.specific_heat.is_some();
+    let hot = |m: &Material| {
+        m.plastic.is_some() && m.thermal.inelastic_heat_fraction.is_some() && m.thermal.specific_heat.is_some()
+    };
     model.steps.iter().any(|s| s.adiabatic || s.coupled) && any(model, hot)
 }
 
@@ -90,13 +93,13 @@ fn heats(model: &Model) -> bool {
 fn no_heat_of_work(model: &mut Model) {
     model.steps.iter_mut().for_each(|s| s.adiabatic = false);
     if model.steps.iter().any(|s| s.coupled) {
-        model.materials.iter_mut().for_each(|m| m.inelastic_heat_fraction = None);
+        model.materials.iter_mut().for_each(|m| m.thermal.inelastic_heat_fraction = None);
     }
 }
 
 fn conducts(model: &Model) -> bool {
     let conductor =
-        |m: &Material| m.conductivity.as_ref().is_some_and(|c| c.0.iter().any(|row| row[0] > NO_CONDUCTION));
+        |m: &Material| m.thermal.conductivity.as_ref().is_some_and(|c| c.0.iter().any(|row| row[0] > NO_CONDUCTION));
     model.steps.iter().any(|s| s.coupled) && any(model, conductor)
 }
 

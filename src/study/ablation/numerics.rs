@@ -40,9 +40,8 @@ pub(super) const LIST: &[Ablation] = &[
 fn has_subzones(model: &Model) -> bool {
     model.sections.iter().any(|section| {
         let material = &model.materials[section.material];
-        let controls = section.controls.as_ref().and_then(|name| model.controls.iter().find(|c| c.name == *name));
         let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
-        fluid && controls.and_then(|c| c.subzonal) != Some(false)
+        fluid && section.controls.subzonal != Some(false)
     })
 }
 

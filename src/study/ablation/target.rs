@@ -2,7 +2,7 @@
 //! Never here: friction.
 
 use super::{Ablation, one_way};
-use crate::model::{FreeSurfaces, LoadKind, Material, Model, Sides, Target};
+use crate::model::{FreeSurfaces, LoadKind, Material, Model, Sides, Target, TargetId};
 
 pub(super) const LIST: &[Ablation] = &[
     Ablation {
@@ -71,24 +71,24 @@ fn any(model: &Model, is_so: impl Fn(&Target) -> bool) -> bool {
 }
 
 /// Targets that some load drives a surface into.
-fn loaded(model: &Model) -> impl Iterator<Item = usize> + '_ {
-    (0..model.targets.len()).filter(|t| sides_into(model, *t).next().is_some())
+fn loaded(model: &Model) -> impl Iterator<Item = TargetId> + '_ {
+    (0..model.targets.len()).map(TargetId::new).filter(|t| sides_into(model, *t).next().is_some())
 }
 
-fn sides_into(model: &Model, wanted: usize) -> impl Iterator<Item = &Sides> {
+fn sides_into(model: &Model, wanted: TargetId) -> impl Iterator<Item = &Sides> {
     model.steps.iter().flat_map(|s| &s.loads).filter_map(move |load| match &load.kind {
         LoadKind::Cavity { sides, target, .. } if *target == wanted => Some(sides),
         _ => None,
     })
 }
 
-fn laws(model: &Model, target: usize) -> impl Iterator<Item = &Material> {
+fn laws(model: &Model, target: TargetId) -> impl Iterator<Item = &Material> {
     model.targets[target].layers.iter().filter_map(|l| Some(&model.materials[l.material?]))
 }
 
 /// Target and layer of each layer whose neighbour is of another material.
-fn layers(model: &Model) -> Vec<(usize, usize)> {
-    let of = |t: usize| {
+fn layers(model: &Model) -> Vec<(TargetId, usize)> {
+    let of = |t: TargetId| {
         let layers = &model.targets[t].layers;
         // Nothing could take the place of a layer beside a gap: the next is not of one plate with it.
         let instead = move |l: usize| layers[neighbour(l)].material.filter(|m| Some(*m) != layers[l].material);
@@ -110,7 +110,7 @@ fn take_neighbour(model: &mut Model, way: usize) {
 
 /// Targets whose face the loaded surfaces stand at or cut, with how far these reach out of it. A body that flies up to the
 /// face first would be loaded in flight: its entry cannot be left out alone.
-fn entering(model: &Model) -> impl Iterator<Item = (usize, f64)> + '_ {
+fn entering(model: &Model) -> impl Iterator<Item = (TargetId, f64)> + '_ {
     loaded(model).filter_map(|t| {
         let target = &model.targets[t];
         let [near, far] = reach(model, target, t)?;
@@ -120,8 +120,8 @@ fn entering(model: &Model) -> impl Iterator<Item = (usize, f64)> + '_ {
 }
 
 /// Least and greatest distance of the loaded surfaces before the face, against the way of the layers.
-fn reach(model: &Model, target: &Target, index: usize) -> Option<[f64; 2]> {
-    let faces = sides_into(model, index).flat_map(|s| &s.faces);
+fn reach(model: &Model, target: &Target, id: TargetId) -> Option<[f64; 2]> {
+    let faces = sides_into(model, id).flat_map(|s| &s.faces);
     let nodes = faces.filter_map(|&(element, side)| model.mesh.ends(element, side)).flatten();
     let before = nodes.map(|n| (target.front - model.mesh.points[n][1]) * target.direction);
     before.fold(None, |range: Option<[f64; 2]>, d| {
@@ -131,7 +131,7 @@ fn reach(model: &Model, target: &Target, index: usize) -> Option<[f64; 2]> {
 }
 
 fn embed(model: &mut Model) {
-    let list: Vec<(usize, f64)> = entering(model).collect();
+    let list: Vec<(TargetId, f64)> = entering(model).collect();
     for (target, far) in list {
         let target = &mut model.targets[target];
         // A little more, so that rounding leaves nothing outside.
