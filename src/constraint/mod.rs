@@ -12,6 +12,7 @@ pub mod tie;
 pub mod user_motion;
 
 use self::contact::curve::Carrier;
+use crate::kernel::topology::ElementNodes;
 use crate::load::Slot;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
@@ -63,8 +64,8 @@ pub trait Constraint: Persist + Send + Sync {
         0.0
     }
 
-    /// Elements with these corner nodes are no more.
-    fn release(&mut self, _gone: &[[u32; 4]]) {}
+    /// Elements with these boundaries are deleted.
+    fn release(&mut self, _deleted: &[ElementNodes]) {}
 
     /// A node has another mass; its kinetic energy grew by so much along r and z.
     fn mass_changed(&mut self, _node: usize, _gained: [f64; 2]) {}

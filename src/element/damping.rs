@@ -36,7 +36,7 @@ impl Damping {
         self.coefficients.fill(0.0);
         for (group, factor) in groups.iter().zip(&self.factors).filter(|g| *g.1 > 0.0) {
             for e in 0..group.len() {
-                for (n, mass) in group.corners(e).into_iter().zip(group.corner_masses(e)) {
+                for (n, mass) in group.nodes(e).into_iter().zip(group.masses(e)) {
                     self.coefficients[n as usize] += factor * mass;
                 }
             }

@@ -23,7 +23,7 @@ const AHEAD: f64 = 5.0;
 pub struct Controlled {
     /// Group and element of the group.
     pub place: (usize, usize),
-    /// Corner nodes.
+    /// Corner nodes of one of its quadrilaterals.
     corners: [u32; 4],
     /// One over the masses of the corner nodes.
     softness: [f64; 4],
@@ -107,9 +107,9 @@ pub struct DistortionControl {
 }
 
 impl DistortionControl {
-    /// Takes the elements of a group, by their corner nodes at the start, under control; `ratio` is LENGTH RATIO.
-    pub fn add(&mut self, group: usize, elements: impl Iterator<Item = [u32; 4]>, nodes: &Nodes, ratio: f64) {
-        for (element, corners) in elements.enumerate() {
+    /// Takes the quadrilaterals of a group's elements, with the element of each, under control; `ratio` is LENGTH RATIO.
+    pub fn add(&mut self, group: usize, cells: impl Iterator<Item = (usize, [u32; 4])>, nodes: &Nodes, ratio: f64) {
+        for (element, corners) in cells {
             let at = corners.map(|n| nodes.start[n as usize]);
             let softness = corners.map(|n| nodes.inverse_mass[n as usize]);
             self.list.push(Controlled::new((group, element), corners, softness, at, ratio));

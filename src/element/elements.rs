@@ -1,6 +1,8 @@
 //! All elements of a scene: their groups, the forces on their corners, springs and dashpots, and what bounds the increment.
 //! Never here: the motion of nodes, loads, deck words.
 
+use std::ops::Range;
+
 use super::averaging::Averaging;
 use super::block::is_larger;
 use super::connector::Connectors;
@@ -17,6 +19,7 @@ use super::quiescent::ActiveNodes;
 use super::removed::Removed;
 use super::rings::Rings;
 use crate::kernel::lanes::LANES;
+use crate::kernel::topology::ElementNodes;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::Gather;
 use crate::state::archive::{Archive, Persist, persist_all, persist_fields};
@@ -68,8 +71,10 @@ pub struct Elements {
     awake: ActiveNodes,
     /// Whether the strains of the increment behind are still to come.
     pending: bool,
-    /// Corner nodes of deleted elements, and how many of them the loads of this step have been told.
-    pub(super) gone: (Vec<[u32; 4]>, usize),
+    /// Boundaries of deleted elements, and how many of them the loads of this step have been told.
+    pub(super) deleted: (Vec<ElementNodes>, usize),
+    /// Why a routine of the user gave no stress in the last update.
+    pub failure: Option<Halt>,
 }
 
 /// Why the elements give no forces: the group and element to blame, and its volume.
@@ -86,11 +91,11 @@ pub struct Collapsed {
 impl Elements {
     /// Groups with their rows of the ledger, on nodes at the start.
     pub fn new(groups: Vec<Box<dyn ElementGroup>>, ids: Vec<EffectId>, gather: Gather, nodes: usize) -> Self {
-        let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
+        let blocks: usize = groups.iter().map(|g| g.force_blocks()).sum();
         let mut elements = Elements {
             awake: ActiveNodes::new(nodes, &groups),
             // One block more, which stays zero.
-            corners: CornerForces::new(blocks + 1, groups.iter().all(|g| g.is_single())),
+            corners: CornerForces::new(blocks + 1, groups.iter().all(|g| g.properties().single)),
             groups,
             ids,
             gather,
@@ -103,8 +108,8 @@ impl Elements {
 
     /// Room for all that may be deleted: nothing allocates inside an increment.
     pub(super) fn make_room_for_deletions(&mut self) {
-        let fragile: usize = self.groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
-        self.gone.0.reserve_exact(fragile.saturating_sub(self.gone.0.len()));
+        let fragile: usize = self.groups.iter().filter(|g| g.properties().deletable).map(|g| g.len()).sum();
+        self.deleted.0.reserve_exact(fragile.saturating_sub(self.deleted.0.len()));
         if let Some(removed) = &mut self.removed {
             removed.make_room();
         }
@@ -130,8 +135,8 @@ impl Elements {
                 asked.ask(&mut *self.groups[asked.group], nodes.as_slice(), now, routine)?;
             }
         }
-        let mut groups = self.groups.iter_mut();
-        groups.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
+        let mut calling = self.groups.iter_mut().filter_map(|group| group.extensions().user());
+        calling.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }
 
     /// A step begins; `moved_otherwise` says whether constraints move nodes behind the passes over them.
@@ -139,7 +144,7 @@ impl Elements {
         if moved_otherwise {
             self.awake.wake();
         }
-        self.gone.1 = 0;
+        self.deleted.1 = 0;
         // A copy of a state has no room to spare.
         self.make_room_for_deletions();
     }
@@ -187,7 +192,7 @@ impl Elements {
         let mut seconds = timed;
         for (i, group) in self.groups.iter_mut().enumerate() {
             let clock = seconds.as_ref().map(|_| std::time::Instant::now());
-            let blocks = group.len().div_ceil(LANES);
+            let blocks = group.force_blocks();
             let corners = self.corners.slots(first..first + blocks);
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
@@ -197,7 +202,10 @@ impl Elements {
             let totals =
                 group.update(Pass { nodes, dt: dofs.nodes.behind, before, now, threads, user, corners, lacking });
             first += blocks;
-            group.deleted(&mut self.gone.0);
+            group.extensions().deletion().newly_deleted(&mut self.deleted.0);
+            if totals.rate.is_nan() {
+                self.failure = group.extensions().user().and_then(|user| user.failure());
+            }
             self.deformed = self.deformed.max(totals.deformed);
             add(&totals, &mut dofs.energies);
             if is_larger(totals.rate, self.limit.0.rate) {
@@ -216,13 +224,13 @@ impl Elements {
 
     /// How many elements have been deleted.
     pub fn deleted(&self) -> usize {
-        self.gone.0.len()
+        self.deleted.0.len()
     }
 
-    /// Corner nodes of elements that have been deleted since the loads of the step were told last.
-    pub fn newly_gone(&mut self) -> &[[u32; 4]] {
-        let told = std::mem::replace(&mut self.gone.1, self.gone.0.len());
-        &self.gone.0[told..]
+    /// Boundaries of elements that have been deleted since the loads of the step were told last.
+    pub fn newly_deleted(&mut self) -> &[ElementNodes] {
+        let told = std::mem::replace(&mut self.deleted.1, self.deleted.0.len());
+        &self.deleted.0[told..]
     }
 
     /// Adds the forces of links between nodes, then decides which nodes have work in this increment.
@@ -279,18 +287,26 @@ impl Elements {
         self.rings.as_ref().map(|rings| &*rings.factors)
     }
 
-    /// Force of one element on one of its corners.
-    pub fn corner_force(&self, group: usize, element: usize, corner: usize) -> [f64; 2] {
-        let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
-        let force = self.corners.of(before * LANES + element, corner);
-        let node = self.groups[group].corners(element)[corner] as usize;
-        self.rings.as_ref().map_or(force, |rings| force.map(|f| rings.factors[node] * f))
+    /// Blocks of corner forces of an element.
+    fn blocks_of(&self, group: usize, element: usize) -> Range<usize> {
+        let before: usize = self.groups[..group].iter().map(|g| g.force_blocks()).sum();
+        let per = self.groups[group].topology().force_blocks();
+        let first = before + per * (element / LANES);
+        first..first + per
     }
 
-    /// An element no longer pulls at its corners.
+    /// Force of one element on one of its nodes, counted in the order of its topology.
+    pub fn corner_force(&self, group: usize, element: usize, corner: usize) -> [f64; 2] {
+        let block = self.blocks_of(group, element).start + corner / 4;
+        let force = self.corners.of(block, element % LANES, corner % 4);
+        let Some(rings) = &self.rings else { return force };
+        let node = self.groups[group].nodes(element)[corner] as usize;
+        force.map(|f| rings.factors[node] * f)
+    }
+
+    /// Sets the forces of an element to zero.
     pub(super) fn clear_corners(&mut self, group: usize, element: usize) {
-        let before: usize = self.groups[..group].iter().map(|g| g.len().div_ceil(LANES)).sum();
-        self.corners.clear(before * LANES + element);
+        self.blocks_of(group, element).for_each(|block| self.corners.clear(block, element % LANES));
     }
 
     /// Sum of the corner forces of one node.
@@ -335,8 +351,8 @@ impl Elements {
 
     /// Bytes that belong to no single group: corner forces, and the way from corners to nodes.
     pub fn bytes_of_gather(&self) -> usize {
-        let gone = size_of::<[u32; 4]>() * self.gone.0.capacity();
-        self.corners.bytes() + self.gather.bytes() + self.awake.bytes() + gone
+        let deleted = size_of::<ElementNodes>() * self.deleted.0.capacity();
+        self.corners.bytes() + self.gather.bytes() + self.awake.bytes() + deleted
     }
 }
 
@@ -373,11 +389,12 @@ impl Persist for Elements {
             gather: _,
             awake,
             pending,
-            gone,
+            deleted,
+            failure: _,
         } = self;
         archive.mark("elements");
-        persist_fields!(archive; limit, awake, pending, gone, frequency_asked);
-        if gone.1 > gone.0.len() {
+        persist_fields!(archive; limit, awake, pending, deleted, frequency_asked);
+        if deleted.1 > deleted.0.len() {
             archive.refuse(|| "more deleted elements have been told than there are".into());
         }
         if let Some(connectors) = connectors {

@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+use super::block::larger;
 use super::elements::Elements;
 use super::group::{ElementGroup, PARALLEL, TASK};
 use crate::kernel::corners::{largest_shell_strain, largest_strain, scaled_jacobian};
@@ -31,20 +32,25 @@ pub struct Criteria {
 impl Criteria {
     /// Whether an element of a group has come to one of them. Not a number is no reason to delete: it must be found.
     pub fn are_met(&self, group: &dyn ElementGroup, element: usize, nodes: &Nodes) -> bool {
-        let corners = group.corners(element).map(|n| n as usize);
-        let places = || corners.map(|n| nodes[n].place());
-        let start = || corners.map(|n| nodes.start[n]);
-        let is_solid = group.is_solid();
-        let strain = || match (is_solid, places(), start()) {
-            (true, now, then) => largest_strain(now, then),
-            (false, [a, b, ..], [c, d, ..]) => largest_shell_strain([a, b], [c, d]),
+        let place = |n: u32| nodes[n as usize].place();
+        let start = |n: u32| nodes.start[n as usize];
+        let strain = || {
+            if group.is_solid() {
+                let strains = group.cells(element).map(|cell| largest_strain(cell.map(place), cell.map(start)));
+                return strains.fold(f64::NEG_INFINITY, larger);
+            }
+            let boundary = group.boundary(element);
+            let ends = [boundary[0], boundary[1]];
+            largest_shell_strain(ends.map(place), ends.map(start))
         };
         let plastic = || group.value(element, Variable::PlasticStrain.into());
-        // Shells have no corners that could fold.
-        self.distortion.is_some_and(|least| is_solid && scaled_jacobian(places()) <= least)
+        let rate = || group.stable_rate(element, None, nodes.as_slice()).unwrap_or(0.0);
+        // Shells have no cells that could fold.
+        let folds = |least| group.cells(element).any(|cell| scaled_jacobian(cell.map(place)) <= least);
+        self.distortion.is_some_and(folds)
             || self.plastic.is_some_and(|most| plastic().is_some_and(|p| p >= most))
             || self.strain.is_some_and(|most| strain() >= most)
-            || self.increment.is_some_and(|least| group.bound(element, nodes.as_slice()) * least >= 1.0)
+            || self.increment.is_some_and(|least| rate() * least >= 1.0)
     }
 }
 
@@ -112,7 +118,7 @@ impl Elements {
     /// Puts elements under criteria, of nodes at the start.
     pub fn watch(&mut self, erosion: Erosion, nodes: &Nodes) {
         for group in erosion.groups() {
-            self.groups[group].make_erodible();
+            self.groups[group].extensions().deletion().make_erodible();
         }
         self.erosion = Some(Box::new(erosion));
         self.make_room_for_deletions();
@@ -141,23 +147,21 @@ impl Elements {
     /// Deletes an element: its forces have acted over the first half of the increment behind and not over the second, which is the
     /// work that it still takes up. What it had stored counts as dissipated.
     fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
-        let corners = self.groups[group].corners(element);
+        let own = self.groups[group].nodes(element);
         let nodes = &dofs.nodes;
         let mut work = 0.0;
-        for (corner, &n) in corners.iter().enumerate() {
+        for (corner, &n) in own.iter().enumerate() {
             let ([f_r, f_z], node) = (self.corner_force(group, element, corner), nodes[n as usize]);
             work -= 0.5 * nodes.behind * (f_r * node.v_r + f_z * node.v_z);
         }
-        let start = corners.map(|n| nodes.start[n as usize]);
         let stored = self.groups[group].value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0);
         dofs.energies.internal += work;
         dofs.energies.plastic += work + stored;
         self.clear_corners(group, element);
-        let solid = self.groups[group].is_solid();
-        self.groups[group].erode(element, if solid { quad::volume(start) } else { 0.0 });
-        // Shells are met from both sides.
-        let [a, b, ..] = corners;
-        self.gone.0.push(if solid { corners } else { [a, b, a, b] });
+        let group = &mut self.groups[group];
+        let volume = group.cells(element).map(|cell| quad::volume(cell.map(|n| dofs.nodes.start[n as usize]))).sum();
+        self.deleted.0.push(group.boundary(element));
+        group.extensions().deletion().erode(element, volume);
         if let Some(removed) = &mut self.removed {
             removed.add(work);
         }

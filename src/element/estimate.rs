@@ -19,7 +19,7 @@ impl Elements {
             }
             self.frequency = Some(frequency);
         }
-        self.groups.iter_mut().for_each(|g| g.cap(cap));
+        self.groups.iter_mut().for_each(|g| g.extensions().settings().limit_frequency(cap));
     }
 
     /// After a pass over the elements: the bound for the next.
@@ -50,7 +50,7 @@ impl Elements {
             frequency.renew(&self.groups, nodes);
         }
         let cap = frequency.standing.cap(deformed);
-        self.groups.iter_mut().for_each(|g| g.cap(cap));
+        self.groups.iter_mut().for_each(|g| g.extensions().settings().limit_frequency(cap));
         self.frequency = Some(frequency);
     }
 

@@ -10,7 +10,8 @@
 use nalgebra::SMatrix;
 use sprs::CsMatI;
 
-use super::group::ElementGroup;
+use super::group::{ElementGroup, Stiffness};
+use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Nodes;
@@ -90,7 +91,7 @@ impl HighestFrequency {
     pub(super) fn begin(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, held: &Held<'_>) {
         // Without damping the highest modes grow where the increment follows the motion, the sooner the nearer it is to what
         // they allow.
-        let holds = groups.iter().any(|g| !g.is_empty() && !g.damps());
+        let holds = groups.iter().any(|g| !g.is_empty() && !g.properties().damped);
         self.standing = Standing { count: self.standing.count, holds, ..Standing::default() };
         for (roots, mass) in self.roots.iter_mut().zip(&nodes.mass) {
             *roots = [1.0 / mass.sqrt(); 2];
@@ -113,17 +114,17 @@ impl HighestFrequency {
         for group in groups {
             for e in 0..group.len() {
                 let Some(matrix) = group.stiffness(e, nodes.as_slice()) else { continue };
-                self.add(&group.corners(e), &matrix);
+                self.add(&group.nodes(e), &matrix);
             }
         }
     }
 
-    fn add(&mut self, corners: &[u32; 4], matrix: &[[f64; 8]; 8]) {
-        let roots = corners.map(|n| self.roots[n as usize]);
-        for (a, &row) in corners.iter().enumerate() {
+    fn add(&mut self, nodes: &ElementNodes, Stiffness(matrix): &Stiffness) {
+        let roots = nodes.map(|n| self.roots[n as usize]);
+        for (a, &row) in nodes.iter().enumerate() {
             let starts = self.operator.indptr();
             let [begin, end] = [row, row + 1].map(|r| starts.raw_storage()[r as usize] as usize);
-            for (b, column) in corners.iter().enumerate() {
+            for (b, column) in nodes.iter().enumerate() {
                 let at = begin + self.operator.indices()[begin..end].partition_point(|c| c < column);
                 for (i, entry) in self.operator.data_mut()[at].iter_mut().enumerate() {
                     let (along, across) = (i / 2, i % 2);
@@ -234,7 +235,7 @@ fn dot(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 /// Zeros where two nodes share an element.
 fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> Operator {
     // Elements at each node, one behind the other: places in a list, and where each node's begin.
-    let corners = || groups.iter().flat_map(|group| (0..group.len()).map(|e| group.corners(e)));
+    let corners = || groups.iter().flat_map(|group| (0..group.len()).map(|e| group.nodes(e)));
     let mut ends = vec![0_u32; count + 1];
     corners().flatten().for_each(|n| ends[n as usize + 1] += 1);
     (0..count).for_each(|n| ends[n + 1] += ends[n]);
@@ -242,7 +243,7 @@ fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> Operator {
     let mut next = ends.clone();
     for (g, group) in groups.iter().enumerate() {
         for e in 0..group.len() {
-            for n in group.corners(e) {
+            for n in group.nodes(e) {
                 at_node[next[n as usize] as usize] = [g as u32, e as u32];
                 next[n as usize] += 1;
             }
@@ -253,7 +254,7 @@ fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> Operator {
     for n in 0..count {
         list.clear();
         for [g, e] in &at_node[ends[n] as usize..ends[n + 1] as usize] {
-            list.extend(groups[*g as usize].corners(*e as usize));
+            list.extend(groups[*g as usize].nodes(*e as usize));
         }
         list.sort_unstable();
         list.dedup();
@@ -305,7 +306,7 @@ fn masses_of_elements(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Vec<f64
     let mut masses = vec![0.0; nodes];
     for group in groups {
         for e in 0..group.len() {
-            for (n, mass) in group.corners(e).into_iter().zip(group.corner_masses(e)) {
+            for (n, mass) in group.nodes(e).into_iter().zip(group.masses(e)) {
                 masses[n as usize] += mass;
             }
         }
@@ -318,7 +319,7 @@ fn rate_by_elements(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> f64 {
     let alive = |group: &dyn ElementGroup, e: &usize| !group.is_deleted(*e);
     let of_group = |group: &dyn ElementGroup| {
         let elements = (0..group.len()).filter(|e| alive(group, e));
-        let rate = |e| group.own_rate(e, &group.corner_masses(e), nodes.as_slice()).unwrap_or(0.0);
+        let rate = |e| group.stable_rate(e, None, nodes.as_slice()).unwrap_or(0.0);
         elements.map(rate).fold(0.0, f64::max)
     };
     groups.iter().map(|group| of_group(&**group)).fold(0.0, f64::max)
@@ -403,7 +404,7 @@ mod tests {
             }
         }
         let quads = Quads::new((Elastic, Linear, NoDamage), CONSTANTS, 1.0, &elements, &nodes);
-        let gather = Gather::new(count, &[&elements]);
+        let gather = Gather::new(count, &[(1, elements.iter().map(|e| (*e).into()).collect())]);
         (Elements::new(vec![Box::new(quads)], vec![0], gather, count), Nodes::new(nodes, mass))
     }
 

@@ -17,6 +17,8 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::{Lanes, wide};
 use crate::kernel::quad;
 use crate::kernel::real::Real;
+use crate::kernel::shell::Frame;
+use crate::kernel::topology::{ElementNodes, MOST_NODES, PerNode, Topology};
 use crate::material::failure::{Failure, Initiation};
 use crate::material::plasticity::Hardening;
 use crate::material::volumetric::Volumetric;
@@ -51,126 +53,211 @@ pub struct Totals {
     pub deformed: f64,
 }
 
-/// Elements of one kind and one material.
+/// What does not differ between the elements of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GroupProperties {
+    /// Shape of the elements.
+    pub topology: Topology,
+    /// Whether the numbers are in single precision.
+    pub single: bool,
+    /// Whether elements can be deleted at all.
+    pub deletable: bool,
+    /// Whether bulk viscosity damps the highest modes.
+    pub damped: bool,
+    /// Whether the pressure follows from density, energy or the whole deformation, so that no initial stress can be given.
+    pub holds_pressure: bool,
+    /// Number of field variables that elements hold.
+    pub fields: usize,
+}
+
+/// Elements of one topology and one material.
+#[allow(clippy::len_without_is_empty)] // It is a method of `dyn ElementGroup`.
 pub trait ElementGroup: Persist + Send + Sync {
     /// Number of elements.
     fn len(&self) -> usize;
-    /// Whether there is none.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-    /// Why no stress could be given, where the user's routine failed.
-    fn failure(&self) -> Option<Halt> {
-        None
-    }
-    /// Asks the user's routine what must be known when the analysis begins, before masses are scaled and a highest frequency
-    /// is estimated: the moduli of a user's material.
-    ///
-    /// # Errors
-    /// The routine's, and an answer that is not elastic.
-    fn probe(&mut self, _nodes: &[Node], _now: &Instant, _user: AtPoints<'_>) -> Result<(), Halt> {
-        Ok(())
-    }
-    /// Stresses at the end of an increment, and forces on the corners.
+    /// What all elements have in common.
+    fn properties(&self) -> GroupProperties;
+    /// Nodes of an element in the order of the topology; of shells their rotations, too.
+    fn nodes(&self, element: usize) -> ElementNodes;
+    /// Lumped masses that an element gives to its nodes; rotary inertias to rotations.
+    fn masses(&self, element: usize) -> PerNode<f64>;
+    /// Updates stresses to the end of an increment, and the forces on the nodes.
     fn update(&mut self, pass: Pass<'_>) -> Totals;
-    /// What an element holds of a variable; `None` where it does not have it, or where it follows by a formula.
+    /// Value of a variable that an element holds; `None` where it does not have it, or where it follows by a formula.
     fn value(&self, element: usize, part: Part) -> Option<f64>;
-    /// Whether an element is deleted.
-    fn is_deleted(&self, element: usize) -> bool {
-        self.value(element, Variable::Status.into()) == Some(0.0)
-    }
-    /// Sets a state variable of the user's of an element at the start, counted from 0; whether the element keeps it.
-    fn set_state(&mut self, _element: usize, _variable: usize, _value: f64) -> bool {
-        false
-    }
-    /// Sets the equivalent plastic strain of an element at the start; whether its material hardens by it alone.
-    fn harden(&mut self, _element: usize, _strain: f64) -> bool {
-        false
-    }
-    /// Sets a field variable of an element at the start, counted from 0.
-    fn set_field(&mut self, _element: usize, _variable: usize, _value: f64) {}
-    /// Gives an element another characteristic length than the root of its area.
-    fn set_length(&mut self, _element: usize, _length: f64) {}
-    /// Field variables that elements hold.
-    fn fields(&self) -> usize {
-        0
-    }
-    /// Gives elements a field variable, below [`ElementGroup::fields`], as their nodes have it.
-    fn give_field(&mut self, _variable: usize, _values: &[f64]) {}
-    /// Sets stress and temperature of an element at the start.
-    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
-    /// Gives elements the temperatures that nodes have.
-    fn warm(&mut self, _temperatures: &[f64]) {}
-    /// Writes the temperatures that elements hold, plastic work counted; leaves alone what holds none.
-    fn temperatures(&self, _out: &mut [f64]) {}
-    /// Takes increments of the thermal strain off the strains of the next update, which covers the increment `dt` behind nodes.
-    /// Returns the work of the stress that the update will book too little.
-    fn expand(&mut self, _strains: &[f64], _nodes: &[Node], _dt: f64) -> f64 {
-        0.0
-    }
-    /// Follows strains and energies from now on, because an output asks for them.
-    fn follow(&mut self);
-    /// One over the stable increment of an element with these corner masses on the present nodes, by the bound of the inner
-    /// loop with linear bulk viscosity alone; `None` where masses cannot be scaled.
-    fn own_rate(&self, _element: usize, _masses: &[f64; 4], _nodes: &[Node]) -> Option<f64> {
-        None
-    }
-    /// Elastic stiffness of an element on the present nodes, `[r, z]` of each corner in turn; `None` where it is not linear,
-    /// so that no highest frequency can be told from it.
-    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
-        None
-    }
-    /// Whether bulk viscosity damps the highest modes of the elements.
-    fn damps(&self) -> bool {
-        true
-    }
-    /// Says that no mode of the whole scene has a higher frequency, angle over time; infinite if it is not known.
-    fn cap(&mut self, _frequency: f64) {}
-    /// Masses of the corners of an element.
-    fn corner_masses(&self, element: usize) -> [f64; 4];
-    /// Gives the corners of an element other masses.
-    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]);
-    /// One over the stable increment of an element with its masses, without what the whole caps: on the present nodes, or, where
-    /// its modulus is part of its state, of the pass behind.
-    fn bound(&self, element: usize, nodes: &[Node]) -> f64 {
-        self.own_rate(element, &self.corner_masses(element), nodes).unwrap_or(0.0)
-    }
-    /// Whether elements can be deleted at all.
-    fn can_delete(&self) -> bool;
-    /// Lets elements be deleted by [`ElementGroup::erode`].
-    fn make_erodible(&mut self);
-    /// Deletes an element of this volume at the start, where it is solid; [`ElementGroup::deleted`] does not tell of it.
-    fn erode(&mut self, element: usize, volume: f64);
-    /// Adds the corner nodes of elements that the last update deleted.
-    fn deleted(&mut self, gone: &mut Vec<[u32; 4]>);
-    /// Whether the pressure follows from a state, so that no initial stress can be given.
-    fn holds_state(&self) -> bool;
-    /// Sets the energy a mass of an element at the start.
-    fn set_energy(&mut self, element: usize, energy: f64);
+    /// One over the stable increment of an element on the present nodes, by the bound of the inner loop with linear bulk viscosity
+    /// alone and without a bound of the whole scene. With other masses than its own, `None` where masses cannot be scaled.
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64>;
+    /// Elastic stiffness of an element on the present nodes; `None` where it is not linear, so that no highest frequency follows
+    /// from it.
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness>;
     /// Whether a task of elements is passed over because all of it is at rest and free of stress.
     fn is_quiescent(&self, _task: usize) -> bool {
         false
     }
-    /// Corner nodes of an element; of a shell its nodes and their rotations.
-    fn corners(&self, element: usize) -> [u32; 4];
-    /// Volume of an element on the present nodes.
-    fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
-        quad::volume(self.corners(element).map(|n| nodes[n as usize].place()))
-    }
-    /// Whether the corners of an element enclose its volume.
-    fn is_solid(&self) -> bool {
-        true
-    }
-    /// Whether its numbers are in single precision.
-    fn is_single(&self) -> bool {
-        false
-    }
-    /// Uses another instruction set from now on; the bits stay the same. What calls the user's routine has none.
-    fn use_arch(&mut self, _arch: Arch) {}
     /// Bytes that the elements occupy.
     fn bytes(&self) -> usize;
     /// Another group in the same state.
     fn copy(&self) -> Box<dyn ElementGroup>;
+    /// What the group can do beside increments.
+    fn extensions(&mut self) -> &mut dyn Extensions;
+}
+
+impl dyn ElementGroup + '_ {
+    /// Whether there is no element.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Shape of the elements.
+    pub fn topology(&self) -> Topology {
+        self.properties().topology
+    }
+
+    /// Whether the boundary of an element encloses its volume.
+    pub fn is_solid(&self) -> bool {
+        self.topology().is_solid()
+    }
+
+    /// Blocks of corner forces of all elements.
+    pub fn force_blocks(&self) -> usize {
+        self.len().div_ceil(LANES) * self.topology().force_blocks()
+    }
+
+    /// Nodes around an element, without rotations.
+    pub fn boundary(&self, element: usize) -> ElementNodes {
+        self.nodes(element).first(self.topology().boundary())
+    }
+
+    /// Corner nodes of the quadrilaterals that a solid element consists of.
+    pub fn cells(&self, element: usize) -> impl Iterator<Item = [u32; 4]> {
+        let nodes = self.nodes(element);
+        self.topology().cells().iter().map(move |cell| cell.map(|i| nodes[i]))
+    }
+
+    /// Whether an element is deleted.
+    pub fn is_deleted(&self, element: usize) -> bool {
+        self.value(element, Variable::Status.into()) == Some(0.0)
+    }
+
+    /// Volume of an element on the present nodes.
+    pub fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
+        self.volume_at(element, |n| nodes[n as usize].place())
+    }
+
+    /// Volume of an element whose nodes have these places.
+    pub fn volume_at(&self, element: usize, place: impl Fn(u32) -> [f64; 2]) -> f64 {
+        if self.is_solid() {
+            return self.cells(element).map(|cell| quad::volume(cell.map(&place))).sum();
+        }
+        let (nodes, thickness) = (self.nodes(element), self.value(element, Variable::Thickness.into()));
+        Frame::new([0, 1].map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
+    }
+}
+
+/// Elastic stiffness of an element: `[r, z]` of each node in turn.
+#[derive(Clone, Copy, Debug)]
+pub struct Stiffness(pub [[f64; 2 * MOST_NODES]; 2 * MOST_NODES]);
+
+impl<const N: usize> From<[[f64; N]; N]> for Stiffness {
+    fn from(list: [[f64; N]; N]) -> Self {
+        let mut matrix = [[0.0; 2 * MOST_NODES]; 2 * MOST_NODES];
+        matrix.iter_mut().zip(list).for_each(|(row, own)| row[..N].copy_from_slice(&own));
+        Stiffness(matrix)
+    }
+}
+
+/// What a group can do beside increments; `None` where it has nothing of the kind.
+pub trait Extensions {
+    /// Settings of the run.
+    fn settings(&mut self) -> &mut dyn Settings;
+    /// Deletion of elements.
+    fn deletion(&mut self) -> &mut dyn Deletion;
+    /// State at the start.
+    fn initial_state(&mut self) -> &mut dyn InitialState;
+    /// Temperatures that are given from outside.
+    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+        None
+    }
+    /// Field variables.
+    fn fields(&mut self) -> Option<&mut dyn Fields> {
+        None
+    }
+    /// Routines of the user that elements call.
+    fn user(&mut self) -> Option<&mut dyn UserCalls> {
+        None
+    }
+}
+
+/// Settings of a run that a group follows.
+pub trait Settings {
+    /// Gives the nodes of an element other masses.
+    fn set_masses(&mut self, element: usize, masses: &[f64]);
+    /// Follows strains and energies from now on, because an output asks for them.
+    fn follow(&mut self);
+    /// Sets the highest frequency of the whole scene, angle over time; infinite if it is not known.
+    fn limit_frequency(&mut self, _frequency: f64) {}
+    /// Uses another instruction set from now on; the bits stay the same.
+    fn use_instructions(&mut self, _arch: Arch) {}
+}
+
+/// Elements that are deleted.
+pub trait Deletion {
+    /// Allows [`Deletion::erode`].
+    fn make_erodible(&mut self);
+    /// Deletes an element of this volume at the start, where it is solid; [`Deletion::newly_deleted`] does not list it.
+    fn erode(&mut self, element: usize, volume: f64);
+    /// Adds the boundaries of elements that the last update deleted.
+    fn newly_deleted(&mut self, _deleted: &mut Vec<ElementNodes>) {}
+}
+
+/// State of elements at the start. What an element does not hold is left alone.
+pub trait InitialState {
+    /// Sets stress and temperature.
+    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>);
+    /// Sets a state variable of the user, counted from 0; whether the element keeps it.
+    fn set_state(&mut self, _element: usize, _variable: usize, _value: f64) -> bool {
+        false
+    }
+    /// Sets the equivalent plastic strain; whether the material hardens by it alone.
+    fn set_plastic_strain(&mut self, _element: usize, _strain: f64) -> bool {
+        false
+    }
+    /// Sets the energy a mass.
+    fn set_energy(&mut self, _element: usize, _energy: f64) {}
+    /// Sets another characteristic length than the root of the area.
+    fn set_length(&mut self, _element: usize, _length: f64) {}
+}
+
+/// Temperatures of elements.
+pub trait Temperatures {
+    /// Sets the temperatures of all elements.
+    fn set_temperatures(&mut self, temperatures: &[f64]);
+    /// Writes the temperatures that elements hold, plastic work counted; leaves alone what holds none.
+    fn temperatures(&self, out: &mut [f64]);
+    /// Subtracts increments of the thermal strain from the strains of the next update, which covers the increment `dt` that ends
+    /// at these nodes. Returns the work of the stress that the update will book too little.
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64;
+}
+
+/// Field variables of elements, counted from 0 and below [`GroupProperties::fields`].
+pub trait Fields {
+    /// Sets a variable of an element at the start.
+    fn set_field(&mut self, element: usize, variable: usize, value: f64);
+    /// Sets a variable of all elements.
+    fn set_fields(&mut self, variable: usize, values: &[f64]);
+}
+
+/// Routines of the user that a group calls.
+pub trait UserCalls {
+    /// Asks for what must be known when the analysis begins, before masses are scaled and a highest frequency is estimated: the
+    /// moduli of a user's material.
+    ///
+    /// # Errors
+    /// The routine's, and an answer that is not elastic.
+    fn probe(&mut self, nodes: &[Node], now: &Instant, user: AtPoints<'_>) -> Result<(), Halt>;
+    /// Why the last update gave no stress.
+    fn failure(&self) -> Option<Halt>;
 }
 
 /// What a pass over the elements of a group is given.
@@ -312,6 +399,25 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quad
         Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
     }
 
+    /// Whether the pressure, and with it the mass, is part of the state.
+    const HOLDS_PRESSURE: bool = V::EOS && !V::FLOWS;
+
+    /// Corner nodes of an element.
+    fn corners(&self, element: usize) -> [u32; 4] {
+        [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
+    }
+
+    /// Masses of the corners of an element.
+    fn corner_masses(&self, element: usize) -> [f64; 4] {
+        self.blocks[element / LANES].corner_masses(element % LANES).map(|mass| self.unit() * mass)
+    }
+
+    /// Whether an element is deleted.
+    fn is_deleted(&self, element: usize) -> bool {
+        let alive = self.laws.2.alive(&self.blocks[element / LANES].failure, element % LANES).unwrap_or(true);
+        !alive || self.is_eroded(element)
+    }
+
     /// Unit of energies and masses of the blocks.
     fn unit(&self) -> f64 {
         self.length * self.length * self.length
@@ -386,38 +492,23 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
         self.count
     }
 
-    fn use_arch(&mut self, arch: Arch) {
-        self.arch = arch;
-    }
-
-    fn bound(&self, element: usize, nodes: &[Node]) -> f64 {
-        let (block, lane) = (element / LANES, element % LANES);
-        if V::EOS && !V::FLOWS {
-            return self.tasks[block / TASK].own_rates.get(block % TASK).map_or(0.0, |rates| 0.5 * rates[lane].wide());
-        }
-        let corners = self.corners(element).map(|n| nodes[n as usize].place());
-        self.constants.own_rate(corners, &self.corner_masses(element))
-    }
-
-    fn make_erodible(&mut self) {
-        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            scratch.make_erodible(blocks.len(), V::EOS && !V::FLOWS);
+    fn properties(&self) -> GroupProperties {
+        GroupProperties {
+            topology: Topology::Quadrilateral,
+            single: T::SINGLE,
+            deletable: self.laws.2.deletes() || self.tasks.iter().any(|scratch| !scratch.eroded.is_empty()),
+            damped: self.constants.damps(),
+            holds_pressure: Self::HOLDS_PRESSURE,
+            fields: 0,
         }
     }
 
-    fn erode(&mut self, element: usize, volume: f64) {
-        let (block, lane) = (element / LANES, element % LANES);
-        self.quiescence[block / TASK].quiescent = false;
-        // Lanes behind the last element repeat it.
-        let behind = if element + 1 == self.count { LANES } else { lane + 1 };
-        (lane..behind).for_each(|l| self.tasks[block / TASK].eroded[block % TASK].take(l, volume));
-        if let Some(told) = self.told.get_mut(element) {
-            *told = true;
-        }
+    fn nodes(&self, element: usize) -> ElementNodes {
+        self.corners(element).into()
     }
 
-    fn is_single(&self) -> bool {
-        T::SINGLE
+    fn masses(&self, element: usize) -> PerNode<f64> {
+        self.corner_masses(element).into()
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
@@ -487,20 +578,6 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
         Totals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
     }
 
-    fn set_length(&mut self, element: usize, length: f64) {
-        self.laws.2.set_length(&mut self.blocks[element / LANES].failure, element % LANES, length);
-    }
-
-    fn is_quiescent(&self, task: usize) -> bool {
-        self.quiescence[task].quiescent
-    }
-
-    fn bytes(&self) -> usize {
-        let kept: usize = self.tasks.iter().map(Workspace::bytes).sum();
-        let quiescence: usize = self.quiescence.iter().map(Quiescence::bytes).sum();
-        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + kept + quiescence + self.told.capacity()
-    }
-
     fn value(&self, element: usize, part: Part) -> Option<f64> {
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         match part.variable {
@@ -518,20 +595,126 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
             }
             Variable::SpecificEnergy => self.laws.1.energy(&block.volumetric, lane),
             Variable::Mass => Some(self.unit() * block.mass[lane].wide()),
-            Variable::Status => {
-                let alive = self.laws.2.alive(&block.failure, lane).unwrap_or(true) && !self.is_eroded(element);
-                Some(f64::from(u8::from(alive)))
-            }
+            Variable::Status => Some(f64::from(u8::from(!self.is_deleted(element)))),
             Variable::PlasticComponents if !H::PLASTIC && !V::FLOWS => None,
             _ => self.followed(element)?.value(part),
         }
     }
 
-    fn harden(&mut self, element: usize, strain: f64) -> bool {
-        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
-        self.laws.0.harden(&mut block.state, lane, strain)
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
+        let (block, lane) = (element / LANES, element % LANES);
+        let masses = match masses {
+            // Where the pressure follows from density or energy a mass, the mass is part of the state.
+            Some(_) if Self::HOLDS_PRESSURE || AREA => return None,
+            None if Self::HOLDS_PRESSURE => {
+                let rates = self.tasks[block / TASK].own_rates.get(block % TASK);
+                return Some(rates.map_or(0.0, |rates| 0.5 * rates[lane].wide()));
+            }
+            Some(masses) => *masses.first_chunk()?,
+            None => self.corner_masses(element),
+        };
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        Some(self.constants.own_rate(corners, &masses))
     }
 
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness> {
+        if Self::HOLDS_PRESSURE || AREA {
+            return None;
+        }
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        Some(self.constants.stiffness(corners, self.is_deleted(element)).into())
+    }
+
+    fn is_quiescent(&self, task: usize) -> bool {
+        self.quiescence[task].quiescent
+    }
+
+    fn bytes(&self) -> usize {
+        let kept: usize = self.tasks.iter().map(Workspace::bytes).sum();
+        let quiescence: usize = self.quiescence.iter().map(Quiescence::bytes).sum();
+        size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + kept + quiescence + self.told.capacity()
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
+    fn extensions(&mut self) -> &mut dyn Extensions {
+        self
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Extensions for Quads<H, V, F, AREA, T> {
+    fn settings(&mut self) -> &mut dyn Settings {
+        self
+    }
+
+    fn deletion(&mut self) -> &mut dyn Deletion {
+        self
+    }
+
+    fn initial_state(&mut self) -> &mut dyn InitialState {
+        self
+    }
+
+    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+        Some(self)
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Settings for Quads<H, V, F, AREA, T> {
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        let Some(masses) = masses.first_chunk::<4>() else { return };
+        // The increment that a quiescent task allows is no longer what it was.
+        self.quiescence[element / (TASK * LANES)].quiescent = false;
+        let masses = masses.map(|mass| mass / self.unit());
+        self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
+    }
+
+    fn follow(&mut self) {
+        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            scratch.records = vec![Record::default(); blocks.len()];
+        }
+    }
+
+    fn limit_frequency(&mut self, frequency: f64) {
+        self.cap = self.constants.cap(frequency);
+    }
+
+    fn use_instructions(&mut self, arch: Arch) {
+        self.arch = arch;
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Deletion for Quads<H, V, F, AREA, T> {
+    fn make_erodible(&mut self) {
+        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            scratch.make_erodible(blocks.len(), Self::HOLDS_PRESSURE);
+        }
+    }
+
+    fn erode(&mut self, element: usize, volume: f64) {
+        let (block, lane) = (element / LANES, element % LANES);
+        self.quiescence[block / TASK].quiescent = false;
+        // Lanes behind the last element repeat it.
+        let behind = if element + 1 == self.count { LANES } else { lane + 1 };
+        (lane..behind).for_each(|l| self.tasks[block / TASK].eroded[block % TASK].take(l, volume));
+        if let Some(told) = self.told.get_mut(element) {
+            *told = true;
+        }
+    }
+
+    fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
+        if !F::FAILS || self.tasks.iter().all(|scratch| scratch.deaths == 0) {
+            return;
+        }
+        let mut told = std::mem::take(&mut self.told);
+        tell_deleted(self, &mut told, deleted);
+        self.told = told;
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> InitialState for Quads<H, V, F, AREA, T> {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
         for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
@@ -543,7 +726,22 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
         }
     }
 
-    fn warm(&mut self, temperatures: &[f64]) {
+    fn set_plastic_strain(&mut self, element: usize, strain: f64) -> bool {
+        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
+        self.laws.0.harden(&mut block.state, lane, strain)
+    }
+
+    fn set_energy(&mut self, element: usize, energy: f64) {
+        self.laws.1.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
+    }
+
+    fn set_length(&mut self, element: usize, length: f64) {
+        self.laws.2.set_length(&mut self.blocks[element / LANES].failure, element % LANES, length);
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Temperatures for Quads<H, V, F, AREA, T> {
+    fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (e, temperature) in temperatures.iter().enumerate() {
             self.laws.0.heat(&mut self.blocks[e / LANES].state, e % LANES, *temperature);
         }
@@ -573,77 +771,6 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
             work += 0.5 * pressure * quad::volume_change::<AREA>(corners.map(|n| n.as_array()), dt);
         }
         work
-    }
-
-    fn follow(&mut self) {
-        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            scratch.records = vec![Record::default(); blocks.len()];
-        }
-    }
-
-    fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
-        // Where the pressure follows from density or energy a mass, the mass is part of the state.
-        if V::EOS && !V::FLOWS || AREA {
-            return None;
-        }
-        let corners = self.corners(element).map(|n| nodes[n as usize].place());
-        Some(self.constants.own_rate(corners, masses))
-    }
-
-    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
-        if V::EOS && !V::FLOWS || AREA {
-            return None;
-        }
-        let corners = self.corners(element).map(|n| nodes[n as usize].place());
-        Some(self.constants.stiffness(corners, self.is_deleted(element)))
-    }
-
-    fn damps(&self) -> bool {
-        self.constants.damps()
-    }
-
-    fn cap(&mut self, frequency: f64) {
-        self.cap = self.constants.cap(frequency);
-    }
-
-    fn corner_masses(&self, element: usize) -> [f64; 4] {
-        self.blocks[element / LANES].corner_masses(element % LANES).map(|mass| self.unit() * mass)
-    }
-
-    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
-        // The increment that a quiescent task allows is no longer what it was.
-        self.quiescence[element / (TASK * LANES)].quiescent = false;
-        let masses = masses.map(|mass| mass / self.unit());
-        self.blocks[element / LANES].set_corner_masses(element % LANES, masses);
-    }
-
-    fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
-        if !F::FAILS || self.tasks.iter().all(|scratch| scratch.deaths == 0) {
-            return;
-        }
-        let mut told = std::mem::take(&mut self.told);
-        tell_deleted(self, &mut told, gone);
-        self.told = told;
-    }
-
-    fn can_delete(&self) -> bool {
-        self.laws.2.deletes() || self.tasks.iter().any(|scratch| !scratch.eroded.is_empty())
-    }
-
-    fn copy(&self) -> Box<dyn ElementGroup> {
-        Box::new(self.clone())
-    }
-
-    fn holds_state(&self) -> bool {
-        V::EOS && !V::FLOWS
-    }
-
-    fn set_energy(&mut self, element: usize, energy: f64) {
-        self.laws.1.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
-    }
-
-    fn corners(&self, element: usize) -> [u32; 4] {
-        [0, 1, 2, 3].map(|c| self.blocks[element / LANES].nodes[c][element % LANES])
     }
 }
 
@@ -709,12 +836,12 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Null
     }
 }
 
-/// Adds the corner nodes of elements whose deletion has not been told, and counts it as told.
-pub(super) fn tell_deleted(group: &impl ElementGroup, told: &mut [bool], gone: &mut Vec<[u32; 4]>) {
+/// Adds the boundaries of elements whose deletion has not been listed, and counts it as listed.
+pub(super) fn tell_deleted(group: &dyn ElementGroup, told: &mut [bool], deleted: &mut Vec<ElementNodes>) {
     for (element, told) in told.iter_mut().enumerate() {
         if !*told && group.is_deleted(element) {
             *told = true;
-            gone.push(group.corners(element));
+            deleted.push(group.boundary(element));
         }
     }
 }

@@ -54,6 +54,6 @@ impl Instructions {
 impl Elements {
     /// Uses an instruction set from now on.
     pub fn use_arch(&mut self, arch: Arch) {
-        self.groups.iter_mut().for_each(|group| group.use_arch(arch));
+        self.groups.iter_mut().for_each(|group| group.extensions().settings().use_instructions(arch));
     }
 }

@@ -42,13 +42,14 @@ impl AskedLengths {
     ) -> Result<(), Halt> {
         for (chunk, names) in self.elements.chunks(MAX_MATERIAL_BLOCK).enumerate() {
             let first = chunk * MAX_MATERIAL_BLOCK;
-            let corners: Vec<[u32; 4]> = (first..first + names.len()).map(|e| group.corners(e)).collect();
+            let corners: Vec<[u32; 4]> = (first..first + names.len()).flat_map(|e| group.cells(e).take(1)).collect();
             let lengths = self.block(&corners, names, nodes, now, routine).map_err(|failure| {
                 let place =
                     failure.point.and_then(|i| names.get(i)).map_or(String::new(), |n| format!(" at element {n}"));
                 failure.halt(&format!("the characteristic length of the material `{}`{place}", self.name), now)
             })?;
-            lengths.into_iter().enumerate().for_each(|(i, length)| group.set_length(first + i, length));
+            let state = group.extensions().initial_state();
+            lengths.into_iter().enumerate().for_each(|(i, length)| state.set_length(first + i, length));
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 //! found anew, and what follows it: masses of nodes, of elements, forces by mass, the work that added mass costs.
 //! Never here: the inner loop, deck words.
 
+use crate::kernel::topology::PerNode;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// How a stable increment that is aimed at decides on factors.
@@ -87,8 +88,8 @@ impl Scaling {
 pub struct Masses {
     /// Of nodes.
     pub(super) nodes: Vec<f64>,
-    /// Of the corners of elements, by group.
-    pub(super) corners: Vec<Vec<[f64; 4]>>,
+    /// Of elements at their nodes, by group.
+    pub(super) elements: Vec<Vec<PerNode<f64>>>,
     /// Nodes whose mass stays: those that rigid bodies carry or equations keep; empty without any.
     pub(super) left: Vec<bool>,
     /// Factors of fixed requests, and all together.
@@ -128,23 +129,22 @@ impl Masses {
         self.left.get(node as usize).copied().unwrap_or(false)
     }
 
-    /// Masses of the corners of an element under a factor.
-    pub(super) fn scaled(&self, group: usize, element: usize, corners: [u32; 4], factor: f64) -> [f64; 4] {
-        let plain = self.corners[group][element];
-        if self.left.is_empty() {
-            return plain.map(|m| m * factor);
-        }
-        std::array::from_fn(|i| if self.stays(corners[i]) { plain[i] } else { plain[i] * factor })
+    /// Masses of an element at its nodes under a factor.
+    pub(super) fn scaled(&self, group: usize, element: usize, nodes: &[u32], factor: f64) -> PerNode<f64> {
+        let mut masses = self.elements[group][element];
+        let scaled = masses.iter_mut().zip(nodes).filter(|(_, node)| !self.stays(**node));
+        scaled.for_each(|(mass, _)| *mass *= factor);
+        masses
     }
 
     /// Bytes of the lists.
     pub fn bytes(&self) -> usize {
         let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
-        let corners: usize = self.corners.iter().map(|l| size_of::<[f64; 4]>() * l.capacity()).sum();
+        let elements: usize = self.elements.iter().map(|l| size_of::<PerNode<f64>>() * l.capacity()).sum();
         of(&self.fixed)
             + of(&self.factors)
             + of(&self.carried)
-            + corners
+            + elements
             + self.left.capacity()
             + 8 * (self.nodes.capacity() + self.sums.capacity())
     }
@@ -152,8 +152,8 @@ impl Masses {
 
 impl Persist for Masses {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        // Of nodes and corners, masses without factors and what stays are those of the plan; the scaled ones are computed anew.
-        let Masses { nodes: _, corners: _, left: _, fixed, factors, carried, sums: _ } = self;
+        // Of nodes and elements, masses without factors and what stays are those of the plan; the scaled ones are computed anew.
+        let Masses { nodes: _, elements: _, left: _, fixed, factors, carried, sums: _ } = self;
         for lists in [fixed, factors, carried] {
             lists.iter_mut().for_each(|list| list.as_mut_slice().persist(archive));
         }

@@ -3,6 +3,7 @@
 
 use super::group::ElementGroup;
 use crate::kernel::quad::{Operators, dot3, section, sums};
+use crate::kernel::topology::Topology;
 use crate::state::nodes::Nodes;
 
 /// The element that is folded most.
@@ -22,11 +23,16 @@ pub struct Folded {
 pub fn strongest(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<Folded> {
     let of_group = |(group, elements): (usize, &dyn ElementGroup)| {
         let alive = (0..elements.len()).filter(|&e| !elements.is_deleted(e));
-        let folds = alive.map(|e| (e, fold(elements.corners(e).map(|n| n as usize), nodes)));
+        let folds = alive.filter_map(|e| Some((e, fold(quadrilateral(elements, e)?, nodes))));
         let most = folds.filter(|(_, fold)| fold.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
         most.map(|(element, fold)| Folded { group, element, fold })
     };
     groups.iter().map(|g| &**g).enumerate().filter_map(of_group).max_by(|a, b| a.fold.total_cmp(&b.fold))
+}
+
+/// Corners of an element, where it is a quadrilateral.
+fn quadrilateral(group: &dyn ElementGroup, element: usize) -> Option<[usize; 4]> {
+    (group.topology() == Topology::Quadrilateral).then(|| group.cells(element).next())?.map(|c| c.map(|n| n as usize))
 }
 
 fn fold(corners: [usize; 4], nodes: &Nodes) -> f64 {
@@ -61,9 +67,9 @@ pub struct Trembling {
 /// Kinetic energy in the pattern, each corner with a quarter of its node's mass.
 pub fn trembling(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Trembling {
     let (mut sum, mut largest) = (Trembling::default(), 0.0);
-    for (group, elements) in groups.iter().enumerate().filter(|(_, g)| g.is_solid()) {
+    for (group, elements) in groups.iter().enumerate() {
         for element in (0..elements.len()).filter(|&e| !elements.is_deleted(e)) {
-            let corners = elements.corners(element).map(|n| n as usize);
+            let Some(corners) = quadrilateral(&**elements, element) else { break };
             let [pattern, relative] = rates(corners, nodes);
             // Triangles have none, and no number comes of some.
             if !(pattern >= 0.0 && relative < f64::INFINITY) {

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::group::ElementGroup;
+use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::magnitude::{Clock, Magnitude};
 
@@ -26,8 +27,8 @@ pub struct PredefinedFields {
     /// Of each variable the values of nodes at the start.
     start: Arc<Vec<Vec<f64>>>,
     steps: Arc<Vec<Vec<Prescribed>>>,
-    /// Groups that hold fields, with the corners of their elements.
-    groups: Arc<Vec<(usize, Vec<[u32; 4]>)>>,
+    /// Groups that hold fields, with the boundaries of their elements.
+    groups: Arc<Vec<(usize, Vec<ElementNodes>)>>,
     /// Of one variable: values of nodes, and of the elements of a group.
     nodal: Vec<f64>,
     means: Vec<f64>,
@@ -41,9 +42,9 @@ impl PredefinedFields {
         steps: Vec<Vec<Prescribed>>,
         groups: &[Box<dyn ElementGroup>],
     ) -> Self {
-        let holding = groups.iter().enumerate().filter(|(_, g)| g.fields() > 0);
-        let corners = |g: &dyn ElementGroup| (0..g.len()).map(|e| g.corners(e)).collect::<Vec<_>>();
-        let groups: Vec<_> = holding.map(|(i, g)| (i, corners(&**g))).collect();
+        let holding = groups.iter().enumerate().filter(|(_, g)| g.properties().fields > 0);
+        let boundaries = |g: &dyn ElementGroup| (0..g.len()).map(|e| g.boundary(e)).collect::<Vec<_>>();
+        let groups: Vec<_> = holding.map(|(i, g)| (i, boundaries(&**g))).collect();
         PredefinedFields {
             id,
             nodal: vec![0.0; start.first().map_or(0, Vec::len)],
@@ -63,12 +64,14 @@ impl PredefinedFields {
                 let value = field.magnitude.at(clock);
                 field.nodes.iter().for_each(|&n| self.nodal[n] = value);
             }
-            for (group, corners) in self.groups.iter() {
+            for (group, boundaries) in self.groups.iter() {
                 let group = &mut groups[*group];
-                if variable < group.fields() {
+                if variable < group.properties().fields
+                    && let Some(fields) = group.extensions().fields()
+                {
                     self.means.clear();
-                    self.means.extend(corners.iter().map(|c| mean(*c, &self.nodal)));
-                    group.give_field(variable, &self.means);
+                    self.means.extend(boundaries.iter().map(|nodes| mean(nodes, &self.nodal)));
+                    fields.set_fields(variable, &self.means);
                 }
             }
         }
@@ -84,8 +87,12 @@ impl PredefinedFields {
     }
 }
 
-/// The value in the middle of an element: the mean of its corners, each counted once.
-pub fn mean(corners: [u32; 4], nodal: &[f64]) -> f64 {
-    let [a, b, c, d] = corners.map(|n| nodal[n as usize]);
-    if corners[2] == corners[3] { ((a + b) + c) / 3.0 } else { 0.25 * ((a + b) + (c + d)) }
+/// The value in the middle of an element: the mean of the nodes of its boundary, each counted once.
+pub fn mean(boundary: &[u32], nodal: &[f64]) -> f64 {
+    let at = |i: usize| nodal[boundary[i] as usize];
+    match boundary {
+        [_, _, c, d] if c == d => ((at(0) + at(1)) + at(2)) / 3.0,
+        [_, _, _, _] => 0.25 * ((at(0) + at(1)) + (at(2) + at(3))),
+        _ => (0..boundary.len()).map(at).sum::<f64>() / boundary.len() as f64,
+    }
 }

@@ -51,13 +51,13 @@ pub(super) struct ActiveNodes {
 }
 
 impl ActiveNodes {
-    /// From the corner nodes of each group's elements.
+    /// From the nodes of each group's elements.
     pub fn new(count: usize, groups: &[Box<dyn ElementGroup>]) -> Self {
         let mut touching = vec![Vec::new(); count.div_ceil(FEW)];
         for (g, group) in groups.iter().enumerate() {
             for e in 0..group.len() {
                 let task = (g as u32, (e / (TASK * LANES)) as u32);
-                for node in group.corners(e) {
+                for node in group.nodes(e) {
                     let list = &mut touching[node as usize / FEW];
                     if list.last() != Some(&task) && !list.contains(&task) {
                         list.push(task);

@@ -44,19 +44,13 @@ pub struct Removed {
     seen: usize,
 }
 
-/// Nodes of an element, without rotations.
-fn own_nodes(group: &dyn ElementGroup, element: usize) -> impl Iterator<Item = usize> {
-    let count = if group.is_solid() { 4 } else { 2 };
-    group.corners(element).into_iter().take(count).map(|n| n as usize)
-}
-
 impl Removed {
     fn new(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Removed {
         let mut around = vec![0; nodes];
         for group in groups {
-            (0..group.len()).flat_map(|e| own_nodes(&**group, e)).for_each(|n| around[n] += 1);
+            (0..group.len()).flat_map(|e| group.boundary(e)).for_each(|n| around[n as usize] += 1);
         }
-        let fragile = |group: &dyn ElementGroup| if group.can_delete() { group.len() } else { 0 };
+        let fragile = |group: &dyn ElementGroup| if group.properties().deletable { group.len() } else { 0 };
         let mut removed = Removed {
             counted: groups.iter().map(|g| vec![false; fragile(&**g)]).collect(),
             around,
@@ -93,10 +87,10 @@ impl Removed {
                 let value = |variable: Variable| group.value(element, variable.into()).unwrap_or(0.0);
                 self.mass += value(Variable::Mass);
                 self.internal += value(Variable::ElementStrainEnergy) + value(Variable::ElementPlasticEnergy);
-                for n in own_nodes(&**group, element) {
-                    self.around[n] -= 1;
-                    if self.around[n] == 0 {
-                        self.points.push(n as u32);
+                for n in group.boundary(element) {
+                    self.around[n as usize] -= 1;
+                    if self.around[n as usize] == 0 {
+                        self.points.push(n);
                     }
                 }
             }
@@ -128,13 +122,14 @@ impl Elements {
     /// Keeps books of deletions from now on, of so many nodes; strains and energies of elements are followed for them.
     pub fn count_deletions(&mut self, nodes: usize) {
         self.removed = Some(Box::new(Removed::new(&self.groups, nodes)));
-        self.groups.iter_mut().filter(|g| g.can_delete()).for_each(|g| g.follow());
+        let deletable = self.groups.iter_mut().filter(|g| g.properties().deletable);
+        deletable.for_each(|g| g.extensions().settings().follow());
     }
 
     /// Counts what the pass behind deleted.
     pub(super) fn count_removed(&mut self) {
         if let Some(removed) = &mut self.removed {
-            removed.count(&self.groups, self.gone.0.len());
+            removed.count(&self.groups, self.deleted.0.len());
         }
     }
 }

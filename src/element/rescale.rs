@@ -3,6 +3,7 @@
 
 use super::elements::Elements;
 use super::mass_scaling::{Aim, Masses, Request, Scaling};
+use crate::kernel::topology::PerNode;
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -28,14 +29,14 @@ impl Which {
 impl Elements {
     /// Keeps the masses as they are now, from which all factors count; those of the nodes in `left` stay.
     pub fn remember_masses(&mut self, nodes: &Nodes, left: Vec<bool>) {
-        let corners: Vec<Vec<[f64; 4]>> =
-            self.groups.iter().map(|g| (0..g.len()).map(|e| g.corner_masses(e)).collect()).collect();
-        let ones: Vec<Vec<f64>> = corners.iter().map(|c| vec![1.0; c.len()]).collect();
+        let elements: Vec<Vec<PerNode<f64>>> =
+            self.groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
+        let ones: Vec<Vec<f64>> = elements.iter().map(|c| vec![1.0; c.len()]).collect();
         let nodes = nodes.mass.clone();
         let sums = nodes.clone();
         self.masses = Some(Box::new(Masses {
             nodes,
-            corners,
+            elements,
             left,
             fixed: ones.clone(),
             factors: ones.clone(),
@@ -87,17 +88,17 @@ impl Elements {
     /// Factors of one request, on top of those that are there. The frequency falls with the root of the mass.
     fn find_factors(&self, request: &Request, nodes: &Nodes, masses: &mut Masses, which: Which) {
         let mut factors = std::mem::take(which.of(masses));
-        let of_element = |masses: [f64; 4], (g, e): (usize, usize)| {
+        let of_element = |masses: &[f64], (g, e): (usize, usize)| {
             let group = &self.groups[g];
             // A deleted element has no increment; its mass stays.
-            if group.is_deleted(e) { None } else { group.own_rate(e, &masses, nodes.as_slice()) }
+            if group.is_deleted(e) { None } else { group.stable_rate(e, Some(masses), nodes.as_slice()) }
         };
         let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
-            let (corners, factor) = (self.groups[g].corners(e), factors[g][e]);
-            if corners.into_iter().any(|n| masses.stays(n)) {
-                return of_element(masses.scaled(g, e, corners, factor), (g, e)).unwrap_or(0.0);
+            let (own, factor) = (self.groups[g].nodes(e), factors[g][e]);
+            if own.iter().any(|n| masses.stays(*n)) {
+                return of_element(&masses.scaled(g, e, &own, factor), (g, e)).unwrap_or(0.0);
             }
-            of_element(masses.corners[g][e], (g, e)).map_or(0.0, |rate| rate / factor.sqrt())
+            of_element(&masses.elements[g][e], (g, e)).map_or(0.0, |rate| rate / factor.sqrt())
         };
         for &(g, e) in &request.elements {
             factors[g][e] *= request.factor;
@@ -124,13 +125,13 @@ impl Elements {
         for (g, group) in self.groups.iter_mut().enumerate() {
             for e in 0..masses.factors[g].len() {
                 let factor = masses.factors[g][e];
-                let plain = masses.corners[g][e];
+                let (nodes, plain) = (group.nodes(e), masses.elements[g][e]);
                 // What is not scaled keeps its masses to the last bit.
                 if factor != masses.carried[g][e] {
-                    group.set_corner_masses(e, masses.scaled(g, e, group.corners(e), factor));
+                    group.extensions().settings().set_masses(e, &masses.scaled(g, e, &nodes, factor));
                     masses.carried[g][e] = factor;
                 }
-                for (n, m) in group.corners(e).into_iter().zip(plain) {
+                for (n, m) in nodes.into_iter().zip(plain) {
                     if !masses.stays(n) {
                         masses.sums[n as usize] += (factor - 1.0) * m;
                     }
@@ -160,7 +161,8 @@ impl Elements {
         for (g, factors) in masses.factors.iter().enumerate() {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
-                let own = group.own_rate(e, &masses.scaled(g, e, group.corners(e), factor), nodes.as_slice());
+                let scaled = masses.scaled(g, e, &group.nodes(e), factor);
+                let own = group.stable_rate(e, Some(&scaled), nodes.as_slice());
                 if let Some(rate) = own.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);
                 }

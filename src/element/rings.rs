@@ -35,7 +35,7 @@ impl Rings {
         self.factors.fill(0.0);
         for (group, quarters) in groups.iter().zip(&self.quarters) {
             for (e, quarter) in quarters.iter().enumerate() {
-                let corners = group.corners(e).map(|n| n as usize);
+                let corners = group.boundary(e).map(|n| n as usize);
                 let radius = 0.25 * corners.iter().map(|&n| nodes[n].r).sum::<f64>();
                 corners.iter().for_each(|&n| self.factors[n] += quarter / radius);
             }

@@ -81,10 +81,11 @@ fn constants(enhanced: f64) -> Constants {
 fn moved(mut quads: impl ElementGroup, mut nodes: Vec<Node>, corners: &mut CornerForces) -> Came {
     let (elements, blocks) = (quads.len(), quads.len().div_ceil(LANES));
     for e in 0..elements {
-        quads.set(e, None, Some(25.0 + e as f64));
-        quads.set_energy(e, 1e-3 * (1 + e) as f64);
+        let state = quads.extensions().initial_state();
+        state.set(e, None, Some(25.0 + e as f64));
+        state.set_energy(e, 1e-3 * (1 + e) as f64);
     }
-    quads.follow();
+    quads.extensions().settings().follow();
     let (mut bits, mut plastic) = (Vec::new(), 0.0);
     for _ in 0..20 {
         nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
@@ -102,12 +103,12 @@ fn moved(mut quads: impl ElementGroup, mut nodes: Vec<Node>, corners: &mut Corne
         let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];
         assert!(sums.iter().all(|x| x.is_finite()) && totals.rate > 0.0, "{totals:?}");
         let corners = &*corners;
-        let forces = (0..elements).flat_map(|e| (0..4).flat_map(move |c| corners.of(e, c)));
+        let forces = (0..elements).flat_map(|e| (0..4).flat_map(move |c| corners.of(e / LANES, e % LANES, c)));
         bits.extend(forces.chain(sums).map(f64::to_bits));
     }
     let mut deleted = 0;
     for e in 0..elements {
-        deleted += usize::from(quads.is_deleted(e));
+        deleted += usize::from(quads.value(e, Variable::Status.into()) == Some(0.0));
         let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
         bits.extend(held.map(f64::to_bits));
     }

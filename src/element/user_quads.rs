@@ -5,7 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::group::{ElementGroup, PARALLEL, Pass, Totals, tell_deleted, totals};
+use super::group::{
+    Deletion, ElementGroup, Extensions, Fields, GroupProperties, InitialState, PARALLEL, Pass, Settings, Stiffness,
+    Temperatures, Totals, UserCalls, tell_deleted, totals,
+};
 use crate::element::constants::Constants;
 use crate::element::lengths::user_number;
 use crate::element::record::{Followed, Record};
@@ -13,6 +16,7 @@ use crate::element::user_chunk::{BLOCKS, Chunk, Common, ELEMENTS, Place, Scratch
 use crate::element::user_flow::Returning;
 use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::topology::{ElementNodes, PerNode, Topology};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
@@ -52,7 +56,7 @@ type Failed = (usize, LoadFailure);
 
 impl UserQuads {
     /// Elements by their corner nodes, at their places now, with their names for messages. The moduli of the constants
-    /// come from the routine ([`ElementGroup::probe`]).
+    /// come from the routine ([`UserCalls::probe`]).
     pub fn new(
         description: Description,
         constants: Constants,
@@ -150,6 +154,16 @@ impl UserQuads {
     fn chunk(&self, element: usize) -> (&Chunk, usize) {
         (&self.chunks[element / ELEMENTS], element % ELEMENTS)
     }
+
+    fn corners(&self, element: usize) -> [u32; 4] {
+        let (chunk, i) = self.chunk(element);
+        [0, 1, 2, 3].map(|c| chunk.blocks[i / LANES].nodes[c][i % LANES])
+    }
+
+    fn corner_masses(&self, element: usize) -> [f64; 4] {
+        let (chunk, i) = self.chunk(element);
+        chunk.blocks[i / LANES].corner_masses(i % LANES)
+    }
 }
 
 /// Does a phase of each chunk of a batch, with its scratch memory and its corner forces.
@@ -172,18 +186,23 @@ impl ElementGroup for UserQuads {
         self.count
     }
 
-    fn failure(&self) -> Option<Halt> {
-        self.failure.clone()
+    fn properties(&self) -> GroupProperties {
+        GroupProperties {
+            topology: Topology::Quadrilateral,
+            single: false,
+            deletable: self.description.delete.is_some() || self.erodible,
+            damped: self.constants.damps(),
+            holds_pressure: false,
+            fields: self.description.fields,
+        }
     }
 
-    fn probe(&mut self, nodes: &[Node], now: &Instant, user: AtPoints<'_>) -> Result<(), Halt> {
-        self.now = *now;
-        if user.material.is_none() || self.description.flow.is_some() {
-            return Ok(());
-        }
-        let [bulk, shear] = self.moduli(nodes, user).map_err(|failed| self.halt(&failed))?;
-        (self.constants.bulk, self.constants.shear) = (bulk, shear);
-        Ok(())
+    fn nodes(&self, element: usize) -> ElementNodes {
+        self.corners(element).into()
+    }
+
+    fn masses(&self, element: usize) -> PerNode<f64> {
+        self.corner_masses(element).into()
     }
 
     fn update(&mut self, pass: Pass<'_>) -> Totals {
@@ -214,33 +233,116 @@ impl ElementGroup for UserQuads {
         }
     }
 
-    fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
-        self.chunks[element / ELEMENTS].points.start_state(element % ELEMENTS, variable, value)
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let masses = masses.map_or(Some(self.corner_masses(element)), |list| list.first_chunk().copied())?;
+        Some(self.constants.own_rate(corners, &masses))
     }
 
-    fn harden(&mut self, element: usize, strain: f64) -> bool {
-        self.chunks[element / ELEMENTS].points.harden(element % ELEMENTS, strain)
+    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<Stiffness> {
+        let corners = self.corners(element).map(|n| nodes[n as usize].place());
+        let (chunk, i) = self.chunk(element);
+        Some(self.constants.stiffness(corners, chunk.deleted[i]).into())
     }
 
-    fn set_field(&mut self, element: usize, variable: usize, value: f64) {
-        self.chunks[element / ELEMENTS].points.start_field(element % ELEMENTS, variable, value);
+    fn bytes(&self) -> usize {
+        let names: usize = self.names.iter().map(|n| size_of_val(n) + n.capacity()).sum();
+        let chunks: usize = self.chunks.iter().map(Chunk::bytes).sum();
+        let scratch: usize = self.scratch.iter().map(Scratch::bytes).sum();
+        chunks + scratch + self.returning.bytes() + names + self.told.capacity()
     }
 
-    fn fields(&self) -> usize {
-        self.description.fields
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
     }
 
-    fn give_field(&mut self, variable: usize, values: &[f64]) {
-        for (chunk, values) in self.chunks.iter_mut().zip(values.chunks(ELEMENTS)) {
-            chunk.points.give_field(variable, values);
+    fn extensions(&mut self) -> &mut dyn Extensions {
+        self
+    }
+}
+
+impl Extensions for UserQuads {
+    fn settings(&mut self) -> &mut dyn Settings {
+        self
+    }
+
+    fn deletion(&mut self) -> &mut dyn Deletion {
+        self
+    }
+
+    fn initial_state(&mut self) -> &mut dyn InitialState {
+        self
+    }
+
+    fn temperatures(&mut self) -> Option<&mut dyn Temperatures> {
+        Some(self)
+    }
+
+    fn fields(&mut self) -> Option<&mut dyn Fields> {
+        Some(self)
+    }
+
+    fn user(&mut self) -> Option<&mut dyn UserCalls> {
+        Some(self)
+    }
+}
+
+impl Settings for UserQuads {
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        let Some(masses) = masses.first_chunk::<4>() else { return };
+        let i = element % ELEMENTS;
+        self.chunks[element / ELEMENTS].blocks[i / LANES].set_corner_masses(i % LANES, *masses);
+    }
+
+    fn follow(&mut self) {
+        let (chunks, batch) = (self.chunks.len(), self.scratch.len());
+        for (slot, scratch) in self.scratch.iter_mut().enumerate() {
+            let turns = (chunks - slot).div_ceil(batch);
+            scratch.workspaces.iter_mut().for_each(|s| s.records = vec![Record::default(); turns]);
         }
     }
 
+    fn limit_frequency(&mut self, frequency: f64) {
+        self.cap = self.constants.cap(frequency);
+    }
+}
+
+impl Deletion for UserQuads {
+    fn make_erodible(&mut self) {
+        self.erodible = true;
+    }
+
+    fn erode(&mut self, element: usize, _volume: f64) {
+        self.chunks[element / ELEMENTS].deleted[element % ELEMENTS] = true;
+        self.told[element] = true;
+    }
+
+    fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
+        if self.description.delete.is_none() {
+            return;
+        }
+        let mut told = std::mem::take(&mut self.told);
+        tell_deleted(self, &mut told, deleted);
+        self.told = told;
+    }
+}
+
+impl InitialState for UserQuads {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         self.chunks[element / ELEMENTS].set(element % ELEMENTS, stress, temperature);
     }
 
-    fn warm(&mut self, temperatures: &[f64]) {
+    fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
+        self.chunks[element / ELEMENTS].points.start_state(element % ELEMENTS, variable, value)
+    }
+
+    fn set_plastic_strain(&mut self, element: usize, strain: f64) -> bool {
+        self.chunks[element / ELEMENTS].points.harden(element % ELEMENTS, strain)
+    }
+}
+
+impl Temperatures for UserQuads {
+    fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (chunk, temperatures) in self.chunks.iter_mut().zip(temperatures.chunks(ELEMENTS)) {
             chunk.points.warm(temperatures);
         }
@@ -259,85 +361,33 @@ impl ElementGroup for UserQuads {
         }
         0.0
     }
+}
 
-    fn follow(&mut self) {
-        let (chunks, batch) = (self.chunks.len(), self.scratch.len());
-        for (slot, scratch) in self.scratch.iter_mut().enumerate() {
-            let turns = (chunks - slot).div_ceil(batch);
-            scratch.workspaces.iter_mut().for_each(|s| s.records = vec![Record::default(); turns]);
+impl Fields for UserQuads {
+    fn set_field(&mut self, element: usize, variable: usize, value: f64) {
+        self.chunks[element / ELEMENTS].points.start_field(element % ELEMENTS, variable, value);
+    }
+
+    fn set_fields(&mut self, variable: usize, values: &[f64]) {
+        for (chunk, values) in self.chunks.iter_mut().zip(values.chunks(ELEMENTS)) {
+            chunk.points.give_field(variable, values);
         }
     }
+}
 
-    fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
-        let corners = self.corners(element).map(|n| nodes[n as usize].place());
-        Some(self.constants.own_rate(corners, masses))
-    }
-
-    fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<[[f64; 8]; 8]> {
-        let corners = self.corners(element).map(|n| nodes[n as usize].place());
-        Some(self.constants.stiffness(corners, self.is_deleted(element)))
-    }
-
-    fn damps(&self) -> bool {
-        self.constants.damps()
-    }
-
-    fn cap(&mut self, frequency: f64) {
-        self.cap = self.constants.cap(frequency);
-    }
-
-    fn corner_masses(&self, element: usize) -> [f64; 4] {
-        let (chunk, i) = self.chunk(element);
-        chunk.blocks[i / LANES].corner_masses(i % LANES)
-    }
-
-    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
-        let i = element % ELEMENTS;
-        self.chunks[element / ELEMENTS].blocks[i / LANES].set_corner_masses(i % LANES, masses);
-    }
-
-    fn deleted(&mut self, gone: &mut Vec<[u32; 4]>) {
-        if self.description.delete.is_none() {
-            return;
+impl UserCalls for UserQuads {
+    fn probe(&mut self, nodes: &[Node], now: &Instant, user: AtPoints<'_>) -> Result<(), Halt> {
+        self.now = *now;
+        if user.material.is_none() || self.description.flow.is_some() {
+            return Ok(());
         }
-        let mut told = std::mem::take(&mut self.told);
-        tell_deleted(self, &mut told, gone);
-        self.told = told;
+        let [bulk, shear] = self.moduli(nodes, user).map_err(|failed| self.halt(&failed))?;
+        (self.constants.bulk, self.constants.shear) = (bulk, shear);
+        Ok(())
     }
 
-    fn can_delete(&self) -> bool {
-        self.description.delete.is_some() || self.erodible
-    }
-
-    fn make_erodible(&mut self) {
-        self.erodible = true;
-    }
-
-    fn erode(&mut self, element: usize, _volume: f64) {
-        self.chunks[element / ELEMENTS].deleted[element % ELEMENTS] = true;
-        self.told[element] = true;
-    }
-
-    fn copy(&self) -> Box<dyn ElementGroup> {
-        Box::new(self.clone())
-    }
-
-    fn holds_state(&self) -> bool {
-        false
-    }
-
-    fn set_energy(&mut self, _element: usize, _energy: f64) {}
-
-    fn corners(&self, element: usize) -> [u32; 4] {
-        let (chunk, i) = self.chunk(element);
-        [0, 1, 2, 3].map(|c| chunk.blocks[i / LANES].nodes[c][i % LANES])
-    }
-
-    fn bytes(&self) -> usize {
-        let names: usize = self.names.iter().map(|n| size_of_val(n) + n.capacity()).sum();
-        let chunks: usize = self.chunks.iter().map(Chunk::bytes).sum();
-        let scratch: usize = self.scratch.iter().map(Scratch::bytes).sum();
-        chunks + scratch + self.returning.bytes() + names + self.told.capacity()
+    fn failure(&self) -> Option<Halt> {
+        self.failure.clone()
     }
 }
 

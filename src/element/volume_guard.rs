@@ -24,15 +24,20 @@ impl Elements {
                 if self.groups[group].is_deleted(element) {
                     continue;
                 }
-                let corners = self.groups[group].corners(element).map(|n| n as usize);
-                let at = corners.map(|n| nodes[n]);
-                let g = quad::gradient(at.map(|n| n.r), at.map(|n| n.z));
-                let growth = |of: &dyn Fn(usize) -> [f64; 2]| {
-                    let part = |i: usize| (g.r[i] + g.hoop[i]) * of(i)[0] + g.z[i] * of(i)[1];
-                    ((part(0) + part(1)) + (part(2) + part(3))) / g.volume
-                };
-                let rate = growth(&|i| [at[i].v_r, at[i].v_z]);
-                let acceleration = growth(&|i| nodes.acceleration[corners[i]]);
+                let (mut volume, mut growing) = (0.0, [0.0; 2]);
+                for cell in self.groups[group].cells(element) {
+                    let corners = cell.map(|n| n as usize);
+                    let at = corners.map(|n| nodes[n]);
+                    let g = quad::gradient(at.map(|n| n.r), at.map(|n| n.z));
+                    let growth = |of: &dyn Fn(usize) -> [f64; 2]| {
+                        let part = |i: usize| (g.r[i] + g.hoop[i]) * of(i)[0] + g.z[i] * of(i)[1];
+                        (part(0) + part(1)) + (part(2) + part(3))
+                    };
+                    volume += g.volume;
+                    growing[0] += growth(&|i| [at[i].v_r, at[i].v_z]);
+                    growing[1] += growth(&|i| nodes.acceleration[corners[i]]);
+                }
+                let [rate, acceleration] = growing.map(|growth| growth / volume);
                 let first = (rate + half * acceleration).abs();
                 let root = (first * first + 2.0 * CHANGE * acceleration.abs()).sqrt();
                 self.raise_limit(group, element, (first + root) / (2.0 * CHANGE));

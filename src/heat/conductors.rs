@@ -68,7 +68,8 @@ impl Conductor {
         ((m[0] * t[0] + m[1] * t[1]) + (m[2] * t[2] + m[3] * t[3])) / self.mass()
     }
 
-    pub(super) fn mass(&self) -> f64 {
+    /// Mass.
+    pub fn mass(&self) -> f64 {
         let m = self.masses;
         (m[0] + m[1]) + (m[2] + m[3])
     }
@@ -158,7 +159,7 @@ impl Conductors {
                 let e = index * CHUNK + i;
                 let part = self.part_of(e);
                 let group = &elements.groups[part.group];
-                if group.can_delete() && group.is_deleted(e - part.first) {
+                if group.properties().deletable && group.is_deleted(e - part.first) {
                     *corner = [0.0; 4];
                     continue;
                 }

@@ -55,7 +55,7 @@ impl Expansion {
     pub(super) fn apply(&mut self, heat: Option<&Heat>, elements: &mut Elements, dofs: &mut Dofs) {
         let [temperatures, increments] = &mut self.room;
         for (expanding, strains) in self.list.iter().zip(&mut self.strains) {
-            let group = &mut elements.groups[expanding.group];
+            let Some(group) = elements.groups[expanding.group].extensions().temperatures() else { continue };
             let (temperatures, increments) = (&mut temperatures[..strains.len()], &mut increments[..strains.len()]);
             match heat.and_then(|h| h.given_to(expanding.group)) {
                 Some(given) => temperatures.copy_from_slice(given),

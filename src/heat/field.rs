@@ -8,6 +8,7 @@ use super::sources::{Held, Source};
 use crate::constraint::Constraint;
 use crate::constraint::bonds::Bonds;
 use crate::element::elements::Elements;
+use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::Dofs;
@@ -157,17 +158,21 @@ impl Heat {
             *mean = conductor.mean(&self.temperature);
         }
         for part in &self.conductors.parts {
-            elements.groups[part.group].warm(&self.means[part.first..part.end]);
+            if let Some(group) = elements.groups[part.group].extensions().temperatures() {
+                group.set_temperatures(&self.means[part.first..part.end]);
+            }
         }
     }
 
     /// After elements are updated: takes the heat that plastic work made in them out to their nodes.
-    pub fn take(&mut self, elements: &Elements) {
+    pub fn take(&mut self, elements: &mut Elements) {
         self.warmed.copy_from_slice(&self.means);
         let mut any = false;
         for part in &self.conductors.parts {
             let range = part.first..part.end;
-            elements.groups[part.group].temperatures(&mut self.warmed[range.clone()]);
+            if let Some(group) = elements.groups[part.group].extensions().temperatures() {
+                group.temperatures(&mut self.warmed[range.clone()]);
+            }
             for e in range {
                 let (rise, conductor) = (self.warmed[e] - self.means[e], &self.conductors.list[e]);
                 any |= rise != 0.0;
@@ -326,9 +331,9 @@ impl Heat {
         sources.chain(self.now.held.iter().map(|h| h.magnitude.limit(clock))).fold(Limit::NONE, Limit::nearer)
     }
 
-    /// Elements with these corner nodes are no more.
-    pub fn release(&mut self, gone: &[[u32; 4]]) {
-        self.now.sources.iter_mut().for_each(|s| s.release(gone));
+    /// Elements with these boundaries are deleted.
+    pub fn release(&mut self, deleted: &[ElementNodes]) {
+        self.now.sources.iter_mut().for_each(|s| s.release(deleted));
     }
 
     /// Temperature of a node; not a number where nothing conducts.

@@ -2,6 +2,7 @@
 //! Never here: conduction.
 
 use super::conductors::Conductors;
+use crate::kernel::topology::ElementNodes;
 use crate::mesh::surface::{Face, Skin};
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -92,10 +93,10 @@ impl Source {
         if let Kind::Film(_, coefficient) = &self.kind { limit.nearer(coefficient.limit(clock)) } else { limit }
     }
 
-    /// Elements with these corner nodes are no more.
-    pub(super) fn release(&mut self, gone: &[[u32; 4]]) {
+    /// Elements with these boundaries are deleted.
+    pub(super) fn release(&mut self, deleted: &[ElementNodes]) {
         if let Kind::Faces(skin) | Kind::Film(skin, _) = &mut self.kind {
-            skin.release(gone);
+            skin.release(deleted);
         }
     }
 

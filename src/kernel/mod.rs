@@ -25,4 +25,5 @@ pub mod shell;
 pub mod solid;
 pub mod stress;
 pub mod students_t;
+pub mod topology;
 pub mod transcendental;

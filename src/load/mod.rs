@@ -10,6 +10,7 @@ pub mod stiffness;
 pub mod user_amplitude;
 pub mod user_load;
 
+use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -191,8 +192,8 @@ pub trait Load: Persist + Send + Sync {
         Vec::new()
     }
 
-    /// Elements with these corner nodes are no more: what acts on their faces ends.
-    fn release(&mut self, _gone: &[[u32; 4]]) {}
+    /// Elements with these boundaries are deleted: what acts on their faces ends.
+    fn release(&mut self, _deleted: &[ElementNodes]) {}
 
     /// The masses of nodes have changed.
     fn weigh(&mut self, _mass: &[f64]) {}

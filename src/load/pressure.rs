@@ -3,6 +3,7 @@
 
 use super::{Account, Load, Slot, View};
 use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
+use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Face, Surface};
 use crate::state::EffectId;
@@ -69,8 +70,8 @@ impl Load for Pressure {
         self.magnitude.limit(&view.clock)
     }
 
-    fn release(&mut self, gone: &[[u32; 4]]) {
-        self.surface.skin.release(gone);
+    fn release(&mut self, deleted: &[ElementNodes]) {
+        self.surface.skin.release(deleted);
     }
 
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::kernel::lanes::{Corners, LANES};
+use crate::kernel::lanes::Corners;
 use crate::kernel::real::Real;
 use crate::state::archive::{Archive, Persist};
 
@@ -48,18 +48,16 @@ impl CornerForces {
         }
     }
 
-    /// The force on a corner of an element, counted over all blocks.
-    pub fn of(&self, element: usize, corner: usize) -> [f64; 2] {
-        let (block, lane) = (element / LANES, element % LANES);
+    /// The force on a corner of an element of a block.
+    pub fn of(&self, block: usize, lane: usize, corner: usize) -> [f64; 2] {
         match self {
             CornerForces::Double(list) => list[block].0[corner][lane],
             CornerForces::Single(list) => list[block].0[corner][lane].map(Real::wide),
         }
     }
 
-    /// An element, counted over all blocks, no longer pulls at its corners.
-    pub fn clear(&mut self, element: usize) {
-        let (block, lane) = (element / LANES, element % LANES);
+    /// Sets the forces of an element of a block to zero.
+    pub fn clear(&mut self, block: usize, lane: usize) {
         match self {
             CornerForces::Double(list) => list[block].clear(lane),
             CornerForces::Single(list) => list[block].clear(lane),

@@ -4,6 +4,7 @@
 use super::corner_forces::CornerForces;
 use crate::kernel::lanes::{Corners, LANES};
 use crate::kernel::real::Real;
+use crate::kernel::topology::ElementNodes;
 
 /// Corner slots that most nodes of a mesh of quadrilaterals have at most.
 const SLOTS: usize = 4;
@@ -18,23 +19,24 @@ pub struct Gather {
 }
 
 impl Gather {
-    /// From the corner nodes of elements, group by group; each group begins a new block.
-    pub fn new(count: usize, groups: &[&[[u32; 4]]]) -> Self {
-        let blocks: usize = groups.iter().map(|g| g.len().div_ceil(LANES)).sum();
+    /// From the nodes of elements, group by group, with the blocks of corner forces that each block of elements has; each group
+    /// begins a new block.
+    pub fn new(count: usize, groups: &[(usize, Vec<ElementNodes>)]) -> Self {
+        let blocks: usize = groups.iter().map(|(per, g)| per * g.len().div_ceil(LANES)).sum();
         let empty = (blocks * 4 * LANES) as u32;
         let mut gather = Gather { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
         let mut block = 0;
-        for elements in groups {
-            for (e, corners) in elements.iter().enumerate() {
-                for (c, &node) in corners.iter().enumerate() {
-                    let slot = (((block + e / LANES) * 4 + c) * LANES + e % LANES) as u32;
+        for (per, elements) in groups {
+            for (e, nodes) in elements.iter().enumerate() {
+                for (c, &node) in nodes.iter().enumerate() {
+                    let slot = (((block + e / LANES * per) * 4 + c) * LANES + e % LANES) as u32;
                     match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {
                         Some(free) => *free = slot,
                         None => gather.more.push((node, slot)),
                     }
                 }
             }
-            block += elements.len().div_ceil(LANES);
+            block += per * elements.len().div_ceil(LANES);
         }
         gather.more.sort_unstable();
         gather

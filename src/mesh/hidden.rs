@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::room::with_room;
+use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Faces that nothing acts on yet.
@@ -54,14 +55,14 @@ impl Hidden {
         (i, self.faces[i], self.elements[i])
     }
 
-    /// Elements with these corner nodes are no more: theirs never lie bare, those against them do if the element behind is still
-    /// there. Returns which have come, for [`Hidden::came`].
-    pub fn release(&mut self, gone: &[[u32; 4]]) -> Range<usize> {
+    /// Elements with these boundaries are deleted: their faces stay hidden, those against them are exposed if the element behind is
+    /// still there. Returns which have come, for [`Hidden::came`].
+    pub fn release(&mut self, deleted: &[ElementNodes]) -> Range<usize> {
         let first = self.bare.len();
         if self.faces.is_empty() {
             return first..first;
         }
-        let edges = || gone.iter().flat_map(|c| (0..4).map(|i| [c[i] as usize, c[(i + 1) % 4] as usize]));
+        let edges = || deleted.iter().flat_map(|boundary| boundary.sides()).map(|side| side.map(|n| n as usize));
         for own in edges() {
             if let Ok(i) = self.faces.binary_search(&own) {
                 self.waits[i] = false;
@@ -112,11 +113,12 @@ impl Persist for Hidden {
 #[cfg(test)]
 mod tests {
     use super::Hidden;
+    use crate::kernel::topology::ElementNodes;
 
     /// Two squares above each other between nodes 0 to 5, each two nodes a row: what is between them has two sides.
     #[test]
     fn a_face_comes_when_what_is_in_front_goes_and_never_without_what_is_behind() {
-        let [lower, upper] = [[0u32, 1, 3, 2], [2, 3, 5, 4]];
+        let [lower, upper] = [[0, 1, 3, 2], [2, 3, 5, 4]].map(ElementNodes::from);
         let both = || Hidden::new(vec![([3, 2], 7), ([2, 3], 8), ([3, 2], 7)]);
         let mut hidden = both();
         assert_eq!(hidden.len(), 2);

@@ -4,6 +4,7 @@
 use super::hidden::Hidden;
 use super::room::with_room;
 use crate::kernel::facet::Facet;
+use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist};
 use crate::state::nodes::Nodes;
 
@@ -165,13 +166,13 @@ impl Skin {
         self.faces.iter().zip(&self.carries).enumerate().filter(|f| *f.1.1).map(move |(i, f)| (*f.0, shell(i)))
     }
 
-    /// Elements with these corner nodes are no more: their faces no longer carry, hidden ones that come to lie bare do.
-    pub fn release(&mut self, gone: &[[u32; 4]]) {
+    /// Elements with these boundaries are deleted: their faces no longer carry, hidden ones that are exposed do.
+    pub fn release(&mut self, deleted: &[ElementNodes]) {
         for (face, carries) in self.faces.iter().zip(&mut self.carries) {
-            *carries &= !is_of(*face, gone);
+            *carries &= !is_of(*face, deleted);
         }
         let Some(mut hidden) = self.hidden.take() else { return };
-        hidden.release(gone).for_each(|at| {
+        hidden.release(deleted).for_each(|at| {
             let (_, face, element) = hidden.came(at);
             self.push(face, element);
         });
@@ -197,9 +198,9 @@ impl Skin {
 }
 
 /// Whether a face belongs to one of these elements: its nodes follow each other there, and in no neighbour.
-fn is_of(face: [usize; 2], elements: &[[u32; 4]]) -> bool {
-    let [a, b] = face.map(|n| n as u32);
-    elements.iter().any(|corners| (0..4).any(|i| corners[i] == a && corners[(i + 1) % 4] == b))
+fn is_of(face: [usize; 2], elements: &[ElementNodes]) -> bool {
+    let face = face.map(|n| n as u32);
+    elements.iter().any(|boundary| boundary.sides().any(|side| side == face))
 }
 
 impl Clone for Skin {

@@ -13,6 +13,7 @@ use crate::deck::names::nearest;
 use crate::deck::rows::words;
 use crate::deck::syntax::Row;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
+use crate::kernel::topology::Topology;
 
 /// Types that are simulated.
 const SUPPORTED: &[(&str, ElementKind)] = &[
@@ -90,9 +91,20 @@ impl ElementKind {
         }
     }
 
+    /// Shape of a type that deforms; triangles are quadrilaterals whose last corners coincide.
+    pub fn topology(self) -> Option<Topology> {
+        match self {
+            ElementKind::Sax1 => Some(Topology::Shell),
+            ElementKind::Cax3 | ElementKind::Cax3t | ElementKind::Cax4r | ElementKind::Cax4rt => {
+                Some(Topology::Quadrilateral)
+            }
+            _ => None,
+        }
+    }
+
     /// Whether it is a solid that can deform.
     pub fn is_solid(self) -> bool {
-        self.is_thermal() || matches!(self, ElementKind::Cax3 | ElementKind::Cax4r)
+        self.topology().is_some_and(Topology::is_solid)
     }
 
     /// Whether its nodes have temperatures.

@@ -102,11 +102,8 @@ fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, stat
     let nodes = state.dofs.nodes.as_slice();
     for element in &free {
         let (group, index) = plan.places.elements[element];
-        let (corners, masses) =
-            (state.elements.groups[group].corners(index), state.elements.groups[group].corner_masses(index));
-        // Of a shell the last two are rotations.
-        let ends = if model.mesh.elements[*element].kind == ElementKind::Sax1 { 2 } else { 4 };
-        for (corner, mass) in corners.iter().zip(masses).take(ends) {
+        let group = &state.elements.groups[group];
+        for (corner, mass) in group.boundary(index).iter().zip(group.masses(index)) {
             let node = &nodes[*corner as usize];
             sums.add(mass, node.place(), [node.v_r, node.v_z]);
         }

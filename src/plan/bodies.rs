@@ -145,9 +145,9 @@ impl Compiler<'_> {
         };
         for &element in &rigid.elements {
             if let Some(&density) = densities.get(&element) {
-                let corners = mesh.corners(element);
-                for (n, mass) in corners.into_iter().zip(corner_masses(corners.map(|n| mesh.points[n]), density)) {
-                    add(n, mass);
+                for cell in mesh.cells(element) {
+                    let masses = corner_masses(cell.map(|n| mesh.points[n]), density);
+                    cell.into_iter().zip(masses).for_each(|(n, mass)| add(n, mass));
                 }
             }
             let element = &mesh.elements[element];

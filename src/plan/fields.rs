@@ -55,11 +55,13 @@ impl Compiler<'_> {
             return;
         }
         let values = self.fields_at_start(state.dofs.nodes.len());
-        for group in state.elements.groups.iter_mut().filter(|g| g.fields() > 0) {
+        for group in state.elements.groups.iter_mut().filter(|g| g.properties().fields > 0) {
             for e in 0..group.len() {
-                let corners = group.corners(e);
-                let means = values.iter().enumerate().map(|(variable, nodal)| (variable, mean(corners, nodal)));
-                means.for_each(|(variable, value)| group.set_field(e, variable, value));
+                let boundary = group.boundary(e);
+                let Some(fields) = group.extensions().fields() else { continue };
+                for (variable, nodal) in values.iter().enumerate() {
+                    fields.set_field(e, variable, mean(&boundary, nodal));
+                }
             }
         }
     }
@@ -69,7 +71,7 @@ impl Compiler<'_> {
         let model = self.model;
         let cards = || model.steps.iter().flat_map(|s| &s.fields);
         let groups = &state.elements.groups;
-        if groups.iter().all(|g| g.fields() == 0) {
+        if groups.iter().all(|g| g.properties().fields == 0) {
             for field in cards() {
                 let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
                 self.unused(field.span, what, "no material depends on field variables");

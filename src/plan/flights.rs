@@ -202,8 +202,9 @@ impl Compiler<'_> {
         for section in &self.model.sections {
             let density = self.model.materials[section.material].density.unwrap_or(0.0);
             for &e in section.elements.iter().filter(|e| rigid.elements.contains(e)) {
-                let corners = mesh.corners(e).map(|n| mesh.points[n]);
-                in_solid(corners, |place, volume| moments.add(density * volume, place));
+                for cell in mesh.cells_at_start(e) {
+                    in_solid(cell, |place, volume| moments.add(density * volume, place));
+                }
             }
         }
         let shells = rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2);
@@ -236,7 +237,7 @@ impl Compiler<'_> {
             });
         }
         for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind.is_solid()) {
-            in_solid(mesh.corners(e).map(|n| mesh.points[n]), |place, volume| all.add(volume, place));
+            mesh.cells_at_start(e).for_each(|cell| in_solid(cell, |place, volume| all.add(volume, place)));
         }
         let factor = mass / all.mass;
         Moments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }

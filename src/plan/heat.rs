@@ -7,6 +7,7 @@ use super::loads::kind_name;
 use super::solid_material::heating;
 use super::{Compiler, State};
 use crate::deck::{Diagnostic, Span};
+use crate::element::group::ElementGroup;
 use crate::heat::Thermal;
 use crate::heat::conductors::{Conductor, Conductors, Part, Properties};
 use crate::heat::expansion::{Expanding, Expansion};
@@ -16,6 +17,7 @@ use crate::kernel::hardening::Table;
 use crate::kernel::quad::corner_masses;
 use crate::mesh::hidden::Hidden;
 use crate::model::{InitialKind, Load, LoadKind, Material, Motion, SolidSection, Step};
+use crate::state::nodes::Nodes;
 
 /// A section with the group of its elements.
 type Sectioned<'m> = (&'m SolidSection, usize);
@@ -36,18 +38,10 @@ impl Compiler<'_> {
         for &(section, group) in &sections {
             let material = &model.materials[section.material];
             if let Some(own) = self.expanding(section, group, material, state) {
-                let mean = |corners: [u32; 4]| {
-                    let places = corners.map(|n| state.dofs.nodes[n as usize].place());
-                    let conductor = Conductor { nodes: corners, masses: corner_masses(places, 1.0) };
-                    conductor.mean(&start)
-                };
                 let elements = &state.elements.groups[group];
                 let held = |e: usize| {
-                    let mut own = [mean(elements.corners(e))];
-                    if heat.is_none() {
-                        own[0] = elements.value(e, crate::variables::Variable::Temperature.into()).unwrap_or(own[0]);
-                    }
-                    own[0]
+                    let own = elements.value(e, crate::variables::Variable::Temperature.into());
+                    own.filter(|_| heat.is_none()).unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
                 };
                 expanding.push((own, (0..elements.len()).map(held).collect()));
             }
@@ -94,8 +88,7 @@ impl Compiler<'_> {
             let density = material.density.unwrap_or(0.0);
             let elements = &state.elements.groups[group];
             let first = list.len();
-            list.extend((0..elements.len()).map(|e| {
-                let nodes = elements.corners(e);
+            list.extend((0..elements.len()).flat_map(|e| elements.cells(e)).map(|nodes| {
                 let places = nodes.map(|n| state.dofs.nodes[n as usize].place());
                 Conductor { nodes, masses: corner_masses(places, density) }
             }));
@@ -293,6 +286,17 @@ impl Compiler<'_> {
         let finding = Diagnostic::error("P064", "*EXPANSION with *HYPERELASTIC is not supported").at(span, "here");
         self.diagnostics.push(finding.help("leave one of them out"));
     }
+}
+
+/// Mean temperature of an element over its volume.
+fn mean(group: &dyn ElementGroup, element: usize, nodal: &[f64], nodes: &Nodes) -> f64 {
+    let conductor = |cell: [u32; 4]| {
+        let masses = corner_masses(cell.map(|n| nodes[n as usize].place()), 1.0);
+        Conductor { nodes: cell, masses }
+    };
+    let cells = || group.cells(element).map(conductor);
+    let volume: f64 = cells().map(|c| c.mass()).sum();
+    cells().map(|c| c.mean(nodal) * (c.mass() / volume)).sum()
 }
 
 fn is_heat(kind: &LoadKind) -> bool {

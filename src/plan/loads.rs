@@ -211,9 +211,10 @@ impl Compiler<'_> {
             let density = self.model.materials[section.material].density.unwrap_or(0.0);
             let own: HashSet<usize> = section.elements.iter().copied().collect();
             for &e in elements.iter().filter(|e| own.contains(*e) && self.places.elements.contains_key(e)) {
-                let corners = mesh.corners(e);
-                for (n, mass) in corners.iter().zip(corner_masses(corners.map(|n| mesh.points[n]), density)) {
-                    *masses.entry(self.places.nodes[n]).or_default() += mass;
+                for cell in mesh.cells(e) {
+                    for (n, mass) in cell.iter().zip(corner_masses(cell.map(|n| mesh.points[n]), density)) {
+                        *masses.entry(self.places.nodes[n]).or_default() += mass;
+                    }
                 }
             }
         }
@@ -262,7 +263,7 @@ impl Compiler<'_> {
         let (mut volume, mut stray) = (Volume::default(), None);
         for &element in elements {
             if self.places.elements.contains_key(&element) {
-                volume.elements.push(mesh.corners(element).map(|n| self.places.nodes[&n] as u32));
+                volume.cells.extend(mesh.cells(element).map(|cell| cell.map(|n| self.places.nodes[&n] as u32)));
                 continue;
             }
             let corners: Vec<[f64; 2]> = mesh.elements[element].nodes.iter().map(|&n| mesh.points[n]).collect();
@@ -287,7 +288,7 @@ impl Compiler<'_> {
             self.unused(load.span, "BRNU", "a rigid body of revolution moves along z only");
             volume.rigid.clear();
         }
-        let count = volume.rigid.len() + volume.elements.len();
+        let count = volume.rigid.len() + volume.cells.len();
         if count == 0 {
             return None;
         }

@@ -44,7 +44,7 @@ impl Compiler<'_> {
         for &(g, e) in &elements {
             let group = &state.elements.groups[g];
             let name = || self.element_name(g, e);
-            if group.own_rate(e, &group.corner_masses(e), state.dofs.nodes.as_slice()).is_none() {
+            if group.stable_rate(e, Some(&group.masses(e)), state.dofs.nodes.as_slice()).is_none() {
                 refusal = Some(format!("the mass of element {} is part of the state of its material", name()));
                 break;
             }
@@ -55,8 +55,7 @@ impl Compiler<'_> {
         }
         let left = self.unscaled_nodes(state.dofs.nodes.len());
         let stays = |&(g, e): &(usize, usize)| {
-            let corners = state.elements.groups[g].corners(e);
-            corners.into_iter().any(|n| left.get(n as usize) == Some(&true))
+            state.elements.groups[g].nodes(e).into_iter().any(|n| left.get(n as usize) == Some(&true))
         };
         let touched = elements.iter().filter(|at| stays(at)).count();
         let alone = if touched > 0 { format!(", but at tied nodes of {touched} elements") } else { String::new() };

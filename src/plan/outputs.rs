@@ -172,7 +172,7 @@ impl Compiler<'_> {
         let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.iter().filter_map(|c| c.part.as_ref()));
         let follows = parts.any(|p| p.variable.row().followed);
         if follows && !state.elements.is_empty() {
-            state.elements.groups.iter_mut().for_each(|g| g.follow());
+            state.elements.groups.iter_mut().for_each(|g| g.extensions().settings().follow());
             self.followed_row(state.elements.count());
         }
         self.books_of_deletion(&columns, state);
@@ -192,7 +192,7 @@ impl Compiler<'_> {
         let asks = |r: &&OutputRequest| r.variables.iter().any(|a| a.variables().iter().any(|v| is_removed(*v)));
         let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks).map(|r| r.span);
         if let Some(span) = request.or(erosion) {
-            let count = state.elements.groups.iter().filter(|g| g.can_delete()).map(|g| g.len()).sum();
+            let count = state.elements.groups.iter().filter(|g| g.properties().deletable).map(|g| g.len()).sum();
             let detail = "mass, energy and points that deletion leaves";
             self.cause(span, "books of deletion", count, "elements", detail.into());
         }
@@ -412,8 +412,8 @@ impl Compiler<'_> {
         for (&(group, element), e, side) in deforming {
             let Some(ends) = model.mesh.ends(e, side).map(|ends| ends.map(|n| self.places.nodes[&n])) else { continue };
             section.faces.push(ends);
-            let corners = state.elements.groups[group].corners(element);
-            let on = (0..4).filter(|&c| ends.contains(&(corners[c] as usize)));
+            let corners = state.elements.groups[group].boundary(element);
+            let on = (0..corners.len()).filter(|&c| ends.contains(&(corners[c] as usize)));
             section.corners.extend(on.map(|c| (group, element, c)));
         }
         section.corners.sort_unstable();

@@ -112,7 +112,7 @@ impl Compiler<'_> {
         let encloses = mesh.elements[piece.elements[0]].kind.is_solid()
             && group.is_none_or(|_| {
                 let groups = piece.elements.iter().filter_map(|e| self.places.elements.get(e));
-                groups.map(|place| &state.elements.groups[place.0]).all(|group| !group.can_delete())
+                groups.map(|place| &state.elements.groups[place.0]).all(|group| !group.properties().deletable)
             });
         let (mut points, mut known, mut faces) = (Vec::new(), HashMap::new(), Vec::new());
         let mut add = |node: usize| {

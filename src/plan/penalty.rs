@@ -3,6 +3,8 @@
 //! Never here: what springs do.
 
 use super::{Compiler, State};
+use crate::element::group::Stiffness;
+use crate::kernel::topology::MOST_NODES;
 use crate::model::{Element, ElementKind, EosKind, MaterialId};
 
 impl Compiler<'_> {
@@ -21,13 +23,13 @@ impl Compiler<'_> {
         }
         let places = nodes.map(|n| self.places.nodes.get(&n).copied());
         let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
-        let Some(matrix) = matrix else {
+        let Some(Stiffness(matrix)) = matrix else {
             let section = self.model.sections.iter().find(|s| s.elements.contains(&element))?;
             return Some(height(of, &mesh.points, length) / self.modulus(section.material)?);
         };
         // The facet moves along its normal, all else stays: force over way, over the area.
-        let (corners, normal) = (state.elements.groups[group].corners(index), [dz / length, -dr / length]);
-        let mut way = [0.0; 8];
+        let (corners, normal) = (state.elements.groups[group].nodes(index), [dz / length, -dr / length]);
+        let mut way = [0.0; 2 * MOST_NODES];
         for (i, corner) in corners.iter().enumerate() {
             // Of a triangle the last two corners are one.
             let again = corners[..i].contains(corner);
@@ -35,7 +37,8 @@ impl Compiler<'_> {
                 (way[2 * i], way[2 * i + 1]) = (normal[0], normal[1]);
             }
         }
-        let force: f64 = (0..8).map(|i| way[i] * (0..8).map(|j| matrix[i][j] * way[j]).sum::<f64>()).sum();
+        let size = 2 * corners.len();
+        let force: f64 = (0..size).map(|i| way[i] * (0..size).map(|j| matrix[i][j] * way[j]).sum::<f64>()).sum();
         let area = std::f64::consts::PI * (a[0] + b[0]) * length;
         (force > 0.0).then(|| area / force)
     }

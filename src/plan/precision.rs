@@ -41,7 +41,7 @@ impl Compiler<'_> {
 
     /// Warns where single precision was asked for and nothing is in it.
     pub(super) fn tell_precision(&mut self, state: &State) {
-        let none = state.elements.groups.iter().all(|group| !group.is_single());
+        let none = state.elements.groups.iter().all(|group| !group.properties().single);
         if self.model.settings.precision == Precision::Double || !none || self.diagnostics.has_errors() {
             return;
         }

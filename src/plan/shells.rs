@@ -14,9 +14,6 @@ use crate::kernel::shell::{Frame, simpson};
 use crate::model::{Material, Plastic, ShellSection, ShellThinning};
 use crate::state::nodes::Node;
 
-/// A group and the corners of its elements: two nodes and their rotations.
-type Group = (Box<dyn ElementGroup>, Vec<[u32; 4]>);
-
 impl<'a> Compiler<'a> {
     /// Sections with their elements that no rigid body has.
     pub(super) fn free_shells(&self) -> Vec<(&'a ShellSection, Vec<usize>)> {
@@ -49,7 +46,7 @@ impl<'a> Compiler<'a> {
         elements: &[usize],
         nodes: &[Node],
         mass: &mut [f64],
-    ) -> Option<Group> {
+    ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
         let material = &model.materials[section.material];
         self.stays_double(section.span, elements.len(), "shells");
@@ -67,13 +64,13 @@ impl<'a> Compiler<'a> {
             self.diagnostics.push(Diagnostic::error("P012", message).at(element.span, "this element"));
             return None;
         }
-        let group = Shells::new(section_of_group, list.clone(), nodes);
-        for (i, corners) in list.iter().enumerate() {
-            for (n, m) in corners.iter().zip(group.corner_masses(i)) {
-                mass[*n as usize] += m;
+        let group = Shells::new(section_of_group, list, nodes);
+        for element in 0..group.len() {
+            for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
+                mass[n as usize] += m;
             }
         }
-        Some((Box::new(group), list))
+        Some(Box::new(group))
     }
 
     /// What all shells of a section share; a material that shells cannot have is refused.

@@ -61,7 +61,7 @@ impl Compiler<'_> {
         let mut nodes = self.place_nodes(sections.iter().map(|s| &s.1).chain(shells.iter().map(|s| &s.1)));
         self.place_rotations(&shells, &mut nodes);
         let mut mass = vec![0.0; nodes.len()];
-        let (mut groups, mut ids, mut corners): (Vec<Box<dyn ElementGroup>>, Vec<_>, Vec<_>) = Default::default();
+        let (mut groups, mut ids): (Vec<Box<dyn ElementGroup>>, Vec<_>) = Default::default();
         let (mut controlled, mut damped, mut averagings, mut lengths) = <(Vec<_>, Vec<_>, Vec<_>, Vec<_>)>::default();
         for (section, elements) in &sections {
             let Some(list) = self.corner_nodes(elements, &nodes) else { continue };
@@ -75,28 +75,28 @@ impl Compiler<'_> {
             averagings.push(self.averaging(section, &list));
             lengths.extend(self.lengths_at_start(section, elements, groups.len()));
             groups.push(group);
-            corners.push(list);
         }
         for (section, elements) in &shells {
-            let Some((group, list)) = self.shells(section, elements, &nodes, &mut mass) else { continue };
+            let Some(group) = self.shells(section, elements, &nodes, &mut mass) else { continue };
             for (i, &e) in elements.iter().enumerate() {
                 self.places.elements.insert(e, (groups.len(), i));
             }
             ids.push(self.causes.get(&(section.span, "shells")).copied().unwrap_or_default());
             groups.push(group);
-            corners.push(list);
         }
         self.check_steps_alike();
         self.point_masses(&mut mass);
         self.tie(&mut mass);
-        let lists: Vec<&[[u32; 4]]> = corners.iter().map(Vec::as_slice).collect();
-        let gather = Gather::new(nodes.len(), &lists);
+        let listed = |g: &dyn ElementGroup| (g.topology().force_blocks(), (0..g.len()).map(|e| g.nodes(e)).collect());
+        let gather = Gather::new(nodes.len(), &groups.iter().map(|g| listed(&**g)).collect::<Vec<_>>());
         let mut elements = Elements::new(groups, ids, gather, nodes.len());
         elements.lengths = lengths;
         let nodes = Nodes::new(nodes, mass);
         for (group, ratio) in controlled {
             let control = elements.distortion.get_or_insert_with(Box::<DistortionControl>::default);
-            control.add(group, corners[group].iter().copied(), &nodes, ratio);
+            let controlled = &elements.groups[group];
+            let cells = (0..controlled.len()).flat_map(|e| controlled.cells(e).map(move |cell| (e, cell)));
+            control.add(group, cells, &nodes, ratio);
         }
         if averagings.iter().any(Option::is_some) {
             elements.averagings = averagings;
@@ -222,7 +222,8 @@ impl Compiler<'_> {
         let mut list = Vec::with_capacity(elements.len());
         for &e in elements {
             let element = &mesh.elements[e];
-            let corners = mesh.corners(e).map(|n| self.places.nodes[&n] as u32);
+            let cell = mesh.cells(e).next()?;
+            let corners = cell.map(|n| self.places.nodes[&n] as u32);
             let volume = quad::volume(corners.map(|n| nodes[n as usize].place()));
             if volume.is_nan() || volume <= 0.0 {
                 let message = format!("element {} has the volume {volume:e}", element.name);
@@ -264,7 +265,7 @@ impl Compiler<'_> {
                     let mesh = &self.model.mesh;
                     for (&e, &(group, i)) in self.places.elements.iter() {
                         if mesh.elements[e].nodes.iter().all(|n| condition.members.binary_search(n).is_ok()) {
-                            groups[group].set(i, None, Some(*value));
+                            groups[group].extensions().initial_state().set(i, None, Some(*value));
                         }
                     }
                 }
@@ -275,20 +276,24 @@ impl Compiler<'_> {
                             self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                             break;
                         }
-                        groups[*group].set_energy(*i, *value);
+                        groups[*group].extensions().initial_state().set_energy(*i, *value);
                     }
                 }
                 InitialKind::Hardening(value) => {
                     let mut elements = condition.members.iter().filter_map(|e| self.places.elements.get(e));
-                    if !elements.all(|(group, i)| groups[*group].harden(*i, *value)) {
+                    let set = |(group, i): &(usize, usize)| {
+                        groups[*group].extensions().initial_state().set_plastic_strain(*i, *value)
+                    };
+                    if !elements.all(set) {
                         let message = "an equivalent plastic strain at the start needs solids with *PLASTIC and isotropic hardening";
                         self.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                     }
                 }
                 InitialKind::State(values) => {
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
-                        let kept = |(v, value): (usize, &f64)| groups[*group].set_state(*i, v, *value) || *value == 0.0;
-                        if !values.iter().enumerate().all(kept) {
+                        let state = groups[*group].extensions().initial_state();
+                        let mut kept = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
+                        if !kept.all(|kept| kept) {
                             let message = format!(
                                 "{} state variables are given, and the material of some of these elements keeps fewer \
                                  (*DEPVAR)",
@@ -302,7 +307,7 @@ impl Compiler<'_> {
                 // Elements are given the means of their nodes.
                 InitialKind::Field(..) => {}
                 InitialKind::Stress(values) => {
-                    let eos = |&&(group, _): &&(usize, usize)| groups[group].holds_state();
+                    let eos = |&&(group, _): &&(usize, usize)| groups[group].properties().holds_pressure;
                     if condition.members.iter().filter_map(|e| self.places.elements.get(e)).find(eos).is_some() {
                         let message = "here the stress follows from density and energy, or from the deformation";
                         let finding = Diagnostic::error("P017", message).at(condition.span, "an initial stress here");
@@ -312,7 +317,7 @@ impl Compiler<'_> {
                     }
                     let stress = [0, 1, 2, 3].map(|i| values.get(i).copied().unwrap_or(0.0));
                     for (group, i) in condition.members.iter().filter_map(|e| self.places.elements.get(e)) {
-                        groups[*group].set(*i, Some(stress), None);
+                        groups[*group].extensions().initial_state().set(*i, Some(stress), None);
                     }
                 }
             }

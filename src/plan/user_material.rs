@@ -9,7 +9,7 @@ use super::solid::add_masses;
 use super::solid_material::{Moduli, heating};
 use crate::deck::Diagnostic;
 use crate::element::constants::Constants;
-use crate::element::group::ElementGroup;
+use crate::element::group::{ElementGroup, Settings};
 use crate::element::user_law::{Description, Flow, Yield};
 use crate::element::user_quads::UserQuads;
 use crate::kernel::heating::Heating;

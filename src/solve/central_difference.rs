@@ -212,7 +212,7 @@ mod tests {
             if awake {
                 quads.keep_awake(count as u32 - 1);
             }
-            let gather = Gather::new(count, &[&self.elements]);
+            let gather = Gather::new(count, &[(1, self.elements.iter().map(|e| (*e).into()).collect())]);
             let elements = Elements::new(vec![Box::new(quads)], vec![0], gather, count);
             let dofs = Dofs { nodes: Nodes::new(self.nodes.clone(), mass), ..Dofs::default() };
             Free { parts: room_for_parts(&dofs.nodes), dofs, elements }

@@ -370,7 +370,7 @@ impl<'a> Run<'a> {
         let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) else { return };
         let started = self.timing.start();
         if fresh {
-            heat.take(&self.elements);
+            heat.take(&mut self.elements);
         }
         let clock = Clock { now: self.now, told: &self.told };
         heat.evaluate(&self.elements, &self.dofs, &self.constraints, &clock, self.threads);
@@ -418,12 +418,12 @@ impl<'a> Run<'a> {
     }
 
     fn release_faces(&mut self) {
-        let gone = self.elements.newly_gone();
-        if !gone.is_empty() {
-            self.loads.iter_mut().for_each(|load| load.release(gone));
-            self.constraints.iter_mut().for_each(|c| c.release(gone));
+        let deleted = self.elements.newly_deleted();
+        if !deleted.is_empty() {
+            self.loads.iter_mut().for_each(|load| load.release(deleted));
+            self.constraints.iter_mut().for_each(|c| c.release(deleted));
             if let Some(heat) = self.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
-                heat.release(gone);
+                heat.release(deleted);
             }
         }
     }
@@ -460,8 +460,8 @@ impl<'a> Run<'a> {
 
     #[cold]
     fn collapsed(&self, Collapsed { group, element, volume }: Collapsed) -> Halt {
-        if let Some(halt) = self.elements.groups[group].failure() {
-            return halt;
+        if let Some(halt) = &self.elements.failure {
+            return halt.clone();
         }
         let why = if volume > 0.0 { "its state is not finite" } else { "it has turned inside out" };
         let reason = format!(

@@ -14,6 +14,7 @@ use archive::{Archive, Persist, persist_fields};
 
 use crate::kernel::amplitude::Track;
 use crate::kernel::lanes::Corners;
+use crate::kernel::topology::{MOST_NODES, PerNode};
 
 /// Index into the ledger: the only thing an effect knows of the deck.
 pub type EffectId = usize;
@@ -117,6 +118,17 @@ pub fn direction(value: f64) -> f64 {
 impl<T: Persist> Persist for Corners<T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         self.0.persist(archive);
+    }
+}
+
+impl<T: Persist + Copy + Default> Persist for PerNode<T> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let (values, count) = self.parts_mut();
+        persist_fields!(archive; values, count);
+        if usize::from(*count) > MOST_NODES {
+            archive.refuse(|| "an element has more nodes than any topology".into());
+            *self = PerNode::default();
+        }
     }
 }
 

@@ -51,11 +51,11 @@ pub struct Point {
 /// A variable over all nodes or elements.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
-    /// Nodes or elements.
+    /// Nodes, or the quadrilaterals that elements consist of.
     pub points: Vec<Point>,
     /// Whether they are elements.
     pub on_elements: bool,
-    /// Corners of all elements at the start.
+    /// Corners of the quadrilaterals of all elements at the start.
     pub cells: Vec<[[f64; 2]; 4]>,
     /// Indices of their nodes, where the field is one of nodes.
     pub corners: Vec<[u32; 4]>,
@@ -72,12 +72,20 @@ impl Field {
         if state.elements.is_empty() {
             return Err("a norm is taken over what deforms, and nothing here does".into());
         }
-        let (corners, cells): (Vec<[u32; 4]>, Vec<[[f64; 2]; 4]>) =
-            state.elements.groups.iter().flat_map(|g| (0..g.len()).map(move |e| cell(state, &**g, e))).unzip();
+        let (mut elements, mut corners, mut cells) = <(Vec<_>, Vec<_>, Vec<_>)>::default();
+        for (g, group) in state.elements.groups.iter().enumerate() {
+            for e in 0..group.len() {
+                for (nodes, places) in cells_of(state, &**group, e) {
+                    elements.push((g, e));
+                    corners.push(nodes);
+                    cells.push(places);
+                }
+            }
+        }
         let FieldName(part) = name;
         let on_elements = part.variable.is_of_elements();
         let points = if on_elements {
-            of_elements(state, part, &corners, &cells)
+            of_elements(state, part, &elements, &corners, &cells)
         } else {
             of_nodes(state, part, &corners, &cells)
         };
@@ -123,34 +131,39 @@ impl Field {
     }
 }
 
-/// Nodes and places at the start of an element's corners. A shell is what its thickness makes of it, its nodes on both sides.
-fn cell(state: &State, group: &dyn ElementGroup, element: usize) -> ([u32; 4], [[f64; 2]; 4]) {
+/// Nodes and places at the start of the corners of an element's quadrilaterals. A shell is what its thickness makes of it, its nodes
+/// on both sides.
+fn cells_of(state: &State, group: &dyn ElementGroup, element: usize) -> Vec<([u32; 4], [[f64; 2]; 4])> {
     let nodes = &state.dofs.nodes;
-    let corners = group.corners(element);
     let place = |n: u32| nodes.start[n as usize];
     let Some(thickness) = values::value(group, nodes.as_slice(), element, Variable::Thickness.into()) else {
-        return (corners, corners.map(place));
+        return group.cells(element).map(|cell| (cell, cell.map(place))).collect();
     };
-    let [first, second] = [corners[0], corners[1]];
+    let boundary = group.boundary(element);
+    let [first, second] = [boundary[0], boundary[1]];
     let (a, b) = (place(first), place(second));
     let along = [b[0] - a[0], b[1] - a[1]];
     let half = 0.5 * thickness / along[0].hypot(along[1]);
     let beside = |p: [f64; 2], side: f64| [(p[0] - side * half * along[1]).max(0.0), p[1] + side * half * along[0]];
-    ([first, second, second, first], [beside(a, -1.0), beside(b, -1.0), beside(b, 1.0), beside(a, 1.0)])
+    vec![([first, second, second, first], [beside(a, -1.0), beside(b, -1.0), beside(b, 1.0), beside(a, 1.0)])]
 }
 
-fn of_elements(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+fn of_elements(
+    state: &State,
+    part: Part,
+    elements: &[(usize, usize)],
+    corners: &[[u32; 4]],
+    cells: &[[[f64; 2]; 4]],
+) -> Vec<Point> {
     let (groups, nodes) = (&state.elements.groups, &state.dofs.nodes);
-    let elements = groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
-    elements
-        .zip(cells.iter().zip(corners))
-        .map(|((g, e), (cell, corners))| Point {
-            start: middle(cell),
-            now: middle(&corners.map(|n| nodes[n as usize].place())),
-            weight: quad::volume(*cell),
-            value: values::value(&*groups[g], nodes.as_slice(), e, part).unwrap_or(f64::NAN),
-        })
-        .collect()
+    let all = elements.iter().zip(cells.iter().zip(corners));
+    all.map(|(&(g, e), (cell, corners))| Point {
+        start: middle(cell),
+        now: middle(&corners.map(|n| nodes[n as usize].place())),
+        weight: quad::volume(*cell),
+        value: values::value(&*groups[g], nodes.as_slice(), e, part).unwrap_or(f64::NAN),
+    })
+    .collect()
 }
 
 fn of_nodes(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {

@@ -50,7 +50,7 @@ pub fn run() {
     let moving = |(i, n): (usize, &Node)| Node { v_r: wobble(i), v_z: wobble(i + 7), ..*n };
     let nodes: Vec<Node> = elastic.dofs.nodes.as_slice().iter().enumerate().map(moving).collect();
     let nodes = &nodes[..];
-    let elements: Vec<[u32; 4]> = (0..n * n).map(|e| elastic.elements.groups[0].corners(e)).collect();
+    let elements: Vec<[u32; 4]> = (0..n * n).flat_map(|e| elastic.elements.groups[0].cells(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
     let constants = Constants {
         bulk,

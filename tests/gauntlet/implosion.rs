@@ -95,7 +95,7 @@ fn a_corner_thrown_through_its_element() -> Verdict {
     let least = |scene: &Scene| {
         let group = &scene.prepared.state.elements.groups[0];
         let places = scene.places();
-        let corners = |e: usize| group.corners(e).map(|n| places[n as usize]);
+        let corners = |e: usize| group.cells(e).next().expect("a quadrilateral").map(|n| places[n as usize]);
         let area = |at: [[f64; 2]; 4], i: usize| {
             let [a, b, c] = [at[i], at[(i + 1) % 4], at[(i + 3) % 4]];
             (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])

@@ -110,8 +110,8 @@ impl Scene {
         let (places, stress) = (self.places(), self.field("S"));
         let mut cells = Vec::new();
         for group in &self.prepared.state.elements.groups {
-            for e in 0..group.len() {
-                let corners = group.corners(e).map(|n| n as usize);
+            for cell in (0..group.len()).flat_map(|e| group.cells(e)) {
+                let corners = cell.map(|n| n as usize);
                 let now = corners.map(|n| places[n]);
                 let ratio = quad::volume(corners.map(|n| start[n])) / quad::volume(now);
                 let s = &stress[4 * cells.len()..4 * cells.len() + 4];

@@ -182,7 +182,7 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
         + "*Step\n*Dynamic, Explicit\n , 1.\n*Output, history\n*Energy Output\n ALLIE\n*End Step\n";
     let state = common::prepared(&deck, &[], &Routines::none()).state;
     let elastic = &state.elements;
-    let elements: Vec<[u32; 4]> = (0..64).map(|e| elastic.groups[0].corners(e)).collect();
+    let elements: Vec<[u32; 4]> = (0..64).flat_map(|e| elastic.groups[0].cells(e)).collect();
     let (bulk, shear) = (200e3 / 1.2, 200e3 / 2.6);
     let constants = Constants {
         bulk,

@@ -76,7 +76,7 @@ pub(crate) fn cells(deck: &str, memory: &Memory, density: f64) -> Cells {
     let moved = common::at_nodes(&prepared, moved);
     let groups = prepared.state.elements.groups.iter();
     let mut cells = Cells { place: Vec::new(), density: Vec::new(), mean: Vec::new() };
-    for (e, corners) in groups.flat_map(|group| (0..group.len()).map(|e| group.corners(e))).enumerate() {
+    for (e, corners) in groups.flat_map(|group| (0..group.len()).flat_map(|e| group.cells(e))).enumerate() {
         let corners = corners.map(|n| n as usize);
         let before = corners.map(|n| nodes.start[n]);
         let now = corners.map(|n| [0, 1].map(|axis| nodes.start[n][axis] + moved[n][axis]));

@@ -2,6 +2,7 @@
 //! what of them comes and goes as elements are deleted.
 //! Never here: which facets meet, what acts where they do.
 
+use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// What carries a point of a surface.
@@ -224,19 +225,18 @@ impl Curve {
         found.map(|f| f.0 as usize)
     }
 
-    /// Elements with these corners, run through counter-clockwise, are no more: their facets go, those of elements beside them
-    /// lie bare. Returns whether anything of the curve has changed.
-    pub fn release(&mut self, gone: impl Iterator<Item = [u32; 4]> + Clone) -> bool {
-        let edges =
-            |corners: [u32; 4]| (0..4).map(move |i| [corners[i], corners[(i + 1) % 4]]).filter(|e| e[0] != e[1]);
+    /// Elements with these boundaries, counter-clockwise, are deleted: their facets go, those of elements beside them are exposed.
+    /// Returns whether anything of the curve has changed.
+    pub fn release(&mut self, deleted: impl Iterator<Item = ElementNodes> + Clone) -> bool {
+        let edges = || deleted.clone().flat_map(ElementNodes::sides);
         let mut changed = false;
-        for [a, b] in gone.clone().flat_map(edges) {
+        for [a, b] in edges() {
             if let Some(k) = self.facet(a, b) {
                 changed |= self.behind[k];
                 (self.there[k], self.behind[k]) = (false, false);
             }
         }
-        for [a, b] in gone.flat_map(edges) {
+        for [a, b] in edges() {
             if let Some(k) = self.facet(b, a).filter(|k| self.behind[*k] && changed) {
                 self.there[k] = true;
             }

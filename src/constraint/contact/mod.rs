@@ -27,6 +27,7 @@ use self::shown::Shown;
 use self::sweeps::{Given, Motion, NONE, Row, Rows, Span};
 use super::Constraint;
 use crate::kernel::interaction::Law;
+use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::dofs::{Dof, Dofs};
@@ -569,10 +570,10 @@ impl Constraint for Contact {
         self.rows.reserve(self.pressures.len(), self.dofs.len());
     }
 
-    fn release(&mut self, gone: &[[u32; 4]]) {
+    fn release(&mut self, deleted: &[ElementNodes]) {
         let Contact { curves, shown, uncovered, .. } = self;
         for curve in curves.iter_mut() {
-            let points = gone.iter().filter_map(|corners| shown.points(corners));
+            let points = deleted.iter().filter_map(|boundary| shown.points(boundary));
             if curve.release(points) {
                 curve.list();
                 *uncovered = true;

@@ -3,6 +3,7 @@
 
 use super::curve::{Carrier, Point};
 use super::{Contact, Pair};
+use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::variables::{Part, Variable};
 
@@ -43,11 +44,11 @@ impl Shown {
         }
     }
 
-    /// The points of an element's corners; `None` where one is in no contact.
-    pub(super) fn points(&self, corners: &[u32; 4]) -> Option<[u32; 4]> {
-        let mut points = [0; 4];
-        for (point, corner) in points.iter_mut().zip(corners) {
-            *point = self.point(Carrier::Node(*corner as usize))?;
+    /// The points of an element's boundary; `None` where one is in no contact.
+    pub(super) fn points(&self, boundary: &ElementNodes) -> Option<ElementNodes> {
+        let mut points = *boundary;
+        for point in points.iter_mut() {
+            *point = self.point(Carrier::Node(*point as usize))?;
         }
         Some(points)
     }

@@ -2,8 +2,8 @@
 //! Never here: arithmetic of frames and points.
 //!
 //! A node of shells turns as well as it moves. Its rotation is a degree of freedom of its own in the list of nodes: a companion
-//! whose first coordinate is the angle (counter-clockwise in r and z, radians) and whose mass is the rotary inertia. So a
-//! shell has four "corners": its two nodes, then their rotations, on which moments act as forces along r do on nodes.
+//! whose first coordinate is the angle (counter-clockwise in r and z, radians) and whose mass is the rotary inertia. So a shell acts
+//! on two nodes, then on their rotations, on which moments act as forces along r do on nodes.
 
 use std::sync::Arc;
 
@@ -12,9 +12,12 @@ use super::record::{PointStrains, Record};
 use super::section::{Section, Thinning};
 use crate::element::block::is_larger;
 use crate::element::constants::CHANGE;
-use crate::element::group::{ElementGroup, Pass, Totals};
+use crate::element::group::{
+    Deletion, ElementGroup, Extensions, GroupProperties, InitialState, Pass, Settings, Stiffness, Totals,
+};
 use crate::kernel::lanes::{Corners, LANES};
 use crate::kernel::shell::{Five, Frame};
+use crate::kernel::topology::{ElementNodes, PerNode, Topology};
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
 use crate::variables::{Part, Variable};
@@ -35,7 +38,7 @@ pub struct Shells {
     /// What outputs ask for; `None` without.
     record: Option<Box<Record>>,
     /// Elements that were deleted; empty where none can be.
-    gone: Vec<bool>,
+    deleted: Vec<bool>,
 }
 
 /// What an element keeps beside its points.
@@ -91,7 +94,7 @@ impl Shells {
             section: Arc::new(section),
             ends,
             record: None,
-            gone: Vec::new(),
+            deleted: Vec::new(),
         }
     }
 
@@ -101,8 +104,8 @@ impl Shells {
     }
 
     /// Whether an element was deleted.
-    fn is_gone(&self, element: usize) -> bool {
-        self.gone.get(element) == Some(&true)
+    fn is_deleted(&self, element: usize) -> bool {
+        self.deleted.get(element) == Some(&true)
     }
 
     /// Index of a point of an element.
@@ -216,10 +219,29 @@ impl ElementGroup for Shells {
         self.ends.len()
     }
 
+    fn properties(&self) -> GroupProperties {
+        GroupProperties {
+            topology: Topology::Shell,
+            single: false,
+            deletable: !self.deleted.is_empty(),
+            damped: true,
+            holds_pressure: false,
+            fields: 0,
+        }
+    }
+
+    fn nodes(&self, element: usize) -> ElementNodes {
+        self.ends[element].into()
+    }
+
+    fn masses(&self, element: usize) -> PerNode<f64> {
+        self.masses[element].into()
+    }
+
     fn update(&mut self, mut pass: Pass<'_>) -> Totals {
         let mut totals = Totals::default();
         for element in 0..self.ends.len() {
-            if self.is_gone(element) {
+            if self.is_deleted(element) {
                 continue;
             }
             let ([internal, plastic, viscous], rate) = self.advance(element, &mut pass);
@@ -260,11 +282,74 @@ impl ElementGroup for Shells {
             Variable::ElementStrainEnergy => followed().map(|f| f.work[0] - f.work[1]),
             Variable::ElementPlasticEnergy => Some(followed()?.work[1]),
             Variable::Mass => Some(self.masses[element][0] + self.masses[element][1]),
-            Variable::Status => Some(if self.is_gone(element) { 0.0 } else { 1.0 }),
+            Variable::Status => Some(if self.is_deleted(element) { 0.0 } else { 1.0 }),
             _ => None,
         }
     }
 
+    fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
+        let masses = masses.map_or(Some(&self.masses[element]), |list| list.first_chunk())?;
+        Some(self.section.rate(&self.frame(element, nodes), masses, self.state[element].thickness, 0.0))
+    }
+
+    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<Stiffness> {
+        None
+    }
+
+    fn bytes(&self) -> usize {
+        let section = size_of_val(&*self.section) + size_of_val(&*self.section.points);
+        let elements = size_of_val(&*self.ends) + size_of_val(&*self.masses) + size_of_val(&*self.state);
+        let record = self.record.as_ref().map_or(0, |r| size_of_val(&**r) + r.bytes());
+        section + elements + size_of_val(&*self.stress) + size_of_val(&*self.flow) + record + self.deleted.capacity()
+    }
+
+    fn copy(&self) -> Box<dyn ElementGroup> {
+        Box::new(self.clone())
+    }
+
+    fn extensions(&mut self) -> &mut dyn Extensions {
+        self
+    }
+}
+
+impl Extensions for Shells {
+    fn settings(&mut self) -> &mut dyn Settings {
+        self
+    }
+
+    fn deletion(&mut self) -> &mut dyn Deletion {
+        self
+    }
+
+    fn initial_state(&mut self) -> &mut dyn InitialState {
+        self
+    }
+}
+
+impl Settings for Shells {
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        self.masses[element].copy_from_slice(masses);
+    }
+
+    fn follow(&mut self) {
+        self.record = Some(Box::new(Record::new(self.ends.len(), self.stress.len())));
+    }
+}
+
+impl Deletion for Shells {
+    fn make_erodible(&mut self) {
+        self.deleted = vec![false; self.ends.len()];
+    }
+
+    /// A deleted shell shows no stress.
+    fn erode(&mut self, element: usize, _volume: f64) {
+        self.deleted[element] = true;
+        self.state[element].shear = 0.0;
+        self.set(element, Some([0.0; 4]), None);
+    }
+}
+
+impl InitialState for Shells {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let count = self.section.points.len();
         let points = element * count..(element + 1) * count;
@@ -274,68 +359,6 @@ impl ElementGroup for Shells {
         if let (Some(temperature), Some(flow)) = (temperature, self.flow.get_mut(points)) {
             flow.iter_mut().for_each(|f| f.temperature = temperature);
         }
-    }
-
-    fn follow(&mut self) {
-        self.record = Some(Box::new(Record::new(self.ends.len(), self.stress.len())));
-    }
-
-    fn own_rate(&self, element: usize, masses: &[f64; 4], nodes: &[Node]) -> Option<f64> {
-        Some(self.section.rate(&self.frame(element, nodes), masses, self.state[element].thickness, 0.0))
-    }
-
-    fn corner_masses(&self, element: usize) -> [f64; 4] {
-        self.masses[element]
-    }
-
-    fn set_corner_masses(&mut self, element: usize, masses: [f64; 4]) {
-        self.masses[element] = masses;
-    }
-
-    fn can_delete(&self) -> bool {
-        !self.gone.is_empty()
-    }
-
-    fn make_erodible(&mut self) {
-        self.gone = vec![false; self.ends.len()];
-    }
-
-    /// A deleted shell shows no stress.
-    fn erode(&mut self, element: usize, _volume: f64) {
-        self.gone[element] = true;
-        self.state[element].shear = 0.0;
-        self.set(element, Some([0.0; 4]), None);
-    }
-
-    fn deleted(&mut self, _gone: &mut Vec<[u32; 4]>) {}
-
-    fn holds_state(&self) -> bool {
-        false
-    }
-
-    fn set_energy(&mut self, _element: usize, _energy: f64) {}
-
-    fn corners(&self, element: usize) -> [u32; 4] {
-        self.ends[element]
-    }
-
-    fn volume(&self, element: usize, nodes: &[Node]) -> f64 {
-        self.frame(element, nodes).area() * self.state[element].thickness
-    }
-
-    fn is_solid(&self) -> bool {
-        false
-    }
-
-    fn bytes(&self) -> usize {
-        let section = size_of_val(&*self.section) + size_of_val(&*self.section.points);
-        let elements = size_of_val(&*self.ends) + size_of_val(&*self.masses) + size_of_val(&*self.state);
-        let record = self.record.as_ref().map_or(0, |r| size_of_val(&**r) + r.bytes());
-        section + elements + size_of_val(&*self.stress) + size_of_val(&*self.flow) + record + self.gone.capacity()
-    }
-
-    fn copy(&self) -> Box<dyn ElementGroup> {
-        Box::new(self.clone())
     }
 }
 
@@ -348,8 +371,8 @@ impl Persist for Shell {
 
 impl Persist for Shells {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shells { section: _, ends: _, masses, state, stress, flow, record, gone } = self;
-        gone.as_mut_slice().persist(archive);
+        let Shells { section: _, ends: _, masses, state, stress, flow, record, deleted } = self;
+        deleted.as_mut_slice().persist(archive);
         persist_fields!(archive; masses.as_mut_slice(), state.as_mut_slice(), stress.as_mut_slice(), flow.as_mut_slice());
         if let Some(record) = record {
             record.persist(archive);

@@ -14,6 +14,7 @@ mod stack;
 mod tunnel;
 
 use super::{Account, FlightEnd, LastIncrement, Load, Slot, Unfinished, VelocityUse, View};
+use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{Patch, Surface};
 use crate::state::EffectId;
@@ -154,8 +155,8 @@ impl Load for CavityExpansion {
         self.skin.dissipated(behind)
     }
 
-    fn release(&mut self, gone: &[[u32; 4]]) {
-        self.skin.release(gone);
+    fn release(&mut self, deleted: &[ElementNodes]) {
+        self.skin.release(deleted);
     }
 
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {

@@ -4,6 +4,7 @@
 use super::stack::{Stack, is_level};
 use super::tunnel::Tunnel;
 use crate::kernel::facet::Facet;
+use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::on_solid;
 use crate::load::{LastIncrement, View};
@@ -84,8 +85,8 @@ impl Resisted {
         against
     }
 
-    pub(super) fn release(&mut self, gone: &[[u32; 4]]) {
-        self.skin.release(gone);
+    pub(super) fn release(&mut self, deleted: &[ElementNodes]) {
+        self.skin.release(deleted);
     }
 
     /// How far the next increment may go: a level face enters a layer as a whole, so that its force jumps there; of others no

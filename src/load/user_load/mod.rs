@@ -5,6 +5,7 @@ mod points;
 mod shown;
 
 use super::{Account, Load, Slot, VelocityUse, View};
+use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::load::stiffness::Stiffness;
 use crate::mesh::hidden::Hidden;
@@ -41,8 +42,8 @@ pub struct Description {
 pub struct Volume {
     /// Solids of rigid bodies: body, index of the element in the mesh, centre `[r, z]` and volume.
     pub rigid: Vec<(usize, usize, [f64; 2], f64)>,
-    /// Corner nodes of deformable elements.
-    pub elements: Vec<[u32; 4]>,
+    /// Corner nodes of the quadrilaterals that deformable elements consist of.
+    pub cells: Vec<[u32; 4]>,
 }
 
 /// The load on its points, in blocks as the routine is shown them: those of nodes first, then body after body.
@@ -78,7 +79,7 @@ impl UserLoad {
 
     /// A force a volume.
     pub fn on_volume(load: Description, volume: &Volume, nodes: &Nodes) -> Self {
-        let parts = volume.elements.chunks(MAX_BLOCK);
+        let parts = volume.cells.chunks(MAX_BLOCK);
         let mut blocks: Vec<Block> = parts.map(|elements| Block::of_elements(&load, elements, nodes)).collect();
         let on_nodes = blocks.len();
         let mut bodies = Vec::new();
@@ -154,13 +155,13 @@ impl Load for UserLoad {
     }
 
     /// The routine goes on to be shown a face that went; its answer no longer counts. Faces that come follow all others.
-    fn release(&mut self, gone: &[[u32; 4]]) {
+    fn release(&mut self, deleted: &[ElementNodes]) {
         for block in &mut self.blocks {
             if let Carrier::Faces { skin, .. } = &mut block.carrier {
-                skin.release(gone);
+                skin.release(deleted);
             }
         }
-        self.hidden.release(gone).for_each(|at| self.add_face(at));
+        self.hidden.release(deleted).for_each(|at| self.add_face(at));
     }
 
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {

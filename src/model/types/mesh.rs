@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use crate::deck::Span;
+use crate::kernel::topology::Topology;
 use crate::model::element_nodes::ElementNodes;
 use crate::model::name::Name;
 
@@ -41,11 +42,18 @@ impl Mesh {
         self.elements.reserve(more);
     }
 
-    /// The corners of a solid element, counter-clockwise. A triangle is a quadrilateral whose last two corners coincide:
-    /// the formulas of polygons hold, and every motion of three nodes is linear, so hourglass control finds nothing.
-    pub fn corners(&self, element: usize) -> [usize; 4] {
-        let nodes = &self.elements[element].nodes;
-        [0, 1, 2, 3].map(|i: usize| nodes[i.min(nodes.len() - 1)])
+    /// Nodes of the quadrilaterals that a solid element consists of, counter-clockwise. A triangle is a quadrilateral whose last two
+    /// corners coincide: the formulas of polygons hold, and every motion of three nodes is linear, so hourglass control finds
+    /// nothing.
+    pub fn cells(&self, element: usize) -> impl Iterator<Item = [usize; 4]> {
+        let Element { kind, nodes, .. } = &self.elements[element];
+        let cells = kind.topology().map_or(&[][..], Topology::cells);
+        cells.iter().map(move |cell| cell.map(|i| nodes[i.min(nodes.len() - 1)]))
+    }
+
+    /// Places of the corners of these quadrilaterals.
+    pub fn cells_at_start(&self, element: usize) -> impl Iterator<Item = [[f64; 2]; 4]> {
+        self.cells(element).map(|cell| cell.map(|n| self.points[n]))
     }
 
     /// The ends of one side of an element, the way it runs counter-clockwise; `None` if it has no such side.

@@ -51,7 +51,7 @@ fn stiffen(model: &mut Model) {
     let mut mass: f64 = model.discrete.masses.drain(..).map(|p| p.mass).sum();
     for section in &model.sections {
         let density = model.materials[section.material].density.unwrap_or(0.0);
-        let volume = |&e: &usize| quad::volume(model.mesh.corners(e).map(|n| model.mesh.points[n]));
+        let volume = |&e: &usize| model.mesh.cells_at_start(e).map(quad::volume).sum::<f64>();
         mass += section.elements.iter().map(volume).sum::<f64>() * density;
     }
     let span = model.sections[0].span;

@@ -1,0 +1,153 @@
+//! Topologies of elements: how many nodes an element acts on, which of them are its boundary, and its quadrilateral cells.
+//! Never here: which nodes an element has, strains.
+
+use std::ops::{Deref, DerefMut};
+
+/// Most nodes that an element acts on.
+pub const MOST_NODES: usize = 6;
+
+/// One value for each node of an element, in the order of its topology.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PerNode<T> {
+    values: [T; MOST_NODES],
+    count: u8,
+}
+
+/// Nodes of one element.
+pub type ElementNodes = PerNode<u32>;
+
+impl<T: Copy + Default> PerNode<T> {
+    /// Values of the first nodes only.
+    #[must_use]
+    pub fn first(mut self, count: usize) -> Self {
+        self.count = self.count.min(count as u8);
+        self
+    }
+
+    /// The values, and how many of them count.
+    pub fn parts_mut(&mut self) -> (&mut [T; MOST_NODES], &mut u8) {
+        (&mut self.values, &mut self.count)
+    }
+
+    /// Sides of a closed boundary, from each node to the next; a node that is doubled makes none with itself.
+    pub fn sides(self) -> impl Iterator<Item = [T; 2]> + Clone
+    where
+        T: PartialEq,
+    {
+        let count = self.len();
+        (0..count).map(move |i| [self[i], self[(i + 1) % count]]).filter(|[a, b]| a != b)
+    }
+
+    /// Another value for each node, by its own.
+    pub fn map<U: Copy + Default>(&self, of: impl Fn(T) -> U) -> PerNode<U> {
+        let mut mapped = PerNode { values: [U::default(); MOST_NODES], count: self.count };
+        mapped.values.iter_mut().zip(self.iter()).for_each(|(to, from)| *to = of(*from));
+        mapped
+    }
+}
+
+impl<T: Copy + Default, const N: usize> From<[T; N]> for PerNode<T> {
+    fn from(list: [T; N]) -> Self {
+        const { assert!(N <= MOST_NODES) };
+        let mut values = [T::default(); MOST_NODES];
+        values[..N].copy_from_slice(&list);
+        PerNode { values, count: N as u8 }
+    }
+}
+
+impl<T> Deref for PerNode<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.values[..usize::from(self.count)]
+    }
+}
+
+impl<T> DerefMut for PerNode<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.values[..usize::from(self.count)]
+    }
+}
+
+impl<T> IntoIterator for PerNode<T> {
+    type Item = T;
+    type IntoIter = std::iter::Take<std::array::IntoIter<T, MOST_NODES>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.values.into_iter().take(usize::from(self.count))
+    }
+}
+
+impl<T: PartialEq> PartialEq for PerNode<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+/// The shape of the elements of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topology {
+    /// Two nodes, which shells are met at from both sides, then their rotations.
+    Shell,
+    /// Four corners, counter-clockwise; of a triangle the last two coincide.
+    Quadrilateral,
+    /// Three corners and the middles of the sides between them, around the boundary counter-clockwise from a corner.
+    SixNodeTriangle,
+}
+
+impl Topology {
+    /// How many nodes, rotations included, an element acts on.
+    pub fn nodes(self) -> usize {
+        match self {
+            Topology::Shell | Topology::Quadrilateral => 4,
+            Topology::SixNodeTriangle => 6,
+        }
+    }
+
+    /// How many of them, the first ones, are its boundary.
+    pub fn boundary(self) -> usize {
+        if self == Topology::Shell { 2 } else { self.nodes() }
+    }
+
+    /// Whether the boundary encloses the volume of an element.
+    pub fn is_solid(self) -> bool {
+        self != Topology::Shell
+    }
+
+    /// Blocks of four corner forces of each block of elements.
+    pub fn force_blocks(self) -> usize {
+        self.nodes().div_ceil(4)
+    }
+
+    /// Quadrilaterals, counter-clockwise by place in the boundary, that a solid element consists of; of a triangle the last two
+    /// corners coincide.
+    pub fn cells(self) -> &'static [[usize; 4]] {
+        match self {
+            Topology::Shell => &[],
+            Topology::Quadrilateral => &[[0, 1, 2, 3]],
+            Topology::SixNodeTriangle => &[[0, 1, 5, 5], [2, 3, 1, 1], [4, 5, 3, 3], [1, 3, 5, 5]],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ElementNodes, PerNode, Topology};
+    use crate::kernel::quad;
+
+    #[test]
+    fn cells_of_a_six_node_triangle_fill_its_boundary() {
+        let corners = [[1.0, 0.0], [2.0, 0.25], [3.0, 0.5], [2.5, 1.5], [1.0, 2.0], [0.75, 1.0]];
+        let cells = Topology::SixNodeTriangle.cells().iter().map(|cell| quad::volume(cell.map(|i| corners[i])));
+        assert!((cells.sum::<f64>() - crate::kernel::solid::volume(&corners)).abs() < 1e-13);
+    }
+
+    #[test]
+    fn sides_follow_the_boundary_and_skip_doubled_nodes() {
+        let nodes = ElementNodes::from([4, 5, 6, 6]);
+        assert!(nodes.sides().eq([[4, 5], [5, 6], [6, 4]]));
+        assert!(nodes.first(2).sides().eq([[4, 5], [5, 4]]));
+        assert_eq!(nodes.map(|n| 2 * n), PerNode::from([8, 10, 12, 12]));
+        assert!(nodes.into_iter().eq([4, 5, 6, 6]));
+    }
+}
