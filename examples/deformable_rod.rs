@@ -161,19 +161,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     print!("{table}");
     put_into_page(&table)?;
     let names = ["rigid", "yields, shank in an elastic wall", "yields, shank resisted as the nose"];
-    let mut series: Vec<Series> = names
-        .iter()
-        .zip(lines)
-        .map(|(name, points)| Series { name: (*name).into(), points, form: Form::Line })
-        .collect();
-    series.push(Series { name: "experiment".into(), points: known, form: Form::Marks });
-    let chart = Chart {
-        title: "Depth of a rigid rod and of one that yields".into(),
-        x_label: "striking velocity".into(),
-        y_label: "depth".into(),
-        units: ["m/s".into(), "mm".into()],
-        series,
-    };
+    let mut series: Vec<Series> =
+        names.iter().zip(lines).map(|(name, points)| Series::new(*name, Form::Line, points)).collect();
+    series.push(Series::new("experiment", Form::Marks, known));
+    let chart = Chart::new("Depth of a rigid rod and of one that yields", ["striking velocity", "depth"], series);
+    let chart = Chart { units: ["m/s".into(), "mm".into()], ..chart };
     std::fs::write("docs/rod-depths.png", chart.png()?)?;
     Ok(std::fs::write("docs/rod-noses.png", draw::png(&picture(&noses))?)?)
 }

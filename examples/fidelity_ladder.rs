@@ -11,7 +11,7 @@ use std::time::Instant;
 use revolve::job;
 use revolve::study::chart::{Chart, Form, Series};
 use revolve::study::compare::{Reference, rms};
-use revolve::study::quantity::{Finished, Quantity};
+use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::Routines;
 
 #[path = "common/rod.rs"]
@@ -128,7 +128,7 @@ fn shoot(
     let (outcome, state) = job::run_into(&prepared, &mut history);
     match outcome.halt {
         Some(halt) => Err(format!("{deck} at {velocity}: {halt}").into()),
-        None => Ok(quantity.number(Finished { history: &history, end: Some((outcome.total_time(), &state)) })?),
+        None => Ok(quantity.number(FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) })?),
     }
 }
 
@@ -160,15 +160,11 @@ fn table(shots: &[(f64, f64)], climbed: &[Climbed]) -> String {
 fn picture(shots: &[(f64, f64)], climbed: &[Climbed]) -> Chart {
     let line = |(rung, climbed): (&Rung, &Climbed)| {
         let points = shots.iter().zip(differences(shots, climbed)).map(|((v, _), d)| (*v, d)).collect();
-        Series { name: rung.name.into(), points, form: Form::Line }
+        Series::new(rung.name, Form::Line, points)
     };
-    Chart {
-        title: "Depth: model minus experiment".into(),
-        x_label: "striking velocity".into(),
-        y_label: "difference".into(),
-        units: ["m/s".into(), "mm".into()],
-        series: LADDER.iter().zip(climbed).map(line).collect(),
-    }
+    let series = LADDER.iter().zip(climbed).map(line).collect();
+    let chart = Chart::new("Depth: model minus experiment", ["striking velocity", "difference"], series);
+    Chart { units: ["m/s".into(), "mm".into()], ..chart }
 }
 
 /// Replaces the table between the two marks of the page.

@@ -73,6 +73,7 @@ pub mod output;
 pub mod overview;
 pub mod plan;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod report;
 #[cfg(feature = "resistance")]
 pub mod resistance;

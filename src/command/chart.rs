@@ -1,16 +1,15 @@
 //! `revolve chart`.
 
-use super::Status;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::output;
-use crate::report::picture::{self, Drawn};
-use crate::report::{Asked, Labels};
-use crate::study::draw;
+use crate::report::picture::{self, ComparedChart};
+use crate::report::{Labels, PageOptions};
 use clap::{ArgGroup, Args};
 
 use super::words::say;
+use super::{PictureFormat, Status};
 
 /// Draw history columns, energies or a frame of the run in a folder as PNG or SVG.
 #[derive(Args)]
@@ -42,37 +41,23 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let out = self.out.clone().unwrap_or_else(|| self.folder.join("chart.png"));
-        let svg = is_svg(&out)?;
-        let bytes = match &self.field {
-            Some(field) => {
-                let picture = picture::meridian(&self.folder, self.frame, field)?;
-                if svg { picture.into_bytes() } else { draw::png(&picture)? }
-            }
+        let format = PictureFormat::of(&out)?;
+        let svg = match &self.field {
+            Some(field) => picture::meridian(&self.folder, self.frame, field)?,
             None => {
-                let asked = Asked { labels: Labels::parse(&self.label)?, compare: self.compare };
-                let Drawn { chart, deviations } = match self.energy {
-                    true => Drawn { chart: picture::energies(&self.folder)?, ..Drawn::default() },
-                    false => picture::columns(&self.folder, &self.column, &asked)?,
+                let options = PageOptions { labels: Labels::parse(&self.label)?, compare: self.compare };
+                let ComparedChart { chart, deviations } = match self.energy {
+                    true => ComparedChart { chart: picture::energies(&self.folder)?, ..ComparedChart::default() },
+                    false => picture::columns(&self.folder, &self.column, &options)?,
                 };
                 deviations.iter().for_each(|line| say!("{line}"));
-                if svg { chart.svg()?.into_bytes() } else { chart.png()? }
+                chart.svg()?
             }
         };
-        output::write_whole(&out, &bytes).map_err(|e| e.to_string())?;
+        output::write_whole(&out, &format.bytes(svg)?)?;
         say!("picture {}", out.display());
         Ok(Status::SUCCESS)
-    }
-}
-
-/// By the ending of the file's name.
-pub(super) fn is_svg(path: &Path) -> Result<bool, String> {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    match ending.as_deref() {
-        Some("svg") => Ok(true),
-        Some("png") => Ok(false),
-        _ => Err(format!("{}: the name of a picture ends in .png or .svg", path.display())),
     }
 }

@@ -13,7 +13,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::words::say;
-use super::{REFUSED, Status, UserFiles, accepted, pairs, words};
+use super::{REFUSED, Status, UserFiles, accept, pairs, words};
 
 /// A run is looked at for so long to say what all of it will take.
 const LOOK: Duration = Duration::from_millis(500);
@@ -54,9 +54,8 @@ struct Report<'a> {
 }
 
 impl Check {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        let Some(routines) = self.user.routines(self.json) else { return Ok(Status::from(REFUSED)) };
+        let (routines, _) = self.user.routines(self.json, false)?;
         let (prepared, mut overview) = job::examine(self.precision, &self.deck, &pairs(&self.set)?, &routines);
         if let Some(overview) = overview.as_mut().filter(|_| !self.no_look) {
             overview.effort = overview::measure(&prepared.plan, &prepared.state, LOOK);
@@ -64,9 +63,7 @@ impl Check {
         if self.json {
             return print_json(&prepared, overview.as_ref());
         }
-        if !accepted(&prepared, false) {
-            return Ok(Status::from(REFUSED));
-        }
+        accept(&prepared, false)?;
         if let Some(overview) = &overview {
             words::write(format_args!("{}", overview.render()), true);
         }

@@ -18,7 +18,6 @@ pub struct Explain {
 }
 
 impl Explain {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let word = self.word.join(" ");
         match explain(&word) {

@@ -7,18 +7,18 @@ use crate::deck::files;
 use crate::study::identify::{self, Shots};
 use crate::study::quantity::Quantity;
 use crate::study::statistics::least_squares::Fit;
-use crate::study::table::number;
+use crate::study::table::{Table, number};
 use clap::Args;
 use serde_json::json;
 
-use super::search::{self, Search, Sheet};
-use super::{HALTED, REFUSED, Status, folder_of};
+use super::search::{self, SearchArguments};
+use super::{HALTED, Status, write_results};
 
 /// Fit parameters of a deck to a table of shots: values with confidence intervals, and what the shots cannot tell apart.
 #[derive(Args)]
 pub struct Identify {
     #[command(flatten)]
-    search: Search,
+    search: SearchArguments,
     /// CSV file, a row a shot: parameters of the deck under their names, and what was measured.
     #[arg(long, value_name = "FILE")]
     shots: PathBuf,
@@ -37,7 +37,6 @@ pub struct Identify {
 }
 
 impl Identify {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let (names, start) = self.unknowns()?;
         let text = files::read_text(&self.shots).map_err(|e| format!("--shots {}: {e}", self.shots.display()))?;
@@ -45,18 +44,16 @@ impl Identify {
         if let Some(name) = names.iter().find(|name| shots.names.contains(name)) {
             return Err(format!("--unknown {name}: it is a column of {}, so it is known", self.shots.display()).into());
         }
-        let Some(routines) = self.search.routines() else { return Ok(Status::from(REFUSED)) };
+        let routines = self.search.routines()?;
         let all = shots.names.iter().chain(&names).cloned().collect();
         let evaluator = self.search.evaluator(all, vec![Quantity::parse(&self.quantity)?], &routines)?;
-        let Some((job, _lock)) = folder_of(&self.search.deck, self.search.out.clone())? else {
-            return Ok(Status::from(REFUSED));
-        };
+        let (job, _lock) = self.search.job()?;
         let found = identify::identify(&evaluator, &shots, &start, self.search.threads())?;
-        let sheet = sheet(&names, &found);
+        let table = table(&names, &found);
         let chart = shots.chart(&job.name, &self.measured, &self.quantity, &found);
-        search::write(&job, "identify", &sheet, &[(String::new(), chart)])?;
+        write_results(&job, "identify", &table, Vec::new(), &[(String::new(), chart)])?;
         let said = identify::sentences(&found, &names);
-        self.search.print(&sheet, &self.lines(&shots, &found, &said, &job));
+        self.search.print(&table, &self.lines(&shots, &found, &said, &job));
         let estimates = names.iter().cloned().zip(found.estimates().into_iter().map(|e| json!(e)));
         let estimates: serde_json::Map<_, _> = estimates.collect();
         let correlations: Vec<Vec<Option<f64>>> =
@@ -102,7 +99,7 @@ impl Identify {
 }
 
 /// Parameters with their intervals, and how they go together.
-fn sheet(names: &[String], found: &Fit) -> Sheet {
+fn table(names: &[String], found: &Fit) -> Table {
     let mut header = search::header("parameter");
     header.extend(names.iter().map(|name| format!("correlation with {name}")));
     let row = |(i, estimate)| {
@@ -110,5 +107,5 @@ fn sheet(names: &[String], found: &Fit) -> Sheet {
         let cells = [names[i].clone()].into_iter().chain(search::cells(estimate));
         cells.chain((0..names.len()).map(with)).collect()
     };
-    Sheet { header, rows: found.estimates().into_iter().enumerate().map(row).collect() }
+    Table { header, rows: found.estimates().into_iter().enumerate().map(row).collect() }
 }

@@ -1,27 +1,26 @@
 //! `revolve limit`.
 
 use std::error::Error;
-use std::sync::atomic::AtomicUsize;
 
 use crate::output::Job;
 use crate::study::StudyError;
-use crate::study::evaluate::{Evaluator, Samples};
-use crate::study::inputs::Inputs;
-use crate::study::limit::{self, Asked, Limit as Found, Scattered};
+use crate::study::evaluate::Evaluator;
+use crate::study::inputs::RandomInputs;
+use crate::study::limit::{self, LimitRequest, LimitScatter, LimitVelocity};
 use crate::study::quantity::Quantity;
 use crate::study::statistics::design::{Design, Sampling};
-use crate::study::table::number;
+use crate::study::table::{Table, number};
 use clap::Args;
 use serde_json::json;
 
-use super::search::{self, Routines, Search, Sheet};
-use super::{HALTED, REFUSED, Status, folder_of};
+use super::search::{self, CompiledRoutines, SearchArguments};
+use super::{HALTED, Status, write_results};
 
 /// Find the striking velocity from which on a body perforates, the residual velocity above it, and how the limit scatters.
 #[derive(Args)]
 pub struct Limit {
     #[command(flatten)]
-    search: Search,
+    search: SearchArguments,
     /// Parameter of the deck that is the striking velocity.
     #[arg(long, value_name = "NAME")]
     velocity: String,
@@ -55,28 +54,25 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        let asked = Asked::new(&self.between, self.tolerance, self.least, self.shots as usize)?;
-        let inputs = Inputs::parse(&self.distribution, &self.correlation)?;
+        let asked = LimitRequest::new(&self.between, self.tolerance, self.least, self.shots as usize)?;
+        let inputs = RandomInputs::parse(&self.distribution, &self.correlation)?;
         if inputs.names.contains(&self.velocity) {
             return Err(format!("--distribution {}: the limit of this velocity is looked for", self.velocity).into());
         }
-        let Some(routines) = self.search.routines() else { return Ok(Status::from(REFUSED)) };
+        let routines = self.search.routines()?;
         let evaluator = self.evaluator(&[], &routines)?;
-        let Some((job, _lock)) = folder_of(&self.search.deck, self.search.out.clone())? else {
-            return Ok(Status::from(REFUSED));
-        };
+        let (job, _lock) = self.search.job()?;
         let found = limit::find(&asked, &mut |velocities| self.fire(&evaluator, velocities))?;
         let scattered = match inputs.names.is_empty() {
             true => None,
             false => Some(self.scatter(&asked, &inputs, &self.evaluator(&inputs.names, &routines)?)?),
         };
-        let sheet = sheet(&found, scattered.as_ref());
+        let table = table(&found, scattered.as_ref());
         let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered.as_ref()))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
-        search::write(&job, "limit", &sheet, &charts)?;
-        self.search.print(&sheet, &self.lines(&found, scattered.as_ref(), &job));
+        write_results(&job, "limit", &table, Vec::new(), &charts)?;
+        self.search.print(&table, &self.lines(&found, scattered.as_ref(), &job));
         self.search.print_json(&json!({
             "bracket": found.bracket,
             "shots": found.shots,
@@ -92,31 +88,24 @@ impl Limit {
     }
 
     /// Residual velocities over the striking velocity and other parameters.
-    fn evaluator(&self, others: &[String], routines: &Routines) -> Result<Evaluator, Box<dyn Error>> {
+    fn evaluator(&self, others: &[String], routines: &CompiledRoutines) -> Result<Evaluator, Box<dyn Error>> {
         let names = [self.velocity.clone()].into_iter().chain(others.iter().cloned()).collect();
         let evaluator = self.search.evaluator(names, vec![Quantity::parse(&self.residual)?], routines)?;
         Ok(evaluator.to_the_end())
     }
 
-    fn run(
-        &self,
-        evaluator: &Evaluator,
-        samples: &[f64],
-        count: usize,
-    ) -> Result<(Vec<f64>, Option<StudyError>), StudyError> {
-        let mut table = vec![f64::NAN; count];
-        let asked = Samples { values: samples, count };
-        let failures = evaluator.run(asked, &mut table, self.search.threads(), &AtomicUsize::new(0), &mut |_| {})?;
-        Ok((table, failures.into_iter().next().map(|failure| failure.reason)))
-    }
-
     fn fire(&self, evaluator: &Evaluator, velocities: &[f64]) -> Result<Vec<f64>, StudyError> {
-        let (table, failure) = self.run(evaluator, velocities, velocities.len())?;
-        failure.map_or(Ok(table), Err)
+        let (table, failures) = evaluator.table(velocities, self.search.threads())?;
+        failures.into_iter().next().map_or(Ok(table), |failure| Err(failure.reason))
     }
 
     /// Limits of all draws.
-    fn scatter(&self, asked: &Asked, inputs: &Inputs, evaluator: &Evaluator) -> Result<Scattered, Box<dyn Error>> {
+    fn scatter(
+        &self,
+        asked: &LimitRequest,
+        inputs: &RandomInputs,
+        evaluator: &Evaluator,
+    ) -> Result<LimitScatter, Box<dyn Error>> {
         let (width, count) = (inputs.names.len(), self.count as usize);
         let mut points = vec![0.0; width * count];
         Design::new(Sampling::Random, width, count, self.seed)?.fill(&mut points);
@@ -127,12 +116,12 @@ impl Limit {
                 [*velocity].into_iter().chain(drawn[draw * width..(draw + 1) * width].iter().copied())
             };
             let samples: Vec<f64> = shots.iter().flat_map(row).collect();
-            Ok(self.run(evaluator, &samples, shots.len())?.0)
+            Ok(evaluator.table(&samples, self.search.threads())?.0)
         };
         Ok(limit::scatter(asked, count, fire)?)
     }
 
-    fn lines(&self, found: &Found, scattered: Option<&Scattered>, job: &Job) -> Vec<String> {
+    fn lines(&self, found: &LimitVelocity, scattered: Option<&LimitScatter>, job: &Job) -> Vec<String> {
         let [low, high] = found.bracket.map(number);
         let mut lines =
             vec![format!("limit velocity {}: {low} does not perforate, {high} does", number(found.velocity()))];
@@ -165,7 +154,7 @@ impl Limit {
 }
 
 /// The bracket, the curve and the scatter.
-fn sheet(found: &Found, scattered: Option<&Scattered>) -> Sheet {
+fn table(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Table {
     let mut rows = vec![vec![
         "limit velocity (bracket)".to_owned(),
         number(found.velocity()),
@@ -183,5 +172,5 @@ fn sheet(found: &Found, scattered: Option<&Scattered>) -> Sheet {
         row("V50", scatter.median);
         row("standard deviation of the limit", scatter.deviation);
     }
-    Sheet { header: search::header("what"), rows }
+    Table { header: search::header("what"), rows }
 }

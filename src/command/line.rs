@@ -1,14 +1,12 @@
 //! The command line: which command is meant. The program and the Python package enter here.
-//! Never here: what a command does.
 
 use std::ffi::OsString;
 
 use clap::{Parser, Subcommand};
 
-use super::words::tell;
 use super::{
-    REFUSED, Status, chart, check, explain, identify, limit, mesh, new, report, resistance, run, scatter, shell,
-    signals, study, sweep,
+    REFUSED, Status, chart, check, explain, identify, limit, mesh, new, print_error, report, resistance, run, scatter,
+    shell, signals, study, sweep,
 };
 
 /// Axisymmetric explicit finite elements with user-load hooks.
@@ -68,8 +66,8 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Status {
         Command::Completions(completions) => completions.execute::<Arguments>(),
         Command::Man(man) => man.execute::<Arguments>(),
     };
-    result.unwrap_or_else(|message| {
-        tell!("error: {message}");
+    result.unwrap_or_else(|error| {
+        print_error(&*error);
         Status(REFUSED)
     })
 }

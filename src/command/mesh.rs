@@ -1,19 +1,17 @@
 //! `revolve mesh`: a quadrilateral mesh of a projectile as a file for `*INCLUDE`.
-//! Never here: how it is made (`generate`).
 
 use std::error::Error;
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 
 use super::words::say;
-use super::{Status, refused};
+use super::{PictureFormat, Status};
 use crate::deck::{Diagnostic, files};
-use crate::generate::{Cavity, Fill, Labels, Measure, Mesh as Meshed, Nose, Part, Point, Wanted};
-use crate::output;
-use crate::study::draw;
+use crate::generate::{Cavity, DeckLabels, Fill, Mesh as Meshed, MeshMeasure, MeshRequest, Nose, PartVolume, Point};
+use crate::output::{self, csv};
 
 /// Mesh a projectile with quadrilaterals (CAX4R) and write it as a file to include.
 #[derive(Args)]
@@ -30,16 +28,16 @@ enum Shape {
         #[arg(long)]
         crh: f64,
         #[command(flatten)]
-        shank: Shank,
+        shank: ShankArguments,
         #[command(flatten)]
-        made: Made,
+        made: MeshArguments,
     },
     /// A hemisphere on a shank.
     Sphere {
         #[command(flatten)]
-        shank: Shank,
+        shank: ShankArguments,
         #[command(flatten)]
-        made: Made,
+        made: MeshArguments,
     },
     /// A cone on a shank.
     Cone {
@@ -47,29 +45,29 @@ enum Shape {
         #[arg(long, value_name = "DEGREES")]
         half_angle: f64,
         #[command(flatten)]
-        shank: Shank,
+        shank: ShankArguments,
         #[command(flatten)]
-        made: Made,
+        made: MeshArguments,
     },
     /// A cylinder with a level front.
     Blunt {
         #[command(flatten)]
-        shank: Shank,
+        shank: ShankArguments,
         #[command(flatten)]
-        made: Made,
+        made: MeshArguments,
     },
     /// Any profile: points `r, z` from the tip to the base, one a line.
     Polyline {
         /// The file of points; lines that begin with # are left out.
         points: PathBuf,
         #[command(flatten)]
-        made: Made,
+        made: MeshArguments,
     },
 }
 
 /// Measures of a shank.
 #[derive(Args)]
-struct Shank {
+struct ShankArguments {
     /// Radius of the shank, in the deck's unit of length.
     #[arg(long)]
     radius: f64,
@@ -80,7 +78,7 @@ struct Shank {
 
 /// What is made of a profile.
 #[derive(Args)]
-struct Made {
+struct MeshArguments {
     /// Length of the sides of elements at the nose.
     #[arg(long)]
     size: f64,
@@ -104,7 +102,7 @@ struct Made {
     cavity_base: f64,
     /// What the cavity holds.
     #[arg(long, requires = "wall", default_value = "none")]
-    fill: Filled,
+    fill: Fill,
     /// The file to write.
     #[arg(short, long, default_value = "projectile.inp")]
     out: PathBuf,
@@ -134,67 +132,38 @@ struct Made {
     prefix: String,
 }
 
-/// What a cavity holds.
-#[derive(Clone, Copy, ValueEnum)]
-enum Filled {
-    /// Nothing.
-    None,
-    /// A fill that shares the nodes of the case.
-    Bonded,
-    /// A fill with nodes of its own, for contact.
-    Apart,
-}
-
 impl Mesh {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let (nose, shank, made) = match self.shape {
             Shape::Ogive { crh, shank, made } => (Nose::Ogive { crh }, Some(shank), made),
             Shape::Sphere { shank, made } => (Nose::Sphere, Some(shank), made),
             Shape::Cone { half_angle, shank, made } => (Nose::Cone { half_angle }, Some(shank), made),
             Shape::Blunt { shank, made } => (Nose::Blunt, Some(shank), made),
-            Shape::Polyline { points, made } => match read_points(&points) {
-                Ok(points) => (Nose::Polyline(points), None, made),
-                Err(finding) => return Ok(refused(*finding)),
-            },
+            Shape::Polyline { points, made } => (Nose::Polyline(read_points(&points)?), None, made),
         };
-        let wanted = made.wanted(nose, shank);
-        match made.write(&wanted)? {
-            Ok(()) => Ok(super::shown()),
-            Err(finding) => Ok(refused(finding)),
-        }
+        made.write(&made.wanted(nose, shank))?;
+        Ok(super::shown())
     }
 }
 
-impl Made {
-    fn wanted(&self, nose: Nose, shank: Option<Shank>) -> Wanted {
+impl MeshArguments {
+    fn wanted(&self, nose: Nose, shank: Option<ShankArguments>) -> MeshRequest {
         let (radius, length) = shank.map_or((0.0, 0.0), |s| (s.radius, s.length));
-        let fill = match self.fill {
-            Filled::None => Fill::None,
-            Filled::Bonded => Fill::Bonded,
-            Filled::Apart => Fill::Apart,
-        };
         let cavity = self.wall.zip(self.cavity_front).map(|(wall, front)| Cavity {
             wall,
             through: self.through.map(NonZeroUsize::get),
             front,
             base: self.cavity_base,
-            fill,
+            fill: self.fill,
         });
-        Wanted { nose, radius, length, size: self.size, along: self.along, across: self.across, cavity }
+        MeshRequest { nose, radius, length, size: self.size, along: self.along, across: self.across, cavity }
     }
 
-    /// Writes deck and picture and prints what the mesh amounts to; a finding where there is none.
-    fn write(&self, wanted: &Wanted) -> Result<Result<(), Diagnostic>, Box<dyn Error>> {
-        let made = Meshed::new(wanted).and_then(|mesh| {
-            let measure = mesh.measure();
-            Ok((self.lines(&measure, mesh.order())?, mesh))
-        });
-        let (lines, mesh) = match made {
-            Ok(made) => made,
-            Err(finding) => return Ok(Err(finding)),
-        };
-        let labels = Labels {
+    /// Writes deck and picture and prints what the mesh amounts to.
+    fn write(&self, wanted: &MeshRequest) -> Result<(), Box<dyn Error>> {
+        let mesh = Meshed::new(wanted)?;
+        let lines = self.lines(&mesh.measure(), mesh.order())?;
+        let labels = DeckLabels {
             first: self.first.get(),
             prefix: self.prefix.clone(),
             material: self.material.clone(),
@@ -202,20 +171,21 @@ impl Made {
         };
         let mut comments = vec![asked(wanted)];
         comments.extend(lines.iter().cloned());
-        let picture = self.picture.as_ref().map(|path| draw_on(path, &mesh, &comments[0])).transpose()?;
+        let format = self.picture.as_deref().map(PictureFormat::of).transpose()?;
+        let picture = format.map(|format| format.bytes(mesh.svg(&comments[0]))).transpose()?;
         write(&self.out, mesh.deck(&labels, &comments).as_bytes())?;
         lines.iter().for_each(|line| say!("{line}"));
-        if let Some((path, bytes)) = picture {
+        if let (Some(path), Some(bytes)) = (&self.picture, picture) {
             write(path, &bytes)?;
             say!("wrote {} and {}", self.out.display(), path.display());
         } else {
             say!("wrote {}", self.out.display());
         }
-        Ok(Ok(()))
+        Ok(())
     }
 
     /// What is printed, and stands at the head of the deck.
-    fn lines(&self, measure: &Measure, order: Option<f64>) -> Result<Vec<String>, Diagnostic> {
+    fn lines(&self, measure: &MeshMeasure, order: Option<f64>) -> Result<Vec<String>, Diagnostic> {
         let place = |[r, z]: Point| format!("at r = {r:.4e}, z = {z:.4e}");
         let [nodes, elements] = measure.counts;
         let mut lines = vec![
@@ -245,7 +215,7 @@ impl Made {
     }
 }
 
-fn volume_line(what: &str, part: &Part, order: Option<f64>) -> String {
+fn volume_line(what: &str, part: &PartVolume, order: Option<f64>) -> String {
     let error = match part.error() {
         0.0 => "exact".to_owned(),
         error => format!("{:+.3} % from that of the profile", 100.0 * error),
@@ -255,8 +225,8 @@ fn volume_line(what: &str, part: &Part, order: Option<f64>) -> String {
 }
 
 /// What was asked for, as a title.
-fn asked(wanted: &Wanted) -> String {
-    let Wanted { radius, length, size, along, across, .. } = wanted;
+fn asked(wanted: &MeshRequest) -> String {
+    let MeshRequest { radius, length, size, along, across, .. } = wanted;
     let shape = match &wanted.nose {
         Nose::Ogive { crh } => format!("ogive, CRH {crh}, radius {radius}, length {length}"),
         Nose::Sphere => format!("spherical nose, radius {radius}, length {length}"),
@@ -279,11 +249,6 @@ fn asked(wanted: &Wanted) -> String {
     format!("{shape}, size {size}{hollow}{graded}")
 }
 
-fn draw_on<'a>(path: &'a Path, mesh: &Meshed, title: &str) -> Result<(&'a Path, Vec<u8>), Box<dyn Error>> {
-    let svg = mesh.svg(title);
-    Ok((path, if super::chart::is_svg(path)? { svg.into_bytes() } else { draw::png(&svg)? }))
-}
-
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|e| format!("cannot create {}: {e}", folder.display()))?;
@@ -297,13 +262,12 @@ fn read_points(path: &Path) -> Result<Vec<Point>, Box<Diagnostic>> {
         Box::new(Diagnostic::error("G004", format!("{}: {message}", path.display())).help(help))
     };
     let text = files::read_text(path).map_err(|e| refuse(e.to_string()))?;
-    let lines = text.lines().map(str::trim).enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let point = |(n, line): (usize, &str)| {
         let numbers = line.split([',', ' ', '\t', ';']).filter(|word| !word.is_empty()).map(str::parse::<f64>);
         match numbers.collect::<Result<Vec<_>, _>>() {
             Ok(numbers) if numbers.len() == 2 => Ok([numbers[0], numbers[1]]),
-            _ => Err(refuse(format!("line {}, `{line}`, is no point", n + 1))),
+            _ => Err(refuse(format!("line {n}, `{}`, is no point", line.trim()))),
         }
     };
-    lines.map(point).collect()
+    csv::lines(&text).map(point).collect()
 }

@@ -1,5 +1,4 @@
 //! The commands, one file each: arguments, printing, exit status. Here: what several share.
-//! Never here: physics, files of results (`output`), anything a test would call without a command line.
 
 pub mod chart;
 pub mod check;
@@ -28,8 +27,12 @@ use std::path::{Path, PathBuf};
 
 use crate::deck::{Diagnostic, Diagnostics, Sources};
 use crate::job::{self, Prepared, Refusal};
-use crate::output::Job;
 use crate::output::lock::Lock;
+use crate::output::{self, Job};
+use crate::study::StudyError;
+use crate::study::chart::Chart;
+use crate::study::draw;
+use crate::study::table::Table;
 use crate::user::Routines;
 use crate::user::compile::{Compiled, compile};
 use clap::Args;
@@ -55,14 +58,10 @@ pub const REFUSED: u8 = 2;
 /// Halted during the run, state saved.
 pub const HALTED: u8 = 1;
 
-/// The process in which the user's routines run.
-#[derive(Clone, Copy)]
-pub enum Home {
-    /// That of the run.
-    Here,
-    /// One of their own.
-    Own,
-}
+/// A command was refused, and the reasons are printed already.
+#[derive(Debug, thiserror::Error)]
+#[error("refused")]
+pub struct AlreadyPrinted;
 
 /// Files with the user's routines.
 #[derive(Args)]
@@ -77,44 +76,26 @@ pub struct UserFiles {
 }
 
 impl UserFiles {
-    /// Compiles them, if there are any; `None` if they were refused (told).
-    pub fn compiled(&self, quiet: bool) -> Option<Option<Compiled>> {
+    /// Compiles them, if there are any.
+    pub fn compiled(&self, quiet: bool) -> Result<Option<Compiled>, AlreadyPrinted> {
         if self.files.is_empty() {
-            return Some(None);
+            return Ok(None);
         }
-        match compile(&self.files, self.check_user) {
-            Ok(compiled) => {
-                if !quiet {
-                    print_findings(&compiled.notes, &Sources::default());
-                }
-                Some(Some(compiled))
-            }
-            Err(faults) => {
-                print_findings(&faults, &Sources::default());
-                None
-            }
+        let compiled = compile(&self.files, self.check_user).map_err(|faults| {
+            print_findings(&faults, &Sources::default());
+            AlreadyPrinted
+        })?;
+        if !quiet {
+            print_findings(&compiled.notes, &Sources::default());
         }
+        Ok(Some(compiled))
     }
 
-    /// Compiles and opens them.
-    pub fn routines(&self, quiet: bool) -> Option<Routines> {
-        self.opened(quiet, Home::Here).map(|opened| opened.0)
-    }
-
-    /// The same, and what tells them from others; `None` if they were refused (told).
-    pub fn opened(&self, quiet: bool, home: Home) -> Option<(Routines, String)> {
-        let Some(compiled) = self.compiled(quiet)? else { return Some((Routines::none(), String::new())) };
-        let opened = match home {
-            Home::Here => compiled.open(),
-            Home::Own => compiled.open_isolated(),
-        };
-        match opened {
-            Ok(routines) => Some((routines, compiled.identity())),
-            Err(fault) => {
-                print_finding(fault);
-                None
-            }
-        }
+    /// Compiles and opens them in this process, or in one of their own; with the hash that identifies them.
+    pub fn routines(&self, quiet: bool, isolated: bool) -> Result<(Routines, String), Box<dyn Error>> {
+        let Some(compiled) = self.compiled(quiet)? else { return Ok((Routines::none(), String::new())) };
+        let opened = if isolated { compiled.open_isolated() } else { compiled.open() };
+        Ok((opened?, compiled.identity()))
     }
 }
 
@@ -144,34 +125,85 @@ fn print_finding(finding: Diagnostic) {
     print_findings(&findings, &Sources::default());
 }
 
-fn refused(finding: Diagnostic) -> Status {
-    print_finding(finding);
-    Status::from(REFUSED)
-}
-
-/// The job of a deck with its folder, which no other job has as long as the lock is held; `None` if refused (told).
-pub fn folder_of(deck: &Path, out: Option<PathBuf>) -> Result<Option<(Job, Lock)>, Box<dyn Error>> {
-    let taken = job::default_job(deck, out).map_err(Refusal::Checkpoint).and_then(|job| {
-        let lock = job::take(&job)?;
-        Ok((job, lock))
-    });
-    match taken {
-        Ok(taken) => Ok(Some(taken)),
-        Err(Refusal::Folder(error)) => Err(error.into()),
-        Err(Refusal::Checkpoint(finding)) => {
-            print_finding(*finding);
-            Ok(None)
-        }
+/// Prints why a command failed: a finding with its code and help, else one line.
+fn print_error(error: &(dyn Error + 'static)) {
+    let finding = error
+        .downcast_ref::<Diagnostic>()
+        .or_else(|| error.downcast_ref::<Box<Diagnostic>>().map(|finding| &**finding))
+        .or_else(|| match error.downcast_ref::<Refusal>()? {
+            Refusal::Checkpoint(finding) => Some(&**finding),
+            Refusal::Folder(_) => None,
+        });
+    match finding {
+        Some(finding) => print_finding(finding.clone()),
+        None if error.is::<AlreadyPrinted>() => {}
+        None => tell!("error: {error}"),
     }
 }
 
-/// Prints findings; whether the deck may run.
-pub fn accepted(prepared: &Prepared, quiet: bool) -> bool {
+/// The job of a deck with its folder, which is locked against other jobs.
+pub fn lock_job(deck: &Path, out: Option<PathBuf>) -> Result<(Job, Lock), Refusal> {
+    let job = job::default_job(deck, out).map_err(Refusal::Checkpoint)?;
+    let lock = job::take(&job)?;
+    Ok((job, lock))
+}
+
+/// Prints the findings of a deck; an error if it may not run.
+pub fn accept(prepared: &Prepared, quiet: bool) -> Result<(), AlreadyPrinted> {
     let errors = prepared.diagnostics.has_errors();
     if errors || !quiet {
         print_findings(&prepared.diagnostics, &prepared.deck.sources);
     }
-    !errors
+    if errors { Err(AlreadyPrinted) } else { Ok(()) }
+}
+
+/// Prints a table with its columns lined up.
+fn print_table(table: &Table) {
+    words::write(format_args!("{}", table.terminal()), false);
+}
+
+/// Ending and bytes of a file.
+type File = (String, Vec<u8>);
+
+/// Writes a table, other files and charts (by the ending of their name) with their checksums; charts without points are left out.
+fn write_results(
+    job: &Job,
+    name: &str,
+    table: &Table,
+    others: Vec<File>,
+    charts: &[(String, Chart)],
+) -> Result<(), Box<dyn Error>> {
+    let mut files = vec![(format!("_{name}.csv"), table.csv().into_bytes())];
+    files.extend(others);
+    for (ending, chart) in charts.iter().filter(|(_, chart)| !chart.is_empty()) {
+        let svg = chart.svg()?;
+        let png = draw::png(&svg)?;
+        files.extend([(format!("_{name}{ending}.svg"), svg.into_bytes()), (format!("_{name}{ending}.png"), png)]);
+    }
+    Ok(output::write_with_sums(job, &files, &format!("_{name}.sfv"))?)
+}
+
+/// A chart or a drawing in the format that the ending of a file's name asks for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum PictureFormat {
+    Svg,
+    Png,
+}
+
+impl PictureFormat {
+    /// The format of a file by the ending of its name.
+    fn of(path: &Path) -> Result<PictureFormat, String> {
+        match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
+            Some("svg") => Ok(PictureFormat::Svg),
+            Some("png") => Ok(PictureFormat::Png),
+            _ => Err(format!("{}: the name of a picture ends in .png or .svg", path.display())),
+        }
+    }
+
+    /// The bytes of the file.
+    fn bytes(self, svg: String) -> Result<Vec<u8>, StudyError> {
+        if self == PictureFormat::Svg { Ok(svg.into_bytes()) } else { draw::png(&svg) }
+    }
 }
 
 /// The exit status of what is only shown.

@@ -1,6 +1,4 @@
-//! `revolve new`: a deck, and a routine where one belongs to it, to start from. They are the examples in `input/`, which the
-//! tests run.
-//! Never here: decks of its own.
+//! `revolve new`: a deck to start from, with its user subroutine. They are the examples in `input/`.
 
 use super::Status;
 use std::error::Error;
@@ -36,11 +34,9 @@ enum Template {
     Vdload,
 }
 
-/// A file by its name and text.
 type File = (&'static str, &'static str);
 
 impl Template {
-    /// Its files, the deck first.
     fn files(self) -> &'static [File] {
         match self {
             Template::Taylor => &[("taylor_copper.inp", include_str!("../../input/taylor_copper.inp"))],
@@ -55,7 +51,6 @@ impl Template {
 }
 
 impl New {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         std::fs::create_dir_all(&self.out)
             .map_err(|e| format!("cannot make the folder {}: {e}", self.out.display()))?;

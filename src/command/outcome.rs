@@ -1,5 +1,4 @@
 //! The end of a run in a few lines: the verdict first, then what it warns of, key results, what it took.
-//! Never here: anything that is not in the summary.
 
 use crate::job::{Frames, Summary};
 use crate::output::clock::seconds;
@@ -13,7 +12,6 @@ const SHOWN: usize = 24;
 /// Width of the bars of a profile.
 const BAR: usize = 40;
 
-/// Prints it.
 pub fn print(summary: &Summary, job: &output::Job, frames: Frames, profile: bool) {
     say!("{}", verdict(summary));
     warnings(summary);

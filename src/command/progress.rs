@@ -1,5 +1,4 @@
 //! How far a run is, on the terminal: a bar by the clock with the time simulated, the time left, the increment and the energies.
-//! Never here: what is simulated.
 
 use std::path::Path;
 use std::time::Duration;
@@ -38,19 +37,16 @@ pub fn over_reading(deck: &Path, quiet: bool) -> ProgressBar {
     line
 }
 
-/// A bar over one run.
 pub struct RunBar {
     bar: ProgressBar,
     left: TimeLeft,
 }
 
 impl RunBar {
-    /// At its start.
     pub fn new(quiet: bool) -> Self {
         RunBar { bar: bar(PARTS, "{bar:24} {percent:>3} % {msg}", quiet), left: TimeLeft::default() }
     }
 
-    /// Follows the run.
     pub fn follow(&mut self, progress: &Progress<'_>) {
         if self.bar.is_hidden() {
             return;
@@ -65,7 +61,6 @@ impl RunBar {
         self.bar.clone()
     }
 
-    /// Takes it away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

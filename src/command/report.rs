@@ -4,7 +4,7 @@ use super::Status;
 use std::error::Error;
 use std::path::PathBuf;
 
-use crate::report::{Asked, Labels};
+use crate::report::{Labels, PageOptions};
 use crate::{output, report};
 use clap::Args;
 
@@ -30,13 +30,12 @@ pub struct Report {
 }
 
 impl Report {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        let asked = Asked { labels: Labels::parse(&self.label)?, compare: self.compare };
-        let page = report::gather_with(&self.folder, &asked)?;
+        let options = PageOptions { labels: Labels::parse(&self.label)?, compare: self.compare };
+        let page = report::gather_with(&self.folder, &options)?;
         let html = report::html(&page)?;
         let out = self.out.unwrap_or_else(|| self.folder.join("report.html"));
-        output::write_whole(&out, html.as_bytes()).map_err(|e| e.to_string())?;
+        output::write_whole(&out, html.as_bytes())?;
         if !self.quiet {
             let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
             let tables = page.sweeps.iter().chain(page.studies.iter().map(|s| &s.table));

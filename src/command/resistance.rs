@@ -4,19 +4,20 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant as Stopwatch;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::words::{self, say, tell};
-use super::{Status, pairs, print_findings, refused};
+use super::{AlreadyPrinted, PictureFormat, Status, pairs, print_findings, print_table};
 use crate::deck::Diagnostic;
 use crate::model::derive::target_of;
+use crate::output::{self, csv};
 use crate::resistance::fit::Weight;
 use crate::resistance::rate::{Factor, Rate};
 use crate::resistance::similarity::Expansion;
-use crate::resistance::{Curve, Fault, Material, Request, Target, derive};
+use crate::resistance::{Curve, Material, Request, ResistanceError, Target, derive};
+use crate::study::expansion;
 use crate::study::law::Record;
-use crate::study::{draw, expansion, table};
-use crate::{deck, model, output};
+use crate::{deck, model};
 
 /// Derive the resistance of a target, A, B and C of *CAVITY EXPANSION, from its stress-strain curve.
 #[derive(Args)]
@@ -30,7 +31,7 @@ pub struct Resistance {
     #[arg(short, long = "set", requires = "deck", value_name = "NAME=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
-    given: Given,
+    given: MaterialArguments,
     /// Largest tension: beyond it the target cracks along rays, as concrete does.
     #[arg(long, value_name = "STRESS")]
     tension: Option<f64>,
@@ -53,8 +54,8 @@ pub struct Resistance {
     #[arg(long = "static")]
     pinned: bool,
     /// What the fit looks at.
-    #[arg(long, value_enum, default_value_t = Weights::Even)]
-    weight: Weights,
+    #[arg(long, value_enum, default_value_t = Weight::Even)]
+    weight: Weight,
     /// Measure the pressure as well, on a meshed cavity that is opened at these velocities (default: a quarter, a half and all of
     /// the highest).
     #[arg(long, value_name = "VELOCITIES", num_args = 0..=1, require_equals = true, value_delimiter = ',')]
@@ -75,7 +76,7 @@ pub struct Resistance {
 
 /// A material without a deck.
 #[derive(Args)]
-struct Given {
+struct MaterialArguments {
     /// Young's modulus.
     #[arg(long, value_name = "STRESS", conflicts_with = "deck", required_unless_present = "deck")]
     young: Option<f64>,
@@ -112,17 +113,6 @@ struct Given {
     rate_johnson_cook: Vec<f64>,
 }
 
-/// What a fit looks at.
-#[derive(Clone, Copy, ValueEnum)]
-enum Weights {
-    /// Differences of pressures.
-    Even,
-    /// Relative differences.
-    Relative,
-    /// Differences by the velocity: depth is the integral of m V dV over the force.
-    Velocity,
-}
-
 /// Pressure over the yield stress at a velocity, by similarity.
 type Similar<'a> = dyn Fn(f64) -> Option<f64> + 'a;
 
@@ -130,22 +120,15 @@ type Similar<'a> = dyn Fn(f64) -> Option<f64> + 'a;
 const DRAWN: u32 = 120;
 
 impl Resistance {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        let svg = self.chart.as_deref().map(super::chart::is_svg).transpose()?;
-        let material = match self.described()? {
-            Ok(material) => material,
-            Err(status) => return Ok(status),
+        let format = self.chart.as_deref().map(PictureFormat::of).transpose()?;
+        let material = match &self.deck {
+            Some(deck) => self.of_deck(deck)?,
+            None => self.given.material(self.tension, self.radius)?,
         };
         let begin = Stopwatch::now();
-        let found = Target::new(&material).and_then(|target| {
-            let derived = derive(&target, &self.request())?;
-            Ok((target, derived))
-        });
-        let (target, derived) = match found {
-            Ok(found) => found,
-            Err(fault) => return Ok(refused(told(&fault))),
-        };
+        let target = Target::new(&material).map_err(|fault| finding(&fault))?;
+        let derived = derive(&target, &self.request()).map_err(|fault| finding(&fault))?;
         let seconds = begin.elapsed().as_secs_f64();
         let measured = match &self.measure {
             Some(velocities) => {
@@ -157,41 +140,28 @@ impl Resistance {
         let record = Record::new(&target, &self.request(), &derived, measured, seconds);
         let expansion = Expansion::new(&target).map_err(|fault| fault.to_string())?;
         let similar = |v: f64| expansion.pressure(v).ok().map(|p| p.stress);
-        self.write(&record, svg, &target, &similar)?;
+        self.write(&record, format, &target, &similar)?;
         self.print(&record, &similar)?;
         Ok(super::shown())
     }
 
     fn request(&self) -> Request {
-        let weight = match self.weight {
-            Weights::Even => Weight::Even,
-            Weights::Relative => Weight::Relative,
-            Weights::Velocity => Weight::Velocity,
-        };
         Request {
             range: [self.from, self.to],
             points: self.points,
             linear: self.terms == 3,
             pinned: self.pinned,
-            weight,
+            weight: self.weight,
         }
     }
 
-    /// The material; a status where the deck was refused, which has been told.
-    fn described(&self) -> Result<Result<Material, Status>, Box<dyn Error>> {
-        match &self.deck {
-            Some(deck) => self.of_deck(deck),
-            None => self.given.material(self.tension, self.radius).map(Ok),
-        }
-    }
-
-    fn of_deck(&self, path: &Path) -> Result<Result<Material, Status>, Box<dyn Error>> {
+    fn of_deck(&self, path: &Path) -> Result<Material, Box<dyn Error>> {
         let (deck, mut diagnostics) = deck::read(path, &pairs(&self.set)?);
         let (model, found) = model::build(&deck);
         diagnostics.append(found);
         if diagnostics.has_errors() {
             print_findings(&diagnostics, &deck.sources);
-            return Ok(Err(Status::from(super::REFUSED)));
+            return Err(AlreadyPrinted.into());
         }
         let names: Vec<&str> = model.materials.iter().map(|m| &m.name[..]).collect();
         let wanted = match (&self.material, &names[..]) {
@@ -207,33 +177,29 @@ impl Resistance {
         if material.rate.is_some() && self.radius.is_none() {
             tell!("warning: the *RATE DEPENDENT of {wanted} does not count without --radius");
         }
-        match target_of(material, self.radius, self.tension) {
-            Ok(material) => Ok(Ok(material)),
-            Err(finding) => {
-                let mut findings = deck::Diagnostics::default();
-                findings.push(finding);
-                print_findings(&findings, &deck.sources);
-                Ok(Err(Status::from(super::REFUSED)))
-            }
-        }
+        target_of(material, self.radius, self.tension).map_err(|finding| {
+            let mut findings = deck::Diagnostics::default();
+            findings.push(finding);
+            print_findings(&findings, &deck.sources);
+            AlreadyPrinted.into()
+        })
     }
 
     fn write(
         &self,
         record: &Record,
-        svg: Option<bool>,
+        format: Option<PictureFormat>,
         target: &Target,
         similar: &Similar<'_>,
     ) -> Result<(), Box<dyn Error>> {
-        if let (Some(path), Some(svg)) = (&self.chart, svg) {
+        if let (Some(path), Some(format)) = (&self.chart, format) {
             let at = |i: u32| self.from + (self.to - self.from) * f64::from(i) / f64::from(DRAWN);
             let points: Vec<(f64, f64)> = (0..=DRAWN).map(at).filter_map(|v| Some((v, similar(v)?))).collect();
             let chart = record.chart("Pressure on an expanding cavity", target, &points);
-            let bytes = if svg { chart.svg()?.into_bytes() } else { draw::png(&chart.svg()?)? };
-            output::write_whole(path, &bytes).map_err(|e| e.to_string())?;
+            output::write_whole(path, &format.bytes(chart.svg()?)?)?;
         }
         if let Some(path) = &self.card {
-            output::write_whole(path, record.card.as_bytes()).map_err(|e| e.to_string())?;
+            output::write_whole(path, record.card.as_bytes())?;
         }
         Ok(())
     }
@@ -244,11 +210,9 @@ impl Resistance {
             return Ok(());
         }
         if !self.quiet {
-            let (header, rows) = record.sheet();
-            words::write(format_args!("{}", table::terminal(&header, &rows)), false);
+            print_table(&record.table());
             if !record.measured.is_empty() {
-                let (header, rows) = record.measured_sheet(similar);
-                words::write(format_args!("{}", table::terminal(&header, &rows)), false);
+                print_table(&record.measured_table(similar));
             }
             record.conclusions().iter().for_each(|line| say!("{line}"));
             say!("{} pressures and the fit: {:.1} ms", record.points.len(), 1e3 * record.seconds);
@@ -261,11 +225,11 @@ impl Resistance {
 }
 
 /// A fault as a finding without a place.
-fn told(fault: &Fault) -> Diagnostic {
+fn finding(fault: &ResistanceError) -> Diagnostic {
     Diagnostic::error(fault.code(), fault.to_string())
 }
 
-impl Given {
+impl MaterialArguments {
     fn material(&self, tension: Option<f64>, radius: Option<f64>) -> Result<Material, Box<dyn Error>> {
         let (curve, first) = match (&self.table, self.power) {
             (Some(path), _) => {
@@ -305,14 +269,12 @@ fn rows(path: &Path) -> Result<Vec<[f64; 2]>, Box<dyn Error>> {
     let wrong = |what: String| format!("--table {}: {what}", path.display());
     let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
     let mut rows = Vec::new();
-    for (number, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#')) {
+    for (number, line) in csv::lines(&text) {
         let fields: Result<Vec<f64>, _> = line.split(',').map(|f| f.trim().parse::<f64>()).collect();
         match fields.as_deref() {
             Ok(&[stress, strain]) => rows.push([stress, strain]),
-            Err(_) if rows.is_empty() && number == 0 => {}
-            _ => {
-                return Err(wrong(format!("line {}: `{line}` is not a stress and a plastic strain", number + 1)).into());
-            }
+            Err(_) if rows.is_empty() && number == 1 => {}
+            _ => return Err(wrong(format!("line {number}: `{line}` is not a stress and a plastic strain")).into()),
         }
     }
     if rows.is_empty() {

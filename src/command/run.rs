@@ -10,16 +10,16 @@ use crate::model::Precision;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{self, History, Points};
 use crate::solve::{Every, LOST, Progress};
-use crate::study::quantity::{Finished, Quantity};
+use crate::study::quantity::{FinishedRun, Quantity};
 use crate::user::host;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::progress::{self, RunBar};
 use super::signals::watch_signals;
 use super::words::{say, tell};
-use super::{HALTED, Home, REFUSED, Status, UserFiles, accepted, outcome, pairs, print_findings, refused, threads};
+use super::{HALTED, Status, UserFiles, accept, outcome, pairs, print_findings, threads};
 
 /// Stack of a thread, bytes: routines of the user may keep large arrays there, as in a main thread.
 const STACK: usize = 64 << 20;
@@ -70,7 +70,7 @@ pub struct Run {
     /// Where frames have their points: where they are, or where they were at the start with U beside them, so that Warp By Vector
     /// shows the motion at any scale.
     #[arg(long, value_enum, default_value = "current", conflicts_with = "no_frames")]
-    points: PointsAt,
+    points: Points,
     /// Write no frames: histories and the summary alone.
     #[arg(long)]
     no_frames: bool,
@@ -80,15 +80,6 @@ pub struct Run {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
-}
-
-/// Where frames have their points.
-#[derive(Clone, Copy, ValueEnum)]
-enum PointsAt {
-    /// Where they are.
-    Current,
-    /// Where they were at the start.
-    Reference,
 }
 
 /// Seconds, minutes, hours or increments.
@@ -106,21 +97,15 @@ fn every(text: &str) -> Result<Every, String> {
 }
 
 impl Run {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         // Before there are threads: routines may get a process of their own.
-        let home = if self.isolate { Home::Own } else { Home::Here };
-        let Some((routines, user)) = self.user.opened(self.is_silent(), home) else {
-            return Ok(Status::from(REFUSED));
-        };
+        let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         let settings = pairs(&self.set)?;
         let reading = progress::over_reading(&self.deck, self.is_silent());
         let mut prepared = job::prepare_in(self.precision, &self.deck, &settings, &routines);
         reading.finish_and_clear();
-        if !accepted(&prepared, self.is_silent()) {
-            return Ok(Status::from(REFUSED));
-        }
+        accept(&prepared, self.is_silent())?;
         self.start_threads(&prepared)?;
         for quantity in &quantities {
             quantity.stands_alone()?;
@@ -129,14 +114,8 @@ impl Run {
         if let Some(instructions) = self.instructions {
             prepared.use_instructions(instructions)?;
         }
-        let job = match job::default_job(&self.deck, self.out.clone()) {
-            Ok(job) => job,
-            Err(finding) => return Ok(refused(*finding)),
-        };
-        let from = match self.checkpoint(&prepared, &job, &user) {
-            Ok(from) => from,
-            Err(finding) => return Ok(refused(*finding)),
-        };
+        let job = job::default_job(&self.deck, self.out.clone())?;
+        let from = self.checkpoint(&prepared, &job, &user)?;
         if !self.is_silent() {
             say!("{}", prepared.plan.ledger.render(false));
         }
@@ -146,11 +125,7 @@ impl Run {
         let frames = self.frames();
         let options =
             Options { every: self.checkpoint_every, interrupt: Some(&*signal), from, state, user, frames, warn: None };
-        let summary = match run(&prepared, &job, options, self.is_silent()) {
-            Ok(summary) => summary,
-            Err(Refusal::Folder(e)) => return Err(e.into()),
-            Err(Refusal::Checkpoint(finding)) => return Ok(refused(*finding)),
-        };
+        let summary = run(&prepared, &job, options, self.is_silent())?;
         print_messages(&summary.messages, self.is_silent());
         if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
@@ -178,13 +153,8 @@ impl Run {
         Ok(pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?)
     }
 
-    /// What becomes of frames.
     fn frames(&self) -> Frames {
-        match self.points {
-            _ if self.no_frames => Frames::Absent,
-            PointsAt::Current => Frames::Written(Points::Current),
-            PointsAt::Reference => Frames::Written(Points::Reference),
-        }
+        if self.no_frames { Frames::Absent } else { Frames::Written(self.points) }
     }
 
     /// Whether nothing but what was asked for is printed.
@@ -217,7 +187,7 @@ impl Run {
 type Values = IndexMap<String, Result<f64, String>>;
 
 fn values(quantities: &[Quantity], history: &History) -> Values {
-    let run = Finished { history, end: None };
+    let run = FinishedRun { history, end: None };
     let value = |q: &Quantity| (q.text.clone(), q.number(run).map_err(|e| e.to_string()));
     quantities.iter().map(value).collect()
 }

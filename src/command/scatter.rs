@@ -3,23 +3,24 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use crate::study::columns::Columns;
-use crate::study::inputs::Inputs;
+use crate::study::columns::TableWriter;
+use crate::study::inputs::RandomInputs;
 use crate::study::quantity::Quantity;
-use crate::study::scatter::{self, Asked, Results};
+use crate::study::scatter::{self, ScatterRequest, ScatterResults};
 use crate::study::statistics::design::Sampling;
 use crate::study::statistics::summary::{Statistic, estimate};
+use crate::study::table::Table;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::search::{self, Search, Sheet};
-use super::{HALTED, REFUSED, Status, folder_of, progress};
+use super::search::{self, SearchArguments};
+use super::{HALTED, Status, progress, write_results};
 
 /// Draw parameters of a deck from distributions: how its quantities scatter, and what that comes from.
 #[derive(Args)]
 pub struct Scatter {
     #[command(flatten)]
-    search: Search,
+    search: SearchArguments,
     /// NAME=low..high, NAME=normal(mean, deviation), NAME=lognormal(mean, deviation), NAME=truncated(DISTRIBUTION, low, high).
     #[arg(short, long, value_name = "NAME=DISTRIBUTION", required = true)]
     distribution: Vec<String>,
@@ -50,19 +51,16 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
-        let inputs = Inputs::parse(&self.distribution, &self.correlation)?;
+        let inputs = RandomInputs::parse(&self.distribution, &self.correlation)?;
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         if let Some(part) = self.quantiles.iter().find(|part| !(0.0..=1.0).contains(*part)) {
             return Err(format!("--quantiles {part}: between 0 and 1").into());
         }
-        let Some(routines) = self.search.routines() else { return Ok(Status::from(REFUSED)) };
+        let routines = self.search.routines()?;
         let evaluator = self.search.evaluator(inputs.names.clone(), quantities, &routines)?;
-        let Some((job, _lock)) = folder_of(&self.search.deck, self.search.out.clone())? else {
-            return Ok(Status::from(REFUSED));
-        };
-        let asked = Asked {
+        let (job, _lock) = self.search.job()?;
+        let asked = ScatterRequest {
             sampling: self.sampling,
             count: self.count as usize,
             seed: self.seed,
@@ -70,7 +68,7 @@ impl Scatter {
             threads: self.search.threads(),
         };
         let names = inputs.names.iter().chain(&self.quantity).cloned().collect();
-        let mut table = self.table.as_deref().map(|path| Columns::begin(path, names)).transpose()?;
+        let mut table = self.table.as_deref().map(|path| TableWriter::begin(path, names)).transpose()?;
         let runs = asked.count * asked.runs(&inputs);
         let bar = progress::over_runs(runs as u64, self.search.is_silent());
         let mut keep = |rows: &[f64]| table.as_mut().map_or(Ok(()), |table| table.append(rows));
@@ -78,12 +76,12 @@ impl Scatter {
             bar.set_position(n as u64)
         })?;
         bar.finish_and_clear();
-        table.map_or(Ok(()), Columns::finish)?;
-        let sheet = self.sheet(&inputs, &results);
+        table.map_or(Ok(()), TableWriter::finish)?;
+        let table = self.table(&inputs, &results);
         if results.failed < runs {
-            search::write(&job, "scatter", &sheet, &self.charts(&job.name, &results))?;
-            self.search.print(&sheet, &self.lines(runs, &job));
-            self.search.print_json(&self.json(&sheet, runs, &results))?;
+            write_results(&job, "scatter", &table, Vec::new(), &self.charts(&job.name, &results))?;
+            self.search.print(&table, &self.lines(runs, &job));
+            self.search.print_json(&self.json(&table, runs, &results))?;
         }
         search::tell_still_moving(&evaluator);
         search::tell_failures(results.failed, runs, results.reason.as_ref());
@@ -91,7 +89,7 @@ impl Scatter {
     }
 
     /// A row for each statistic and index of each quantity.
-    fn sheet(&self, inputs: &Inputs, results: &Results) -> Sheet {
+    fn table(&self, inputs: &RandomInputs, results: &ScatterResults) -> Table {
         let mut rows = Vec::new();
         let mut statistics =
             vec![("mean".to_owned(), Statistic::Mean), ("standard deviation".into(), Statistic::Deviation)];
@@ -112,10 +110,10 @@ impl Scatter {
             }
         }
         let header = ["quantity".to_owned()].into_iter().chain(search::header("what")).collect();
-        Sheet { header, rows }
+        Table { header, rows }
     }
 
-    fn charts(&self, name: &str, results: &Results) -> Vec<(String, crate::study::chart::Chart)> {
+    fn charts(&self, name: &str, results: &ScatterResults) -> Vec<(String, crate::study::chart::Chart)> {
         let ending = |i: usize| if i == 0 { String::new() } else { format!("_{}", i + 1) };
         let each = self.quantity.iter().zip(&results.values).enumerate();
         each.map(|(i, (quantity, values))| (ending(i), scatter::chart(name, quantity, values))).collect()
@@ -127,9 +125,9 @@ impl Scatter {
         vec![format!("{} samples, {runs} runs; table {}, picture {}{table}", self.count, csv.display(), png.display())]
     }
 
-    fn json(&self, sheet: &Sheet, runs: usize, results: &Results) -> Value {
+    fn json(&self, table: &Table, runs: usize, results: &ScatterResults) -> Value {
         let number = |text: &String| text.parse::<f64>().map_or(Value::Null, |v| json!(v));
-        let rows: Vec<Value> = sheet
+        let rows: Vec<Value> = table
             .rows
             .iter()
             .map(|r| json!({ "quantity": r[0], "what": r[1], "value": number(&r[2]), "low": number(&r[3]), "high": number(&r[4]) }))

@@ -1,5 +1,4 @@
 //! What a shell wants of the program: completions, a manual page, its version.
-//! Never here: what commands do.
 
 use std::error::Error;
 use std::sync::LazyLock;
@@ -22,7 +21,6 @@ pub struct Completions {
 pub struct Man {}
 
 impl Completions {
-    /// Carries it out.
     pub fn execute<A: CommandFactory>(self) -> Result<Status, Box<dyn Error>> {
         let mut bytes = Vec::new();
         clap_complete::generate(self.shell, &mut A::command(), "revolve", &mut bytes);

@@ -1,5 +1,4 @@
 //! Signals: a limit on files is no reason to die; the first asks the run to end behind its increment, a later one ends the program.
-//! Never here: what a run does then.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

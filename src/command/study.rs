@@ -3,23 +3,24 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use crate::output::Job;
 use crate::study::StudyError;
-use crate::study::asked;
-use crate::study::bench::Bench;
-use crate::study::chart::{Chart, Scale};
+use crate::study::convergence;
 use crate::study::effects::{self, Effects};
 use crate::study::quantity::Quantity;
 use crate::study::record::{self, Timing};
-use crate::study::refinement::{Row, Study as Results};
+use crate::study::refinement::{Study as Results, StudyRow};
+use crate::study::runner::StudyRunner;
 use crate::study::settings::{self, Axis};
-use crate::study::table;
-use crate::study::target::{Met, Target};
+use crate::study::target::{Target, TargetResult};
 use crate::user::compile::Compiled;
-use crate::{deck, job, model, output};
+use crate::{deck, job, model};
 use clap::Args;
 
-use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, Status, UserFiles, accepted, folder_of, given, pairs, progress, tell_doubts};
+use super::words::{say, tell};
+use super::{
+    File, HALTED, Status, UserFiles, accept, given, lock_job, pairs, print_table, progress, tell_doubts, write_results,
+};
 
 /// Refine a deck: observed order, error, and what accuracy costs.
 #[derive(Args)]
@@ -63,21 +64,18 @@ pub struct Study {
 }
 
 impl Study {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let quantity = Quantity::parse(&self.quantity)?;
-        let exact = asked::exact(self.exact.as_deref(), &quantity)?;
+        let exact = convergence::exact(self.exact.as_deref(), &quantity)?;
         if self.ablate && quantity.compares_fields() {
             return Err("--ablate: effects are left out of a number; give the norm an expression".into());
         }
         let target = self.target.as_deref().map(Target::parse).transpose()?;
         let overrides = pairs(&self.set)?;
-        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(Status::from(REFUSED)) };
-        let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
+        let compiled = self.user.compiled(self.quiet || self.json)?;
+        let routines = Compiled::open_any(compiled.as_ref())?;
         let first = job::prepare(&self.deck, &overrides, &routines);
-        if !accepted(&first, self.quiet || self.json) {
-            return Ok(Status::from(REFUSED));
-        }
+        accept(&first, self.quiet || self.json)?;
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
         let axes = if axes.is_empty() && self.ablate { effects::default_axes()? } else { axes };
@@ -86,20 +84,21 @@ impl Study {
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         drop(first);
-        let Some((job, _lock)) = folder_of(&self.deck, self.out.clone())? else { return Ok(Status::from(REFUSED)) };
+        let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
         let source = |overrides: &job::Overrides| deck::read(&self.deck, overrides);
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.quiet);
         let done = || bar.inc(1);
         // Started here, where it can be said that there are none to be had.
         rayon::ThreadPoolBuilder::new().build_global().map_err(|e| format!("cannot start threads: {e}"))?;
-        let mut bench = Bench::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
+        let mut bench =
+            StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();
             return write_effects(&job, &quantity, &effects, self.quiet);
         }
-        let (results, met, timing) = asked::refine(&mut bench, &axes, exact, target)?;
+        let (results, met, timing) = convergence::refine(&mut bench, &axes, exact, target)?;
         bar.finish_and_clear();
         let record = write(&job, &quantity, exact, &results, met.clone(), timing)?;
         if self.json {
@@ -123,73 +122,47 @@ fn check_axes(axes: &[Axis], exact: Option<f64>) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Table and JSON of effects left out.
-fn write_effects(
-    job: &output::Job,
-    quantity: &Quantity,
-    effects: &Effects,
-    quiet: bool,
-) -> Result<Status, Box<dyn Error>> {
-    let (header, rows) = effects.sheet(true);
-    let record = record::ablation(&quantity.text, effects);
-    write_files(job, vec![table_file(&header, &rows), record_file(&record)?])?;
+/// Writes and prints the table and the record of effects left out.
+fn write_effects(job: &Job, quantity: &Quantity, effects: &Effects, quiet: bool) -> Result<Status, Box<dyn Error>> {
+    let record = record_text(&record::ablation(&quantity.text, effects))?;
+    write_results(job, "study", &effects.table(true), vec![record_file(record)], &[])?;
     if !quiet {
-        let (header, rows) = effects.sheet(false);
-        words::write(format_args!("{}", table::terminal(&header, &rows)), false);
+        print_table(&effects.table(false));
         effects.conclusions().iter().for_each(|line| say!("{line}"));
         say!("table {}", job.path("_study.csv").display());
     }
     Ok(Status::SUCCESS)
 }
 
-/// Files of a study; gives its record.
+/// Writes the files of a study; gives its record.
 fn write(
-    job: &output::Job,
+    job: &Job,
     quantity: &Quantity,
     exact: Option<f64>,
     results: &Results,
-    met: Option<Met>,
+    met: Option<TargetResult>,
     timing: Timing,
 ) -> Result<String, Box<dyn Error>> {
-    let (header, rows) = record::sheet(results, true);
-    let record = record_file(&record::record(&quantity.text, exact, results, met, timing))?;
-    let text = String::from_utf8_lossy(&record.1).into_owned();
+    let record = record_text(&record::record(&quantity.text, exact, results, met, timing))?;
     let title = format!("{}: {}", job.name, quantity.text);
-    let mut files = vec![table_file(&header, &rows), record];
-    files.extend(drawn("_study", &record::price_chart(results, &title))?);
-    files.extend(drawn("_study_order", &record::order_chart(results, &title))?);
-    write_files(job, files)?;
-    Ok(text)
+    let charts = [
+        (String::new(), record::price_chart(results, &title)),
+        ("_order".to_owned(), record::order_chart(results, &title)),
+    ];
+    write_results(job, "study", &record::table(results, true), vec![record_file(record.clone())], &charts)?;
+    Ok(record)
 }
 
-/// Ending and bytes of a file.
-type File = (String, Vec<u8>);
-
-fn table_file(header: &[String], rows: &[Vec<String>]) -> File {
-    ("_study.csv".into(), table::csv(header, rows).into_bytes())
+fn record_text(record: &impl serde::Serialize) -> Result<String, serde_json::Error> {
+    Ok(serde_json::to_string_pretty(record)? + "\n")
 }
 
-fn record_file(record: &impl serde::Serialize) -> Result<File, Box<dyn Error>> {
-    let text = serde_json::to_string_pretty(record).map_err(|e| e.to_string())? + "\n";
-    Ok(("_study.json".into(), text.into_bytes()))
+fn record_file(text: String) -> File {
+    ("_study.json".into(), text.into_bytes())
 }
 
-/// A chart as SVG and PNG, where there is something to draw.
-fn drawn(ending: &str, chart: &Chart) -> Result<Vec<File>, Box<dyn Error>> {
-    if chart.series.iter().all(|s| s.points.is_empty()) {
-        return Ok(Vec::new());
-    }
-    let svg = (format!("{ending}.svg"), chart.svg_on(Scale::LogLog)?.into_bytes());
-    Ok(vec![svg, (format!("{ending}.png"), chart.png_on(Scale::LogLog)?)])
-}
-
-fn write_files(job: &output::Job, files: Vec<File>) -> Result<(), Box<dyn Error>> {
-    Ok(output::write_with_sums(job, &files, "_study.sfv").map_err(|e| e.to_string())?)
-}
-
-fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job) {
-    let (header, rows) = record::sheet(results, false);
-    words::write(format_args!("{}", table::terminal(&header, &rows)), false);
+fn print(results: &Results, met: Option<&TargetResult>, timing: Timing, job: &Job) {
+    print_table(&record::table(results, false));
     for line in record::conclusions(results, met) {
         say!("{line}");
     }
@@ -207,11 +180,11 @@ fn print(results: &Results, met: Option<&Met>, timing: Timing, job: &output::Job
 /// Each setting, and what is to be known of its run.
 fn doubts<'a>(axes: &[Axis], results: &'a Results) -> Vec<(String, &'a [String])> {
     let names = || axes.iter().map(|axis| &axis.name[..]);
-    let of_row = |row: &'a Row| Some((given(names().zip(&row.values)), &row.run.as_ref().ok()?.doubts[..]));
+    let of_row = |row: &'a StudyRow| Some((given(names().zip(&row.values)), &row.run.as_ref().ok()?.doubts[..]));
     results.rows.iter().filter_map(of_row).collect()
 }
 
-fn verdict(results: &Results, met: Option<&Met>) -> Status {
+fn verdict(results: &Results, met: Option<&TargetResult>) -> Status {
     let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
     if let Some(reason) = failed.first() {
         tell!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());

@@ -6,20 +6,22 @@ use std::path::PathBuf;
 
 use crate::deck::files;
 use crate::model::Precision;
-use crate::study::cases::{self, Cases, Part};
+use crate::study::cases::{self, CaseRange, SweepPart};
 use crate::study::compare::Reference;
 use crate::study::dakota;
 use crate::study::grid::Grid;
 use crate::study::quantity::Quantity;
-use crate::study::{sweep, table};
+use crate::study::sweep;
 use crate::user::compile::Compiled;
-use crate::{deck, job, output};
+use crate::{job, output};
 use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::words::{self, say, tell};
-use super::{HALTED, REFUSED, Status, UserFiles, accepted, folder_of, given, progress, tell_doubts, threads};
+use super::{
+    HALTED, Status, UserFiles, accept, given, lock_job, print_table, progress, tell_doubts, threads, write_results,
+};
 
 /// Run a deck over values of its parameters: one table, CSV and picture.
 #[derive(Args)]
@@ -82,8 +84,8 @@ pub struct Sweep {
     quiet: bool,
 }
 
-/// What is asked, once deck and arguments are found good.
-struct Asked {
+/// A sweep whose deck and arguments have been checked.
+struct PreparedSweep {
     grid: Grid,
     quantities: Vec<Quantity>,
     compiled: Option<Compiled>,
@@ -92,7 +94,6 @@ struct Asked {
 }
 
 impl Sweep {
-    /// Carries it out.
     pub fn execute(self) -> Result<Status, Box<dyn Error>> {
         let quantities = self.quantity.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>()?;
         if let Some(files) = &self.dakota {
@@ -100,13 +101,13 @@ impl Sweep {
         }
         let grid = self.grid()?;
         let cases =
-            self.cases.as_deref().map(Cases::parse).transpose()?.map(|cases| cases.of(grid.count())).transpose()?;
+            self.cases.as_deref().map(CaseRange::parse).transpose()?.map(|cases| cases.of(grid.count())).transpose()?;
         if self.plan {
             words::write(format_args!("{}", cases::list(&grid, cases.unwrap_or(0..grid.count()))), false);
             return Ok(Status::SUCCESS);
         }
         let reference = self.reference(&grid)?;
-        let Some(asked) = self.ask(grid, quantities)? else { return Ok(Status::from(REFUSED)) };
+        let asked = self.prepare(grid, quantities)?;
         match cases {
             Some(cases) => self.run_part(&asked, cases),
             None => self.run_all(&asked, reference.as_ref()),
@@ -137,25 +138,23 @@ impl Sweep {
         Ok(Some(reference))
     }
 
-    /// Deck, routines and quantities, looked at with the first case; `None` where they are refused (told).
-    fn ask(&self, grid: Grid, quantities: Vec<Quantity>) -> Result<Option<Asked>, Box<dyn Error>> {
-        let Some(compiled) = self.user.compiled(self.quiet || self.json) else { return Ok(None) };
-        let routines = Compiled::open_any(compiled.as_ref()).map_err(|fault| fault.message)?;
+    /// Checks deck, routines and quantities with the first case.
+    fn prepare(&self, grid: Grid, quantities: Vec<Quantity>) -> Result<PreparedSweep, Box<dyn Error>> {
+        let compiled = self.user.compiled(self.quiet || self.json)?;
+        let routines = Compiled::open_any(compiled.as_ref())?;
         let first = job::prepare_in(self.precision, &self.deck, &grid.combination(0), &routines);
-        if !accepted(&first, self.quiet || self.json) {
-            return Ok(None);
-        }
+        accept(&first, self.quiet || self.json)?;
         for quantity in &quantities {
             quantity.stands_alone()?;
             quantity.check(&first.plan)?;
         }
-        Ok(Some(Asked { grid, quantities, compiled, first }))
+        Ok(PreparedSweep { grid, quantities, compiled, first })
     }
 
     /// Runs some of the cases on all threads.
     fn run(
         &self,
-        asked: &Asked,
+        asked: &PreparedSweep,
         cases: Range<usize>,
         kept: Option<&output::Job>,
     ) -> Result<sweep::Results, Box<dyn Error>> {
@@ -163,36 +162,40 @@ impl Sweep {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
         let bar = progress::over_runs(cases.len() as u64, self.quiet);
         let done = || bar.inc(1);
-        let Asked { grid, quantities, compiled, .. } = asked;
+        let PreparedSweep { grid, quantities, compiled, .. } = asked;
         let deck = (&*self.deck, self.precision);
-        let results =
-            pool.install(|| sweep::run_cases(deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
+        let results = pool.install(|| sweep::run(deck, (grid, cases), quantities, compiled.as_ref(), kept, &done));
         bar.finish_and_clear();
         Ok(results)
     }
 
-    fn run_all(&self, asked: &Asked, reference: Option<&Reference>) -> Result<Status, Box<dyn Error>> {
-        let Some((job, _lock)) = folder_of(&self.deck, self.out.clone())? else { return Ok(Status::from(REFUSED)) };
-        let Asked { grid, quantities, first, .. } = asked;
+    fn run_all(&self, asked: &PreparedSweep, reference: Option<&Reference>) -> Result<Status, Box<dyn Error>> {
+        let (job, _lock) = lock_job(&self.deck, self.out.clone())?;
+        let PreparedSweep { grid, quantities, first, .. } = asked;
         let results = if self.gather {
             asked.part(&asked.identity()).gather(&job)?
         } else {
             self.run(asked, 0..grid.count(), self.keep.then_some(&job))?
         };
-        let sheet = sweep::sheet(grid, quantities, &results, reference);
-        write_sweep(&job, &first.deck, grid, quantities, &results, reference, &sheet)?;
+        let compared = sweep::table(grid, quantities, &results, reference);
+        // A table without rows does not replace one that has some.
+        if !compared.table.rows.is_empty() {
+            let title = first.deck.sources.files().first().map_or("sweep", |f| f.name.as_str());
+            let chart = sweep::chart(title, grid, quantities, &results, reference);
+            write_results(&job, "sweep", &compared.table, Vec::new(), &[(String::new(), chart)])?;
+        }
         if self.json {
-            print_json(grid, quantities, &results, &sheet)?;
+            print_json(grid, quantities, &results, &compared)?;
         } else if !self.quiet {
-            print_sweep(&sheet, &job);
+            print_sweep(&compared, &job);
         }
         tell_doubts(&doubts(grid, &results));
         Ok(report_failures(&results))
     }
 
     /// Runs some of the cases and leaves them for `--gather`. Other parts may be at work in the same folder.
-    fn run_part(&self, asked: &Asked, cases: Range<usize>) -> Result<Status, Box<dyn Error>> {
-        let whole = job::default_job(&self.deck, self.out.clone()).map_err(|finding| finding.message)?;
+    fn run_part(&self, asked: &PreparedSweep, cases: Range<usize>) -> Result<Status, Box<dyn Error>> {
+        let whole = job::default_job(&self.deck, self.out.clone())?;
         job::make_folder(&whole)?;
         let results = self.run(asked, cases.clone(), self.keep.then_some(&whole))?;
         let path = asked.part(&asked.identity()).write(&whole, &cases, &results)?;
@@ -207,11 +210,14 @@ impl Sweep {
     fn answer_dakota(&self, files: &[PathBuf], quantities: Vec<Quantity>) -> Result<Status, Box<dyn Error>> {
         let [parameters, answers] = files else { return Err("--dakota takes two files".into()) };
         let text = files::read_text(parameters).map_err(|e| format!("{}: {e}", parameters.display()))?;
-        let evaluations = dakota::Asked::read(parameters, &text, &quantities)?;
-        let Some(asked) = self.ask(evaluations.grid(&self.set)?, quantities)? else {
-            // Dakota waits for a file whatever becomes of the evaluation.
-            output::write_whole(answers, evaluations.failed().as_bytes())?;
-            return Ok(Status::from(REFUSED));
+        let evaluations = dakota::DakotaRequest::read(parameters, &text, &quantities)?;
+        let asked = match self.prepare(evaluations.grid(&self.set)?, quantities) {
+            Ok(asked) => asked,
+            Err(error) => {
+                // Dakota waits for a results file also when the evaluation fails.
+                output::write_whole(answers, evaluations.failed().as_bytes())?;
+                return Err(error);
+            }
         };
         let results = self.run(&asked, 0..asked.grid.count(), None)?;
         output::write_whole(answers, evaluations.answer(&results).as_bytes())?;
@@ -221,7 +227,7 @@ impl Sweep {
     }
 }
 
-impl Asked {
+impl PreparedSweep {
     /// What makes the sweep the one it is: parts with another do not belong to it.
     fn identity(&self) -> String {
         let user = self.compiled.as_ref().map(Compiled::identity).unwrap_or_default();
@@ -231,8 +237,8 @@ impl Asked {
         output::checkpoint::hash([own.as_bytes()])
     }
 
-    fn part<'a>(&'a self, sweep: &'a str) -> Part<'a> {
-        Part { sweep, grid: &self.grid, quantities: &self.quantities }
+    fn part<'a>(&'a self, sweep: &'a str) -> SweepPart<'a> {
+        SweepPart { sweep, grid: &self.grid, quantities: &self.quantities }
     }
 }
 
@@ -252,7 +258,7 @@ fn print_json(
     grid: &Grid,
     quantities: &[Quantity],
     results: &sweep::Results,
-    sheet: &sweep::Sheet,
+    compared: &sweep::ComparedTable,
 ) -> Result<(), Box<dyn Error>> {
     let names = grid.names();
     let all = results.parameters.iter().zip(&results.values).zip(&results.doubts);
@@ -267,17 +273,17 @@ fn print_json(
             doubts,
         })
         .collect();
-    let rms: IndexMap<&str, f64> = sheet.rms.iter().map(|(column, rms)| (column.as_str(), *rms)).collect();
+    let rms: IndexMap<&str, f64> = compared.rms.iter().map(|(column, rms)| (column.as_str(), *rms)).collect();
     say!("{}", serde_json::to_string_pretty(&serde_json::json!({ "runs": runs, "rms": rms }))?);
     Ok(())
 }
 
-fn print_sweep(sheet: &sweep::Sheet, job: &output::Job) {
-    if sheet.rows.is_empty() {
+fn print_sweep(compared: &sweep::ComparedTable, job: &output::Job) {
+    if compared.table.rows.is_empty() {
         return;
     }
-    words::write(format_args!("{}", table::terminal(&sheet.header, &sheet.rows)), false);
-    for (column, rms) in &sheet.rms {
+    print_table(&compared.table);
+    for (column, rms) in &compared.rms {
         say!("rms difference from {column}: {rms:.4}");
     }
     say!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
@@ -299,27 +305,4 @@ fn report_failures(results: &sweep::Results) -> Status {
             Status::from(HALTED)
         }
     }
-}
-
-fn write_sweep(
-    job: &output::Job,
-    deck: &deck::Deck,
-    grid: &Grid,
-    quantities: &[Quantity],
-    results: &sweep::Results,
-    reference: Option<&Reference>,
-    sheet: &sweep::Sheet,
-) -> Result<(), Box<dyn Error>> {
-    let title = deck.sources.files().first().map_or("sweep", |f| f.name.as_str());
-    // A table without a row takes no good one's place.
-    if sheet.rows.is_empty() {
-        return Ok(());
-    }
-    let chart = sweep::chart(title, grid, quantities, results, reference);
-    let files = [
-        ("_sweep.csv".to_owned(), table::csv(&sheet.header, &sheet.rows).into_bytes()),
-        ("_sweep.svg".into(), chart.svg()?.into_bytes()),
-        ("_sweep.png".into(), chart.png()?),
-    ];
-    Ok(output::write_with_sums(job, &files, "_sweep.sfv").map_err(|e| e.to_string())?)
 }

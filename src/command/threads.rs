@@ -1,5 +1,4 @@
 //! How many threads a command takes where nobody says it.
-//! Never here: the threads.
 
 use std::env;
 

@@ -1,5 +1,4 @@
 //! Words on standard output and standard error. Where nobody takes them a run goes on all the same.
-//! Never here: what is said.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, IsTerminal as _, Write};

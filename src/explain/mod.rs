@@ -1,5 +1,4 @@
 //! `revolve explain`: keywords, output variables, diagnostic codes, and topics that no table has.
-//! Never here: the tables themselves.
 
 mod topics;
 
@@ -7,8 +6,7 @@ use crate::deck::{self, Code, manual, names::nearest};
 use crate::{generate, model, output, plan, user};
 use topics::TOPICS;
 
-/// What is to be said of a word, if it is a keyword, an output variable, a code, an element type, a function of quantities, a topic,
-/// `keywords` or `variables`. Of a word that is a variable's name a keyword is meant only if it is the whole of the keyword's.
+/// Explains a keyword, output variable, code, element type, function or topic. A variable takes precedence over a partial keyword.
 pub fn explain(word: &str) -> Option<String> {
     match word.trim().to_ascii_lowercase().as_str() {
         "keywords" => return Some(manual::keyword_manual()),

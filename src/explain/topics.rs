@@ -1,5 +1,4 @@
 //! Topics of `revolve explain` that no table has: element types, functions of quantities, units, files.
-//! Never here: keywords, output variables, diagnostic codes, which their tables explain.
 
 /// A topic: the words that it is asked by, and what is to be said.
 pub(super) struct Topic {

@@ -1,5 +1,4 @@
 //! Diagnostic codes of made meshes (`G…`), for `revolve explain`.
-//! Never here: the checks.
 
 use crate::deck::Code;
 

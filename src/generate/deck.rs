@@ -1,13 +1,12 @@
 //! A mesh as the text of a deck, to be included by another.
-//! Never here: materials, steps, loads.
 
 use std::fmt::Write as _;
 
-use super::mesh::{Belongs, Labels, Mesh, Wall};
+use super::mesh::{DeckLabels, Mesh, MeshPart, SurfacePart};
 
 impl Mesh {
     /// The text: `*NODE`, `*ELEMENT, TYPE=CAX4R`, sets, surfaces, `*SOLID SECTION`. `comments` are written at its head.
-    pub fn deck(&self, labels: &Labels, comments: &[String]) -> String {
+    pub fn deck(&self, labels: &DeckLabels, comments: &[String]) -> String {
         let mut text = String::new();
         comments.iter().for_each(|line| text += &format!("** {line}\n"));
         let name = |word: &str| format!("{}{word}", labels.prefix);
@@ -17,13 +16,13 @@ impl Mesh {
         }
         let hollow = self.wanted.cavity.is_some();
         let case = name(if hollow { "CASE" } else { "BODY" });
-        self.elements(&mut text, &case, Belongs::Case, labels.first);
-        if self.belongs.contains(&Belongs::Fill) {
-            self.elements(&mut text, &name("FILL"), Belongs::Fill, labels.first);
+        self.elements(&mut text, &case, MeshPart::Case, labels.first);
+        if self.belongs.contains(&MeshPart::Fill) {
+            self.elements(&mut text, &name("FILL"), MeshPart::Fill, labels.first);
         }
         if hollow {
             let fill =
-                if self.belongs.contains(&Belongs::Fill) { format!(", {}", name("FILL")) } else { String::new() };
+                if self.belongs.contains(&MeshPart::Fill) { format!(", {}", name("FILL")) } else { String::new() };
             let _ = writeln!(text, "*Elset, elset={}\n {case}{fill}", name("BODY"));
         }
         if self.in_nose > 0 {
@@ -33,13 +32,13 @@ impl Mesh {
         self.sets(&mut text, labels);
         self.surfaces(&mut text, labels);
         let _ = writeln!(text, "*Solid Section, elset={case}, material={}", labels.material);
-        if self.belongs.contains(&Belongs::Fill) {
+        if self.belongs.contains(&MeshPart::Fill) {
             let _ = writeln!(text, "*Solid Section, elset={}, material={}", name("FILL"), labels.fill);
         }
         text
     }
 
-    fn elements(&self, text: &mut String, set: &str, part: Belongs, first: usize) {
+    fn elements(&self, text: &mut String, set: &str, part: MeshPart, first: usize) {
         let _ = writeln!(text, "*Element, type=CAX4R, elset={set}");
         let of_part = self.sheet.elements.iter().zip(&self.belongs).enumerate().filter(|(_, (_, b))| **b == part);
         for (n, (corners, _)) in of_part {
@@ -48,7 +47,7 @@ impl Mesh {
         }
     }
 
-    fn sets(&self, text: &mut String, labels: &Labels) {
+    fn sets(&self, text: &mut String, labels: &DeckLabels) {
         let on_axis = (0..self.sheet.points.len()).filter(|&n| self.sheet.points[n][0] == 0.0);
         let end = self.outline.rim()[1];
         let at_base = (0..self.sheet.points.len()).filter(|&n| self.sheet.points[n][1] == end);
@@ -70,15 +69,15 @@ impl Mesh {
     }
 
     /// `OUTER` is all that a target can wet: nose, shank and base.
-    fn surfaces(&self, text: &mut String, labels: &Labels) {
-        let outer: &[Wall] = &[Wall::Nose, Wall::Shank, Wall::Base];
-        let surfaces: [(&str, &[Wall]); 6] = [
+    fn surfaces(&self, text: &mut String, labels: &DeckLabels) {
+        let outer: &[SurfacePart] = &[SurfacePart::Nose, SurfacePart::Shank, SurfacePart::Base];
+        let surfaces: [(&str, &[SurfacePart]); 6] = [
             ("OUTER", outer),
-            ("NOSE", &[Wall::Nose]),
-            ("SHANK", &[Wall::Shank]),
-            ("BASE", &[Wall::Base]),
-            ("INNER", &[Wall::Inner]),
-            ("FILL", &[Wall::Fill]),
+            ("NOSE", &[SurfacePart::Nose]),
+            ("SHANK", &[SurfacePart::Shank]),
+            ("BASE", &[SurfacePart::Base]),
+            ("INNER", &[SurfacePart::Inner]),
+            ("FILL", &[SurfacePart::Fill]),
         ];
         for (surface, walls) in surfaces {
             let sides: Vec<_> = self.walls.iter().filter(|side| walls.contains(&side.2)).collect();

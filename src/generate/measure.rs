@@ -1,20 +1,19 @@
 //! What a mesh amounts to: quality, where it is worst, volumes against those of the profile.
-//! Never here: how it is made.
 
-use super::mesh::{Belongs, Mesh, Wall};
+use super::mesh::{Mesh, MeshPart, SurfacePart};
 use super::profile::{Piece, Point};
 use super::quality::{aspect, height, least_scaled_jacobian, volume};
 
 /// Volumes of a part: of the mesh and of the profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct PartVolume {
     /// What the elements sweep about the axis.
     pub meshed: f64,
     /// What the profile does.
     pub exact: f64,
 }
 
-impl Part {
+impl PartVolume {
     /// Relative error of the meshed volume; below rounding it is 0.
     pub fn error(&self) -> f64 {
         let error = if self.exact > 0.0 { self.meshed / self.exact - 1.0 } else { 0.0 };
@@ -24,7 +23,7 @@ impl Part {
 
 /// A mesh in figures. Where there is a place, it is the middle of the element.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measure {
+pub struct MeshMeasure {
     /// Number of nodes and of elements.
     pub counts: [usize; 2],
     /// Least scaled Jacobian, and where.
@@ -34,14 +33,14 @@ pub struct Measure {
     /// Least height of an element (area over longest side), and where.
     pub height: (f64, Point),
     /// The projectile without its fill, or its case.
-    pub case: Part,
+    pub case: PartVolume,
     /// The fill.
-    pub fill: Part,
+    pub fill: PartVolume,
 }
 
 impl Mesh {
     /// Measures the mesh.
-    pub fn measure(&self) -> Measure {
+    pub fn measure(&self) -> MeshMeasure {
         let (mut jacobian, mut stretched, mut low) =
             ((f64::INFINITY, [0.0; 2]), (0.0, [0.0; 2]), (f64::INFINITY, [0.0; 2]));
         let mut volumes = [0.0; 2];
@@ -52,25 +51,24 @@ impl Mesh {
             jacobian = if j < jacobian.0 { (j, middle) } else { jacobian };
             stretched = if a > stretched.0 { (a, middle) } else { stretched };
             low = if h < low.0 { (h, middle) } else { low };
-            volumes[usize::from(*belongs == Belongs::Fill)] += volume(corners);
+            volumes[usize::from(*belongs == MeshPart::Fill)] += volume(corners);
         }
-        let [case, fill] = [0, 1].map(|k| Part { meshed: volumes[k], exact: self.exact()[k] });
+        let [case, fill] = [0, 1].map(|k| PartVolume { meshed: volumes[k], exact: self.exact()[k] });
         let counts = [self.sheet.points.len(), self.sheet.elements.len()];
-        Measure { counts, jacobian, aspect: stretched, height: low, case, fill }
+        MeshMeasure { counts, jacobian, aspect: stretched, height: low, case, fill }
     }
 }
 
 impl Mesh {
-    /// The order with which the volume comes to that of the profile where every side on it is halved: the error of the sides, over
-    /// that with a node more in the middle of each. `None` where the profile is met exactly.
+    /// Order of convergence of the volume when every side on the profile is halved. `None` for an exact profile.
     pub fn order(&self) -> Option<f64> {
         let case = self.measure().case;
         let arc =
             self.outline.nose.first().filter(|piece| matches!(piece, Piece::Arc { .. }) && case.error() != 0.0)?;
-        let gained = |&(element, side, wall): &(usize, usize, Wall)| {
+        let gained = |&(element, side, wall): &(usize, usize, SurfacePart)| {
             let corners = self.corners_of(element);
             let [a, b] = [corners[side - 1], corners[side % 4]];
-            let middle = arc.between(a, b).filter(|_| wall == Wall::Nose)?;
+            let middle = arc.between(a, b).filter(|_| wall == SurfacePart::Nose)?;
             let [once, twice] = [vec![a, b], vec![a, middle, b]]
                 .map(|p| p.windows(2).map(|p| Piece::Line(p[0], p[1]).volume()).sum::<f64>());
             Some((twice - once).abs())

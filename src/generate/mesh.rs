@@ -1,18 +1,17 @@
 //! The mesh of a projectile: nose, shank, case and fill, with their sets and surfaces.
-//! Never here: how blocks are filled, text, measures.
 
 use std::collections::HashMap;
 
 use super::nose;
 use super::profile::{Piece, Point};
 use super::shape::{Nose, Outline, positive};
-use super::sheet::Sheet;
+use super::sheet::QuadMesh;
 use super::spacing::{graded, rows};
 use crate::deck::Diagnostic;
 
 /// What a mesh is made of. Lengths are in one unit, the deck's.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wanted {
+pub struct MeshRequest {
     /// The form of the nose.
     pub nose: Nose,
     /// Radius of the shank; a polyline brings its own.
@@ -46,6 +45,7 @@ pub struct Cavity {
 
 /// What a cavity holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Fill {
     /// Nothing.
     None,
@@ -57,7 +57,7 @@ pub enum Fill {
 
 /// Numbers and names in the deck.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Labels {
+pub struct DeckLabels {
     /// The first number of nodes and of elements.
     pub first: usize,
     /// What the names of sets and surfaces begin with.
@@ -70,7 +70,7 @@ pub struct Labels {
 
 /// What an element is part of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Belongs {
+pub enum MeshPart {
     /// The projectile, or its case.
     Case,
     /// The fill.
@@ -79,7 +79,7 @@ pub enum Belongs {
 
 /// Sides that a load or contact may act on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wall {
+pub enum SurfacePart {
     /// From the tip to the shoulder.
     Nose,
     /// From the shoulder to the base.
@@ -96,19 +96,19 @@ pub enum Wall {
 #[derive(Clone, Debug)]
 pub struct Mesh {
     /// Nodes and elements.
-    pub(super) sheet: Sheet,
+    pub(super) sheet: QuadMesh,
     /// What each element is part of.
-    pub(super) belongs: Vec<Belongs>,
+    pub(super) belongs: Vec<MeshPart>,
     /// How many elements, from the first, form the nose.
     pub(super) in_nose: usize,
     /// Free sides off the axis: element, side from 1 to 4, wall.
-    pub(super) walls: Vec<(usize, usize, Wall)>,
+    pub(super) walls: Vec<(usize, usize, SurfacePart)>,
     /// The node at the middle of the front, at the shoulder's surface, nearest to the axis at the base, at the base's rim.
     pub(super) corners: [usize; 4],
     /// The outline.
     pub(super) outline: Outline,
     /// What was asked for.
-    pub(super) wanted: Wanted,
+    pub(super) wanted: MeshRequest,
 }
 
 /// The most elements of a mesh.
@@ -119,14 +119,14 @@ impl Mesh {
     ///
     /// # Errors
     /// G001 to G006: what cannot be meshed, in words.
-    pub fn new(wanted: &Wanted) -> Result<Mesh, Diagnostic> {
+    pub fn new(wanted: &MeshRequest) -> Result<Mesh, Diagnostic> {
         let outline = Outline::new(&wanted.nose, wanted.radius, wanted.length)?;
         check_sizes(wanted, &outline)?;
         if let Some(cavity) = &wanted.cavity {
             check_cavity(cavity, &outline)?;
         }
-        let columns = Columns::of(wanted, &outline);
-        let mesh = Maker::new(wanted, &outline, &columns).mesh();
+        let columns = ColumnShares::of(wanted, &outline);
+        let mesh = MeshBuilder::new(wanted, &outline, &columns).mesh();
         let worst = mesh.measure().jacobian;
         if worst.0 > 1e-6 {
             return Ok(mesh);
@@ -137,7 +137,7 @@ impl Mesh {
     }
 }
 
-fn check_sizes(wanted: &Wanted, outline: &Outline) -> Result<(), Diagnostic> {
+fn check_sizes(wanted: &MeshRequest, outline: &Outline) -> Result<(), Diagnostic> {
     positive("element size", wanted.size)?;
     positive("growth along the shank", wanted.along)?;
     positive("growth towards the axis", wanted.across)?;
@@ -178,20 +178,20 @@ fn check_cavity(cavity: &Cavity, outline: &Outline) -> Result<(), Diagnostic> {
 }
 
 /// Columns at the shoulder: shares of the radius, and how many lie within the cavity.
-struct Columns {
+struct ColumnShares {
     shares: Vec<f64>,
     within: usize,
 }
 
-impl Columns {
-    fn of(wanted: &Wanted, outline: &Outline) -> Columns {
+impl ColumnShares {
+    fn of(wanted: &MeshRequest, outline: &Outline) -> ColumnShares {
         let ([radius, _], pointed) = (outline.shoulder(), !outline.nose.is_empty());
         let count = |length: f64, least: usize| ((length / wanted.size).round() as usize).max(least);
         let Some(cavity) = &wanted.cavity else {
             // As many beside the axis as beside the flank: a nose is best with an even number.
             let even = if pointed { 2 * count(radius / 2.0, 1) } else { count(outline.widest(), 1) };
             let shares = graded(even, wanted.across);
-            return Columns { shares, within: 0 };
+            return ColumnShares { shares, within: 0 };
         };
         let hollow = radius - cavity.wall;
         let within = count(hollow, 1);
@@ -199,17 +199,17 @@ impl Columns {
         let mut shares: Vec<f64> = graded(within, wanted.across).iter().map(|s| s * hollow / radius).collect();
         let wall = cavity.wall / radius;
         shares.extend((1..=through).map(|n| 1.0 - wall * (through - n) as f64 / through as f64));
-        Columns { shares, within }
+        ColumnShares { shares, within }
     }
 }
 
 /// A mesh in the making.
-struct Maker<'a> {
-    wanted: &'a Wanted,
+struct MeshBuilder<'a> {
+    wanted: &'a MeshRequest,
     outline: &'a Outline,
-    columns: &'a Columns,
-    sheet: Sheet,
-    belongs: Vec<Belongs>,
+    columns: &'a ColumnShares,
+    sheet: QuadMesh,
+    belongs: Vec<MeshPart>,
     in_nose: usize,
     /// By node: whether it lies on the nose, the shank, the base.
     outer: HashMap<usize, u8>,
@@ -219,10 +219,10 @@ const NOSE: u8 = 1;
 const SHANK: u8 = 2;
 const BASE: u8 = 4;
 
-impl<'a> Maker<'a> {
-    fn new(wanted: &'a Wanted, outline: &'a Outline, columns: &'a Columns) -> Self {
-        let (sheet, belongs, outer) = (Sheet::default(), Vec::new(), HashMap::new());
-        Maker { wanted, outline, columns, sheet, belongs, in_nose: 0, outer }
+impl<'a> MeshBuilder<'a> {
+    fn new(wanted: &'a MeshRequest, outline: &'a Outline, columns: &'a ColumnShares) -> Self {
+        let (sheet, belongs, outer) = (QuadMesh::default(), Vec::new(), HashMap::new());
+        MeshBuilder { wanted, outline, columns, sheet, belongs, in_nose: 0, outer }
     }
 
     fn mark(&mut self, nodes: impl IntoIterator<Item = usize>, with: u8) {
@@ -239,7 +239,7 @@ impl<'a> Maker<'a> {
         } else {
             let nose = nose::mesh(&mut self.sheet, &self.outline.nose, &self.columns.shares, self.wanted.size);
             self.in_nose = self.sheet.elements.len();
-            self.belongs = vec![Belongs::Case; self.in_nose];
+            self.belongs = vec![MeshPart::Case; self.in_nose];
             self.mark(nose.flank.iter().copied(), NOSE);
             (nose.axis[0], nose.shoulder)
         };
@@ -248,7 +248,7 @@ impl<'a> Maker<'a> {
         self.mark(base.iter().copied(), BASE);
         let corners = [front, surface, base[0], base[base.len() - 1]];
         let walls = self.walls();
-        let Maker { sheet, belongs, in_nose, outline, wanted, .. } = self;
+        let MeshBuilder { sheet, belongs, in_nose, outline, wanted, .. } = self;
         Mesh { sheet, belongs, in_nose, walls, corners, outline: outline.clone(), wanted: wanted.clone() }
     }
 
@@ -323,7 +323,7 @@ impl<'a> Maker<'a> {
             if let ([Some(a), Some(b)], [Some(d), Some(c)]) = (low, high) {
                 self.sheet.elements.push([*a, *b, *c, *d]);
                 let fill = filled && n < self.columns.within;
-                self.belongs.push(if fill { Belongs::Fill } else { Belongs::Case });
+                self.belongs.push(if fill { MeshPart::Fill } else { MeshPart::Case });
             }
         }
     }
@@ -338,13 +338,13 @@ impl<'a> Maker<'a> {
         let above = nodes(high);
         for (a, b) in below.windows(2).zip(above.windows(2)) {
             self.sheet.elements.push([a[0], a[1], b[1], b[0]]);
-            self.belongs.push(Belongs::Fill);
+            self.belongs.push(MeshPart::Fill);
         }
         above
     }
 
     /// Free sides that do not lie on the axis.
-    fn walls(&self) -> Vec<(usize, usize, Wall)> {
+    fn walls(&self) -> Vec<(usize, usize, SurfacePart)> {
         let mut sides: HashMap<[usize; 2], u32> = HashMap::new();
         let each = || {
             let corners = self.sheet.elements.iter().enumerate();
@@ -357,14 +357,14 @@ impl<'a> Maker<'a> {
         free.map(|(e, k, side)| (e, k + 1, self.wall(e, side))).collect()
     }
 
-    fn wall(&self, element: usize, side: [usize; 2]) -> Wall {
+    fn wall(&self, element: usize, side: [usize; 2]) -> SurfacePart {
         let marks = side.map(|n| self.outer.get(&n).copied().unwrap_or(0));
         match marks[0] & marks[1] {
-            m if m & NOSE != 0 => Wall::Nose,
-            m if m & BASE != 0 => Wall::Base,
-            m if m & SHANK != 0 => Wall::Shank,
-            _ if self.belongs[element] == Belongs::Fill => Wall::Fill,
-            _ => Wall::Inner,
+            m if m & NOSE != 0 => SurfacePart::Nose,
+            m if m & BASE != 0 => SurfacePart::Base,
+            m if m & SHANK != 0 => SurfacePart::Shank,
+            _ if self.belongs[element] == MeshPart::Fill => SurfacePart::Fill,
+            _ => SurfacePart::Inner,
         }
     }
 }

@@ -1,5 +1,4 @@
 //! Meshes of projectiles for `revolve mesh`: shapes as profile curves, quadrilaterals in blocks, sets, surfaces, quality.
-//! Never here: decks that are read, physics, the command line.
 
 pub mod codes;
 mod deck;
@@ -13,7 +12,7 @@ mod shape;
 mod sheet;
 mod spacing;
 
-pub use measure::{Measure, Part};
-pub use mesh::{Cavity, Fill, Labels, Mesh, Wanted};
+pub use measure::{MeshMeasure, PartVolume};
+pub use mesh::{Cavity, DeckLabels, Fill, Mesh, MeshRequest};
 pub use profile::Point;
 pub use shape::Nose;

@@ -1,13 +1,12 @@
 //! A pointed nose in three blocks: its section is a triangle of axis, flank and shoulder, and a triangle is three quadrilaterals
 //! that meet in one node. So no element degenerates at the tip, and the columns of the shank need not all reach it.
-//! Never here: what lies behind the shoulder.
 
 use super::profile::{Piece, Point, distance};
 use super::shape::length;
-use super::sheet::{Block, Sheet};
+use super::sheet::{Block, QuadMesh};
 
 /// Nodes of a nose that others go on from.
-pub struct Meshed {
+pub struct NoseMesh {
     /// From the tip to the shoulder along the flank.
     pub flank: Vec<usize>,
     /// From the tip to the shoulder along the axis.
@@ -17,7 +16,7 @@ pub struct Meshed {
 }
 
 /// Meshes a nose; `columns` are shares of the radius at the shoulder from 0 to 1, three or more.
-pub fn mesh(sheet: &mut Sheet, pieces: &[Piece], columns: &[f64], size: f64) -> Meshed {
+pub fn mesh(sheet: &mut QuadMesh, pieces: &[Piece], columns: &[f64], size: f64) -> NoseMesh {
     let [_, [radius, height]] = pieces[pieces.len() - 1].ends();
     let across = columns.len() - 1;
     // Columns beside the flank and beside the axis.
@@ -56,7 +55,7 @@ pub fn mesh(sheet: &mut Sheet, pieces: &[Piece], columns: &[f64], size: f64) -> 
     let at_flank = shares(&columns[inner..]);
     let even: Vec<f64> = (0..=behind).map(|n| n as f64 / behind as f64).collect();
     let edges = [(to_axis, at_axis), (to_flank, at_flank), (to_shoulder, even)];
-    let nose = Blocks {
+    let nose = NoseBlocks {
         blocks,
         edges,
         middle,
@@ -66,7 +65,7 @@ pub fn mesh(sheet: &mut Sheet, pieces: &[Piece], columns: &[f64], size: f64) -> 
     };
     nose.settle(&mut sheet.points, [outer, inner], on_shoulder);
     nose.blocks.iter().for_each(|block| sheet.fill(block));
-    Meshed { flank, axis, shoulder }
+    NoseMesh { flank, axis, shoulder }
 }
 
 /// Points along the flank: the ends of its pieces are among them; `inner` divisions belong to the block at the tip, one at least
@@ -88,7 +87,7 @@ fn flank(pieces: &[Piece], inner: usize, size: f64, height: f64) -> Vec<Point> {
 }
 
 /// Three blocks about the node where they meet; each edge runs from there, with shares of its length.
-struct Blocks<'a> {
+struct NoseBlocks<'a> {
     blocks: [Block; 3],
     edges: [(Vec<usize>, Vec<f64>); 3],
     middle: usize,
@@ -100,14 +99,14 @@ struct Blocks<'a> {
 
 /// Where the blocks meet: shares of axis and flank at which the block at the tip ends, and the middle.
 #[derive(Clone, Copy)]
-struct Places {
+struct BlockCorners {
     ends: [f64; 2],
     middle: Point,
 }
 
-impl Places {
+impl BlockCorners {
     /// A trial: one of the four numbers, or two of the middle, moved by a step (shares by as many hundredths).
-    fn moved(mut self, [axis, flank, r, z]: [f64; 4], step: f64, length: f64) -> Places {
+    fn moved(mut self, [axis, flank, r, z]: [f64; 4], step: f64, length: f64) -> BlockCorners {
         self.ends = [self.ends[0] + axis * step, self.ends[1] + flank * step].map(|share| share.clamp(0.02, 0.98));
         self.middle = [self.middle[0] + r * step * length, self.middle[1] + z * step * length];
         self
@@ -132,7 +131,7 @@ const TRIALS: [[f64; 4]; 14] = [
     [-1.0, -1.0, 0.0, -1.0],
 ];
 
-impl Blocks<'_> {
+impl NoseBlocks<'_> {
     /// Finds the places at which the worst element is best, measured by the product of the least scaled Jacobian and the least
     /// height: the one is distortion to come, the other the stable increment. A search by halved steps from three beginnings: a
     /// rhombus at the tip, a kite, and what lies nearer to the shoulder.
@@ -143,7 +142,7 @@ impl Blocks<'_> {
         let length = distance(points[self.axis[0]], shoulder);
         let starts = [mixed(1.0, 1.0, 0.0), mixed(0.55, 0.55, 0.0), mixed(0.4, 0.4, 0.2)];
         let search = |points: &mut [Point], middle: Point| {
-            let mut places = Places { ends, middle };
+            let mut places = BlockCorners { ends, middle };
             let (mut best, mut step) = (self.worth(points, places), 0.125);
             let mut trials = self.trials();
             while step > 2e-4 && trials > 0 {
@@ -171,7 +170,7 @@ impl Blocks<'_> {
     }
 
     /// Places all inner nodes, and those along axis and flank.
-    fn place(&self, points: &mut [Point], places: Places) {
+    fn place(&self, points: &mut [Point], places: BlockCorners) {
         let [outer, inner] = [&self.edges[1], &self.edges[0]].map(|edge| edge.0.len() - 1);
         let height = points[self.axis[self.axis.len() - 1]][1];
         for (n, share) in split(self.axis.len() - 1, outer, places.ends[0]) {
@@ -192,7 +191,7 @@ impl Blocks<'_> {
         self.blocks.iter().for_each(|block| block.spread(points));
     }
 
-    fn worth(&self, points: &mut [Point], places: Places) -> f64 {
+    fn worth(&self, points: &mut [Point], places: BlockCorners) -> f64 {
         self.place(points, places);
         let each = self.blocks.iter().map(|block| block.worst(points));
         let [jacobian, height] = each.fold([f64::INFINITY; 2], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);
@@ -200,8 +199,7 @@ impl Blocks<'_> {
     }
 }
 
-/// Shares of a line of `count` divisions that is evenly divided on both sides of the end of division `at`, which lies at a share;
-/// without its ends.
+/// Shares of a line of `count` divisions, even on both sides of division `at`, which ends at a share; without its ends.
 fn split(count: usize, at: usize, share: f64) -> impl Iterator<Item = (usize, f64)> {
     let behind = (count - at) as f64;
     (1..count).map(move |n| {

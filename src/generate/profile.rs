@@ -1,5 +1,4 @@
 //! Outlines of projectiles: lines and arcs in (r, z) with length, points and the volume that they sweep.
-//! Never here: nodes and elements.
 
 use std::f64::consts::PI;
 
@@ -23,14 +22,12 @@ pub enum Piece {
 }
 
 impl Piece {
-    /// Both ends.
     pub fn ends(&self) -> [Point; 2] {
         match *self {
             Piece::Line(from, to) | Piece::Arc { from, to, .. } => [from, to],
         }
     }
 
-    /// Its length.
     pub fn length(&self) -> f64 {
         match *self {
             Piece::Line(from, to) => distance(from, to),
@@ -94,7 +91,6 @@ fn angle(centre: Point, p: Point) -> f64 {
     libm::atan2(p[1] - centre[1], p[0] - centre[0])
 }
 
-/// Distance of two points.
 pub fn distance(a: Point, b: Point) -> f64 {
     let [r, z] = [a[0] - b[0], a[1] - b[1]];
     (r * r + z * z).sqrt()

@@ -1,5 +1,4 @@
 //! How good elements are: scaled Jacobian, aspect ratio, height, volume.
-//! Never here: how a mesh is made.
 
 use std::f64::consts::PI;
 
@@ -11,8 +10,7 @@ fn side(corners: [Point; 4], k: usize) -> Point {
     [b[0] - a[0], b[1] - a[1]]
 }
 
-/// The least scaled Jacobian: over the corners the cross product of the sides that meet, over their lengths (the sine of the
-/// angle between them). 1 in a rectangle, 0 where three corners lie on a line, negative where the element folds or runs clockwise.
+/// The least scaled Jacobian, the sine of the corner angles: 1 in a rectangle, 0 or less in a degenerate element.
 pub fn least_scaled_jacobian(corners: [Point; 4]) -> f64 {
     let sine = |k: usize| {
         let (into, out) = (side(corners, (k + 3) % 4), side(corners, k));
@@ -37,8 +35,7 @@ pub fn height(corners: [Point; 4]) -> f64 {
     area.abs() / longest
 }
 
-/// The volume that an element sweeps about the axis: 2 pi times the integral of r over it, exact by Green's theorem (the
-/// integral of pi r^2 dz along its sides).
+/// Volume of the ring that an element sweeps about the axis, exact by Green's theorem.
 pub fn volume(corners: [Point; 4]) -> f64 {
     let along = |k: usize| {
         let (a, b) = (corners[k], corners[(k + 1) % 4]);

@@ -1,5 +1,4 @@
 //! What a projectile looks like: the outline of its nose and of what lies behind it, and what cannot be one.
-//! Never here: elements, the command line.
 
 use super::profile::{Piece, Point};
 use crate::deck::Diagnostic;
@@ -80,13 +79,11 @@ impl Outline {
         self.body.last().map_or(self.shoulder(), |piece| piece.ends()[1])
     }
 
-    /// The largest radius.
     pub fn widest(&self) -> f64 {
         let ends = self.nose.iter().chain(&self.body).flat_map(Piece::ends);
         ends.fold(0.0, |most, end| most.max(end[0]))
     }
 
-    /// The exact volume.
     pub fn volume(&self) -> f64 {
         self.nose.iter().chain(&self.body).map(Piece::volume).sum()
     }

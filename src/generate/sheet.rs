@@ -1,13 +1,10 @@
 //! A mesh of quadrilaterals in the meridian while it is made: nodes, blocks between four edges, elements.
-//! Never here: what is meshed.
 
 use super::profile::Point;
 use super::quality::{height, least_scaled_jacobian};
 
-/// Nodes and elements.
 #[derive(Clone, Debug, Default)]
-pub struct Sheet {
-    /// Places of nodes.
+pub struct QuadMesh {
     pub points: Vec<Point>,
     /// Corners of elements, counterclockwise in (r, z).
     pub elements: Vec<[usize; 4]>,
@@ -17,8 +14,7 @@ pub struct Sheet {
 #[derive(Clone, Debug)]
 pub struct Block(Vec<Vec<usize>>);
 
-impl Sheet {
-    /// A new node.
+impl QuadMesh {
     pub fn node(&mut self, point: Point) -> usize {
         self.points.push(point);
         self.points.len() - 1
@@ -29,7 +25,7 @@ impl Sheet {
     /// places.
     pub fn block(&mut self, [first, last]: [&[usize]; 2], [left, right]: [&[usize]; 2]) -> Block {
         let rows = left.len();
-        let row = |n: usize, sheet: &mut Sheet| -> Vec<usize> {
+        let row = |n: usize, sheet: &mut QuadMesh| -> Vec<usize> {
             if n == 0 {
                 return first.to_vec();
             }
@@ -42,7 +38,6 @@ impl Sheet {
         Block((0..rows).map(|n| row(n, self)).collect())
     }
 
-    /// The elements of a block.
     pub fn fill(&mut self, block: &Block) {
         for rows in block.0.windows(2) {
             for (low, high) in rows[0].windows(2).zip(rows[1].windows(2)) {
@@ -51,7 +46,6 @@ impl Sheet {
         }
     }
 
-    /// Corners of an element.
     pub fn corners(&self, element: usize) -> [Point; 4] {
         self.elements[element].map(|n| self.points[n])
     }

@@ -1,5 +1,4 @@
 //! Where nodes lie along a line: even, or growing.
-//! Never here: what the line is.
 
 /// Shares from 0 to 1 of so many divisions, of which the first is `ratio` times as long as the last, in geometric progression.
 pub fn graded(count: usize, ratio: f64) -> Vec<f64> {
@@ -16,8 +15,7 @@ pub fn graded(count: usize, ratio: f64) -> Vec<f64> {
     sums
 }
 
-/// Heights from the first to the last of `breaks`, which are among them, where the size grows from `size` by `growth` in
-/// all: between two breaks the nodes are evenly apart as counted in local sizes.
+/// Heights from the first to the last of `breaks`, all included, with sizes that grow from `size` by `growth` in all.
 pub fn rows(breaks: &[f64], size: f64, growth: f64) -> Vec<f64> {
     let (from, to) = (breaks[0], breaks[breaks.len() - 1]);
     let rate = libm::log(growth) / (to - from);

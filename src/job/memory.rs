@@ -1,5 +1,4 @@
 //! A job whose results stay in memory: its summary, all rows of its histories, and its frames.
-//! Never here: files.
 
 use std::sync::atomic::AtomicUsize;
 
@@ -8,13 +7,13 @@ use crate::output::{Frame, History, Job};
 use crate::solve::{self, Control, Instant, Progress, Sink, SinkError};
 
 /// Keeps what it is shown.
-struct Memory<'a> {
+struct MemorySink<'a> {
     history: History,
     frames: Option<Vec<Frame>>,
     follow: &'a mut Follower<'a>,
 }
 
-impl Sink for Memory<'_> {
+impl Sink for MemorySink<'_> {
     fn wants_frames(&self) -> bool {
         self.frames.is_some()
     }
@@ -34,8 +33,7 @@ impl Sink for Memory<'_> {
     }
 }
 
-/// Runs a prepared deck until `interrupt` is a number other than 0; `job` is what user routines are told of it. The summary has all
-/// rows of the histories; frames there are none unless they are wanted.
+/// Runs a prepared deck in memory until `interrupt` is nonzero; the summary has all rows, frames only if wanted.
 pub fn run_kept<'a>(
     prepared: &Prepared,
     job: &Job,
@@ -45,7 +43,7 @@ pub fn run_kept<'a>(
 ) -> (Summary, Vec<Frame>) {
     announce(prepared, job);
     let history = History::of_rows(prepared.plan.column_names());
-    let mut memory = Memory { history, frames: frames.then(Vec::new), follow };
+    let mut memory = MemorySink { history, frames: frames.then(Vec::new), follow };
     let control = Control { interrupt: Some(interrupt), ..Control::default() };
     // Without a state to go on from there is none that could be refused.
     let (outcome, _) =

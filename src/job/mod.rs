@@ -1,5 +1,4 @@
 //! A job: a deck taken through the whole pipeline. Text to deck, deck to model, model to plan, plan to results.
-//! Never here: printing, arguments.
 
 mod memory;
 mod status;
@@ -102,9 +101,6 @@ pub fn prepare_text(name: &str, text: &str, overrides: &Overrides, routines: &Ro
 
 impl Prepared {
     /// Lets elements use an instruction set other than the machine's best; the bits stay the same.
-    ///
-    /// # Errors
-    /// Where the machine does not have it.
     pub fn use_instructions(&mut self, instructions: Instructions) -> Result<(), MissingInstructions> {
         let arch = instructions.arch().ok_or(MissingInstructions(instructions))?;
         self.state.elements.use_arch(arch);
@@ -403,7 +399,7 @@ fn forgotten(prepared: &Prepared, from: Option<&Checkpoint>, left: &[String]) ->
 const STALE: Duration = Duration::from_secs(1);
 
 /// Writes frames as they come, and histories and states now and then.
-struct Files<'a> {
+struct FileSink<'a> {
     job: &'a Job,
     frames: FrameWriter,
     wanted: Frames,
@@ -415,7 +411,7 @@ struct Files<'a> {
     history_written: Stopwatch,
 }
 
-impl Files<'_> {
+impl FileSink<'_> {
     /// Writes the histories so far; their checksum.
     fn write_history(&mut self) -> io::Result<u32> {
         self.history_written = Stopwatch::now();
@@ -442,7 +438,7 @@ fn persist_shown(frames: &mut Vec<Written>, history: &mut History, archive: &mut
     host::persist_messages(archive);
 }
 
-impl Sink for Files<'_> {
+impl Sink for FileSink<'_> {
     fn wants_frames(&self) -> bool {
         self.wanted != Frames::Absent
     }
@@ -508,9 +504,6 @@ pub fn run_until(prepared: &Prepared, sink: &mut dyn Sink, interrupt: &AtomicUsi
 }
 
 /// Writes summary and histories of a run in memory into the folder of a job; frames there are none.
-///
-/// # Errors
-/// Where a file cannot be written.
 pub fn write_run(prepared: &Prepared, job: &Job, outcome: Outcome, history: History) -> io::Result<()> {
     make_folder(job)?;
     // Several runs at once share the messages of routines: whose they are is not known.
@@ -521,9 +514,6 @@ pub fn write_run(prepared: &Prepared, job: &Job, outcome: Outcome, history: Hist
 }
 
 /// Makes the folder of a job.
-///
-/// # Errors
-/// With the path in the message.
 pub fn make_folder(job: &Job) -> io::Result<()> {
     let made = std::fs::create_dir_all(&job.folder);
     made.map_err(|e| io::Error::new(e.kind(), format!("cannot make the folder {}: {e}", job.folder.display())))
@@ -567,14 +557,14 @@ pub fn run_with<'a>(
     let history_written = Stopwatch::now();
     let warn = options.warn.unwrap_or(&|_| {});
     let mut files =
-        Files { job, frames, wanted: options.frames, status, history, identity, progress, warn, history_written };
+        FileSink { job, frames, wanted: options.frames, status, history, identity, progress, warn, history_written };
     let kept = options.from.as_ref().map(|c| &c.state[..]);
     let control = Control { every: options.every, interrupt: options.interrupt, state: kept };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(unfit)?;
     let kept = outcome.checkpoint_seconds;
     let (sums, history_failed) = files.end();
-    let Files { mut status, history, .. } = files;
+    let FileSink { mut status, history, .. } = files;
     let mut summary = summarise(prepared, outcome, history);
     let forgotten = forgotten(prepared, options.from.as_ref(), &summary.lost);
     summary.diagnostics.extend(forgotten.findings(&prepared.deck.sources));
@@ -684,9 +674,6 @@ fn summarise(prepared: &Prepared, outcome: Outcome, history: History) -> Summary
 }
 
 /// The name of a job: the deck's file name without ending; and its default folder, `out/<job>`.
-///
-/// # Errors
-/// Where that name would lead out of the folder.
 pub fn default_job(deck: &Path, folder: Option<PathBuf>) -> Result<Job, Box<Diagnostic>> {
     let named = if deck == Path::new(STANDARD_INPUT) { None } else { deck.file_stem() };
     let name = named.map_or("job".into(), |s| s.to_string_lossy().into_owned());

@@ -1,6 +1,5 @@
 //! The status file `<job>.sta`: how far a run is, line by line, in the columns of ABAQUS/Explicit (Analysis User's Guide, "Output",
 //! status file), so that it can be watched with `tail -f`. It grows as the run does; a line once written stays.
-//! Never here: how far a run is (`solve`).
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
@@ -29,9 +28,6 @@ pub(super) struct Status {
 
 impl Status {
     /// Begins the file of a job, or goes on with it.
-    ///
-    /// # Errors
-    /// Where it cannot be opened, with its path.
     pub(super) fn open(job: &Job, goes_on: bool) -> io::Result<Self> {
         let path = job.path(STATUS);
         let file = OpenOptions::new().create(true).append(goes_on).truncate(!goes_on).write(true).open(&path);

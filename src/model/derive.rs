@@ -82,7 +82,7 @@ impl Builder<'_> {
         }
         let target =
             target_of(material, asked.radius, asked.tension).map_err(|error| error.at(asked.span, "derived here"))?;
-        let told = |fault: resistance::Fault| {
+        let told = |fault: resistance::ResistanceError| {
             let message = format!("material {}: {fault}", material.name);
             Diagnostic::error(fault.code(), message).at(asked.span, "derived here")
         };

@@ -15,6 +15,18 @@ pub fn field(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// A line of fields with its end.
+pub fn line<S: AsRef<str>>(fields: impl IntoIterator<Item = S>) -> String {
+    let fields: Vec<String> = fields.into_iter().map(|text| field(text.as_ref()).into_owned()).collect();
+    fields.join(",") + "\n"
+}
+
+/// Lines that are neither empty nor comments (`#`), with their numbers from 1.
+pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line));
+    numbered.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'))
+}
+
 /// The fields of a line, without their quotes.
 pub fn fields(line: &str) -> Vec<String> {
     let mut fields = vec![String::new()];

@@ -10,6 +10,7 @@ pub mod history;
 pub mod lock;
 pub mod pvd;
 pub mod sums;
+pub mod svg;
 pub mod vtu;
 pub mod whole;
 
@@ -86,6 +87,7 @@ impl Label {
 
 /// Where the points of frames are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Points {
     /// Where they are now.
     #[default]

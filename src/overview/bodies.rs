@@ -1,5 +1,4 @@
 //! Bodies at the start: elements, mass, place, velocity.
-//! Never here: materials, what the run takes.
 
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -39,7 +38,7 @@ pub(super) fn parts(model: &Model, plan: &Plan, state: &State) -> Vec<Part> {
 }
 
 /// Sums over the nodes of a part.
-struct Sums {
+struct PartSums {
     mass: f64,
     moment: f64,
     momentum: f64,
@@ -47,10 +46,10 @@ struct Sums {
     extent: [[f64; 2]; 2],
 }
 
-impl Sums {
-    fn new() -> Sums {
+impl PartSums {
+    fn new() -> PartSums {
         let none = [f64::INFINITY, f64::NEG_INFINITY];
-        Sums { mass: 0.0, moment: 0.0, momentum: 0.0, fastest: 0.0, extent: [none; 2] }
+        PartSums { mass: 0.0, moment: 0.0, momentum: 0.0, fastest: 0.0, extent: [none; 2] }
     }
 
     fn add(&mut self, mass: f64, place: [f64; 2], velocity: [f64; 2]) {
@@ -98,7 +97,7 @@ fn type_name(kind: ElementKind) -> &'static str {
 /// Elements of a section that deform; `None` where a rigid body has them all.
 fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, state: &State) -> Option<Part> {
     let free: Vec<usize> = elements.iter().copied().filter(|e| plan.places.elements.contains_key(e)).collect();
-    let mut sums = Sums::new();
+    let mut sums = PartSums::new();
     let nodes = state.dofs.nodes.as_slice();
     for element in &free {
         let (group, index) = plan.places.elements[element];
@@ -112,7 +111,7 @@ fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, stat
 }
 
 fn rigid(body: &crate::plan::Body, model: &Model) -> Part {
-    let mut sums = Sums::new();
+    let mut sums = PartSums::new();
     for &node in &body.nodes {
         sums.add(0.0, model.mesh.points[node], [0.0, body.initial_velocity]);
     }

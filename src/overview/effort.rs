@@ -1,5 +1,4 @@
 //! What a run will take: its first moments are run in memory and carried on.
-//! Never here: files, routines of the user, which must not be called for a look.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
@@ -28,7 +27,7 @@ pub struct Effort {
 }
 
 /// Follows a run until a time on the clock has passed.
-struct Look<'a> {
+struct TrialRun<'a> {
     begin: Stopwatch,
     length: Duration,
     stop: &'a AtomicUsize,
@@ -37,7 +36,7 @@ struct Look<'a> {
     fraction: f64,
 }
 
-impl Sink for Look<'_> {
+impl Sink for TrialRun<'_> {
     fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
         Ok(())
     }
@@ -54,18 +53,23 @@ impl Sink for Look<'_> {
     }
 }
 
-/// Runs a plan for so long at most and says what all of it will take; `None` where routines of the user take part, or where the
-/// look was over before its first increment.
+/// Runs a plan for a limited time and estimates the whole run; `None` with user subroutines or without an increment.
 pub fn measure(plan: &Plan, state: &State, length: Duration) -> Option<Effort> {
     if plan.routines.any() {
         return None;
     }
     let stop = AtomicUsize::new(0);
-    let mut look =
-        Look { begin: Stopwatch::now(), length, stop: &stop, increment: 0.0, limiting: String::new(), fraction: 0.0 };
+    let mut look = TrialRun {
+        begin: Stopwatch::now(),
+        length,
+        stop: &stop,
+        increment: 0.0,
+        limiting: String::new(),
+        fraction: 0.0,
+    };
     let control = Control { interrupt: Some(&stop), ..Control::default() };
     let (outcome, _) = solve::run_with(plan, state.clone(), &mut look, control).ok()?;
-    let Look { increment, limiting, fraction, .. } = look;
+    let TrialRun { increment, limiting, fraction, .. } = look;
     let ended = stop.load(Ordering::Relaxed) == 0;
     let halt = outcome.halt.as_ref().filter(|_| ended).map(|halt| format!("{}: {}", halt.code, halt.reason));
     if ended && halt.is_none() {

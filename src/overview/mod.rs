@@ -1,5 +1,4 @@
 //! What a deck amounts to before it runs: bodies with mass and place, waves, energies at the start, and what the run will take.
-//! Never here: what is simulated and why (the ledger), doubts (`plan`), printing.
 
 mod bodies;
 mod effort;
@@ -25,7 +24,7 @@ pub struct Overview {
     /// Kinetic energy at the start.
     pub kinetic_energy: f64,
     /// Speeds of waves, by material.
-    pub waves: Vec<Waves>,
+    pub waves: Vec<WaveSpeeds>,
     /// Smallest and largest temperature that the deck gives at the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperatures: Option<[f64; 2]>,
@@ -38,7 +37,7 @@ pub struct Overview {
 
 /// Speeds of waves of small strain in a material.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Waves {
+pub struct WaveSpeeds {
     /// The material.
     pub material: String,
     /// Density.
@@ -80,11 +79,11 @@ impl Overview {
     }
 }
 
-fn waves(material: &Material) -> Option<Waves> {
+fn waves(material: &Material) -> Option<WaveSpeeds> {
     let density = material.density.or_else(|| Some(material.densities.first()?[0]))?;
     let [bulk, shear] = moduli(material, density)?;
     let longitudinal = ((bulk + 4.0 / 3.0 * shear) / density).sqrt();
-    Some(Waves { material: material.name.clone(), density, longitudinal, shear: (shear / density).sqrt() })
+    Some(WaveSpeeds { material: material.name.clone(), density, longitudinal, shear: (shear / density).sqrt() })
 }
 
 /// Bulk and shear modulus of small strains; `None` where the user's routine has them.

@@ -1,5 +1,4 @@
 //! The overview as text.
-//! Never here: numbers that are not in it.
 
 use std::fmt::Write as _;
 

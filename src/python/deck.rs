@@ -11,7 +11,7 @@ use revolve::job::{self, Frames, Options, Prepared};
 use revolve::model::{Model, Precision};
 use revolve::output::{Job, Points};
 use revolve::solve::Progress;
-use revolve::study::evaluate::Source;
+use revolve::study::evaluate::DeckSource;
 use revolve::user::Routines;
 use revolve::user::compile::Compiled;
 
@@ -51,7 +51,7 @@ type Known = Option<(Settings, Arc<Prepared>)>;
 /// A deck as text, read when it was made.
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct Deck {
-    pub source: Source,
+    pub source: DeckSource,
     precision: Precision,
     known: Mutex<Known>,
 }
@@ -76,13 +76,13 @@ impl Deck {
             }
         };
         let precision = precision.parse().map_err(|e| errors::setting(format!("precision={precision}: {e}")))?;
-        Ok(Deck { source: Source::Text(name.to_owned(), text), precision, known: Mutex::default() })
+        Ok(Deck { source: DeckSource::Text(name.to_owned(), text), precision, known: Mutex::default() })
     }
 
     /// The text.
     #[getter]
     fn text(&self) -> &str {
-        let Source::Text(_, text) = &self.source else { return "" };
+        let DeckSource::Text(_, text) = &self.source else { return "" };
         text
     }
 
@@ -196,7 +196,7 @@ impl Deck {
 
     /// Runs on threads of its own where there is work for several; Python's waits and looks for signals.
     fn carry_out(&self, prepared: &Prepared, asked: Asked, user: String, waiting: &Waiting) -> Result<Run, NoRun> {
-        let Source::Text(name, _) = &self.source else { return Err(NoRun::Threads("a deck has text".into())) };
+        let DeckSource::Text(name, _) = &self.source else { return Err(NoRun::Threads("a deck has text".into())) };
         let job = job::default_job(Path::new(name), asked.out.clone()).map_err(NoRun::Named)?;
         let threads = asked.threads.min(prepared.most_threads()).max(1);
         if threads == 1 && prepared.most_threads() == 1 {

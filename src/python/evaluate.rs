@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use revolve::study::evaluate::{self, Samples, Source, User as Routines};
+use revolve::study::evaluate::{self, DeckSource, Samples, UserRoutines};
 use revolve::study::quantity::Quantity;
 
 use crate::deck::{Settings, User};
@@ -56,7 +56,7 @@ impl Evaluator {
     /// For a deck.
     pub fn make(
         py: Python<'_>,
-        source: Source,
+        source: DeckSource,
         names: Vec<String>,
         fixed: Settings,
         quantities: Vec<String>,
@@ -68,11 +68,11 @@ impl Evaluator {
         let width = parsed.len();
         let raised = Raised::default();
         let routines = match (user, load) {
-            (None, None) => Routines::Absent,
-            (Some(user), None) => Routines::Files(Arc::clone(&user.get().compiled)),
+            (None, None) => UserRoutines::Absent,
+            (Some(user), None) => UserRoutines::Files(Arc::clone(&user.get().compiled)),
             (_, Some(load)) => {
                 let told = raised.clone();
-                Routines::Stateless(Box::new(move || load.routines(&told)))
+                UserRoutines::Stateless(Box::new(move || load.routines(&told)))
             }
         };
         let evaluator = py.detach(|| evaluate::Evaluator::new(source, fixed, names, parsed, routines));

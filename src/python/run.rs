@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use revolve::job::Summary;
 use revolve::output::{Field, Frame};
-use revolve::study::quantity::{Finished, Quantity};
+use revolve::study::quantity::{FinishedRun, Quantity};
 
 use crate::errors;
 
@@ -84,7 +84,7 @@ impl Run {
 
     /// The value of an expression over histories.
     fn quantity(&self, py: Python<'_>, text: &str) -> PyResult<f64> {
-        let run = Finished { history: &self.summary.history, end: None };
+        let run = FinishedRun { history: &self.summary.history, end: None };
         Quantity::parse(text).and_then(|q| q.number(run)).map_err(|why| errors::study(py, &why))
     }
 

@@ -3,11 +3,11 @@
 
 use pyo3::prelude::*;
 use revolve::study::StudyError;
-use revolve::study::asked;
-use revolve::study::bench::Bench;
-use revolve::study::chart::{Chart, Form, Scale, Series};
+use revolve::study::chart::{Chart, Form, Series};
+use revolve::study::convergence;
 use revolve::study::quantity::Quantity;
 use revolve::study::record;
+use revolve::study::runner::StudyRunner;
 use revolve::study::settings::{self, Axis};
 use revolve::study::target::Target;
 use revolve::{job, model};
@@ -24,15 +24,14 @@ type Points = (String, Vec<f64>, Vec<f64>, bool);
 pub fn chart(py: Python<'_>, title: String, x: String, y: String, series: Vec<Points>) -> PyResult<String> {
     let of = |(name, x, y, marks): Points| {
         let points = x.into_iter().zip(y).filter(|p| p.1.is_finite()).collect();
-        Series { name, points, form: if marks { Form::Marks } else { Form::Line } }
+        Series::new(name, if marks { Form::Marks } else { Form::Line }, points)
     };
     let series = series.into_iter().map(of).collect();
-    let chart = Chart { title, x_label: x, y_label: y, series, ..Chart::default() };
-    chart.svg().map_err(|why| errors::study(py, &why))
+    Chart::new(&title, [&x, &y], series).svg().map_err(|why| errors::study(py, &why))
 }
 
 /// What a study is asked for.
-struct Asked {
+struct StudyRequest {
     settings: Settings,
     refine: Vec<String>,
     quantity: String,
@@ -56,7 +55,7 @@ pub fn study(
     user: Option<&User>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let request = Asked { settings, refine, quantity, exact, target, repeat };
+    let request = StudyRequest { settings, refine, quantity, exact, target, repeat };
     let waiting = Waiting::new(progress);
     let studied = py.detach(|| deck.studied(&request, user, &waiting));
     waiting.end()?;
@@ -64,9 +63,9 @@ pub fn study(
 }
 
 impl Deck {
-    fn studied(&self, request: &Asked, user: Option<&User>, waiting: &Waiting) -> Result<String, StudyError> {
+    fn studied(&self, request: &StudyRequest, user: Option<&User>, waiting: &Waiting) -> Result<String, StudyError> {
         let quantity = Quantity::parse(&request.quantity)?;
-        let exact = asked::exact(request.exact.as_deref(), &quantity)?;
+        let exact = convergence::exact(request.exact.as_deref(), &quantity)?;
         let target = request.target.as_deref().map(Target::parse).transpose()?;
         let (axes, runs) = self.axes(request, user, &quantity)?;
         if exact.is_none() && !axes.iter().any(Axis::is_refinement) {
@@ -79,14 +78,14 @@ impl Deck {
             waiting.look((done.get() as f64 / runs as f64).min(1.0), &format!("{} runs", done.get()));
         };
         let compiled = user.map(|user| &*user.compiled);
-        let mut bench = Bench::new(&source, &request.settings, compiled, &quantity, request.repeat, &count);
+        let mut bench = StudyRunner::new(&source, &request.settings, compiled, &quantity, request.repeat, &count);
         bench.interrupted_by(&waiting.interrupt);
-        let (results, met, timing) = asked::refine(&mut bench, &axes, exact, target)?;
-        let (header, rows) = record::sheet(&results, true);
-        let drawn = |chart: Chart| chart.svg_on(Scale::LogLog).unwrap_or_default();
+        let (results, met, timing) = convergence::refine(&mut bench, &axes, exact, target)?;
+        let table = record::table(&results, true);
+        let drawn = |chart: Chart| chart.svg().unwrap_or_default();
         let text = serde_json::json!({
-            "header": header,
-            "rows": rows,
+            "header": table.header,
+            "rows": table.rows,
             "conclusions": record::conclusions(&results, met.as_ref()),
             "reference": results.reference,
             "price_chart": drawn(record::price_chart(&results, &request.quantity)),
@@ -100,7 +99,7 @@ impl Deck {
     /// What is refined, and how many runs that takes.
     fn axes(
         &self,
-        request: &Asked,
+        request: &StudyRequest,
         user: Option<&User>,
         quantity: &Quantity,
     ) -> Result<(Vec<Axis>, usize), StudyError> {

@@ -1,13 +1,10 @@
 //! The energy balance as areas on top of each other: what is stored below, what is dissipated above, and as a line what came in.
-//! Never here: the balance itself (`solve::energy`), reading files.
 
-use super::data::{Chart, Series};
-use super::history::History;
+use super::history::HistoryColumns;
 use super::shorten;
-use super::units::Names;
-use crate::study::chart::Form;
+use super::units::UnitNames;
+use crate::study::chart::{Chart, Form, Series};
 
-/// Title of the chart.
 pub const TITLE: &str = "Energy balance";
 /// Energies from the bottom of the stack up: column and name. ALLIE is the sum of what is recoverable, plastic and artificial.
 const STORED: [(&str, &str); 2] = [("ALLKE", "kinetic"), ("ALLSE", "elastic")];
@@ -34,7 +31,7 @@ pub fn columns() -> impl Iterator<Item = &'static str> {
 }
 
 /// The balance of a history; `None` where it holds fewer than two energies.
-pub fn chart(history: &History, units: &Names) -> Option<Chart> {
+pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
     let rows = rows(history.times.len());
     let of = |column: &str| -> Option<Vec<f64>> {
         history.columns.get(column).map(|values| rows.iter().map(|&i| values[i]).collect())
@@ -49,26 +46,15 @@ pub fn chart(history: &History, units: &Names) -> Option<Chart> {
         return None;
     }
     let times: Vec<f64> = rows.iter().map(|&i| shorten(history.times[i])).collect();
-    let series = |name: &str, values: Vec<f64>, form: Form| Series {
-        name: name.into(),
-        form,
-        x: times.clone(),
-        y: values.into_iter().map(shorten).collect(),
-        words: Vec::new(),
+    let series = |name: &str, values: Vec<f64>, form: Form| {
+        Series::new(name, form, times.iter().copied().zip(values.into_iter().map(shorten)).collect())
     };
     let mut all: Vec<Series> = parts.into_iter().map(|(name, values)| series(name, values, Form::Area)).collect();
     if let Some(supplied) = supplied(&of) {
         all.push(series("start + work of loads", supplied, Form::Guide));
     }
-    Some(Chart {
-        title: TITLE.into(),
-        x_label: "time".into(),
-        y_label: "energy".into(),
-        units: units.over_time("Energy"),
-        words: "stored below, dissipated above".into(),
-        series: all,
-        ..Chart::default()
-    })
+    let words = "stored below, dissipated above".into();
+    Some(Chart { units: units.over_time("Energy"), words, ..Chart::new(TITLE, ["time", "energy"], all) })
 }
 
 /// Rows at even distances, the first and the last among them.
@@ -109,16 +95,16 @@ mod tests {
             ("ETOTAL", vec![10.0, 10.0, 10.0]),
         ];
         let columns = columns.into_iter().map(|(name, values)| (name.to_owned(), values)).collect();
-        let history = History { times: vec![0.0, 1.0, 2.0], columns };
-        let chart = chart(&history, &Names::default()).expect("a chart");
+        let history = HistoryColumns { times: vec![0.0, 1.0, 2.0], columns };
+        let chart = chart(&history, &UnitNames::default()).expect("a chart");
         let names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["kinetic", "other internal", "plastic", "start + work of loads"]);
         let (areas, line) = chart.series.split_at(3);
         for i in 0..3 {
-            let sum: f64 = areas.iter().map(|a| a.y[i]).sum();
-            assert!((sum - line[0].y[i]).abs() < 1e-12, "{i}");
+            let sum: f64 = areas.iter().map(|a| a.points[i].1).sum();
+            assert!((sum - line[0].points[i].1).abs() < 1e-12, "{i}");
         }
-        assert_eq!(areas[1].y[2], -0.5, "what is below zero stays below");
-        assert!(super::chart(&History::default(), &Names::default()).is_none());
+        assert_eq!(areas[1].points[2].1, -0.5, "what is below zero stays below");
+        assert!(super::chart(&HistoryColumns::default(), &UnitNames::default()).is_none());
     }
 }

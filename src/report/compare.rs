@@ -1,18 +1,16 @@
 //! Curves from elsewhere beside histories, and how far a run is from them.
-//! Never here: references of sweeps (`study::compare` reads both).
 
 use std::path::Path;
 
-use super::history::{self, History, hint};
+use super::history::{self, HistoryColumns, hint};
 use crate::output::history::between;
 use crate::study::compare::{Reference, rms};
 
 /// A curve beside a history column.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curve {
+pub struct ReferenceCurve {
     /// The history column that it stands beside.
     pub column: String,
-    /// Time and value.
     pub points: Vec<(f64, f64)>,
     /// Root mean square of the deviation of the run at its times; `None` where the run has none of them.
     pub rms: Option<f64>,
@@ -20,8 +18,7 @@ pub struct Curve {
     pub outside: usize,
 }
 
-impl Curve {
-    /// Its name in legends.
+impl ReferenceCurve {
     pub fn name(&self) -> String {
         format!("{}, reference", self.column)
     }
@@ -41,10 +38,7 @@ impl Curve {
 }
 
 /// The curves of a CSV file: times first, then columns that are named as those of the history.
-///
-/// # Errors
-/// In words: a file that cannot be read, or a column that the history has not.
-pub fn curves(file: &Path, history: &Path) -> Result<Vec<Curve>, String> {
+pub fn curves(file: &Path, history: &Path) -> Result<Vec<ReferenceCurve>, String> {
     let reference = Reference::read(file).map_err(|e| e.to_string())?;
     let known = history::names(history)?;
     let mut columns = Vec::new();
@@ -59,13 +53,13 @@ pub fn curves(file: &Path, history: &Path) -> Result<Vec<Curve>, String> {
     Ok(columns.into_iter().enumerate().map(|(i, column)| curve(&reference, i, column, &history)).collect())
 }
 
-fn curve(reference: &Reference, index: usize, column: String, history: &History) -> Curve {
+fn curve(reference: &Reference, index: usize, column: String, history: &HistoryColumns) -> ReferenceCurve {
     let mut points: Vec<(f64, f64)> = reference.rows.iter().map(|row| (row.0, row.1[index])).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let values = history.columns.get(&column).map_or(&[][..], Vec::as_slice);
     let deviation = |&(time, value): &(f64, f64)| Some(at(&history.times, values, time)? - value);
     let deviations: Vec<f64> = points.iter().filter_map(deviation).collect();
-    Curve { rms: rms(&deviations), outside: points.len() - deviations.len(), column, points }
+    ReferenceCurve { rms: rms(&deviations), outside: points.len() - deviations.len(), column, points }
 }
 
 /// The value at a time; `None` outside.
@@ -88,7 +82,7 @@ mod tests {
         assert_eq!([-1.0, 2.1].map(|t| at(&times, &values, t)), [None, None]);
         assert_eq!((at(&[1.0], &[5.0], 1.0), at(&[], &[], 1.0)), (Some(5.0), None));
         let columns = [("A".to_owned(), values.to_vec())].into_iter().collect();
-        let history = History { times: times.to_vec(), columns };
+        let history = HistoryColumns { times: times.to_vec(), columns };
         let reference =
             Reference { columns: vec!["A".into()], rows: vec![(0.5, vec![4.0]), (9.0, vec![1.0])], is_open: false };
         let curve = curve(&reference, 0, "A".into(), &history);

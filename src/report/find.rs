@@ -1,29 +1,25 @@
 //! Which files a folder has, and what of them a page shows.
-//! Never here: how frames, histories and tables are read.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::Value;
 
-use super::data::{Chart, Column, Page, Run, Series};
-use super::units::Names;
-use super::{Asked, balance, compare, frames, history, limits, study, sweep};
+use super::data::{Column, Page, Run};
+use super::units::UnitNames;
+use super::{PageOptions, ReportError, balance, compare, frames, history, limits, study, sweep};
 use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Sums;
-use crate::study::chart::Form;
+use crate::study::chart::{Chart, Form, Series};
 
 /// Runs beyond these are left out.
 const RUNS: usize = 6;
 /// Columns whose final value, minimum and maximum are told.
 const COLUMNS: usize = 200;
 
-/// The page of a folder.
-///
-/// # Errors
-/// In words: no such folder, nothing to report in it, or a file that cannot be read.
-pub fn page(folder: &Path, asked: &Asked) -> Result<Page, String> {
+/// Reads the results in a folder, with names for quantities and curves to compare with.
+pub fn page(folder: &Path, options: &PageOptions) -> Result<Page, ReportError> {
     let (names, sums) = (file_names(folder)?, Sums::of(folder)?);
     let with = |ending: &str| -> BTreeSet<String> {
         names.iter().filter_map(|n| n.strip_suffix(ending)).filter(|n| !n.is_empty()).map(str::to_owned).collect()
@@ -53,20 +49,18 @@ pub fn page(folder: &Path, asked: &Asked) -> Result<Page, String> {
         return Err(format!(
             "{} holds no run (<job>.json, <job>.pvd), no sweep (<job>_sweep.csv) and no study (<job>_study.json)",
             folder.display()
-        ));
+        )
+        .into());
     }
     page.title = all.into_iter().cloned().collect::<Vec<_>>().join(", ");
-    if let Some(file) = &asked.compare {
+    if let Some(file) = &options.compare {
         compare_runs(folder, file, &mut page)?;
     }
-    asked.labels.put(&mut page)?;
+    options.labels.put(&mut page)?;
     Ok(page)
 }
 
 /// The name of the one run in a folder.
-///
-/// # Errors
-/// In words: none, or several.
 pub fn only_run(folder: &Path) -> Result<String, String> {
     let names = file_names(folder)?;
     let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(HISTORY)).collect();
@@ -81,9 +75,6 @@ pub fn only_run(folder: &Path) -> Result<String, String> {
 }
 
 /// Targets and planes as a run's summary tells them; nothing where there is none.
-///
-/// # Errors
-/// In words, where the summary is there and cannot be read.
 pub fn scene(folder: &Path, name: &str, sums: &Sums) -> Result<Value, String> {
     let path = folder.join(format!("{name}.json"));
     if !path.is_file() {
@@ -135,12 +126,12 @@ fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
     }
     run.columns.truncate(COLUMNS);
     let limits = run.summary.as_object_mut().and_then(|s| s.shift_remove("limits")).unwrap_or_default();
-    run.charts.extend(limits::chart(&limits, &Names::of(&run.summary)));
+    run.charts.extend(limits::chart(&limits, &UnitNames::of(&run.summary)));
     if file(".pvd").is_file() {
         sums.hold(&file(".pvd"))?;
         let series = frames::series(&file(".pvd"))?;
         let scene = run.summary.get("scene").cloned().unwrap_or_default();
-        run.meridian = frames::pack(&series, &scene, (&Names::of(&run.summary), sums), &mut run.notes)?;
+        run.meridian = frames::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
     }
     if run.meridian.is_none() {
         run.notes.push("there are no frames: the deck asks for no field output".into());
@@ -160,17 +151,16 @@ fn compare_runs(folder: &Path, file: &Path, page: &mut Page) -> Result<(), Strin
             run.notes.push(format!("{} is not drawn, nor what it is compared with", curve.column));
             continue;
         };
-        let (x, y) = curve.points.iter().copied().unzip();
-        chart.series.push(Series { name: curve.name(), form: Form::Marks, x, y, words: Vec::new() });
+        chart.series.push(Series::new(curve.name(), Form::Marks, curve.points));
     }
     Ok(())
 }
 
 /// Names of units of the run that a history file belongs to.
-pub(super) fn units(history: &Path) -> Names {
+pub(super) fn units(history: &Path) -> UnitNames {
     let name = history.file_name().and_then(|n| n.to_str()?.strip_suffix(HISTORY));
     let summary = name.and_then(|name| json(&history.with_file_name(format!("{name}.json"))).ok());
-    Names::of(&summary.unwrap_or_default())
+    UnitNames::of(&summary.unwrap_or_default())
 }
 
 fn column(name: &str, values: &Value) -> Column {
@@ -183,7 +173,7 @@ fn histories(path: &Path, run: &mut Run) -> Result<(), String> {
     let mut wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
     wanted.extend(balance::columns().map(str::to_owned).filter(|c| !wanted.contains(c)).collect::<Vec<_>>());
     let history = history::read(path, &wanted)?;
-    let units = Names::of(&run.summary);
+    let units = UnitNames::of(&run.summary);
     if history.times.len() > 1 {
         let of = |(title, columns): &(String, Vec<String>)| history::chart(title, columns, &history, &units);
         run.charts = balance::chart(&history, &units).into_iter().chain(choice.charts.iter().map(of)).collect();

@@ -1,5 +1,4 @@
 //! Frames read back from a `.pvd` series, thinned and packed for the page.
-//! Never here: drawing.
 
 use std::path::{Path, PathBuf};
 
@@ -8,8 +7,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::data::{Field, Meridian};
-use super::mesh::{Drawn, bounds, drawn};
-use super::units::Names;
+use super::mesh::{DrawnMesh, bounds, drawn};
+use super::units::UnitNames;
 use crate::deck::{files, printable};
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
@@ -26,17 +25,14 @@ pub const CELLS: usize = 6000;
 pub const BYTES: usize = 6_000_000;
 /// Fields beyond these are left out.
 const FIELDS: usize = 20;
-/// Stands for "none".
 const NONE: u16 = u16::MAX;
 
 /// A frame as it stands in its file: scalars only, by name.
 #[derive(Clone, Debug, Default)]
-pub struct Raw {
-    /// Total time.
+pub struct FrameData {
     pub time: f64,
     /// `[r, z]` of each point.
     pub points: Vec<[f64; 2]>,
-    /// Corners of each cell.
     pub cells: Vec<Vec<usize>>,
     /// Whether each cell is one of a deleted element; empty where none is.
     pub deleted: Vec<bool>,
@@ -47,9 +43,6 @@ pub struct Raw {
 }
 
 /// Times and files of a series.
-///
-/// # Errors
-/// In words, where the list cannot be read.
 pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
     let text = files::read_text(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
     let folder = pvd.parent().unwrap_or(Path::new(""));
@@ -67,11 +60,7 @@ pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
     text.split("<DataSet").skip(1).map(|tag| entry(tag).ok_or_else(|| wrong(&first_line(tag)))).collect()
 }
 
-/// Reads a frame.
-///
-/// # Errors
-/// In words, where it cannot be read.
-pub fn read(time: f64, path: &Path, sums: &Sums) -> Result<Raw, String> {
+pub fn read(time: f64, path: &Path, sums: &Sums) -> Result<FrameData, String> {
     sums.hold(path)?;
     let wrong = |e: String| format!("{}: {e}", path.display());
     let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
@@ -93,7 +82,7 @@ pub fn read(time: f64, path: &Path, sums: &Sums) -> Result<Raw, String> {
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
     let numbers = mesh.cell_arrays.iter().find(|(name, _)| name == "ELEMENT");
     let elements = numbers.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect());
-    Ok(Raw { time, points: places, cells: mesh.cells, deleted, elements, scalars })
+    Ok(FrameData { time, points: places, cells: mesh.cells, deleted, elements, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
@@ -105,8 +94,7 @@ fn unescape(text: &str) -> String {
     text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&")
 }
 
-/// The scalars of an array: a vector in the plane gives its magnitude and two components, a stress its components and the
-/// Mises stress.
+/// Scalars of an array: a vector gives magnitude and two components, a stress its components and the Mises stress.
 fn split(name: &str, values: &[f64], count: usize, text: &str) -> Vec<(String, Vec<f64>)> {
     let parts = values.len().checked_div(count).unwrap_or(0);
     if parts == 0 || values.len() != parts * count {
@@ -146,13 +134,10 @@ fn rank(name: &str) -> usize {
 }
 
 /// Packs a series. Notes say what was left out.
-///
-/// # Errors
-/// In words, where no frame can be read.
 pub fn pack(
     files: &[(f64, PathBuf)],
     scene: &Value,
-    (units, sums): (&Names, &Sums),
+    (units, sums): (&UnitNames, &Sums),
     notes: &mut Vec<String>,
 ) -> Result<Option<Meridian>, String> {
     let Some(((time, path), _)) = files.split_first() else { return Ok(None) };
@@ -171,14 +156,14 @@ pub fn pack(
     if chosen.len() < files.len() {
         notes.push(format!("{} of {} frames are shown", chosen.len(), files.len()));
     }
-    let mut frames = vec![Thin::of(&first, &mesh, &fields)];
+    let mut frames = vec![DrawnFrame::of(&first, &mesh, &fields)];
     for &i in &chosen[1..] {
         let frame = read(files[i].0, &files[i].1, sums)?;
         if !is_same_mesh(&first, &frame) {
             notes.push(format!("the frame at time {:e} has another mesh and is left out", frame.time));
             continue;
         }
-        frames.push(Thin::of(&frame, &mesh, &fields));
+        frames.push(DrawnFrame::of(&frame, &mesh, &fields));
     }
     let mut meridian = meridian(&frames, &mesh, &fields, scene);
     let number = |&cell: &usize| first.elements.get(cell).copied().unwrap_or(0);
@@ -189,7 +174,7 @@ pub fn pack(
 }
 
 /// Whether a frame has the mesh of the first one, but for what is deleted: it has shrunk to a point.
-fn is_same_mesh(first: &Raw, frame: &Raw) -> bool {
+fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
     let gone = |cell: usize| frame.deleted.get(cell).copied().unwrap_or(false);
     let mut cells = first.cells.iter().zip(&frame.cells).enumerate();
     let alike = cells.all(|(i, (a, b))| a == b || gone(i) && a.len() == b.len());
@@ -197,7 +182,7 @@ fn is_same_mesh(first: &Raw, frame: &Raw) -> bool {
 }
 
 /// Indices into the scalars of a frame.
-fn chosen_fields(first: &Raw, notes: &mut Vec<String>) -> Vec<(String, bool)> {
+fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, bool)> {
     let has_mises = first.scalars.iter().any(|s| s.0 == "MISES");
     let all = first.scalars.iter().filter(|s| !(has_mises && s.0 == "S_MISES"));
     let mut fields: Vec<(String, bool)> = all.map(|s| (s.0.clone(), s.1)).collect();
@@ -211,7 +196,7 @@ fn chosen_fields(first: &Raw, notes: &mut Vec<String>) -> Vec<(String, bool)> {
 }
 
 /// Bytes of a frame in base64: four for three.
-fn bytes_of_frame(mesh: &Drawn, fields: &[(String, bool)]) -> usize {
+fn bytes_of_frame(mesh: &DrawnMesh, fields: &[(String, bool)]) -> usize {
     let numbers = |f: &(String, bool)| if f.1 { mesh.cells.len() } else { mesh.points.len() };
     let all = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
     (all * 2 * 4 / 3).max(1)
@@ -226,14 +211,14 @@ fn spread(count: usize, most: usize) -> Vec<usize> {
 }
 
 /// A frame on the mesh that is drawn.
-struct Thin {
+struct DrawnFrame {
     time: f64,
     points: Vec<[f64; 2]>,
     values: Vec<Vec<f64>>,
 }
 
-impl Thin {
-    fn of(frame: &Raw, mesh: &Drawn, fields: &[(String, bool)]) -> Thin {
+impl DrawnFrame {
+    fn of(frame: &FrameData, mesh: &DrawnMesh, fields: &[(String, bool)]) -> DrawnFrame {
         let values = |(name, on_cells): &(String, bool)| {
             let scalar = frame.scalars.iter().find(|s| s.0 == *name && s.1 == *on_cells);
             let places = if *on_cells { &mesh.cells } else { &mesh.points };
@@ -241,11 +226,11 @@ impl Thin {
             places.iter().map(at).collect()
         };
         let points = mesh.points.iter().map(|&p| frame.points[p]).collect();
-        Thin { time: frame.time, points, values: fields.iter().map(values).collect() }
+        DrawnFrame { time: frame.time, points, values: fields.iter().map(values).collect() }
     }
 }
 
-fn meridian(frames: &[Thin], mesh: &Drawn, fields: &[(String, bool)], scene: &Value) -> Meridian {
+fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], scene: &Value) -> Meridian {
     let all: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
     let [low, high] = bounds(&all);
     let places = all.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
@@ -271,9 +256,8 @@ fn meridian(frames: &[Thin], mesh: &Drawn, fields: &[(String, bool)], scene: &Va
     }
 }
 
-/// Element variables are zero on the lines of rigid bodies, pressures of facets on elements that deform: where one kind
-/// of cell has nothing but zeros and the other has more, the zeros mean nothing.
-fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &Drawn) {
+/// Hides the zeros of element variables on rigid lines and of facet pressures on deformable elements.
+fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &DrawnMesh) {
     let lines: Vec<bool> = mesh.corners.iter().map(|c| c.len() == 2).collect();
     let silent = |kind: bool| {
         let of_kind = |frame: &Vec<f64>| frame.iter().zip(&lines).all(|(v, l)| *l != kind || *v == 0.0);

@@ -1,5 +1,4 @@
 //! Histories as charts: few lines each, thinned so that no peak is lost.
-//! Never here: which files there are.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -10,34 +9,27 @@ use crate::deck::files;
 use crate::deck::names::nearest;
 use crate::output::csv;
 use crate::output::history::STEP;
-use crate::study::chart::Form;
+use crate::study::chart::{Chart, Form, Series};
 use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Place};
 
-use super::data::{Chart, Column, Series};
+use super::data::Column;
 use super::shorten;
-use super::units::Names;
+use super::units::UnitNames;
 
-/// Lines of one chart.
 const LINES: usize = 8;
-/// Charts of one run.
 const CHARTS: usize = 12;
 /// Intervals a thinned line is cut into; each keeps its smallest and its largest value.
 const INTERVALS: usize = 300;
 
 /// A history file: the columns that were asked for.
 #[derive(Clone, Debug, Default)]
-pub struct History {
-    /// Time of each row.
+pub struct HistoryColumns {
     pub times: Vec<f64>,
-    /// Values by column.
     pub columns: IndexMap<String, Vec<f64>>,
 }
 
 /// Names of the columns of a `<job>_history.csv`, without time and step.
-///
-/// # Errors
-/// In words, where the file cannot be read.
 pub fn names(path: &Path) -> Result<Vec<String>, String> {
     let mut names = header(path)?;
     names.drain(..leading(&names));
@@ -63,16 +55,13 @@ fn leading(names: &[String]) -> usize {
 }
 
 /// Reads the chosen columns.
-///
-/// # Errors
-/// In words, where the file cannot be read or a row is not whole.
-pub fn read(path: &Path, wanted: &[String]) -> Result<History, String> {
+pub fn read(path: &Path, wanted: &[String]) -> Result<HistoryColumns, String> {
     let all = header(path)?;
     let first = leading(&all);
     let place = |name: &String| Some(first + all[first..].iter().position(|n| n == name)?);
     let places: Vec<usize> = wanted.iter().filter_map(place).collect();
     let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let mut history = History::default();
+    let mut history = HistoryColumns::default();
     let mut columns = vec![Vec::new(); places.len()];
     for (i, line) in BufReader::new(file).lines().enumerate().skip(1) {
         let line = line.map_err(|e| format!("{}: {e}", path.display()))?;
@@ -92,7 +81,7 @@ pub fn read(path: &Path, wanted: &[String]) -> Result<History, String> {
 
 /// Charts to draw: the energies together, then one for each variable.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Choice {
+pub struct ChartChoice {
     /// Title and columns of each chart.
     pub charts: Vec<(String, Vec<String>)>,
     /// How many columns are not drawn.
@@ -100,14 +89,14 @@ pub struct Choice {
 }
 
 /// Which columns to draw. Of more than eight of one variable those that vary most are drawn.
-pub fn choose(names: &[String], summary: &[Column]) -> Choice {
+pub fn choose(names: &[String], summary: &[Column]) -> ChartChoice {
     let mut groups: IndexMap<String, Vec<String>> = IndexMap::new();
     groups.insert("Energy".into(), Vec::new());
     for name in names {
         groups.entry(group(name)).or_default().push(name.clone());
     }
     groups.retain(|_, members| !members.is_empty());
-    let mut choice = Choice::default();
+    let mut choice = ChartChoice::default();
     for (title, mut members) in groups {
         let count = members.len();
         if title == "Energy" {
@@ -153,22 +142,19 @@ fn keep_liveliest(members: &mut Vec<String>, summary: &[Column]) {
     }
 }
 
-/// A chart over time.
-pub fn chart(title: &str, columns: &[String], history: &History, units: &Names) -> Chart {
+pub fn chart(title: &str, columns: &[String], history: &HistoryColumns, units: &UnitNames) -> Chart {
     let line = |name: &String| {
         let values = history.columns.get(name)?;
-        let (x, y) = thin(&history.times, values);
-        Some(Series { name: name.clone(), form: Form::Line, x, y, words: Vec::new() })
+        Some(Series::new(name, Form::Line, thin(&history.times, values)))
     };
     let series = columns.iter().filter_map(line).collect();
     let y_label = if title == "Energy" { "energy" } else { title };
     let words = Part::parse(title).map_or(String::new(), |part| part.variable.row().words.to_owned());
-    let (x_label, y_label) = ("time".into(), y_label.into());
-    Chart { title: title.into(), x_label, y_label, units: units.over_time(title), words, logarithmic: false, series }
+    Chart { units: units.over_time(title), words, ..Chart::new(title, ["time", y_label], series) }
 }
 
 /// Smallest and largest value of each of a few hundred intervals, the ends always.
-fn thin(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn thin(times: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     let mut kept: Vec<usize> = Vec::new();
     if values.len() <= 2 * INTERVALS {
         kept.extend(0..values.len());
@@ -184,7 +170,7 @@ fn thin(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
         kept.push(values.len() - 1);
         kept.dedup();
     }
-    kept.iter().filter(|&&i| values[i].is_finite()).map(|&i| (shorten(times[i]), shorten(values[i]))).unzip()
+    kept.iter().filter(|&&i| values[i].is_finite()).map(|&i| (shorten(times[i]), shorten(values[i]))).collect()
 }
 
 #[cfg(test)]
@@ -213,9 +199,9 @@ mod tests {
         let times: Vec<f64> = (0..100_000).map(f64::from).collect();
         let mut values = vec![0.0; 100_000];
         values[54_321] = 7.0;
-        let (x, y) = thin(&times, &values);
-        assert!(x.len() <= 2 * INTERVALS + 2, "{}", x.len());
-        assert_eq!(y.iter().position(|v| *v == 7.0).map(|i| x[i]), Some(54_321.0));
-        assert!(x.is_sorted());
+        let points = thin(&times, &values);
+        assert!(points.len() <= 2 * INTERVALS + 2, "{}", points.len());
+        assert_eq!(points.iter().find(|p| p.1 == 7.0).map(|p| p.0), Some(54_321.0));
+        assert!(points.is_sorted_by_key(|p| p.0));
     }
 }

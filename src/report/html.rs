@@ -1,7 +1,4 @@
 //! The page around the data: one file that fetches nothing.
-//! Never here: what is shown.
-
-use std::path::Path;
 
 use super::ReportError;
 use super::data::Page;
@@ -13,13 +10,8 @@ const SCRIPT: &str = include_str!("page.js");
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
                       base-uri 'none'; form-action 'none'";
 
-/// The page as HTML.
-///
-/// # Errors
-/// Where the data cannot be written as JSON.
 pub fn html(page: &Page) -> Result<String, ReportError> {
-    let wrong = |e: serde_json::Error| ReportError::of(Path::new(&page.folder), e.to_string());
-    let data = serde_json::to_string(page).map_err(wrong)?;
+    let data = serde_json::to_string(page).map_err(|e| e.to_string())?;
     // Within a script element only `<` could end or change it.
     let data = data.replace('<', "\\u003c");
     let title = escape(&page.title);

@@ -1,8 +1,8 @@
 //! Names that the user gives to quantities, for charts and tables: `COLUMN=TEXT`.
-//! Never here: what a column holds.
 
-use super::data::{Chart, Page, Table};
+use super::data::{Page, Table};
 use crate::deck::names::nearest;
+use crate::study::chart::Chart;
 
 /// Names of quantities: a history column (`U2@REF`), a variable or field (`MISES`), or a column of a sweep or study.
 #[derive(Clone, Debug, Default)]
@@ -10,9 +10,6 @@ pub struct Labels(Vec<(String, String)>);
 
 impl Labels {
     /// Reads `COLUMN=TEXT`.
-    ///
-    /// # Errors
-    /// In words, where one is of another form.
     pub fn parse(words: &[String]) -> Result<Labels, String> {
         let pair = |word: &String| match word.split_once('=') {
             Some((column, text)) if !column.trim().is_empty() && !text.trim().is_empty() => {
@@ -29,9 +26,6 @@ impl Labels {
     }
 
     /// Refuses what names nothing.
-    ///
-    /// # Errors
-    /// In words, with the nearest that there is.
     pub fn check(&self, known: &[String]) -> Result<(), String> {
         let there = |column: &str| known.iter().any(|k| k.eq_ignore_ascii_case(column));
         match self.0.iter().find(|(column, _)| !there(column)) {
@@ -45,9 +39,6 @@ impl Labels {
     }
 
     /// Puts the names into a page.
-    ///
-    /// # Errors
-    /// In words, where one names nothing on it.
     pub(super) fn put(&self, page: &mut Page) -> Result<(), String> {
         if self.0.is_empty() {
             return Ok(());

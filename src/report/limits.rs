@@ -1,14 +1,11 @@
 //! What limited the increments over time, from a summary.
-//! Never here: how that is kept (`solve::limits`).
 
 use serde_json::Value;
 
-use super::data::{Chart, Series};
 use super::shorten;
-use super::units::Names;
-use crate::study::chart::Form;
+use super::units::UnitNames;
+use crate::study::chart::{Chart, Form, Series};
 
-/// Title of the chart.
 pub const TITLE: &str = "Increment";
 /// Names that have a series of their own; the others share one.
 const NAMES: usize = 7;
@@ -17,7 +14,7 @@ const NAMES: usize = 7;
 type Span = (f64, f64, String);
 
 /// The chart of what a summary tells of each step; `None` where a summary tells nothing.
-pub fn chart(limits: &Value, units: &Names) -> Option<Chart> {
+pub fn chart(limits: &Value, units: &UnitNames) -> Option<Chart> {
     let spans: Vec<Span> = limits.as_array()?.iter().flat_map(spans).collect();
     if spans.len() < 2 {
         return None;
@@ -38,22 +35,14 @@ pub fn chart(limits: &Value, units: &Names) -> Option<Chart> {
         let others = format!("{} others", names.len() - own.len());
         series.push(points(&others, Form::Marks, spans.iter().filter(|s| !own.contains(&s.2.as_str()))));
     }
-    Some(Chart {
-        title: TITLE.into(),
-        x_label: "time".into(),
-        y_label: "increment".into(),
-        units: units.over_time(TITLE),
-        words: "and what limited it".into(),
-        series,
-        ..Chart::default()
-    })
+    let words = "and what limited it".into();
+    Some(Chart { units: units.over_time(TITLE), words, ..Chart::new(TITLE, ["time", "increment"], series) })
 }
 
 fn points<'a>(name: &str, form: Form, spans: impl Iterator<Item = &'a Span>) -> Series {
-    let mut series = Series { name: name.to_owned(), form, ..Series::default() };
+    let mut series = Series::new(name, form, Vec::new());
     for (time, increment, by) in spans {
-        series.x.push(shorten(*time));
-        series.y.push(shorten(*increment));
+        series.points.push((shorten(*time), shorten(*increment)));
         if form == Form::Marks && by != name {
             series.words.push(by.clone());
         }
@@ -85,13 +74,13 @@ mod tests {
         let by: Vec<usize> = (0..2 * count).map(|i| if i < count { i } else { 0 }).collect();
         let increment = vec![1e-7; 2 * count];
         let steps = serde_json::json!([{"time": time, "increment": increment, "by": by, "names": names}]);
-        let chart = chart(&steps, &Names::default()).expect("a chart");
+        let chart = chart(&steps, &UnitNames::default()).expect("a chart");
         assert_eq!(chart.series.len(), 1 + NAMES + 1);
-        assert_eq!((chart.series[1].name.as_str(), chart.series[1].x.len()), ("element 0", count + 1));
+        assert_eq!((chart.series[1].name.as_str(), chart.series[1].points.len()), ("element 0", count + 1));
         let others = chart.series.last().expect("others");
         assert_eq!((others.name.as_str(), others.words.len()), ("5 others", 5));
-        let drawn: usize = chart.series[1..].iter().map(|s| s.x.len()).sum();
+        let drawn: usize = chart.series[1..].iter().map(|s| s.points.len()).sum();
         assert_eq!(drawn, 2 * count);
-        assert!(super::chart(&Value::Null, &Names::default()).is_none());
+        assert!(super::chart(&Value::Null, &UnitNames::default()).is_none());
     }
 }

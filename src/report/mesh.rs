@@ -1,12 +1,11 @@
 //! A frame's mesh with few enough cells to draw: points that share a square of a grid become one (vertex clustering,
 //! Rossignac and Borrel 1993), cells that collapse are dropped. No gaps open, and it is done once for all frames.
-//! Never here: values.
 
 use std::collections::HashMap;
 
 /// What is drawn of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Drawn {
+pub struct DrawnMesh {
     /// Points of the mesh that are drawn.
     pub points: Vec<usize>,
     /// Corners of each cell as indices into `points`.
@@ -16,7 +15,7 @@ pub struct Drawn {
 }
 
 /// The whole mesh if it has no more than `most` cells, else a coarser one.
-pub fn drawn(points: &[[f64; 2]], cells: &[Vec<usize>], most: usize) -> Drawn {
+pub fn drawn(points: &[[f64; 2]], cells: &[Vec<usize>], most: usize) -> DrawnMesh {
     let whole: Vec<usize> = (0..points.len()).collect();
     let mut drawn = clustered(&whole, cells);
     let [low, high] = bounds(points);
@@ -46,8 +45,8 @@ pub fn bounds(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
 }
 
 /// Cells over the leaders of their corners; what collapses to fewer than a triangle, or a line to a point, is dropped.
-fn clustered(leader: &[usize], cells: &[Vec<usize>]) -> Drawn {
-    let mut drawn = Drawn::default();
+fn clustered(leader: &[usize], cells: &[Vec<usize>]) -> DrawnMesh {
+    let mut drawn = DrawnMesh::default();
     let mut number: HashMap<usize, usize> = HashMap::new();
     for (index, cell) in cells.iter().enumerate() {
         let mut corners: Vec<usize> = cell.iter().map(|&p| leader[p]).collect();

@@ -1,5 +1,4 @@
 //! `revolve report`: one self-contained HTML page for the runs, sweeps and studies found in a folder.
-//! Never here: solving, printing, what a terminal shows.
 //!
 //! The folder is read into [`data::Page`], which the page carries as JSON; `page.js` draws it. Nothing is fetched:
 //! style, script and numbers are in the file, and a content security policy forbids the rest.
@@ -7,7 +6,6 @@
 mod balance;
 mod compare;
 pub mod data;
-mod error;
 mod find;
 mod frames;
 mod history;
@@ -22,37 +20,41 @@ mod units;
 
 use std::path::{Path, PathBuf};
 
-pub use error::ReportError;
+use thiserror::Error;
+
+pub use find::page as gather_with;
 pub use frames::{BYTES, CELLS, FRAMES};
 pub use html::html;
 pub use labels::Labels;
 
-/// What is asked of a page or a chart beside what a folder holds.
+use crate::study::table::rounded;
+
+/// Why a folder of results gives no page or picture: what is missing or cannot be read, with the file.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct ReportError(String);
+
+impl From<String> for ReportError {
+    fn from(reason: String) -> ReportError {
+        ReportError(reason)
+    }
+}
+
+/// Options of a page or a chart.
 #[derive(Clone, Debug, Default)]
-pub struct Asked {
+pub struct PageOptions {
     /// Names of quantities.
     pub labels: Labels,
     /// A CSV file with curves that histories are compared with.
     pub compare: Option<PathBuf>,
 }
 
-/// Reads what a folder holds.
-///
-/// # Errors
-/// No such folder, nothing in it that a report knows, or a file that cannot be read.
+/// Reads the results in a folder.
 pub fn gather(folder: &Path) -> Result<data::Page, ReportError> {
-    gather_with(folder, &Asked::default())
-}
-
-/// The same, with names for quantities and curves to compare with.
-///
-/// # Errors
-/// Those of [`gather`], and what is asked of it that is not there.
-pub fn gather_with(folder: &Path, asked: &Asked) -> Result<data::Page, ReportError> {
-    find::page(folder, asked).map_err(|reason| ReportError::of(folder, reason))
+    gather_with(folder, &PageOptions::default())
 }
 
 /// Six significant digits: what a chart can show, in the fewest characters.
 fn shorten(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
+    rounded(value, 6)
 }

@@ -1,17 +1,15 @@
 //! Pictures for the command line: histories as a chart, a frame's meridian coloured by a field.
-//! Never here: the page (`page.js` draws its own).
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use serde_json::Value;
 
-use super::frames::{self, CELLS, Raw};
+use super::frames::{self, CELLS, FrameData};
 use super::mesh::{bounds, drawn};
-use super::{Asked, ReportError, balance, compare};
+use super::{PageOptions, ReportError, balance, compare};
 use super::{find, history};
 use crate::output::sums::Sums;
-use crate::output::vtu::escape;
+use crate::output::svg::{END, MIDDLE, Svg, polyline};
 use crate::study::axis::{self, ticks};
 use crate::study::chart::{Chart, Form, Series};
 
@@ -34,14 +32,7 @@ const VIRIDIS: [[f64; 3]; 9] = [
 ];
 
 /// A chart of history columns of the run in a folder.
-///
-/// # Errors
-/// No run, no history, or a column that does not exist, with the nearest that does.
-pub fn columns(folder: &Path, wanted: &[String], asked: &Asked) -> Result<Drawn, ReportError> {
-    columns_of(folder, wanted, asked).map_err(|reason| ReportError::of(folder, reason))
-}
-
-fn columns_of(folder: &Path, wanted: &[String], asked: &Asked) -> Result<Drawn, String> {
+pub fn columns(folder: &Path, wanted: &[String], options: &PageOptions) -> Result<ComparedChart, ReportError> {
     let (name, path) = history_file(folder)?;
     let names = history::names(&path)?;
     let find = |wanted: &String| {
@@ -49,44 +40,36 @@ fn columns_of(folder: &Path, wanted: &[String], asked: &Asked) -> Result<Drawn, 
         known.ok_or_else(|| missing("column", wanted, &names))
     };
     let wanted = wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-    asked.labels.check(&wanted)?;
-    let mut chart = chart(&name, &path, &wanted, asked)?;
-    let curves = asked.compare.as_ref().map_or(Ok(Vec::new()), |file| compare::curves(file, &path))?;
+    options.labels.check(&wanted)?;
+    let mut chart = chart(&name, &path, &wanted, options)?;
+    let curves = options.compare.as_ref().map_or(Ok(Vec::new()), |file| compare::curves(file, &path))?;
     for curve in &curves {
-        chart.series.push(Series { name: curve.name(), points: curve.points.clone(), form: Form::Marks });
+        chart.series.push(Series::new(curve.name(), Form::Marks, curve.points.clone()));
     }
-    Ok(Drawn { chart, deviations: curves.iter().map(compare::Curve::sentence).collect() })
+    Ok(ComparedChart { chart, deviations: curves.iter().map(compare::ReferenceCurve::sentence).collect() })
 }
 
 /// A chart, and how far the run is from curves that it was compared with, in words.
 #[derive(Clone, Debug, Default)]
-pub struct Drawn {
-    /// The chart.
+pub struct ComparedChart {
     pub chart: Chart,
     /// A sentence for each curve.
     pub deviations: Vec<String>,
 }
 
 /// The energies that are in the history, what is stored and what is dissipated on top of each other.
-///
-/// # Errors
-/// No run, no history, or no energies in it.
 pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
-    energies_of(folder).map_err(|reason| ReportError::of(folder, reason))
-}
-
-fn energies_of(folder: &Path) -> Result<Chart, String> {
     let (name, path) = history_file(folder)?;
     let choice = history::choose(&history::names(&path)?, &[]);
     match choice.charts.into_iter().find(|c| c.0 == "Energy") {
         Some((_, columns)) => {
             let wanted: Vec<String> = balance::columns().map(str::to_owned).collect();
             if let Some(balance) = balance::chart(&history::read(&path, &wanted)?, &find::units(&path)) {
-                return Ok(plain(&name, balance));
+                return Ok(titled(&name, balance));
             }
-            chart(&name, &path, &columns, &Asked::default())
+            Ok(chart(&name, &path, &columns, &PageOptions::default())?)
         }
-        None => Err(format!("{} holds no energies: the deck asks for none (*ENERGY OUTPUT)", path.display())),
+        None => Err(format!("{} holds no energies: the deck asks for none (*ENERGY OUTPUT)", path.display()).into()),
     }
 }
 
@@ -104,19 +87,16 @@ fn missing(what: &str, wanted: &str, names: &[String]) -> String {
     format!("there is no {what} `{wanted}`; {}", history::hint(wanted, names))
 }
 
-/// A chart of a page as one of the command line.
-fn plain(title: &str, chart: super::data::Chart) -> Chart {
-    let line =
-        |s: super::data::Series| Series { name: s.name, points: s.x.into_iter().zip(s.y).collect(), form: s.form };
-    let super::data::Chart { x_label, y_label, units, series, .. } = chart;
-    let series = series.into_iter().map(line).filter(|s| !s.points.is_empty()).collect();
-    Chart { title: title.into(), x_label, y_label, units, series }
+/// A chart with another title, without empty series.
+fn titled(title: &str, mut chart: Chart) -> Chart {
+    chart.series.retain(|s| !s.points.is_empty());
+    Chart { title: title.into(), ..chart }
 }
 
-fn chart(title: &str, path: &Path, columns: &[String], asked: &Asked) -> Result<Chart, String> {
+fn chart(title: &str, path: &Path, columns: &[String], options: &PageOptions) -> Result<Chart, String> {
     let history = history::read(path, columns)?;
     let units = find::units(path);
-    let mut chart = plain(title, history::chart("", columns, &history, &units));
+    let mut chart = titled(title, history::chart("", columns, &history, &units));
     let variable = |name: &String| name.split('@').next().unwrap_or(name).to_owned();
     let all_energies = columns.iter().all(|c| !c.contains('@') && (c.starts_with("ALL") || c == "ETOTAL"));
     let first = columns.first().map(variable).unwrap_or_default();
@@ -130,27 +110,20 @@ fn chart(title: &str, path: &Path, columns: &[String], asked: &Asked) -> Result<
     };
     chart.units = units.over_time(if y_label == "energy" { "Energy" } else { &y_label });
     // One line needs no other name than the axis.
-    chart.y_label = if columns.len() == 1 { asked.labels.of(&columns[0]).to_owned() } else { y_label };
-    chart.series.iter_mut().for_each(|s| s.name = asked.labels.of(&s.name).to_owned());
+    chart.y_label = if columns.len() == 1 { options.labels.of(&columns[0]).to_owned() } else { y_label };
+    chart.series.iter_mut().for_each(|s| s.name = options.labels.of(&s.name).to_owned());
     Ok(chart)
 }
 
 /// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.
-///
-/// # Errors
-/// No run, no such frame, no such field.
 pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<String, ReportError> {
-    meridian_of(folder, number, field).map_err(|reason| ReportError::of(folder, reason))
-}
-
-fn meridian_of(folder: &Path, number: Option<usize>, field: &str) -> Result<String, String> {
     let name = find::only_run(folder)?;
     let (list, sums) = (folder.join(format!("{name}.pvd")), Sums::of(folder)?);
     sums.hold(&list)?;
     let series = frames::series(&list)?;
     let number = number.unwrap_or(series.len());
     let Some((time, path)) = number.checked_sub(1).and_then(|i| series.get(i)) else {
-        return Err(format!("there is no frame {number}; the run has {}", series.len()));
+        return Err(format!("there is no frame {number}; the run has {}", series.len()).into());
     };
     let frame = frames::read(*time, path, &sums)?;
     let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
@@ -168,7 +141,6 @@ struct Cell {
 /// What is drawn and where it lies.
 struct Picture {
     cells: Vec<Cell>,
-    /// Smallest and largest value.
     range: [f64; 2],
     /// z from, z to, largest r.
     view: [f64; 3],
@@ -181,7 +153,7 @@ struct Picture {
 }
 
 impl Picture {
-    fn of(frame: &Raw, field: usize, scene: &Value) -> Picture {
+    fn of(frame: &FrameData, field: usize, scene: &Value) -> Picture {
         let (_, on_cells, values) = &frame.scalars[field];
         let mesh = drawn(&frame.points, &frame.cells, CELLS);
         let there = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
@@ -226,30 +198,22 @@ impl Picture {
     fn svg(&self, title: &str) -> String {
         let [wide, high] = self.size();
         let height = high + MARGIN[2] + MARGIN[3];
-        let mut text = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height:.0}\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
-             font-family=\"DejaVu Sans, sans-serif\" font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
-             <text x=\"{}\" y=\"32\" font-size=\"18\">{}</text>\n<clipPath id=\"view\"><rect x=\"{}\" y=\"{}\" width=\"{wide:.1}\" \
-             height=\"{high:.1}\"/></clipPath>\n<g clip-path=\"url(#view)\">\n",
-            MARGIN[0],
-            escape(title),
-            MARGIN[0],
-            MARGIN[2],
-        );
-        self.draw_layers(&mut text);
-        self.cells.iter().for_each(|cell| self.draw_cell(&mut text, cell));
-        let (start, end) = (self.place([0.0, self.view[0]]), self.place([0.0, self.view[1]]));
-        let _ = writeln!(
-            text,
-            "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"#555\" stroke-dasharray=\"10 3 2 3\"/>\n</g>",
-            start[0], start[1], end[0], end[1]
-        );
-        self.draw_axes(&mut text);
-        self.draw_scale(&mut text, height - 34.0);
-        text + "</svg>\n"
+        let mut svg = Svg::new([WIDTH, height.round()], 15.0);
+        svg.text([MARGIN[0], 32.0], "font-size=\"18\"", title);
+        svg.raw("<clipPath id=\"view\">");
+        svg.rect([MARGIN[0], MARGIN[2]], [wide, high], "");
+        svg.raw("</clipPath>\n<g clip-path=\"url(#view)\">");
+        self.draw_layers(&mut svg);
+        self.cells.iter().for_each(|cell| self.draw_cell(&mut svg, cell));
+        let axis = polyline([self.view[0], self.view[1]].map(|z| self.place([0.0, z])));
+        svg.path(axis, "stroke=\"#555\" stroke-dasharray=\"10 3 2 3\"");
+        svg.raw("</g>");
+        self.draw_axes(&mut svg);
+        self.draw_scale(&mut svg, height - 34.0);
+        svg.finish()
     }
 
-    fn draw_layers(&self, text: &mut String) {
+    fn draw_layers(&self, svg: &mut Svg) {
         let [low, high, reach] = self.view;
         for (i, (from, to, name)) in self.layers.iter().enumerate() {
             let (bottom, top) = (f64::min(*from, *to).max(low), f64::max(*from, *to).min(high));
@@ -260,86 +224,57 @@ impl Picture {
             let (x, y) = (f64::min(a[0], b[0]), f64::min(a[1], b[1]));
             let (wide, tall) = ((a[0] - b[0]).abs(), (a[1] - b[1]).abs());
             let fill = if i % 2 == 0 { "#e9e4d8" } else { "#f3efe6" };
-            let _ = writeln!(
-                text,
-                "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\" fill=\"{fill}\" stroke=\"#8d8368\"/>\n\
-                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"#5f5742\">{}</text>",
-                x + 8.0,
-                y + tall - 9.0,
-                escape(name)
-            );
+            svg.rect([x, y], [wide, tall], format_args!("fill=\"{fill}\" stroke=\"#8d8368\""));
+            svg.text([x + 8.0, y + tall - 9.0], "fill=\"#5f5742\"", name);
         }
     }
 
     /// Both halves of a cell.
-    fn draw_cell(&self, text: &mut String, cell: &Cell) {
+    fn draw_cell(&self, svg: &mut Svg, cell: &Cell) {
         let colour = cell.value.map_or("#9aa0a6".into(), |v| colour(share(v, self.range)));
         for side in [1.0, -1.0] {
-            let places = cell.corners.iter().map(|[r, z]| self.place([side * r, *z]));
-            let path: Vec<String> = places.map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
-            let path = path.join("L");
-            let _ = if cell.corners.len() == 2 {
-                writeln!(text, "<path d=\"M{path}\" stroke=\"{colour}\" stroke-width=\"6\" stroke-linecap=\"round\"/>")
+            let path = polyline(cell.corners.iter().map(|[r, z]| self.place([side * r, *z])));
+            if cell.corners.len() == 2 {
+                svg.path(path, format_args!("stroke=\"{colour}\" stroke-width=\"6\" stroke-linecap=\"round\""));
             } else {
-                writeln!(text, "<path d=\"M{path}Z\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"0.6\"/>")
-            };
+                svg.path(path + "Z", format_args!("fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"0.6\""));
+            }
         }
     }
 
-    fn draw_axes(&self, text: &mut String) {
+    fn draw_axes(&self, svg: &mut Svg) {
         let ([wide, high], [low, top, reach]) = (self.size(), self.view);
         let (right, bottom) = (MARGIN[0] + wide, MARGIN[2] + high);
-        let _ = writeln!(
-            text,
-            "<rect x=\"{}\" y=\"{}\" width=\"{wide:.1}\" height=\"{high:.1}\" fill=\"none\" stroke=\"#999\"/>",
-            MARGIN[0], MARGIN[2]
-        );
-        let mut below = |x: f64, y: f64, word: &str| {
-            let _ = writeln!(text, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{word}</text>");
-        };
+        svg.rect([MARGIN[0], MARGIN[2]], [wide, high], "fill=\"none\" stroke=\"#999\"");
         let (zs, rs) = (ticks(low, top, 7.0), ticks(-reach, reach, 7.0));
         // Both axes have one scale, so one power of ten.
         let exponent = axis::exponent(&[&zs[..], &rs].concat());
         let names = ["z", "r"].map(|name| axis::title(name, "", exponent));
         let (level, upright) = if self.lying { (&*names[0], "r") } else { (&*names[1], "z") };
-        below(0.5 * (MARGIN[0] + right), bottom + 46.0, level);
-        below(18.0, MARGIN[2] + 0.5 * high, upright);
+        svg.text([0.5 * (MARGIN[0] + right), bottom + 46.0], MIDDLE, level);
+        svg.text([18.0, MARGIN[2] + 0.5 * high], MIDDLE, upright);
         let on_z = zs.into_iter().map(|z| (self.place([0.0, z]), z, self.lying));
         let on_r = rs.into_iter().map(|r| (self.place([r, low]), r.abs(), !self.lying));
-        for (place, value, is_level) in on_z.chain(on_r) {
-            let word = axis::label(value, exponent);
+        for ([x, y], value, is_level) in on_z.chain(on_r) {
+            let label = axis::label(value, exponent);
             if is_level {
-                let _ = writeln!(
-                    text,
-                    "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{word}</text>",
-                    place[0],
-                    bottom + 22.0
-                );
+                svg.text([x, bottom + 22.0], MIDDLE, &label);
             } else {
-                let _ = writeln!(
-                    text,
-                    "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{word}</text>",
-                    MARGIN[0] - 8.0,
-                    place[1] + 5.0
-                );
+                svg.text([MARGIN[0] - 8.0, y + 5.0], END, &label);
             }
         }
     }
 
-    fn draw_scale(&self, text: &mut String, y: f64) {
-        if self.range[0] > self.range[1] {
-            let _ = writeln!(text, "<text x=\"{}\" y=\"{y:.1}\">no values in this frame</text>", MARGIN[0]);
-            return;
+    fn draw_scale(&self, svg: &mut Svg, y: f64) {
+        let [low, high] = self.range;
+        if low > high {
+            return svg.text([MARGIN[0], y], "", "no values in this frame");
         }
         for i in 0..64 {
             let fill = colour(f64::from(i) / 63.0);
-            let x = MARGIN[0] + 6.0 * f64::from(i);
-            let _ =
-                writeln!(text, "<rect x=\"{x}\" y=\"{:.1}\" width=\"6.5\" height=\"14\" fill=\"{fill}\"/>", y - 14.0);
+            svg.rect([MARGIN[0] + 6.0 * f64::from(i), y - 14.0], [6.5, 14.0], format_args!("fill=\"{fill}\""));
         }
-        let [low, high] = self.range;
-        let x = MARGIN[0] + 400.0;
-        let _ = writeln!(text, "<text x=\"{x}\" y=\"{y:.1}\">{} to {}</text>", number(low), number(high));
+        svg.text([MARGIN[0] + 400.0, y], "", &format!("{} to {}", number(low), number(high)));
     }
 }
 

@@ -1,53 +1,45 @@
-//! A study's file (`<job>_study.json`): every list of records becomes a table, single values become facts, and error
-//! over time a chart.
-//! Never here: the study itself (`study`).
+//! A study's file (`<job>_study.json`): its runs or effects as a table, single values as facts, and charts of the error.
 
 use serde_json::{Map, Value};
 
-use super::data::{Chart, Effect, Series, Study, Table};
-use crate::study::chart::Form;
+use super::data::{Effect, Study, Table};
+use super::shorten;
+use crate::study::chart::{Chart, Form, Scale, Series};
 
-/// Rows that are shown.
 const ROWS: usize = 500;
-
 /// Lines of the plot of orders.
 const LINES: usize = 8;
 
-/// Names that the list of settings may have.
-const LISTS: [&str; 3] = ["runs", "levels", "combinations"];
+/// A JSON object of the file.
+type Record = Map<String, Value>;
 
-/// Reads a study.
 pub fn read(name: &str, file: &Value) -> Study {
-    let mut study = Study { table: Table { name: name.to_owned(), ..Table::default() }, ..Study::default() };
-    let Some(file) = file.as_object() else { return study };
+    let mut table = Table { name: name.to_owned(), ..Table::default() };
+    let Some(file) = file.as_object() else { return Study { table, ..Study::default() } };
     for (key, value) in file {
-        facts(key, value, &mut study.table.facts);
+        facts(key, value, &mut table.facts);
     }
-    study.table.facts.extend(prices(file));
-    let left_out = || file.get("ablation")?.get("effects")?.as_array();
-    let list = LISTS.iter().find_map(|key| file.get(*key)?.as_array()).or_else(left_out);
-    let list: Vec<Map<String, Value>> = list.into_iter().flatten().filter_map(Value::as_object).cloned().collect();
-    let front: Vec<u64> =
-        file.get("front").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect();
-    let best = |(i, record): (usize, &Map<String, Value>)| {
-        front.contains(&(i as u64)) || record.get("pareto").and_then(Value::as_bool) == Some(true)
-    };
-    let best: Vec<bool> = list.iter().enumerate().map(best).collect();
-    fill_table(&list, &mut study.table);
-    study.table.charts.extend(price(&list, &best));
-    study.table.charts.extend(orders(file));
-    study.effects = effects(file);
-    study.pareto = best.into_iter().take(ROWS).collect();
-    study
+    table.facts.extend(list(file, "prices").iter().filter_map(price));
+    let effects = file.get("ablation").and_then(Value::as_object).map_or(&[][..], |record| list(record, "effects"));
+    let runs = if file.contains_key("runs") { list(file, "runs") } else { effects };
+    let runs: Vec<&Record> = runs.iter().filter_map(Value::as_object).collect();
+    let front = list(file, "front");
+    let best: Vec<bool> = (0..runs.len()).map(|i| front.iter().any(|row| row.as_u64() == Some(i as u64))).collect();
+    fill_table(&runs, &mut table);
+    table.charts.extend(price_chart(&runs, &best));
+    table.charts.extend(order_chart(file));
+    Study { table, pareto: best.into_iter().take(ROWS).collect(), effects: effects_by_savings(effects) }
 }
 
-/// What an accuracy costs, as the study says it.
-fn prices(file: &Map<String, Value>) -> Vec<(String, String)> {
-    let price = |p: &Value| {
-        let (tolerance, seconds) = (p.get("tolerance")?.as_f64()?, p.get("seconds")?.as_f64()?);
-        Some((format!("error below {tolerance:e}"), format!("{} s", super::shorten(seconds))))
-    };
-    file.get("prices").and_then(Value::as_array).into_iter().flatten().filter_map(price).collect()
+/// The list of that name; empty if there is none.
+fn list<'a>(record: &'a Record, key: &str) -> &'a [Value] {
+    record.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+/// The run time that an accuracy takes.
+fn price(price: &Value) -> Option<(String, String)> {
+    let (tolerance, seconds) = (price.get("tolerance")?.as_f64()?, price.get("seconds")?.as_f64()?);
+    Some((format!("error below {tolerance:e}"), format!("{} s", shorten(seconds))))
 }
 
 /// Single values, and those of a record one level down.
@@ -63,9 +55,8 @@ fn facts(key: &str, value: &Value, into: &mut Vec<(String, String)>) {
     }
 }
 
-/// A record's values by column; of a spread the median counts, other records within it bring their own columns. The order
-/// observed stands in the first estimate.
-fn flat(record: &Map<String, Value>) -> Vec<(String, Value)> {
+/// Values of a record by column: the median of times, the order of the first estimate, and those of inner records.
+fn flat(record: &Record) -> Vec<(String, Value)> {
     let mut columns = Vec::new();
     for (key, value) in record {
         match value {
@@ -84,19 +75,17 @@ fn flat(record: &Map<String, Value>) -> Vec<(String, Value)> {
     columns
 }
 
-fn fill_table(list: &[Map<String, Value>], table: &mut Table) {
-    for record in list {
-        for (key, value) in flat(record) {
-            if key != "pareto" && !value.is_null() && !table.header.contains(&key) {
-                table.header.push(key);
-            }
+fn fill_table(runs: &[&Record], table: &mut Table) {
+    for (key, value) in runs.iter().flat_map(|run| flat(run)) {
+        if !value.is_null() && !table.header.contains(&key) {
+            table.header.push(key);
         }
     }
-    if list.len() > ROWS {
-        table.notes.push(format!("{ROWS} of {} rows are shown", list.len()));
+    if runs.len() > ROWS {
+        table.notes.push(format!("{ROWS} of {} rows are shown", runs.len()));
     }
-    for record in list.iter().take(ROWS) {
-        let values = flat(record);
+    for run in runs.iter().take(ROWS) {
+        let values = flat(run);
         let of = |key: &String| values.iter().find(|v| v.0 == *key).map_or(String::new(), |v| cell(&v.1));
         table.rows.push(table.header.iter().map(of).collect());
     }
@@ -105,99 +94,78 @@ fn fill_table(list: &[Map<String, Value>], table: &mut Table) {
 fn cell(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
-        Value::Number(number) if number.is_f64() => {
-            number.as_f64().map_or(String::new(), |v| super::shorten(v).to_string())
-        }
+        Value::Number(number) if number.is_f64() => number.as_f64().map_or(String::new(), |v| shorten(v).to_string()),
         Value::Null => String::new(),
         value => value.to_string(),
     }
 }
 
-/// Error against seconds on logarithmic axes; what nothing beats is joined. Where a bound of the error is told, it counts.
-fn price(list: &[Map<String, Value>], best: &[bool]) -> Option<Chart> {
-    let mut all = Series { name: "all settings".into(), form: Form::Marks, ..Series::default() };
+/// Error against seconds; the settings of the front are joined. The bound of the error counts where there is one.
+fn price_chart(runs: &[&Record], best: &[bool]) -> Option<Chart> {
+    let mut all = Series::new("all settings", Form::Marks, Vec::new());
     let mut front: Vec<(f64, f64)> = Vec::new();
-    for (record, best) in list.iter().zip(best) {
-        let columns = flat(record);
+    for (run, best) in runs.iter().zip(best) {
+        let columns = flat(run);
         let number = |keys: &[&str]| {
             let of = |key: &&str| columns.iter().find(|c| c.0 == *key)?.1.as_f64().map(f64::abs);
             keys.iter().find_map(of).filter(|v| *v > 0.0)
         };
         let (Some(x), Some(y)) = (number(&["seconds"]), number(&["bound", "error"])) else { continue };
-        all.x.push(x);
-        all.y.push(y);
-        let words = columns.iter().filter(|c| c.0 != "pareto" && !c.1.is_null());
+        all.points.push((x, y));
+        let words = columns.iter().filter(|c| !c.1.is_null());
         all.words.push(words.take(6).map(|(k, v)| format!("{k} {}", cell(v))).collect::<Vec<_>>().join(", "));
         if *best {
             front.push((x, y));
         }
     }
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (x, y) = front.into_iter().unzip();
-    let best = Series { name: "best for its price".into(), form: Form::Line, x, y, words: Vec::new() };
-    let series: Vec<Series> = [all, best].into_iter().filter(|s| !s.x.is_empty()).collect();
-    (!series.is_empty()).then(|| Chart {
-        title: "Error against time".into(),
-        x_label: "seconds".into(),
-        y_label: "error".into(),
-        logarithmic: true,
-        series,
-        ..Chart::default()
-    })
+    let series = vec![all, Series::new("best for its price", Form::Line, front)];
+    logarithmic(Chart::new("Error against time", ["seconds", "error"], series))
 }
 
-/// Error over size on logarithmic axes, one line for each refinement, with the slopes of the orders through the finest point of
-/// the first.
-fn orders(file: &Map<String, Value>) -> Option<Chart> {
-    let runs = file.get("runs")?.as_array()?;
+/// Error over size, one line for each refinement, with the slopes of the orders through the finest point of the first.
+fn order_chart(file: &Record) -> Option<Chart> {
+    let runs = list(file, "runs");
     let error = |run: &Value| {
         let run = runs.get(usize::try_from(run.as_u64()?).ok()?)?;
         run.get("error")?.as_f64().map(f64::abs).filter(|error| *error > 0.0)
     };
     let line = |refined: &Value| {
-        let (runs, sizes) = (refined.get("runs")?.as_array()?, refined.get("sizes")?.as_array()?);
+        let refined = refined.as_object()?;
         let point = |(run, size): (&Value, &Value)| Some((size.as_f64()?, error(run)?));
-        let (x, y): (Vec<f64>, Vec<f64>) = runs.iter().zip(sizes).filter_map(point).unzip();
+        let points: Vec<_> = list(refined, "runs").iter().zip(list(refined, "sizes")).filter_map(point).collect();
         let words = ["along", "at"].iter().filter_map(|key| refined.get(*key)?.as_str()).filter(|w| !w.is_empty());
         let order = refined.get("order").and_then(Value::as_f64).map(|order| format!("order {order:.2}"));
         let name = words.map(str::to_owned).chain(order).collect::<Vec<_>>().join(", ");
-        (x.len() > 1).then(|| Series { name, x, y, ..Series::default() })
+        (points.len() > 1).then(|| Series::new(name, Form::Line, points))
     };
-    let lines: Vec<(Series, &Value)> = file
-        .get("refinements")?
-        .as_array()?
-        .iter()
-        .filter_map(|refined| Some((line(refined)?, refined)))
-        .take(LINES)
-        .collect();
+    let refinements = list(file, "refinements").iter();
+    let lines: Vec<(Series, &Value)> = refinements.filter_map(|r| Some((line(r)?, r))).take(LINES).collect();
     let guides = lines.first().map_or(Vec::new(), |(line, refined)| slopes(line, refined));
-    let series: Vec<Series> = lines.into_iter().map(|l| l.0).chain(guides).collect();
-    (!series.is_empty()).then(|| Chart {
-        title: "Error over size".into(),
-        x_label: "size over the finest".into(),
-        y_label: "error".into(),
-        logarithmic: true,
-        series,
-        ..Chart::default()
-    })
+    let series = lines.into_iter().map(|l| l.0).chain(guides).collect();
+    logarithmic(Chart::new("Error over size", ["size over the finest", "error"], series))
+}
+
+/// The chart on logarithmic axes without empty series; `None` without any.
+fn logarithmic(mut chart: Chart) -> Option<Chart> {
+    chart.series.retain(|series| !series.points.is_empty());
+    (!chart.series.is_empty()).then_some(Chart { scale: Scale::LogLog, ..chart })
 }
 
 /// Straight lines of the observed and of the formal order.
 fn slopes(line: &Series, refined: &Value) -> Vec<Series> {
-    let (coarsest, finest) = (line.x[0], line.x[line.x.len() - 1]);
-    let error = line.y[line.y.len() - 1];
+    let ((coarsest, _), (finest, error)) = (line.points[0], line.points[line.points.len() - 1]);
     let slope = |(key, word): (&str, &str)| {
         let order = refined.get(key)?.as_f64()?;
-        let end = super::shorten(error * libm::pow(coarsest / finest, order));
+        let end = shorten(error * libm::pow(coarsest / finest, order));
         let name = format!("slope of the {word} order {}", (100.0 * order).round() / 100.0);
-        Some(Series { name, form: Form::Guide, x: vec![coarsest, finest], y: vec![end, error], words: Vec::new() })
+        Some(Series::new(name, Form::Guide, vec![(coarsest, end), (finest, error)]))
     };
     [("order", "observed"), ("formal_order", "formal")].into_iter().filter_map(slope).collect()
 }
 
-/// Effects left out, those that save most first.
-fn effects(file: &Map<String, Value>) -> Vec<Effect> {
-    let list = file.get("ablation").and_then(|a| a.get("effects")?.as_array());
+/// Effects left out, those that save most run time first.
+fn effects_by_savings(list: &[Value]) -> Vec<Effect> {
     let effect = |record: &Value| {
         let number = |key: &str| record.get(key).and_then(Value::as_f64);
         Some(Effect {
@@ -207,7 +175,7 @@ fn effects(file: &Map<String, Value>) -> Vec<Effect> {
             matters: record.get("matters").and_then(Value::as_bool).unwrap_or(false),
         })
     };
-    let mut effects: Vec<Effect> = list.into_iter().flatten().filter_map(effect).collect();
+    let mut effects: Vec<Effect> = list.iter().filter_map(effect).collect();
     effects.sort_by(|a, b| b.saved.unwrap_or(f64::NEG_INFINITY).total_cmp(&a.saved.unwrap_or(f64::NEG_INFINITY)));
     effects
 }
@@ -225,7 +193,7 @@ mod tests {
         let chart = &read("job", &file).table.charts[0];
         let names: Vec<&str> = chart.series.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["n, order 1.50", "slope of the observed order 1.5", "slope of the formal order 2"]);
-        assert_eq!(chart.series.iter().map(|s| s.y[0]).collect::<Vec<_>>(), [0.16, 0.08, 0.16]);
+        assert_eq!(chart.series.iter().map(|s| s.points[0].1).collect::<Vec<_>>(), [0.16, 0.08, 0.16]);
         let file = serde_json::json!({"ablation": {"effects": [
             {"effect": "friction", "relative_change": -0.1, "time_ratio": 0.9, "matters": true},
             {"effect": "wall", "time_ratio": 0.5, "matters": true},
@@ -237,34 +205,28 @@ mod tests {
 
     #[test]
     fn the_price_list_and_its_front_are_found_by_their_keys() {
+        let run = |n: &str, error: f64, seconds: f64| {
+            let seconds = serde_json::json!({"median": seconds, "min": 0.4, "max": 9.0});
+            serde_json::json!({"setting": {"n": n}, "value": 1.0 + error, "bound": error, "seconds": seconds,
+                "estimates": [{"order": 1.98}]})
+        };
         let file = serde_json::json!({
             "quantity": "final(U2@REF)", "order": {"observed": 2.01},
-            "levels": [
-                {"values": {"n": 10}, "value": 1.1, "error": 0.1, "seconds": 0.5, "pareto": true},
-                {"values": {"n": 20}, "value": 1.02, "error": 0.02, "seconds": 1.0, "pareto": true},
-                {"values": {"n": 30}, "value": 1.03, "error": 0.03, "seconds": 2.0, "pareto": false},
-            ],
+            "runs": [run("10", 0.1, 0.5), run("20", 0.02, 1.0), run("30", 0.03, 2.0)],
+            "front": [0, 1], "prices": [{"tolerance": 0.2, "run": 0, "seconds": 0.5}],
         });
         let study = read("job", &file);
-        assert_eq!(study.table.header, ["n", "value", "error", "seconds"]);
-        assert_eq!(study.table.rows[1], ["20", "1.02", "0.02", "1"]);
+        assert_eq!(study.table.header, ["n", "value", "bound", "seconds", "order"]);
+        assert_eq!(study.table.rows[1], ["20", "1.02", "0.02", "1", "1.98"]);
         assert_eq!(study.pareto, [true, true, false]);
-        assert_eq!(study.table.charts[0].series[0].x.len(), 3);
-        assert_eq!(study.table.charts[0].series[1].y, [0.1, 0.02]);
-        let file = serde_json::json!({
-            "runs": [{"setting": {"n": "10"}, "value": 1.0, "bound": 0.2, "seconds": {"median": 0.5, "min": 0.4, "max": 0.6},
-                "estimates": [{"order": 1.98}]}],
-            "front": [0], "prices": [{"tolerance": 0.2, "run": 0, "seconds": 0.5}],
-        });
-        let other = read("job", &file);
-        assert_eq!(other.table.header, ["n", "value", "bound", "seconds", "order"]);
-        assert_eq!((&other.table.charts[0].series[1].x, &other.pareto), (&vec![0.5], &vec![true]));
-        assert_eq!(other.table.facts, [("error below 2e-1".to_owned(), "0.5 s".to_owned())]);
+        let [all, front] = &study.table.charts[0].series[..] else { panic!("two series") };
+        assert_eq!((all.points.len(), &front.points), (3, &vec![(0.5, 0.1), (1.0, 0.02)]));
+        assert!(study.table.facts.contains(&("error below 2e-1".into(), "0.5 s".into())));
+        assert!(study.table.facts.contains(&("order, observed".into(), "2.01".into())));
         let file =
             serde_json::json!({"ablation": {"value": 64.8, "effects": [{"effect": "entry phase", "change": -5.2}]}});
         let left_out = read("job", &file);
         assert_eq!(left_out.table.rows, [["entry phase", "-5.2"]]);
         assert_eq!(left_out.table.facts, [("ablation, value".to_owned(), "64.8".to_owned())]);
-        assert!(study.table.facts.contains(&("order, observed".into(), "2.01".into())));
     }
 }

@@ -1,22 +1,18 @@
 //! A sweep's table (`<job>_sweep.csv`) with charts over its first parameter.
-//! Never here: the sweep itself (`study`).
 
-use super::data::{Chart, Series, Table};
+use super::data::Table;
 use super::shorten;
-use crate::study::chart::Form;
+use crate::output::csv;
+use crate::study::chart::{Chart, Form, Series};
 use crate::study::compare::rms;
 
 /// Charts of one sweep, and lines of a chart.
 const MOST: usize = 8;
-/// Rows that are shown.
 const ROWS: usize = 500;
 
 /// A sweep from the text of its CSV file.
-///
-/// # Errors
-/// In words, where it is no table.
 pub fn table(name: &str, text: &str) -> Result<Table, String> {
-    let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(fields);
+    let mut records = text.lines().filter(|l| !l.trim().is_empty()).map(csv::fields);
     let header = records.next().ok_or("the table is empty")?;
     let mut rows: Vec<Vec<String>> = records.collect();
     if let Some(i) = rows.iter().position(|r| r.len() != header.len()) {
@@ -32,26 +28,6 @@ pub fn table(name: &str, text: &str) -> Result<Table, String> {
     Ok(Table { name: name.to_owned(), header, rows, charts, facts, notes })
 }
 
-/// A line of CSV taken apart (RFC 4180).
-fn fields(line: &str) -> Vec<String> {
-    let (mut fields, mut field, mut quoted) = (Vec::new(), String::new(), false);
-    let mut characters = line.chars().peekable();
-    while let Some(c) = characters.next() {
-        match c {
-            '"' if quoted && characters.peek() == Some(&'"') => {
-                field.push('"');
-                characters.next();
-            }
-            '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(std::mem::take(&mut field)),
-            c => field.push(c),
-        }
-    }
-    fields.push(field);
-    fields
-}
-
-/// What each column is.
 struct Columns {
     /// How many parameters come first.
     parameters: usize,
@@ -59,8 +35,7 @@ struct Columns {
     references: Vec<usize>,
 }
 
-/// Quantities are expressions over history columns and so have parentheses; a reference is followed by the difference
-/// from it.
+/// Quantities have parentheses in their names; a reference is followed by the difference from it.
 fn columns(header: &[String]) -> Columns {
     let is_difference = |i: usize| header.get(i).is_some_and(|h| h.starts_with("difference from "));
     let is_reference =
@@ -71,23 +46,15 @@ fn columns(header: &[String]) -> Columns {
     Columns { parameters, quantities: others, references }
 }
 
-/// One chart for each quantity over the first parameter; of a grid one line for each combination of the others. The
-/// references stand beside the first quantity.
+/// One chart for each quantity over the first parameter, a line for each combination of the others.
 fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
     let columns = columns(header);
     let chart = |(i, &quantity): (usize, &usize)| {
         let mut series = lines(header, rows, columns.parameters, quantity);
         let references = columns.references.iter().filter(|_| i == 0);
         series.extend(references.map(|&r| points(rows, r, &header[r])));
-        series.retain(|s| !s.x.is_empty());
-        Chart {
-            title: header[quantity].clone(),
-            x_label: header[0].clone(),
-            y_label: header[quantity].clone(),
-            logarithmic: false,
-            series,
-            ..Chart::default()
-        }
+        series.retain(|s| !s.points.is_empty());
+        Chart::new(&header[quantity], [&header[0], &header[quantity]], series)
     };
     let charts = columns.quantities.iter().take(MOST).enumerate().map(chart);
     charts.filter(|c| !c.series.is_empty()).collect()
@@ -109,12 +76,10 @@ fn lines(header: &[String], rows: &[Vec<String>], parameters: usize, quantity: u
         let (Ok(x), Ok(y)) = (row[0].parse(), row[quantity].parse()) else { continue };
         let others: Vec<String> = (1..parameters).map(|i| format!("{} = {}", header[i], row[i])).collect();
         let name = if others.is_empty() { header[quantity].clone() } else { others.join(", ") };
-        let place = series.iter().position(|s| s.name == name).unwrap_or_else(|| {
-            series.push(Series { name, form: Form::Line, ..Series::default() });
-            series.len() - 1
-        });
-        series[place].x.push(x);
-        series[place].y.push(y);
+        match series.iter_mut().find(|s| s.name == name) {
+            Some(known) => known.points.push((x, y)),
+            None => series.push(Series::new(name, Form::Line, vec![(x, y)])),
+        }
     }
     series.truncate(MOST);
     series
@@ -125,8 +90,7 @@ fn points(rows: &[Vec<String>], column: usize, name: &str) -> Series {
     let mut points: Vec<(f64, f64)> =
         rows.iter().filter_map(|r| Some((r[0].parse().ok()?, r[column].parse().ok()?))).collect();
     points.dedup();
-    let (x, y) = points.into_iter().unzip();
-    Series { name: name.to_owned(), form: Form::Marks, x, y, words: Vec::new() }
+    Series::new(name, Form::Marks, points)
 }
 
 #[cfg(test)]
@@ -142,8 +106,8 @@ mod tests {
         assert_eq!(table.charts.len(), 2);
         let names: Vec<&str> = table.charts[0].series.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["n = 10", "n = 20", "depth"]);
-        assert_eq!(table.charts[0].series[0].x, [1.0, 2.0]);
-        assert_eq!(table.charts[0].series[2].y, [5.0], "once");
+        assert_eq!(table.charts[0].series[0].points, [(1.0, 3.0), (2.0, 6.0)]);
+        assert_eq!(table.charts[0].series[2].points, [(1.0, 5.0)], "once");
         assert_eq!(table.charts[1].series.len(), 2);
         let rms = (0.5 * (4.0 + 2.25_f64)).sqrt();
         assert_eq!(table.facts, [("rms difference from depth".to_owned(), shorten(rms).to_string())]);

@@ -1,5 +1,4 @@
 //! Units as the summary of a run names them.
-//! Never here: dimensions of variables.
 
 use serde_json::Value;
 
@@ -12,12 +11,12 @@ const ENERGY: Powers = [2, 1, -2, 0];
 
 /// Names of units; none where the deck has no `*UNITS`.
 #[derive(Clone, Debug, Default)]
-pub struct Names(Option<Units>);
+pub struct UnitNames(Option<Units>);
 
-impl Names {
+impl UnitNames {
     /// Of a summary.
-    pub fn of(summary: &Value) -> Names {
-        Names(summary.get("units").and_then(|units| serde_json::from_value(units.clone()).ok()))
+    pub fn of(summary: &Value) -> UnitNames {
+        UnitNames(summary.get("units").and_then(|units| serde_json::from_value(units.clone()).ok()))
     }
 
     fn name(&self, powers: Powers) -> String {

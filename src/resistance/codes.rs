@@ -1,5 +1,4 @@
 //! Diagnostic codes of the cavity's expansion (`C…`), for `revolve explain`.
-//! Never here: the checks.
 
 use crate::deck::Code;
 

@@ -1,6 +1,5 @@
 //! A target that cracks along rays where the tension around the cavity passes what it bears: between the elastic and the plastic
 //! zone columns carry radial stress alone (Forrestal and Tzou 1997, Int. J. Solids Struct. 34, 4127).
-//! Never here: zones that have not cracked.
 
 use super::front::{Elastic, Front};
 use super::root;
@@ -32,15 +31,13 @@ pub fn front(target: &Target, m: f64, tension: f64) -> Option<Front> {
 }
 
 /// Displacement of the columns, N (1/x + m x / e) + L.
-struct Columns {
-    /// N.
+struct CrackedColumns {
     amplitude: f64,
-    /// L.
     shift: f64,
 }
 
 /// The columns behind cracks that run at eta c; `None` where no tension can open cracks there.
-fn columns(target: &Target, elastic: &Elastic, m: f64, tension: f64, eta: f64) -> Option<Columns> {
+fn columns(target: &Target, elastic: &Elastic, m: f64, tension: f64, eta: f64) -> Option<CrackedColumns> {
     let (mach, e, g) = (elastic.mach, target.young, target.shear);
     let cube = mach * mach * mach;
     // By the amplitude A: Mises stress, pressure, strains.
@@ -57,7 +54,7 @@ fn columns(target: &Target, elastic: &Elastic, m: f64, tension: f64, eta: f64) -
     let slower = 1.0 - m * eta * eta / e;
     let amplitude = eta * eta * (stress + m * eta * eta * radial) / (e * slower * slower);
     let shift = displacement - amplitude * (1.0 / eta + m * eta / e);
-    (slower > 0.0).then_some(Columns { amplitude, shift })
+    (slower > 0.0).then_some(CrackedColumns { amplitude, shift })
 }
 
 /// The crushed target behind its front: all mass that was inside a shell stays inside, so 1 - u/r to the third power is both what

@@ -1,8 +1,7 @@
 //! From a target to the constants of its card: pressures over a range of velocities, and the law fitted to them.
-//! Never here: what asks for it.
 
-use super::Fault;
-use super::fit::{self, Fit, Form, Weight};
+use super::ResistanceError;
+use super::fit::{self, Fit, FitForm, Weight};
 use super::similarity::{Expansion, Point};
 use super::target::Target;
 
@@ -47,16 +46,15 @@ pub struct Derived {
 }
 
 /// Derives the law of a target.
-///
-/// # Errors
-/// See [`Fault`].
-pub fn derive(target: &Target, request: &Request) -> Result<Derived, Fault> {
+pub fn derive(target: &Target, request: &Request) -> Result<Derived, ResistanceError> {
     let [from, to] = request.range;
     if !(from >= 0.0 && to > from && to.is_finite()) {
-        return Err(Fault::Range(format!("the velocities of a fit ascend from zero or above: {from} to {to} do not")));
+        return Err(ResistanceError::Range(format!(
+            "the velocities of a fit ascend from zero or above: {from} to {to} do not"
+        )));
     }
     if !(5..=100_000).contains(&request.points) {
-        return Err(Fault::Range(format!("{} points: a fit takes 5 to 100000", request.points)));
+        return Err(ResistanceError::Range(format!("{} points: a fit takes 5 to 100000", request.points)));
     }
     let expansion = Expansion::new(target)?;
     let still = expansion.pressure(0.0)?.stress;
@@ -67,7 +65,7 @@ pub fn derive(target: &Target, request: &Request) -> Result<Derived, Fault> {
     let points: Vec<Point> = (0..request.points).map(|i| expansion.pressure(at(i))).collect::<Result<_, _>>()?;
     let pairs: Vec<[f64; 2]> = points.iter().map(|p| [p.velocity / target.velocity, p.stress]).collect();
     let pinned = request.pinned.then_some(still);
-    let fit = fit::fit(&pairs, Form { linear: request.linear, pinned, weight: request.weight })?;
+    let fit = fit::fit(&pairs, FitForm { linear: request.linear, pinned, weight: request.weight })?;
     let constants = fit.constants.map(six_digits);
     let off = |p: &Point| [fit::law(constants, p.velocity / target.velocity) / p.stress - 1.0, p.velocity];
     let worst = points.iter().map(off).fold([0.0, from], |w, o| if o[0].abs() > w[0].abs() { o } else { w });

@@ -1,12 +1,11 @@
 //! Why there is no resistance.
-//! Never here: where a deck or an option asked for it.
 
 use thiserror::Error;
 
 /// The reason, in words; velocities and stresses in the target's own units.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum ResistanceError {
     /// A target that cannot be.
     #[error("{0}")]
     Target(String),
@@ -31,15 +30,15 @@ pub enum Fault {
     Negative(String),
 }
 
-impl Fault {
+impl ResistanceError {
     /// Its stable code.
     pub fn code(&self) -> &'static str {
         match self {
-            Fault::Target(_) => "C001",
-            Fault::Fast { .. } => "C002",
-            Fault::Range(_) => "C003",
-            Fault::Lost(_) => "C004",
-            Fault::Negative(_) => "C005",
+            ResistanceError::Target(_) => "C001",
+            ResistanceError::Fast { .. } => "C002",
+            ResistanceError::Range(_) => "C003",
+            ResistanceError::Lost(_) => "C004",
+            ResistanceError::Negative(_) => "C005",
         }
     }
 }

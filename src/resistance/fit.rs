@@ -1,14 +1,13 @@
 //! Weighted least squares: A, B, C of sigma/Y = A + B x + C x^2.
-//! Never here: where the pressures come from.
 
 use faer::Mat;
 
-use super::Fault;
+use super::ResistanceError;
 use crate::kernel::students_t;
 
 /// What a fit leaves free and what it looks at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Form {
+pub struct FitForm {
     /// Whether there is a B; else it is zero, as in much of the literature.
     pub linear: bool,
     /// A, where it is not fitted.
@@ -19,13 +18,14 @@ pub struct Form {
 
 /// Weights of squared differences.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Weight {
-    /// All alike: the difference of pressures counts.
+    /// Differences of pressures.
     #[default]
     Even,
-    /// By 1/sigma^2: the relative difference counts.
+    /// Relative differences.
     Relative,
-    /// By V: depth is the integral of m V dV over the force.
+    /// Differences by the velocity: depth is the integral of m V dV over the force.
     Velocity,
 }
 
@@ -57,7 +57,7 @@ pub fn law([a, b, c]: [f64; 3], x: f64) -> f64 {
 ///
 /// # Errors
 /// `C003` with fewer points than two more than constants, `C005` where nothing fits without going below zero.
-pub fn fit(points: &[[f64; 2]], form: Form) -> Result<Fit, Fault> {
+pub fn fit(points: &[[f64; 2]], form: FitForm) -> Result<Fit, ResistanceError> {
     let mut free = [form.pinned.is_none(), form.linear, true];
     loop {
         let fit = free_fit(points, form, free)?;
@@ -65,16 +65,16 @@ pub fn fit(points: &[[f64; 2]], form: Form) -> Result<Fit, Fault> {
         let Some(worst) = below.min_by(|i, k| fit.constants[*i].total_cmp(&fit.constants[*k])) else { return Ok(fit) };
         free[worst] = false;
         if worst == 0 || free == [false; 3] {
-            return Err(Fault::Negative(format!("A, B, C would be {:?}", fit.constants)));
+            return Err(ResistanceError::Negative(format!("A, B, C would be {:?}", fit.constants)));
         }
     }
 }
 
-fn free_fit(points: &[[f64; 2]], form: Form, free: [bool; 3]) -> Result<Fit, Fault> {
+fn free_fit(points: &[[f64; 2]], form: FitForm, free: [bool; 3]) -> Result<Fit, ResistanceError> {
     let columns: Vec<usize> = (0..3).filter(|i| free[*i]).collect();
     let (rows, count) = (points.len(), columns.len());
     if rows < count + 2 {
-        return Err(Fault::Range(format!(
+        return Err(ResistanceError::Range(format!(
             "{rows} points do not determine {count} constants: give {} or more",
             count + 2
         )));
@@ -84,10 +84,10 @@ fn free_fit(points: &[[f64; 2]], form: Form, free: [bool; 3]) -> Result<Fit, Fau
     let power = |x: f64, term: usize| [1.0, x, x * x][term];
     let matrix = Mat::from_fn(rows, count, |i, k| weights[i].sqrt() * power(points[i][0], columns[k]));
     let right = Mat::from_fn(rows, 1, |i, _| weights[i].sqrt() * (points[i][1] - law(fixed, points[i][0])));
-    let svd = matrix.thin_svd().map_err(|_| Fault::Range("the least squares have no solution".into()))?;
+    let svd = matrix.thin_svd().map_err(|_| ResistanceError::Range("the least squares have no solution".into()))?;
     let singular: Vec<f64> = (0..count).map(|k| svd.S()[k]).collect();
     if singular[count - 1] <= 1e-12 * singular[0] || singular[0].is_nan() {
-        return Err(Fault::Range("the points lie at too few velocities to determine the constants".into()));
+        return Err(ResistanceError::Range("the points lie at too few velocities to determine the constants".into()));
     }
     let turned = svd.U().transpose() * &right;
     let mut constants = fixed;
@@ -121,7 +121,7 @@ fn weights(points: &[[f64; 2]], weight: Weight) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    const FREE: Form = Form { linear: true, pinned: None, weight: Weight::Even };
+    const FREE: FitForm = FitForm { linear: true, pinned: None, weight: Weight::Even };
 
     fn parabola(constants: [f64; 3]) -> Vec<[f64; 2]> {
         (0..21).map(|i| 0.1 * f64::from(i)).map(|x| [x, law(constants, x)]).collect()
@@ -131,7 +131,7 @@ mod tests {
     fn a_parabola_is_found_whatever_the_weights() {
         for weight in [Weight::Even, Weight::Relative, Weight::Velocity] {
             for pinned in [None, Some(4.0)] {
-                let fit = fit(&parabola([4.0, 0.5, 1.1]), Form { pinned, weight, ..FREE }).expect("a fit");
+                let fit = fit(&parabola([4.0, 0.5, 1.1]), FitForm { pinned, weight, ..FREE }).expect("a fit");
                 assert!(fit.constants.iter().zip([4.0, 0.5, 1.1]).all(|(a, b)| (a - b).abs() < 1e-12), "{fit:?}");
                 assert!(fit.residual < 1e-13);
                 assert_eq!(fit.half_widths[0].is_none(), pinned.is_some());
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn two_constants_by_hand() {
         let points = [[0.0, 1.0], [1.0, 0.0], [2.0, 3.0], [3.0, 2.0], [4.0, 7.0]];
-        let fit = fit(&points, Form { linear: false, ..FREE }).expect("a fit");
+        let fit = fit(&points, FitForm { linear: false, ..FREE }).expect("a fit");
         let c = (142.0 - 6.0 * 13.0) / (354.0 - 180.0);
         let a = (13.0 - 30.0 * c) / 5.0;
         assert!(

@@ -1,5 +1,4 @@
 //! What lies in front of the plastic zone, in closed form: an elastic zone alone, or one that has cracked along rays.
-//! Never here: the plastic zone.
 
 use super::cracked;
 use super::target::Target;
@@ -43,7 +42,7 @@ pub fn front(target: &Target, m: f64) -> Option<Front> {
     }
 }
 
-struct Plain {
+struct ElasticFront {
     front: Front,
     /// Stress around, compression positive.
     hoop: f64,
@@ -52,7 +51,7 @@ struct Plain {
 /// The spherical wave u = a0 (s^3/r^2 - 3 s + 2 r), s = c_d t, whose Mises stress reaches the yield stress at r = c t. Velocity and
 /// radial stress pass the front without a jump. The convective acceleration, which a wave of small strains leaves out, takes
 /// rho v^2/2 from the stress, so that an incompressible target has 3/2 rho V^2 exactly.
-fn elastic(target: &Target, m: f64) -> Option<Plain> {
+fn elastic(target: &Target, m: f64) -> Option<ElasticFront> {
     let Elastic { mach, bulk_share } = Elastic::new(target, m)?;
     // Pressure over Mises stress.
     let pressure = m * bulk_share / (target.shear * (1.0 + mach));
@@ -65,5 +64,5 @@ fn elastic(target: &Target, m: f64) -> Option<Plain> {
     let strain = target.strain_at(shear_strain);
     let stress = mises * (pressure + 2.0 / 3.0) - 0.5 * m * velocity * velocity;
     let front = Front { stress, shear_strain, strain, crack: None };
-    Some(Plain { front, hoop: mises * (pressure - 1.0 / 3.0) })
+    Some(ElasticFront { front, hoop: mises * (pressure - 1.0 / 3.0) })
 }

@@ -1,6 +1,5 @@
-//! Resistance of a target from its own stress-strain curve: dynamic expansion of a spherical cavity, and the constants A, B, C
-//! fitted to what presses on it (`docs/resistance.md`).
-//! Never here: decks, models, what a resistance does to a projectile (`load/cavity`).
+//! Resistance of a target from its stress-strain curve: expansion of a spherical cavity, and A, B, C fitted to its pressure
+//! (`docs/resistance.md`).
 
 pub mod codes;
 mod cracked;
@@ -16,5 +15,5 @@ pub mod similarity;
 pub mod target;
 
 pub use derive::{Derived, Request, derive};
-pub use fault::Fault;
+pub use fault::ResistanceError;
 pub use target::{Curve, Material, Target};

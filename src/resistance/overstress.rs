@@ -1,7 +1,6 @@
 //! What strain rates add to the pressure on a cavity: similarity is lost, so it depends on the cavity's radius.
-//! Never here: the pressure without rates.
 
-use super::Fault;
+use super::ResistanceError;
 use super::integrate::{WALL, integrate};
 use super::rate::Rate;
 use super::target::Target;
@@ -9,7 +8,7 @@ use super::target::Target;
 /// What the rates of a cavity that opens at a velocity add to the pressure over Y. The motion is that of an incompressible
 /// target, v = V (a/r)^2 (Warren and Forrestal 1998, Int. J. Solids Struct. 35, 3737): with x = (a/r)^3 the rate is 2 V x / a,
 /// and the pressure grows by 2/3 of the integral of what the yield stress gains over ln x, up to the front x = 3 Y / 2 E.
-pub fn gain(target: &Target, rate: &Rate, velocity: f64) -> Result<f64, Fault> {
+pub fn gain(target: &Target, rate: &Rate, velocity: f64) -> Result<f64, ResistanceError> {
     if velocity == 0.0 {
         return Ok(0.0);
     }

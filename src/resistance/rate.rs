@@ -1,7 +1,6 @@
 //! Growth of a yield stress with strain rate.
-//! Never here: a cavity.
 
-use super::Fault;
+use super::ResistanceError;
 
 /// Growth of the yield stress with the rate of the equivalent strain, at a radius of the cavity.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,13 +42,15 @@ impl Factor {
 
 impl Rate {
     /// Whether it can be.
-    pub(super) fn check(&self) -> Result<(), Fault> {
+    pub(super) fn check(&self) -> Result<(), ResistanceError> {
         let numbers = match self.factor {
             Factor::Power { reference, exponent } => [reference, exponent],
             Factor::JohnsonCook { c, reference } => [reference, c],
         };
         let good = numbers.iter().chain([&self.radius]).all(|v| *v > 0.0 && v.is_finite());
-        let wrong = || Fault::Target("a rate term needs its constants and the radius of the cavity above zero".into());
+        let wrong = || {
+            ResistanceError::Target("a rate term needs its constants and the radius of the cavity above zero".into())
+        };
         good.then_some(()).ok_or_else(wrong)
     }
 }

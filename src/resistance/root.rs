@@ -1,5 +1,4 @@
 //! A root within a bracket.
-//! Never here: what it is a root of.
 
 /// Rounds after which a bracket is as narrow as numbers allow, whatever the function: it is halved at least every eighth.
 const ROUNDS: usize = 600;

@@ -1,6 +1,5 @@
 //! A spherical cavity that opens at a constant velocity in an unbounded compressible target: elastic, cracked and plastic zones
 //! that grow alike.
-//! Never here: the fit, rates.
 //!
 //! Compression is positive, lengths are r/(c t) with c the speed of the plastic front, stresses by Y, densities by rho0, and
 //! m = rho0 c^2 / Y. With u = v/c and w = x - u mass, momentum and p = K (1 - rho0/rho) are
@@ -10,7 +9,7 @@
 //! and s; the strain q of the stress-strain curve, which is a function of D, is what is integrated over: kinks of a table are
 //! met exactly, and neither the cavity, a cavity at rest nor incompressibility is singular.
 
-use super::Fault;
+use super::ResistanceError;
 use super::front::{Front, front};
 use super::integrate::{WALL, integrate};
 use super::overstress;
@@ -52,10 +51,7 @@ pub struct Expansion<'a> {
 
 impl<'a> Expansion<'a> {
     /// Around a cavity at rest.
-    ///
-    /// # Errors
-    /// `C004` where the plastic zone cannot be followed.
-    pub fn new(target: &'a Target) -> Result<Self, Fault> {
+    pub fn new(target: &'a Target) -> Result<Self, ResistanceError> {
         Ok(Expansion { target, still: zones(target, 0.0)? })
     }
 
@@ -63,7 +59,7 @@ impl<'a> Expansion<'a> {
     ///
     /// # Errors
     /// `C002` where the plastic front would be a shock, `C004` where the plastic zone cannot be followed.
-    pub fn pressure(&self, velocity: f64) -> Result<Point, Fault> {
+    pub fn pressure(&self, velocity: f64) -> Result<Point, ResistanceError> {
         let zones = if velocity == 0.0 { self.still } else { self.opened(velocity)? };
         let rate = self.target.rate.as_ref();
         let rates = rate.map_or(Ok(0.0), |rate| overstress::gain(self.target, rate, velocity))?;
@@ -74,10 +70,10 @@ impl<'a> Expansion<'a> {
 
     /// The zones of a cavity that opens at a velocity. The front is faster than the cavity and, but for the jump where cracks end,
     /// slower than in proportion to a cavity at rest; and the cavity that belongs to that front is larger than its own.
-    fn opened(&self, velocity: f64) -> Result<Zones, Fault> {
+    fn opened(&self, velocity: f64) -> Result<Zones, ResistanceError> {
         let target = self.target;
         let v = velocity / target.velocity;
-        let mut last = Err(Fault::Lost("there are no zones".into()));
+        let mut last = Err(ResistanceError::Lost("there are no zones".into()));
         let mut excess = |c: f64| {
             last = zones(target, c * c);
             last.as_ref().ok().map(|zones| c * zones.cavity - v)
@@ -99,14 +95,14 @@ impl<'a> Expansion<'a> {
             (Ok(zones), _) if (low * zones.cavity / v - 1.0).abs() < ROUGHLY => Ok(zones),
             // The bracket closed on the end of cracks, where the cavity's velocity jumps.
             (Ok(_), Ok(beyond)) => Ok(beyond),
-            (Err(lost @ Fault::Lost(_)), _) | (_, Err(lost @ Fault::Lost(_))) => Err(lost),
-            _ => Err(Fault::Fast { velocity, fastest: fastest(target, high)? }),
+            (Err(lost @ ResistanceError::Lost(_)), _) | (_, Err(lost @ ResistanceError::Lost(_))) => Err(lost),
+            _ => Err(ResistanceError::Fast { velocity, fastest: fastest(target, high)? }),
         }
     }
 }
 
 /// The velocity at which cavities end whose plastic front is no shock, below a front of the speed c over sqrt(Y/rho).
-fn fastest(target: &Target, c: f64) -> Result<f64, Fault> {
+fn fastest(target: &Target, c: f64) -> Result<f64, ResistanceError> {
     let still_runs = |c: f64| zones(target, c * c).ok().map(|_| -1.0);
     let [low, _] = root::between(still_runs, [1e-6 * c, c], 0.0);
     // Three digits downwards: what is told must be what can be had.
@@ -116,8 +112,8 @@ fn fastest(target: &Target, c: f64) -> Result<f64, Fault> {
 }
 
 /// The zones at m = rho c^2 / Y.
-fn zones(target: &Target, m: f64) -> Result<Zones, Fault> {
-    let too_fast = || Fault::Fast { velocity: m.sqrt() * target.velocity, fastest: 0.0 };
+fn zones(target: &Target, m: f64) -> Result<Zones, ResistanceError> {
+    let too_fast = || ResistanceError::Fast { velocity: m.sqrt() * target.velocity, fastest: 0.0 };
     let front = front(target, m).ok_or_else(too_fast)?;
     let offset = front.shear_strain - target.shear_strain(front.strain)[0];
     let plastic = Plastic { target, m, offset };

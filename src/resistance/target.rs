@@ -1,7 +1,6 @@
 //! The material of a target, and the same in its own units: stresses by the yield stress Y, velocities by sqrt(Y/rho).
-//! Never here: a cavity.
 
-use super::Fault;
+use super::ResistanceError;
 use super::rate::Rate;
 use super::root;
 
@@ -81,7 +80,7 @@ impl Target {
     ///
     /// # Errors
     /// `C001`, where there can be no such target.
-    pub fn new(material: &Material) -> Result<Target, Fault> {
+    pub fn new(material: &Material) -> Result<Target, ResistanceError> {
         check(material)?;
         let (young, y, nu) = (material.young, material.yield_stress, material.poisson);
         let flow = match &material.curve {
@@ -121,8 +120,7 @@ impl Target {
         }
     }
 
-    /// The difference of the logarithmic strains around and along a radius at q, and its slope: elastic part by G, plastic part
-    /// 3/2 of the equivalent one.
+    /// Difference of the logarithmic strains around and along a radius at q, and its slope.
     pub fn shear_strain(&self, q: f64) -> [f64; 2] {
         self.shear_strain_of(q, self.flow(q))
     }
@@ -149,8 +147,8 @@ impl Target {
     }
 }
 
-fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<Flow, Fault> {
-    let wrong = |what: String| Err(Fault::Target(format!("the stress-strain curve {what}")));
+fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<Flow, ResistanceError> {
+    let wrong = |what: String| Err(ResistanceError::Target(format!("the stress-strain curve {what}")));
     match rows.first() {
         None => return wrong("has no rows".into()),
         Some(first) if first[1] != 0.0 || (first[0] / y - 1.0).abs() > 1e-12 => {
@@ -181,8 +179,8 @@ fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<Fl
     Ok(Flow::Table(scaled, beyond))
 }
 
-fn check(material: &Material) -> Result<(), Fault> {
-    let wrong = |what: String| Err(Fault::Target(what));
+fn check(material: &Material) -> Result<(), ResistanceError> {
+    let wrong = |what: String| Err(ResistanceError::Target(what));
     let positive = [
         ("Young's modulus", material.young),
         ("the density", material.density),

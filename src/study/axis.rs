@@ -1,5 +1,4 @@
 //! Axes of pictures: round ticks, and labels with one power of ten for all of them.
-//! Never here: what is drawn along them.
 
 /// Round numbers that divide an interval into about so many parts.
 pub fn ticks(low: f64, high: f64, parts: f64) -> Vec<f64> {
@@ -21,8 +20,7 @@ pub fn decades(low: f64, high: f64) -> Vec<f64> {
     all.filter(|v| *v >= low * (1.0 - 1e-9) && *v <= high * (1.0 + 1e-9)).collect()
 }
 
-/// The power of ten, a multiple of three, that is taken out of the labels of an axis, as engineers write them; 0 where plain
-/// numbers are short.
+/// The power of ten, a multiple of three, that the labels of an axis leave out; 0 if plain numbers are short.
 pub fn exponent(ticks: &[f64]) -> i32 {
     let largest = ticks.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
     if largest == 0.0 || !largest.is_finite() || (0.1..1e4).contains(&largest) {
@@ -33,13 +31,13 @@ pub fn exponent(ticks: &[f64]) -> i32 {
 
 /// The label of a tick, its power of ten taken out.
 pub fn label(tick: f64, exponent: i32) -> String {
-    super::price::digits(tick / libm::pow(10.0, f64::from(exponent)), 4)
+    super::table::digits(tick / libm::pow(10.0, f64::from(exponent)), 4)
 }
 
 /// Labels of ticks on a logarithmic axis: all plain where that is short, else all by powers of ten.
 pub fn logarithmic(ticks: &[f64]) -> Vec<String> {
     if ticks.iter().all(|t| (1e-3..1e5).contains(t)) {
-        return ticks.iter().map(|t| super::price::short(*t)).collect();
+        return ticks.iter().map(|t| super::table::short(*t)).collect();
     }
     let label = |tick: &f64| {
         let power = (libm::log10(*tick) + 1e-9).floor();

@@ -1,5 +1,4 @@
 //! Parts of a sweep: which of its cases a process runs, what it leaves for the others, and how parts become the whole again.
-//! Never here: runs, printing.
 
 use std::fs;
 use std::ops::Range;
@@ -14,31 +13,26 @@ use crate::output::{Job, csv, whole};
 
 /// What tells a task of an array its number: Slurm, HyperQueue, PBS, Grid Engine, LSF.
 const TASKS: [&str; 5] = ["SLURM_ARRAY_TASK_ID", "HQ_TASK_ID", "PBS_ARRAY_INDEX", "SGE_TASK_ID", "LSB_JOBINDEX"];
-/// Begins the name of a part.
 const PART: &str = "_cases_";
-/// Begins a part.
 const HEAD: &str = "# revolve sweep ";
 
 /// Some cases of a sweep, as they are asked for; they are counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cases {
+pub enum CaseRange {
     /// From one case to another, both of them in it.
     Span(usize, usize),
     /// One of so many parts of about the same size.
     Part(usize, usize),
 }
 
-impl Cases {
+impl CaseRange {
     /// From `A-B`, `A`, `K/N` (part K of N), and `task` or `task/N`, where the number is that of the task of an array.
-    ///
-    /// # Errors
-    /// In words, for a form that is none of these, or where no scheduler tells a task.
-    pub fn parse(text: &str) -> Result<Cases, String> {
-        Cases::told(text, &|name| std::env::var(name).ok())
+    pub fn parse(text: &str) -> Result<CaseRange, String> {
+        CaseRange::told(text, &|name| std::env::var(name).ok())
     }
 
     /// The same where `variable` tells what stands in the environment.
-    fn told(text: &str, variable: &dyn Fn(&str) -> Option<String>) -> Result<Cases, String> {
+    fn told(text: &str, variable: &dyn Fn(&str) -> Option<String>) -> Result<CaseRange, String> {
         let wrong = || format!("--cases {text}: A-B, A, K/N, task or task/N is the form, counted from 1");
         let number = |t: &str| match t.trim() {
             "task" => task(variable).ok_or_else(|| {
@@ -51,21 +45,18 @@ impl Cases {
         };
         if let Some((part, parts)) = text.split_once('/') {
             let (part, parts) = (number(part)?, number(parts)?);
-            return if part <= parts { Ok(Cases::Part(part, parts)) } else { Err(wrong()) };
+            return if part <= parts { Ok(CaseRange::Part(part, parts)) } else { Err(wrong()) };
         }
         let (first, last) = text.split_once('-').map_or((text, text), |ends| ends);
         let (first, last) = (number(first)?, number(last)?);
-        if first <= last { Ok(Cases::Span(first, last)) } else { Err(wrong()) }
+        if first <= last { Ok(CaseRange::Span(first, last)) } else { Err(wrong()) }
     }
 
     /// Indices of these cases among so many.
-    ///
-    /// # Errors
-    /// In words, where there are fewer.
     pub fn of(self, count: usize) -> Result<Range<usize>, StudyError> {
         let range = match self {
-            Cases::Span(first, last) => first - 1..last,
-            Cases::Part(part, parts) => {
+            CaseRange::Span(first, last) => first - 1..last,
+            CaseRange::Part(part, parts) => {
                 let begin = |part: usize| (part as u128 * count as u128 / parts as u128) as usize;
                 begin(part - 1)..begin(part)
             }
@@ -89,29 +80,26 @@ fn task(variable: &dyn Fn(&str) -> Option<String>) -> Option<usize> {
 pub fn list(grid: &Grid, range: Range<usize>) -> String {
     let mut text = header(grid, &[]);
     for index in range {
-        let values = grid.combination(index).into_iter().map(|pair| csv::field(&pair.1).into_owned());
-        text += &format!("{},{}\n", index + 1, values.collect::<Vec<_>>().join(","));
+        let values = grid.combination(index).into_iter().map(|pair| pair.1);
+        text += &csv::line(std::iter::once((index + 1).to_string()).chain(values));
     }
     text
 }
 
 fn header(grid: &Grid, more: &[&str]) -> String {
-    let names = grid.names();
-    let columns = names.iter().chain(more).map(|name| csv::field(name).into_owned());
-    format!("case,{}\n", columns.collect::<Vec<_>>().join(","))
+    csv::line(std::iter::once("case").chain(grid.names()).chain(more.iter().copied()))
 }
 
 /// A part of a sweep as it is written.
-pub struct Part<'a> {
+pub struct SweepPart<'a> {
     /// What makes the sweep the one it is.
     pub sweep: &'a str,
-    /// The whole grid.
     pub grid: &'a Grid,
     /// What is asked of each case.
     pub quantities: &'a [Quantity],
 }
 
-impl Part<'_> {
+impl SweepPart<'_> {
     /// The job under which some cases are written, beside those of other parts.
     pub fn job(job: &Job, cases: &Range<usize>) -> Job {
         Job { folder: job.folder.clone(), name: format!("{}{PART}{:08}-{:08}", job.name, cases.start + 1, cases.end) }
@@ -125,36 +113,29 @@ impl Part<'_> {
         let rows = results.parameters.iter().zip(&results.values).zip(&results.doubts).zip(cases.clone());
         for (((parameters, values), doubts), index) in rows {
             let mut row: Vec<String> = vec![(index + 1).to_string()];
-            row.extend(parameters.iter().map(|p| csv::field(p).into_owned()));
+            row.extend(parameters.iter().cloned());
             match values {
                 Ok(values) => row.extend(values.iter().map(|v| format!("{v:e}"))),
                 Err(_) => row.extend(vec![String::new(); self.quantities.len()]),
             }
-            let words = [json(doubts), json(&values.as_ref().err().map(ToString::to_string))];
-            row.extend(words.iter().map(|w| csv::field(w).into_owned()));
-            text += &format!("{}\n", row.join(","));
+            row.extend([json(doubts), json(&values.as_ref().err().map(ToString::to_string))]);
+            text += &csv::line(row);
         }
         text
     }
 
     /// Writes the part, whole or not at all.
-    ///
-    /// # Errors
-    /// With the path in the message.
     pub fn write(&self, job: &Job, cases: &Range<usize>, results: &Results) -> Result<PathBuf, StudyError> {
-        let path = Part::job(job, cases).path(".csv");
+        let path = SweepPart::job(job, cases).path(".csv");
         let written = whole::write_durable(&path, self.text(cases, results).as_bytes());
         written.map_err(|e| StudyError::Setting(e.to_string()))?;
         Ok(path)
     }
 
     /// All parts of the sweep that are in the job's folder. Cases that several parts have are taken once.
-    ///
-    /// # Errors
-    /// Parts of another sweep or that cannot be read, with their path; which cases are missing.
     pub fn gather(&self, job: &Job) -> Result<Results, StudyError> {
         let count = self.grid.count();
-        let mut rows: Vec<Option<Row>> = (0..count).map(|_| None).collect();
+        let mut rows: Vec<Option<GatheredCase>> = (0..count).map(|_| None).collect();
         for path in parts_of(job)? {
             let named = |message: String| StudyError::Setting(format!("{}: {message}", path.display()));
             let text = files::read_text(&path).map_err(|e| named(e.to_string()))?;
@@ -176,7 +157,7 @@ impl Part<'_> {
     }
 
     /// Indices and rows of a part.
-    fn rows(&self, text: &str) -> Result<Vec<(usize, Row)>, String> {
+    fn rows(&self, text: &str) -> Result<Vec<(usize, GatheredCase)>, String> {
         let mut lines = text.lines().enumerate();
         let head = lines.next().map_or("", |l| l.1);
         if head.strip_prefix(HEAD) != Some(self.sweep) {
@@ -195,7 +176,7 @@ impl Part<'_> {
             .collect()
     }
 
-    fn row(&self, line: &str) -> Option<(usize, Row)> {
+    fn row(&self, line: &str) -> Option<(usize, GatheredCase)> {
         let fields = csv::fields(line);
         let (named, asked) = (self.grid.names().len(), self.quantities.len());
         let [case, rest @ ..] = &fields[..] else { return None };
@@ -205,15 +186,15 @@ impl Part<'_> {
         let index = case.parse::<usize>().ok()?.checked_sub(1).filter(|index| *index < self.grid.count())?;
         let reason: Option<String> = serde_json::from_str(&rest[named + asked + 1]).ok()?;
         let values = match reason {
-            Some(reason) => Err(StudyError::Told(reason)),
+            Some(reason) => Err(StudyError::Reported(reason)),
             None => Ok(rest[named..named + asked].iter().map(|v| v.parse().ok()).collect::<Option<Vec<f64>>>()?),
         };
-        Some((index, Row { values, doubts: serde_json::from_str(&rest[named + asked]).ok()? }))
+        Some((index, GatheredCase { values, doubts: serde_json::from_str(&rest[named + asked]).ok()? }))
     }
 }
 
 /// What a part says of a case.
-struct Row {
+struct GatheredCase {
     values: Result<Vec<f64>, StudyError>,
     doubts: Vec<String>,
 }
@@ -239,7 +220,7 @@ fn parts_of(job: &Job) -> Result<Vec<PathBuf>, StudyError> {
 }
 
 /// Cases that no part has, as `--cases` takes them; the first few spans of them.
-fn missing(rows: &[Option<Row>]) -> Vec<String> {
+fn missing(rows: &[Option<GatheredCase>]) -> Vec<String> {
     const MOST: usize = 10;
     let mut spans: Vec<String> = Vec::new();
     let mut index = 0;
@@ -266,7 +247,7 @@ fn missing(rows: &[Option<Row>]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cases, Part};
+    use super::{CaseRange, SweepPart};
     use crate::output::Job;
     use crate::study::StudyError;
     use crate::study::grid::Grid;
@@ -276,7 +257,7 @@ mod tests {
     #[test]
     fn cases_are_read() {
         let in_task_7 = |name: &str| (name == "HQ_TASK_ID").then(|| "7".to_owned());
-        let read = |text: &str| Cases::told(text, &in_task_7);
+        let read = |text: &str| CaseRange::told(text, &in_task_7);
         assert_eq!(read("3-5").map(|c| c.of(9)), Ok(Ok(2..5)));
         assert_eq!(read("task").map(|c| c.of(9)), Ok(Ok(6..7)));
         assert_eq!(read("task/8").map(|c| c.of(9)), Ok(Ok(6..7)));
@@ -284,13 +265,13 @@ mod tests {
         for wrong in ["", "0", "5-3", "3/2", "0/2", "a-b", "1-", "-1", "task/6", "1-2-3"] {
             assert!(read(wrong).is_err(), "{wrong}");
         }
-        assert!(Cases::told("task", &|_| None).is_err_and(|e| e.contains("SLURM_ARRAY_TASK_ID")));
+        assert!(CaseRange::told("task", &|_| None).is_err_and(|e| e.contains("SLURM_ARRAY_TASK_ID")));
     }
 
     #[test]
     fn parts_cover_every_case_once() {
         for (count, parts) in [(1, 1), (10, 3), (3, 10), (1000, 64), (10_000_000_000, 7)] {
-            let ranges = (1..=parts).map(|part| Cases::Part(part, parts).of(count).expect("a part"));
+            let ranges = (1..=parts).map(|part| CaseRange::Part(part, parts).of(count).expect("a part"));
             let ends: Vec<_> = ranges.collect();
             assert!(ends[0].start == 0 && ends[parts - 1].end == count);
             assert!(ends.windows(2).all(|two| two[0].end == two[1].start));
@@ -303,10 +284,14 @@ mod tests {
         let job = Job { folder: folder.path().to_owned(), name: "a".into() };
         let grid = Grid::parse(&["V=1,2,3".into()]).expect("a grid");
         let quantities = [Quantity::parse("final(U2@REF)").expect("a quantity")];
-        let part = Part { sweep: "this", grid: &grid, quantities: &quantities };
+        let part = SweepPart { sweep: "this", grid: &grid, quantities: &quantities };
         let whole = Results {
             parameters: ["1", "2", "3"].map(|v| vec![v.to_owned()]).to_vec(),
-            values: vec![Ok(vec![0.1 + 0.2]), Err(StudyError::Told("it, \"it\"\nhalted".into())), Ok(vec![-1e-300])],
+            values: vec![
+                Ok(vec![0.1 + 0.2]),
+                Err(StudyError::Reported("it, \"it\"\nhalted".into())),
+                Ok(vec![-1e-300]),
+            ],
             doubts: vec![vec!["a, b".into()], Vec::new(), Vec::new()],
         };
         let some = |from: usize, to: usize| Results {
@@ -321,10 +306,10 @@ mod tests {
         // One case once more.
         let last = part.write(&job, &(1..3), &some(1, 3)).expect("written");
         assert_eq!(part.gather(&job), Ok(whole));
-        let other = Part { sweep: "that", ..part };
+        let other = SweepPart { sweep: "that", ..part };
         assert!(other.gather(&job).is_err_and(|e| e.to_string().contains("another sweep")));
         let text = std::fs::read_to_string(&last).expect("a part");
         std::fs::write(&last, &text[..text.len() - 5]).expect("cut off");
-        assert!(Part { sweep: "this", ..other }.gather(&job).is_err_and(|e| e.to_string().contains("cut off")));
+        assert!(SweepPart { sweep: "this", ..other }.gather(&job).is_err_and(|e| e.to_string().contains("cut off")));
     }
 }

@@ -1,10 +1,10 @@
 //! Charts as data: lines, markers and areas over one axis.
-//! Never here: where the numbers come from, how they are drawn (`draw`).
 
-use serde::Serialize;
+use serde::ser::SerializeStruct as _;
+use serde::{Serialize, Serializer};
 
-/// A chart.
-#[derive(Clone, Debug, Default)]
+/// A chart; on a page it has the keys that `report/page.js` reads.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
     /// Title.
     pub title: String,
@@ -13,15 +13,35 @@ pub struct Chart {
     /// Name of the vertical axis.
     pub y_label: String,
     /// Units of both; empty where they are not known.
+    #[serde(skip_serializing_if = "are_unknown")]
     pub units: [String; 2],
+    /// A description of what is drawn.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub words: String,
+    /// How values lie along both axes.
+    #[serde(rename = "logarithmic", serialize_with = "is_logarithmic")]
+    pub scale: Scale,
     /// What is drawn, in order.
     pub series: Vec<Series>,
 }
 
+impl Chart {
+    /// A chart with linear axes, named by quantity.
+    pub fn new(title: &str, [x, y]: [&str; 2], series: Vec<Series>) -> Chart {
+        Chart { title: title.into(), x_label: x.into(), y_label: y.into(), series, ..Chart::default() }
+    }
+
+    /// Whether there is nothing to draw.
+    pub fn is_empty(&self) -> bool {
+        self.series.iter().all(|series| series.points.is_empty())
+    }
+}
+
 /// How values lie along the axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
+    #[default]
     Linear,
     /// By their logarithm, on both axes; values are above zero.
     LogLog,
@@ -36,8 +56,7 @@ pub enum Form {
     Line,
     /// Each by itself.
     Marks,
-    /// An area on top of the areas before it: what is above zero upwards, what is below downwards. All areas of a chart have the
-    /// same abscissae.
+    /// An area stacked on the previous ones, negative values downwards. All areas of a chart have the same abscissae.
     Area,
     /// A thin broken line to compare others with.
     Guide,
@@ -46,7 +65,7 @@ pub enum Form {
 }
 
 /// Points with a name.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Shown in the legend.
     pub name: String,
@@ -54,6 +73,38 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
     /// How they are shown.
     pub form: Form,
+    /// A word for each point, which a page shows with it; empty where there are none.
+    pub words: Vec<String>,
+}
+
+impl Series {
+    /// Points without words.
+    pub fn new(name: impl Into<String>, form: Form, points: Vec<(f64, f64)>) -> Series {
+        Series { name: name.into(), points, form, words: Vec::new() }
+    }
+}
+
+impl Serialize for Series {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (x, y): (Vec<f64>, Vec<f64>) = self.points.iter().copied().unzip();
+        let mut series = serializer.serialize_struct("Series", 5)?;
+        series.serialize_field("name", &self.name)?;
+        series.serialize_field("form", &self.form)?;
+        series.serialize_field("x", &x)?;
+        series.serialize_field("y", &y)?;
+        if !self.words.is_empty() {
+            series.serialize_field("words", &self.words)?;
+        }
+        series.end()
+    }
+}
+
+fn are_unknown(units: &[String; 2]) -> bool {
+    units.iter().all(String::is_empty)
+}
+
+fn is_logarithmic<S: Serializer>(scale: &Scale, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bool(*scale == Scale::LogLog)
 }
 
 /// Lower and upper edge of an area at each of its points: of what is above zero, and of what is below.

@@ -1,5 +1,4 @@
 //! Tables of numbers in files that grow row by row: CSV, and Parquet where the program was built with it.
-//! Never here: what is in them.
 
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
@@ -8,7 +7,7 @@ use super::StudyError;
 use crate::output::{Whole, csv};
 
 /// A table that is being written: it is there when it is finished, and not at all before.
-pub struct Columns {
+pub struct TableWriter {
     names: Vec<String>,
     form: Form,
 }
@@ -19,19 +18,15 @@ enum Form {
     Parquet(Box<parquet_file::Writer>),
 }
 
-impl Columns {
+impl TableWriter {
     /// Begins a table; the end of its name says in which form.
-    ///
-    /// # Errors
-    /// In words: a form that is none, or that the program was not built with; that of the file system.
-    pub fn begin(path: &Path, names: Vec<String>) -> Result<Columns, StudyError> {
+    pub fn begin(path: &Path, names: Vec<String>) -> Result<TableWriter, StudyError> {
         let wrong = |why: &str| StudyError::Setting(format!("--table {}: {why}", path.display()));
         let file = || Whole::begin(path).map_err(failed);
         let form = match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => {
                 let mut file = BufWriter::new(file()?);
-                let header: Vec<_> = names.iter().map(|name| csv::field(name)).collect();
-                writeln!(file, "{}", header.join(",")).map_err(failed)?;
+                file.write_all(csv::line(&names).as_bytes()).map_err(failed)?;
                 Form::Csv(file)
             }
             #[cfg(feature = "parquet")]
@@ -42,13 +37,10 @@ impl Columns {
             }
             _ => return Err(wrong("the name ends in .csv or .parquet")),
         };
-        Ok(Columns { names, form })
+        Ok(TableWriter { names, form })
     }
 
     /// Appends rows, given one after the other; what is no number is left empty.
-    ///
-    /// # Errors
-    /// That of the file system.
     pub fn append(&mut self, rows: &[f64]) -> Result<(), StudyError> {
         let width = self.names.len();
         match &mut self.form {
@@ -59,9 +51,6 @@ impl Columns {
     }
 
     /// Gives the file its name.
-    ///
-    /// # Errors
-    /// That of the file system.
     pub fn finish(self) -> Result<(), StudyError> {
         let file = match self.form {
             Form::Csv(file) => file.into_inner().map_err(io::IntoInnerError::into_error),
@@ -137,19 +126,19 @@ mod parquet_file {
 
 #[cfg(test)]
 mod tests {
-    use super::Columns;
+    use super::TableWriter;
 
     #[test]
     fn rows_without_a_number_have_an_empty_cell() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.csv");
-        let mut columns = Columns::begin(&path, vec!["V".into(), "at(U2, 1)".into()]).expect("a table");
+        let mut columns = TableWriter::begin(&path, vec!["V".into(), "at(U2, 1)".into()]).expect("a table");
         columns.append(&[1.5, 2.0, 0.1, f64::NAN]).expect("rows");
         assert!(!path.exists());
         columns.finish().expect("a file");
         assert_eq!(std::fs::read_to_string(&path).expect("a file"), "V,\"at(U2, 1)\"\n1.5,2\n0.1,\n");
         assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
-        assert!(Columns::begin(&folder.path().join("a.txt"), vec![]).is_err());
+        assert!(TableWriter::begin(&folder.path().join("a.txt"), vec![]).is_err());
     }
 
     #[cfg(feature = "parquet")]
@@ -158,7 +147,7 @@ mod tests {
         use parquet::file::reader::{FileReader as _, SerializedFileReader};
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.parquet");
-        let mut columns = Columns::begin(&path, vec!["V".into(), "U".into()]).expect("a table");
+        let mut columns = TableWriter::begin(&path, vec!["V".into(), "U".into()]).expect("a table");
         columns.append(&[1.5, 2.0, 0.1, f64::NAN]).expect("rows");
         columns.append(&[3.0, 4.0]).expect("rows");
         columns.finish().expect("a file");
@@ -171,7 +160,7 @@ mod tests {
     #[cfg(not(feature = "parquet"))]
     #[test]
     fn the_feature_that_is_missing_is_named() {
-        let told = Columns::begin("a.parquet".as_ref(), vec![]).err().expect("a refusal").to_string();
+        let told = TableWriter::begin("a.parquet".as_ref(), vec![]).err().expect("a refusal").to_string();
         assert!(told.contains("feature `parquet`"), "{told}");
     }
 }

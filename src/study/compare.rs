@@ -1,5 +1,4 @@
 //! Reference columns beside a sweep's results.
-//! Never here: what makes the results.
 
 use std::path::Path;
 
@@ -20,23 +19,20 @@ pub struct Reference {
 
 impl Reference {
     /// Reads a CSV file with a header line.
-    ///
-    /// # Errors
-    /// In words, with the line.
     pub fn read(path: &Path) -> Result<Reference, StudyError> {
-        let wrong = |message: String| StudyError::Reference { path: path.to_owned(), message };
+        let wrong = |message: String| StudyError::file("--compare", path, message);
         let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
         Reference::parse(&text).map_err(wrong)
     }
 
     fn parse(text: &str) -> Result<Reference, String> {
-        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+        let mut lines = csv::lines(text);
         let (_, header) = lines.next().ok_or("the file is empty")?;
         let columns: Vec<String> = csv::fields(header).iter().skip(1).map(|c| c.trim().to_owned()).collect();
         if columns.is_empty() {
             return Err("line 1: a parameter column and at least one reference column are needed".into());
         }
-        let rows = lines.map(|(i, line)| row(line, columns.len()).map_err(|e| format!("line {}: {e}", i + 1)));
+        let rows = lines.map(|(i, line)| row(line, columns.len()).map_err(|e| format!("line {i}: {e}")));
         let rows: Vec<(f64, Vec<f64>)> = rows.collect::<Result<_, String>>()?;
         let mut known: Vec<f64> = rows.iter().map(|row| row.0).collect();
         known.sort_by(f64::total_cmp);

@@ -1,10 +1,9 @@
 //! Files by which Dakota asks for evaluations and takes their results (Dakota User's Manual, "Parameters file format", "Results
 //! file format", "Batch evaluation"): standard, APREPRO and JSON, one evaluation a file or many.
-//! Never here: runs.
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use super::StudyError;
@@ -12,44 +11,49 @@ use super::grid::Grid;
 use super::quantity::Quantity;
 use super::sweep::Results;
 
-/// What Dakota asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct DakotaRequest {
     form: Form,
     evaluations: Vec<Evaluation>,
 }
 
-/// The form of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
     /// Values and tags, one pair a line.
     Text,
-    /// One object.
     Json,
-    /// A list of objects.
     JsonBatch,
 }
 
-/// One evaluation.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 struct Evaluation {
-    /// Descriptors and values.
-    variables: Vec<(String, String)>,
-    /// Labels of responses, and what of each is asked: 1 its value, 2 its gradient, 4 its second derivatives.
-    responses: Vec<(String, u64)>,
+    variables: Vec<Variable>,
+    responses: Vec<Response>,
     /// Numbers of the batch and of the evaluation.
+    #[serde(rename = "eval_id")]
     id: String,
-    /// Labels of what else is asked.
+    /// Labels of what else is requested.
+    #[serde(default)]
     metadata: Vec<String>,
 }
 
-impl Asked {
-    /// Reads a parameters file.
-    ///
-    /// # Errors
-    /// What is wrong with it and where; what it asks for that a sweep does not answer.
-    pub fn read(path: &Path, text: &str, quantities: &[Quantity]) -> Result<Asked, StudyError> {
-        let wrong = |message: String| StudyError::Dakota { path: path.to_owned(), message };
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+struct Variable {
+    label: String,
+    #[serde(deserialize_with = "number_or_text")]
+    value: String,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+struct Response {
+    label: String,
+    /// What is requested: 1 the value, 2 the gradient, 4 second derivatives.
+    active_set: u64,
+}
+
+impl DakotaRequest {
+    pub fn read(path: &Path, text: &str, quantities: &[Quantity]) -> Result<DakotaRequest, StudyError> {
+        let wrong = |message: String| StudyError::file("--dakota", path, message);
         let asked = match text.trim_start().chars().next() {
             Some('[') => from_json(text, true),
             // A line of APREPRO begins with a brace as well; its first word is no string.
@@ -65,7 +69,7 @@ impl Asked {
     /// Whether a sweep can answer.
     fn answerable(&self, quantities: &[Quantity]) -> Result<(), String> {
         let [first, rest @ ..] = &self.evaluations[..] else { return Err("it asks for no evaluation".into()) };
-        let names = |e: &Evaluation| e.variables.iter().map(|v| v.0.clone()).collect::<Vec<_>>();
+        let names = |e: &Evaluation| e.variables.iter().map(|v| v.label.clone()).collect::<Vec<_>>();
         if let Some(other) = rest.iter().find(|e| names(e) != names(first)) {
             return Err(format!("evaluation {} has other variables than the first", other.id));
         }
@@ -76,7 +80,7 @@ impl Asked {
                     "evaluation {id} asks for {asked} responses, but --quantity is given {given} times"
                 ));
             }
-            if let Some((label, _)) = responses.iter().find(|r| r.1 & 6 != 0) {
+            if let Some(Response { label, .. }) = responses.iter().find(|r| r.active_set & 6 != 0) {
                 return Err(format!(
                     "evaluation {id} asks for derivatives of {label}: say numerical_gradients, or no_gradients and no_hessians"
                 ));
@@ -89,18 +93,15 @@ impl Asked {
     }
 
     /// The evaluations as cases of a sweep; `settings` give other parameters one value each.
-    ///
-    /// # Errors
-    /// In words, for settings that are none or that Dakota gives as well.
     pub fn grid(&self, settings: &[String]) -> Result<Grid, StudyError> {
-        let names = self.evaluations[0].variables.iter().map(|v| v.0.clone()).collect();
-        let row = |e: &Evaluation| e.variables.iter().map(|v| v.1.clone()).collect();
+        let names = self.evaluations[0].variables.iter().map(|v| v.label.clone()).collect();
+        let row = |e: &Evaluation| e.variables.iter().map(|v| v.value.clone()).collect();
         Grid::of_rows(names, self.evaluations.iter().map(row).collect()).beside(settings, "--dakota")
     }
 
     /// The results file where none of it could be evaluated.
     pub fn failed(&self) -> String {
-        let values = self.evaluations.iter().map(|_| Err(StudyError::Told(String::new()))).collect();
+        let values = self.evaluations.iter().map(|_| Err(StudyError::Reported(String::new()))).collect();
         self.answer(&Results { values, ..Results::default() })
     }
 
@@ -126,8 +127,8 @@ impl Asked {
 impl Evaluation {
     /// What is asked of the values: labels and numbers; `None` if there is a number that is none.
     fn wanted<'a>(&'a self, values: Option<&'a [f64]>) -> Option<Vec<(&'a str, f64)>> {
-        let pairs = self.responses.iter().zip(values?).filter(|(response, _)| response.1 & 1 != 0);
-        let wanted: Vec<_> = pairs.map(|(response, value)| (response.0.as_str(), *value)).collect();
+        let pairs = self.responses.iter().zip(values?).filter(|(response, _)| response.active_set & 1 != 0);
+        let wanted: Vec<_> = pairs.map(|(response, value)| (response.label.as_str(), *value)).collect();
         wanted.iter().all(|pair| pair.1.is_finite()).then_some(wanted)
     }
 
@@ -144,43 +145,16 @@ impl Evaluation {
     }
 }
 
-/// An evaluation as JSON has it.
-#[derive(Deserialize)]
-struct Object {
-    variables: Vec<Variable>,
-    responses: Vec<Response>,
-    eval_id: String,
-    #[serde(default)]
-    metadata: Vec<String>,
-}
-
-#[derive(Deserialize)]
-struct Variable {
-    label: String,
-    value: Value,
-}
-
-#[derive(Deserialize)]
-struct Response {
-    label: String,
-    active_set: u64,
-}
-
-fn from_json(text: &str, batch: bool) -> Result<Asked, String> {
+fn from_json(text: &str, batch: bool) -> Result<DakotaRequest, String> {
     let read = if batch { serde_json::from_str(text) } else { serde_json::from_str(text).map(|one| vec![one]) };
-    let objects: Vec<Object> = read.map_err(|e| e.to_string())?;
-    let evaluations = objects.into_iter().map(|object| Evaluation {
-        variables: object.variables.into_iter().map(|v| (v.label, plain(&v.value))).collect(),
-        responses: object.responses.into_iter().map(|r| (r.label, r.active_set)).collect(),
-        id: object.eval_id,
-        metadata: object.metadata,
-    });
-    Ok(Asked { form: if batch { Form::JsonBatch } else { Form::Json }, evaluations: evaluations.collect() })
+    let form = if batch { Form::JsonBatch } else { Form::Json };
+    Ok(DakotaRequest { form, evaluations: read.map_err(|e| e.to_string())? })
 }
 
-/// A value as a deck's parameter takes it.
-fn plain(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+/// A value as a parameter of the deck.
+fn number_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    let value = Value::deserialize(deserializer)?;
+    Ok(value.as_str().map_or_else(|| value.to_string(), str::to_owned))
 }
 
 /// A pair of a value and its tag, with its line.
@@ -232,7 +206,7 @@ impl<'a> Pairs<'a> {
     }
 }
 
-fn from_lines(text: &str) -> Result<Asked, String> {
+fn from_lines(text: &str) -> Result<DakotaRequest, String> {
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let pairs: Vec<Pair> = lines.map(|(i, line)| pair(i + 1, line)).collect::<Result<_, _>>()?;
     let mut pairs = Pairs { rest: &pairs };
@@ -240,17 +214,17 @@ fn from_lines(text: &str) -> Result<Asked, String> {
     while !pairs.rest.is_empty() {
         evaluations.push(evaluation(&mut pairs)?);
     }
-    Ok(Asked { form: Form::Text, evaluations })
+    Ok(DakotaRequest { form: Form::Text, evaluations })
 }
 
 fn evaluation(pairs: &mut Pairs<'_>) -> Result<Evaluation, String> {
     let variables = pairs.block(["variables", "DAKOTA_VARS"])?;
     let mut responses = Vec::new();
     for pair in pairs.block(["functions", "DAKOTA_FNS"])? {
-        let asked = pair.value.parse().map_err(|_| format!("line {}: `{}` is no number", pair.at, pair.value))?;
+        let active_set = pair.value.parse().map_err(|_| format!("line {}: `{}` is no number", pair.at, pair.value))?;
         // ASV_1:label; older versions leave the label out.
         let label = pair.tag.split_once(':').map_or(&*pair.tag, |tag| tag.1);
-        responses.push((label.to_owned(), asked));
+        responses.push(Response { label: label.to_owned(), active_set });
     }
     pairs.block(["derivative_variables", "DAKOTA_DER_VARS"])?;
     pairs.block(["analysis_components", "DAKOTA_AN_COMPS"])?;
@@ -261,7 +235,7 @@ fn evaluation(pairs: &mut Pairs<'_>) -> Result<Evaluation, String> {
     let id = if begins(own, pairs) { pairs.expect(own)?.value.clone() } else { String::new() };
     let metadata = if begins(more, pairs) { pairs.block(more)? } else { &[] };
     Ok(Evaluation {
-        variables: variables.iter().map(|p| (p.tag.clone(), p.value.clone())).collect(),
+        variables: variables.iter().map(|p| Variable { label: p.tag.clone(), value: p.value.clone() }).collect(),
         responses,
         id,
         metadata: metadata.iter().map(|p| p.value.clone()).collect(),
@@ -270,7 +244,7 @@ fn evaluation(pairs: &mut Pairs<'_>) -> Result<Evaluation, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Asked, Form};
+    use super::{DakotaRequest, Form};
     use crate::study::StudyError;
     use crate::study::quantity::Quantity;
     use crate::study::sweep::Results;
@@ -282,21 +256,21 @@ mod tests {
         )
     }
 
-    fn read(text: &str, quantities: usize) -> Result<Asked, StudyError> {
+    fn read(text: &str, quantities: usize) -> Result<DakotaRequest, StudyError> {
         let quantities: Vec<Quantity> =
             (0..quantities).map(|_| Quantity::parse("final(U2@REF)").expect("a quantity")).collect();
-        Asked::read("params.in".as_ref(), text, &quantities)
+        DakotaRequest::read("params.in".as_ref(), text, &quantities)
     }
 
-    fn values(asked: &Asked) -> Vec<String> {
+    fn values(asked: &DakotaRequest) -> Vec<String> {
         let grid = asked.grid(&["n=20".into()]).expect("a grid");
         assert_eq!(grid.names(), ["V", "mu", "n"]);
         let row = |i: usize| grid.combination(i).into_iter().map(|p| p.1).collect::<Vec<_>>().join(" ");
         (0..grid.count()).map(row).collect()
     }
 
-    fn answer(asked: &Asked) -> String {
-        let values = vec![Ok(vec![0.1]), Err(StudyError::Told("halted".into()))];
+    fn answer(asked: &DakotaRequest) -> String {
+        let values = vec![Ok(vec![0.1]), Err(StudyError::Reported("halted".into()))];
         asked.answer(&Results { values, ..Results::default() })
     }
 

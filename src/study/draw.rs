@@ -1,7 +1,5 @@
 //! Charts drawn as SVG and PNG, on linear or logarithmic axes; the legend stands below the curves.
-//! Never here: where the numbers come from.
 
-use std::fmt::Write as _;
 use std::sync::Arc;
 
 use resvg::{tiny_skia, usvg};
@@ -9,7 +7,7 @@ use resvg::{tiny_skia, usvg};
 use super::StudyError;
 use super::axis;
 use super::chart::{Chart, Form, Scale, Series, stacked};
-use crate::output::vtu::escape;
+use crate::output::svg::{END, MIDDLE, Svg, polyline};
 
 /// Size of a picture, and of its letters, in points.
 const WIDTH: f64 = 960.0;
@@ -31,61 +29,38 @@ const BESIDE: f64 = 1.15;
 const PALETTE: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6bb1", "#5a5a5a"];
 
 impl Chart {
-    /// The chart as SVG text.
-    ///
-    /// # Errors
-    /// In words, where there is nothing to draw.
+    /// The chart as SVG text; an error if there is nothing to draw.
     pub fn svg(&self) -> Result<String, StudyError> {
-        self.svg_on(Scale::Linear)
+        let drawing = ChartDrawing::of(self).ok_or_else(|| StudyError::Chart("the chart has no points".into()))?;
+        Ok(drawing.svg())
     }
 
-    /// The chart on axes of a scale.
-    ///
-    /// # Errors
-    /// In words, where there is nothing to draw.
-    pub fn svg_on(&self, scale: Scale) -> Result<String, StudyError> {
-        let sheet = Sheet::of(self, scale).ok_or_else(|| StudyError::Chart("the chart has no points".into()))?;
-        Ok(sheet.svg())
-    }
-
-    /// The chart as a PNG file's bytes.
-    ///
-    /// # Errors
-    /// In words, where there is nothing to draw.
+    /// The chart as the bytes of a PNG file; an error if there is nothing to draw.
     pub fn png(&self) -> Result<Vec<u8>, StudyError> {
-        self.png_on(Scale::Linear)
-    }
-
-    /// The same on axes of a scale.
-    ///
-    /// # Errors
-    /// In words, where there is nothing to draw.
-    pub fn png_on(&self, scale: Scale) -> Result<Vec<u8>, StudyError> {
-        png(&self.svg_on(scale)?)
+        png(&self.svg()?)
     }
 }
 
-/// A chart with the ranges of its axes, and the text that is written.
-struct Sheet<'a> {
+/// A chart with the ranges of its axes, and the picture that is drawn.
+struct ChartDrawing<'a> {
     chart: &'a Chart,
-    scale: Scale,
     x: [f64; 2],
     y: [f64; 2],
     /// Entries of the legend, row by row.
     legend: Vec<Vec<usize>>,
-    text: String,
+    svg: Svg,
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> ChartDrawing<'a> {
     /// `None` without points.
-    fn of(chart: &'a Chart, scale: Scale) -> Option<Sheet<'a>> {
+    fn of(chart: &'a Chart) -> Option<ChartDrawing<'a>> {
         let points = || chart.series.iter().flat_map(|s| &s.points);
         let lines = chart.series.iter().filter(|s| s.form != Form::Area).flat_map(|s| &s.points).map(|p| p.1);
         let stack = stacked(&chart.series);
         let edges = stack.iter().flatten().flatten().flat_map(|edge| [edge.0, edge.1]);
-        let x = range(points().map(|p| p.0), scale)?;
-        let y = range(lines.chain(edges), scale)?;
-        Some(Sheet { chart, scale, x, y, legend: legend(&chart.series), text: String::new() })
+        let x = range(points().map(|p| p.0), chart.scale)?;
+        let y = range(lines.chain(edges), chart.scale)?;
+        Some(ChartDrawing { chart, x, y, legend: legend(&chart.series), svg: Svg::new([WIDTH, HEIGHT], LETTERS) })
     }
 
     /// Where the plot ends: right and bottom.
@@ -94,7 +69,7 @@ impl<'a> Sheet<'a> {
     }
 
     fn place(&self, (x, y): (f64, f64)) -> Option<[f64; 2]> {
-        let along = |value: f64, [low, high]: [f64; 2]| match self.scale {
+        let along = |value: f64, [low, high]: [f64; 2]| match self.chart.scale {
             Scale::Linear => (value - low) / (high - low),
             Scale::LogLog => libm::log(value / low) / libm::log(high / low),
         };
@@ -105,65 +80,43 @@ impl<'a> Sheet<'a> {
     }
 
     fn svg(mut self) -> String {
-        let _ = writeln!(
-            self.text,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
-             font-family=\"DejaVu Sans, sans-serif\" font-size=\"{LETTERS}\">\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
-             <text x=\"{}\" y=\"34\" font-size=\"20\" text-anchor=\"middle\">{}</text>",
-            0.5 * WIDTH,
-            escape(&self.chart.title)
-        );
+        self.svg.text([0.5 * WIDTH, 34.0], format_args!("font-size=\"20\" {MIDDLE}"), &self.chart.title);
         self.draw_axis(0);
         self.draw_axis(1);
         let [right, bottom] = self.corner();
-        let _ = writeln!(
-            self.text,
-            "<path d=\"M{} {}V{bottom}H{right}\" fill=\"none\" stroke=\"#444\"/>",
-            MARGIN[0], MARGIN[2]
-        );
+        self.svg.path(format_args!("M{} {}V{bottom}H{right}", MARGIN[0], MARGIN[2]), "fill=\"none\" stroke=\"#444\"");
         self.draw_areas();
         let chart = self.chart;
         for (index, series) in chart.series.iter().enumerate().filter(|s| s.1.form != Form::Area) {
             self.draw_series(series, colour(chart, index));
         }
         self.draw_legend();
-        self.text + "</svg>\n"
+        self.svg.finish()
     }
 
     /// Grid, ticks and name of the horizontal (0) or the vertical axis (1).
     fn draw_axis(&mut self, axis: usize) {
         let [low, high] = [self.x, self.y][axis];
-        let (ticks, labels, exponent) = ticks(low, high, self.scale);
+        let (ticks, labels, exponent) = ticks(low, high, self.chart.scale);
         let [right, bottom] = self.corner();
         for (tick, label) in ticks.into_iter().zip(labels) {
             let at = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
             let Some([x, y]) = self.place(at) else { continue };
-            let (line, text, anchor) = match axis {
-                0 => (format!("M{x:.2} {bottom}V{}", MARGIN[2]), [x, bottom + 22.0], "middle"),
-                _ => (format!("M{} {y:.2}H{right}", MARGIN[0]), [MARGIN[0] - 8.0, y + 5.0], "end"),
+            let (line, place, anchor) = match axis {
+                0 => (format!("M{x:.2} {bottom}V{}", MARGIN[2]), [x, bottom + 22.0], MIDDLE),
+                _ => (format!("M{} {y:.2}H{right}", MARGIN[0]), [MARGIN[0] - 8.0, y + 5.0], END),
             };
-            let _ = writeln!(
-                self.text,
-                "<path d=\"{line}\" stroke=\"#e2e2e2\"/>\n\
-                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{label}</text>",
-                text[0], text[1]
-            );
+            self.svg.path(line, "stroke=\"#e2e2e2\"");
+            self.svg.text(place, anchor, &label);
         }
         let name = [&self.chart.x_label, &self.chart.y_label][axis];
-        let name = escape(&axis::title(name, &self.chart.units[axis], exponent));
+        let name = axis::title(name, &self.chart.units[axis], exponent);
         let (across, up) = (0.5 * (MARGIN[0] + right), 0.5 * (MARGIN[2] + bottom));
-        let _ = match axis {
-            0 => writeln!(
-                self.text,
-                "<text x=\"{across:.1}\" y=\"{:.1}\" font-size=\"17\" text-anchor=\"middle\">{name}</text>",
-                bottom + 48.0
-            ),
-            _ => writeln!(
-                self.text,
-                "<text x=\"24\" y=\"{up:.1}\" font-size=\"17\" text-anchor=\"middle\" transform=\"rotate(-90 24 {up:.1})\">{name}</text>"
-            ),
+        let (place, turn) = match axis {
+            0 => ([across, bottom + 48.0], String::new()),
+            _ => ([24.0, up], format!("transform=\"rotate(-90 24 {up:.2})\"")),
         };
+        self.svg.text(place, format_args!("font-size=\"17\" {MIDDLE} {turn}"), &name);
     }
 
     fn draw_areas(&mut self) {
@@ -175,32 +128,26 @@ impl<'a> Sheet<'a> {
                 let upper = x().zip(side).map(|(x, edge)| (x, edge.1));
                 let lower = x().zip(side).map(|(x, edge)| (x, edge.0));
                 let outline: Vec<(f64, f64)> = upper.chain(lower.rev()).collect();
-                let path = self.path(&outline);
-                let _ = writeln!(
-                    self.text,
-                    "<path d=\"{path}Z\" fill=\"{colour}\" fill-opacity=\"0.75\" stroke=\"{colour}\" stroke-width=\"0.5\"/>"
-                );
+                let style = format!("fill=\"{colour}\" fill-opacity=\"0.75\" stroke=\"{colour}\" stroke-width=\"0.5\"");
+                self.svg.path(self.path(&outline) + "Z", style);
             }
         }
     }
 
-    /// Hundredths of a point keep slopes smooth.
     fn path(&self, points: &[(f64, f64)]) -> String {
-        let places = points.iter().filter_map(|p| self.place(*p));
-        let words: Vec<String> = places.map(|[x, y]| format!("{x:.2} {y:.2}")).collect();
-        if words.is_empty() { String::new() } else { format!("M{}", words.join("L")) }
+        polyline(points.iter().filter_map(|p| self.place(*p)))
     }
 
     fn draw_series(&mut self, series: &Series, colour: &str) {
         let path = self.path(&series.points);
         if series.form == Form::Band {
-            let _ = writeln!(self.text, "<path d=\"{path}Z\" fill=\"{colour}\" fill-opacity=\"0.25\"/>");
+            self.svg.path(path + "Z", format_args!("fill=\"{colour}\" fill-opacity=\"0.25\""));
         } else if series.form != Form::Marks && !path.is_empty() {
-            let _ = writeln!(self.text, "<path d=\"{path}\" {}/>", stroke(series.form, colour));
+            self.svg.path(path, stroke(series.form, colour));
         }
         if series.form == Form::Marks || series.form == Form::Line && series.points.len() <= MARKED {
-            for [x, y] in series.points.iter().filter_map(|p| self.place(*p)).collect::<Vec<_>>() {
-                let _ = writeln!(self.text, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"4.5\" fill=\"{colour}\"/>");
+            for place in series.points.iter().filter_map(|p| self.place(*p)).collect::<Vec<_>>() {
+                self.svg.dot(place, colour);
             }
         }
     }
@@ -212,25 +159,14 @@ impl<'a> Sheet<'a> {
             for index in entries {
                 let series = &self.chart.series[index];
                 let colour = colour(self.chart, index);
-                let _ = match series.form {
-                    Form::Marks => {
-                        writeln!(
-                            self.text,
-                            "<circle cx=\"{}\" cy=\"{}\" r=\"4.5\" fill=\"{colour}\"/>",
-                            x + 13.0,
-                            y - 5.0
-                        )
-                    }
-                    form @ (Form::Area | Form::Band) => writeln!(
-                        self.text,
-                        "<rect x=\"{x}\" y=\"{}\" width=\"26\" height=\"12\" fill=\"{colour}\" fill-opacity=\"{}\"/>",
-                        y - 11.0,
-                        if form == Form::Band { 0.25 } else { 0.75 }
-                    ),
-                    form => writeln!(self.text, "<path d=\"M{x} {}h26\" {}/>", y - 5.0, stroke(form, colour)),
-                };
-                let name = escape(&series.name);
-                let _ = writeln!(self.text, "<text x=\"{}\" y=\"{y}\">{name}</text>", x + 32.0);
+                let filled = |opacity: f64| format!("fill=\"{colour}\" fill-opacity=\"{opacity}\"");
+                match series.form {
+                    Form::Marks => self.svg.dot([x + 13.0, y - 5.0], colour),
+                    Form::Area => self.svg.rect([x, y - 11.0], [26.0, 12.0], filled(0.75)),
+                    Form::Band => self.svg.rect([x, y - 11.0], [26.0, 12.0], filled(0.25)),
+                    form => self.svg.path(format_args!("M{x} {}h26", y - 5.0), stroke(form, colour)),
+                }
+                self.svg.text([x + 32.0, y], "", &series.name);
                 x += entry_width(series);
             }
         }
@@ -307,10 +243,7 @@ fn range(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
     })
 }
 
-/// An SVG picture as a PNG file's bytes. The font comes with the program, so that every machine draws the same.
-///
-/// # Errors
-/// In words, where the text is no picture.
+/// An SVG picture as the bytes of a PNG file. The font comes with the program, so that every machine draws the same.
 pub fn png(svg: &str) -> Result<Vec<u8>, StudyError> {
     drawn(svg).map_err(|e| StudyError::Chart(format!("the chart cannot be drawn: {e}")))
 }
@@ -360,7 +293,7 @@ mod tests {
         let svg = chart.svg().expect("a chart");
         assert!(!svg.contains("NaN") && svg.matches("<circle").count() == 1);
         assert!(Chart::default().svg().is_err());
-        let below = Chart { series: vec![line("a", &[(1.0, -1.0)])], ..Chart::default() };
-        assert!(below.svg_on(Scale::LogLog).is_err());
+        let below = Chart { series: vec![line("a", &[(1.0, -1.0)])], scale: Scale::LogLog, ..Chart::default() };
+        assert!(below.svg().is_err());
     }
 }

@@ -1,18 +1,18 @@
 //! Each effect left out in turn: what it changes, what it costs.
-//! Never here: which effects can be left out (`ablation`).
 
 use serde::Serialize;
 
 use super::StudyError;
-use super::ablation::{self, Ablation};
-use super::bench::{Bench, Run, Spread};
-use super::quantity::Found;
+use super::ablation::{self, Omission};
+use super::quantity::QuantityValue;
 use super::refinement::{self, Study};
-use super::settings::{Axis, Edit, Knob};
+use super::runner::{StudyRun, StudyRunner, TimeSpread};
+use super::settings::{Axis, Edit, StudyParameter};
+use super::table::{Table, cell, digits, duration, short};
 use crate::model::Model;
 
 /// One effect.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Effect {
     /// The effect, as the ledger calls it.
     pub effect: String,
@@ -45,46 +45,36 @@ pub struct Effects {
     /// What was refined for it.
     pub refined: String,
     /// Seconds with all of them.
-    pub seconds: Spread,
+    pub seconds: TimeSpread,
     /// One an effect that can be left out.
     pub effects: Vec<Effect>,
 }
 
 /// What is refined for the error where nothing is said: the increment, which every scene has.
-///
-/// # Errors
-/// Never in practice: the axis is well formed.
 pub fn default_axes() -> Result<Vec<Axis>, StudyError> {
     super::settings::axes(&["increment=1,0.5".to_owned()], &[])
 }
 
-/// Leaves out every effect that `model` has and can do without, at the finest level of all refinements but the increment's:
-/// that is a property of the run, and stays as the deck has it.
-///
-/// # Errors
-/// In words, where the deck itself gives no value or no error.
-pub fn leave_out(bench: &mut Bench<'_>, axes: &[Axis], model: &Model) -> Result<Effects, StudyError> {
+/// Leaves out each effect of `model` in turn, at the finest level of all refinements except that of the increment.
+pub fn leave_out(bench: &mut StudyRunner<'_>, axes: &[Axis], model: &Model) -> Result<Effects, StudyError> {
     let none = |why: &str| StudyError::Comparison(why.into());
     let study = refinement::grid(bench, axes, None)?;
     let row = base(&study, axes).ok_or_else(|| none("the study has no row"))?;
     let with = study.rows[row].run.clone()?;
-    let Found::Number(value) = with.found else {
+    let QuantityValue::Number(value) = with.found else {
         return Err(none("effects are left out of a number, not of a field"));
     };
     let error = study.rows[row].bound;
     let error = error.ok_or_else(|| none("no error can be estimated: two levels or more are needed"))?;
     let values = study.rows[row].values.clone();
     let mut effects = Vec::new();
-    for ablation in ablation::all() {
-        for way in 0..(ablation.ways)(model) {
-            let edit = ablation.edit;
-            let change: Edit = Box::new(move |model| {
-                edit(model, way);
-                Ok(())
-            });
-            let run = bench.at(axes, &values, Some(change));
-            effects.push(effect(name(ablation, model, way), ablation.instead, run, &with, [value, error]));
-        }
+    for Omission { name, instead, edit } in ablation::omissions(model) {
+        let change: Edit = Box::new(move |model| {
+            edit(model);
+            Ok(())
+        });
+        let run = bench.at(axes, &values, Some(change));
+        effects.push(effect(name, instead, run, &with, [value, error]));
     }
     let refined = axes.iter().map(|a| format!("{} = {}", a.name, a.values.join(", "))).collect::<Vec<_>>().join("; ");
     Ok(Effects { value, error, refined, seconds: with.seconds, effects })
@@ -92,8 +82,8 @@ pub fn leave_out(bench: &mut Bench<'_>, axes: &[Axis], model: &Model) -> Result<
 
 /// The row that effects are left out of: the finest, but the deck's own increment.
 fn base(study: &Study, axes: &[Axis]) -> Option<usize> {
-    let wanted = |a: &Axis| match a.knob {
-        Knob::Increment => a.values.iter().find(|v| v.parse() == Ok(1.0)).or(a.values.last()).cloned(),
+    let wanted = |a: &Axis| match a.parameter {
+        StudyParameter::Increment => a.values.iter().find(|v| v.parse() == Ok(1.0)).or(a.values.last()).cloned(),
         _ if a.is_refinement() => a.values.last().cloned(),
         _ => a.values.first().cloned(),
     };
@@ -101,33 +91,18 @@ fn base(study: &Study, axes: &[Axis]) -> Option<usize> {
     study.rows.iter().position(|r| r.values == values)
 }
 
-fn name(ablation: &Ablation, model: &Model, way: usize) -> String {
-    let way = (ablation.way)(model, way);
-    if way.is_empty() { ablation.name.into() } else { format!("{} {way}", ablation.name) }
-}
-
 fn effect(
     effect: String,
     instead: &'static str,
-    run: Result<Run, StudyError>,
-    with: &Run,
+    run: Result<StudyRun, StudyError>,
+    with: &StudyRun,
     [value, error]: [f64; 2],
 ) -> Effect {
-    let mut found = Effect {
-        effect,
-        instead,
-        value: None,
-        failure: None,
-        change: None,
-        relative_change: None,
-        time_ratio: None,
-        cycle_ratio: None,
-        matters: true,
-    };
+    let mut found = Effect { effect, instead, matters: true, ..Effect::default() };
     match run {
         Err(reason) => found.failure = Some(reason.to_string()),
         Ok(run) => {
-            if let Found::Number(without) = run.found {
+            if let QuantityValue::Number(without) = run.found {
                 let change = without - value;
                 (found.value, found.change) = (Some(without), Some(change));
                 found.relative_change = (value != 0.0).then(|| change / value.abs());
@@ -141,19 +116,19 @@ fn effect(
 }
 
 impl Effects {
-    /// Header and rows of the table.
-    pub fn sheet(&self, all_digits: bool) -> (Vec<String>, Vec<Vec<String>>) {
+    /// The table, in few digits or in all.
+    pub fn table(&self, all_digits: bool) -> Table {
         let header = ["left out", "instead", "value", "change", "change %", "time x", "cycles x", "verdict"];
-        (header.map(String::from).to_vec(), self.effects.iter().map(|e| e.cells(all_digits)).collect())
+        let rows = self.effects.iter().map(|e| e.cells(all_digits)).collect();
+        Table { header: header.map(String::from).to_vec(), rows }
     }
 
     /// What is said under the table, a line each.
     pub fn conclusions(&self) -> Vec<String> {
-        let short = super::price::short;
         let mut lines = vec![format!(
             "with all of them {} in {}, error estimate {} (refining {})",
-            super::price::digits(self.value, 7),
-            super::price::duration(self.seconds.median),
+            digits(self.value, 7),
+            duration(self.seconds.median),
             short(self.error),
             self.refined
         )];
@@ -172,11 +147,7 @@ impl Effects {
 
 impl Effect {
     fn cells(&self, all_digits: bool) -> Vec<String> {
-        let number = |value: Option<f64>, few: usize| match value {
-            Some(value) if all_digits => format!("{value:?}"),
-            Some(value) => super::price::digits(value, few),
-            None => String::new(),
-        };
+        let number = |value: Option<f64>, few: usize| cell(value, few, all_digits);
         let verdict = match (&self.failure, self.matters) {
             (Some(_), _) => "no result without it",
             (None, true) => "matters",

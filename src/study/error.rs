@@ -1,7 +1,6 @@
 //! Why a sweep or a study cannot be made, or why one of its runs has no value.
-//! Never here: printing.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -26,9 +25,11 @@ pub enum StudyError {
         /// What is wrong.
         message: String,
     },
-    /// A table of references that cannot be read.
-    #[error("--compare {}: {message}", path.display())]
-    Reference {
+    /// A file of an option that cannot be read or used.
+    #[error("{option} {}: {message}", path.display())]
+    File {
+        /// The option that names the file.
+        option: &'static str,
         /// The file.
         path: PathBuf,
         /// What is wrong, with the line where there is one.
@@ -48,45 +49,37 @@ pub enum StudyError {
     /// A run was over before what it is asked for had come to its end.
     #[error("{0}")]
     Unfinished(String),
-    /// A table of shots that cannot be read.
-    #[error("--shots {}: {message}", path.display())]
-    Shots {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, with the line where there is one.
-        message: String,
-    },
     /// The settings give nothing that could be compared, or the values do not.
     #[error("{0}")]
     Comparison(String),
-    /// What a part of a sweep that ran elsewhere tells of a run without result.
+    /// Why a run of another process gave no result.
     #[error("{0}")]
-    Told(String),
-    /// A file of Dakota's that cannot be followed.
-    #[error("--dakota {}: {message}", path.display())]
-    Dakota {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, with the line where there is one.
-        message: String,
-    },
+    Reported(String),
     /// A chart that cannot be drawn.
     #[error("{0}")]
     Chart(String),
 }
 
 impl StudyError {
+    pub(super) fn file(option: &'static str, path: &Path, message: String) -> StudyError {
+        StudyError::File { option, path: path.to_owned(), message }
+    }
+
     pub(super) fn quantity(text: &str, message: String) -> StudyError {
         StudyError::Quantity { text: text.into(), at: None, message }
     }
 
-    /// What is wrong with a deck that has errors.
+    /// The errors of a deck.
     pub fn refused(prepared: &Prepared) -> StudyError {
         let errors = |d: &&Diagnostic| d.severity == Severity::Error;
-        let first = prepared.diagnostics.iter().find(errors).map_or("", |d| d.code);
-        let text = prepared.diagnostics.render(&prepared.deck.sources);
-        StudyError::Refused { code: first, text }
+        let code = prepared.diagnostics.iter().find(errors).map_or("", |d| d.code);
+        StudyError::Refused { code, text: prepared.diagnostics.render(&prepared.deck.sources) }
     }
+}
+
+/// The deck, or an error if it has some.
+pub(super) fn accepted(prepared: Prepared) -> Result<Prepared, StudyError> {
+    if prepared.diagnostics.has_errors() { Err(StudyError::refused(&prepared)) } else { Ok(prepared) }
 }
 
 impl From<Diagnostic> for StudyError {

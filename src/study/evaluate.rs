@@ -1,6 +1,5 @@
 //! Quantities of a deck over samples of its parameters, as programs for uncertainty, optimisation and design ask for them:
 //! a table of inputs to a table of outputs, from any number of threads to the same bits.
-//! Never here: tables in files, grids (`sweep.rs`).
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,7 +7,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::StudyError;
-use super::quantity::{self, Finished, Quantity};
+use super::error::accepted;
+use super::quantity::{self, FinishedRun, Quantity};
 use crate::deck::names::nearest;
 use crate::deck::template::Template;
 use crate::deck::{self, Deck, Diagnostics};
@@ -24,26 +24,26 @@ use crate::user::compile::Compiled;
 
 /// Where a deck comes from.
 #[derive(Clone, Debug)]
-pub enum Source {
+pub enum DeckSource {
     /// A file.
     File(PathBuf),
     /// Text in memory, with the name of the file for which it stands.
     Text(String, String),
 }
 
-impl Source {
+impl DeckSource {
     /// Reads the deck with these values of its parameters.
     pub fn read(&self, overrides: &Overrides) -> (Deck, Diagnostics) {
         match self {
-            Source::File(path) => deck::read(path, overrides),
-            Source::Text(name, text) => deck::read_text(name, text, overrides),
+            DeckSource::File(path) => deck::read(path, overrides),
+            DeckSource::Text(name, text) => deck::read_text(name, text, overrides),
         }
     }
 }
 
 /// The user's routines of samples.
 #[derive(Default)]
-pub enum User {
+pub enum UserRoutines {
     /// None.
     #[default]
     Absent,
@@ -53,23 +53,23 @@ pub enum User {
     Stateless(Box<dyn Fn() -> Routines + Send + Sync>),
 }
 
-impl User {
+impl UserRoutines {
     fn routines(&self) -> Result<Routines, StudyError> {
         match self {
-            User::Absent => Ok(Routines::none()),
-            User::Files(compiled) => Ok(compiled.open()?),
-            User::Stateless(make) => Ok(make()),
+            UserRoutines::Absent => Ok(Routines::none()),
+            UserRoutines::Files(compiled) => Ok(compiled.open()?),
+            UserRoutines::Stateless(make) => Ok(make()),
         }
     }
 }
 
 /// What is evaluated.
 pub struct Evaluator {
-    source: Source,
+    source: DeckSource,
     fixed: Vec<(String, String)>,
     names: Vec<String>,
     quantities: Vec<Quantity>,
-    user: User,
+    user: UserRoutines,
     /// Threads that one run has work for.
     most_threads: usize,
     /// Whether histories are looked at in their last row alone.
@@ -93,7 +93,7 @@ pub struct Samples<'a> {
 
 /// Why a sample gave nothing: its row of the table is not a number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
+pub struct SampleFailure {
     /// The sample, from 0.
     pub row: usize,
     /// Why.
@@ -107,20 +107,14 @@ const LOOK: Duration = Duration::from_millis(50);
 
 impl Evaluator {
     /// Quantities over the parameters `names`; `fixed` are values of others.
-    ///
-    /// # Errors
-    /// Where the deck is refused, does not define a parameter, or no run of it can give a quantity.
     pub fn new(
-        source: Source,
+        source: DeckSource,
         fixed: Vec<(String, String)>,
         names: Vec<String>,
         quantities: Vec<Quantity>,
-        user: User,
+        user: UserRoutines,
     ) -> Result<Evaluator, StudyError> {
-        let prepared = job::prepare_edited(source.read(&fixed), &mut |_| {}, &user.routines()?);
-        if prepared.diagnostics.has_errors() {
-            return Err(StudyError::refused(&prepared));
-        }
+        let prepared = accepted(job::prepare_edited(source.read(&fixed), &mut |_| {}, &user.routines()?))?;
         let known: Vec<&str> = prepared.deck.definitions.iter().map(|d| d.name.as_str()).collect();
         if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
             let near = nearest(name, known.iter().copied()).map(|near| format!("; did you mean {near}?"));
@@ -164,12 +158,9 @@ impl Evaluator {
         self.names.len()
     }
 
-    /// Runs all samples on so many threads and writes one row each into `table`, one number a quantity, NaN where there is none; says
-    /// which those are and why. `look` is told several times a second how many are done; a number other than 0 in
-    /// `interrupt` ends it early. The table does not depend on the threads, nor on how samples are split over calls.
-    ///
-    /// # Errors
-    /// Where threads cannot be started.
+    /// Evaluates all samples into `table`, one row a sample and one number a quantity, NaN where a sample fails; returns the failures.
+    /// `look` receives the number of finished samples several times a second; a nonzero `interrupt` ends the evaluation. The table does
+    /// not depend on the number of threads.
     pub fn run(
         &self,
         samples: Samples<'_>,
@@ -177,109 +168,29 @@ impl Evaluator {
         threads: usize,
         interrupt: &AtomicUsize,
         look: &mut dyn FnMut(usize),
-    ) -> Result<Vec<Failure>, StudyError> {
+    ) -> Result<Vec<SampleFailure>, StudyError> {
         let threads = threads.clamp(1, samples.count.max(1));
+        let batch = Batch { evaluator: self, samples, interrupt };
         let mut failures = if threads == 1 && self.most_threads <= 1 {
-            self.run_here(samples, table, interrupt, look)
+            batch.run_here(table, look)
         } else {
-            self.run_over(samples, table, threads, interrupt, look)?
+            batch.run_over(table, threads, look)?
         };
         failures.sort_by_key(|f| f.row);
         Ok(failures)
     }
 
-    fn run_here(
-        &self,
-        samples: Samples<'_>,
-        table: &mut [f64],
-        interrupt: &AtomicUsize,
-        look: &mut dyn FnMut(usize),
-    ) -> Vec<Failure> {
-        let mut worker = self.worker();
-        let mut failures = Vec::new();
-        let rows = table.chunks_exact_mut(self.quantities.len().max(1));
-        for (row, out) in rows.enumerate().take(samples.count) {
-            failures.extend(self.row(&mut worker, samples, row, out, interrupt, &mut || look(row)));
-            if row % CHUNK == CHUNK - 1 {
-                look(row + 1);
-            }
-            if interrupt.load(Ordering::Relaxed) != 0 {
-                break;
-            }
-        }
-        self.rest(worker);
-        failures
-    }
-
-    fn run_over(
-        &self,
-        samples: Samples<'_>,
-        table: &mut [f64],
-        threads: usize,
-        interrupt: &AtomicUsize,
-        look: &mut dyn FnMut(usize),
-    ) -> Result<Vec<Failure>, StudyError> {
-        let wrong = |e: rayon::ThreadPoolBuildError| StudyError::Setting(format!("cannot start threads: {e}"));
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(wrong)?;
-        let size = (samples.count / (16 * threads)).clamp(1, CHUNK);
-        let width = self.quantities.len().max(1);
-        let chunks = Mutex::new(table.chunks_mut(size * width).enumerate());
-        // A call of its own: the lock is given back before the chunk is run.
-        let take = || held(&chunks).next();
-        let (done, failures) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-        let (ended, ends) = std::sync::mpsc::channel();
-        pool.in_place_scope(|scope| {
-            for _ in 0..threads {
-                let (ended, take, done, failures) = (ended.clone(), &take, &done, &failures);
-                scope.spawn(move |_| {
-                    let mut worker = self.worker();
-                    while interrupt.load(Ordering::Relaxed) == 0
-                        && let Some((chunk, out)) = take()
-                    {
-                        for (i, out) in out.chunks_mut(width).enumerate() {
-                            let row = chunk * size + i;
-                            if let Some(failure) = self.row(&mut worker, samples, row, out, interrupt, &mut || {}) {
-                                held(failures).push(failure);
-                            }
-                            done.fetch_add(1, Ordering::Relaxed);
-                            if interrupt.load(Ordering::Relaxed) != 0 {
-                                break;
-                            }
-                        }
-                    }
-                    self.rest(worker);
-                    // Nobody waits any longer where that is not heard.
-                    let _ = ended.send(());
-                });
-            }
-            let mut working = threads;
-            while working > 0 {
-                match ends.recv_timeout(LOOK) {
-                    Ok(()) => working -= 1,
-                    Err(_) => look(done.load(Ordering::Relaxed)),
-                }
-            }
-        });
-        Ok(failures.into_inner().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Runs one sample; why it gave nothing.
-    fn row(
-        &self,
-        worker: &mut Worker,
-        samples: Samples<'_>,
-        row: usize,
-        out: &mut [f64],
-        interrupt: &AtomicUsize,
-        look: &mut dyn FnMut(),
-    ) -> Option<Failure> {
-        let sample = &samples.values[row * self.width()..(row + 1) * self.width()];
-        let told = worker.sample(self, sample, out, interrupt, look);
-        told.err().map(|reason| Failure { row, reason })
+    /// Runs all samples and gives one row of quantities each, without progress.
+    pub fn table(&self, samples: &[f64], threads: usize) -> Result<(Vec<f64>, Vec<SampleFailure>), StudyError> {
+        let count = samples.len() / self.width().max(1);
+        let mut table = vec![f64::NAN; count * self.quantities.len()];
+        let samples = Samples { values: samples, count };
+        let failures = self.run(samples, &mut table, threads, &AtomicUsize::new(0), &mut |_| {})?;
+        Ok((table, failures))
     }
 
     fn worker(&self) -> Worker {
-        held(&self.idle).pop().unwrap_or_else(|| Worker::new(self))
+        held(&self.idle).pop().unwrap_or_else(|| Worker { plan: ReusablePlan::new(self).map(Box::new) })
     }
 
     fn rest(&self, worker: Worker) {
@@ -302,11 +213,126 @@ impl Evaluator {
         }
     }
 
-    fn values(&self, run: Finished<'_>, out: &mut [f64]) -> Result<(), StudyError> {
+    /// Evaluates the quantities of a run.
+    fn finish(&self, history: &History, outcome: Outcome, state: &State, out: &mut [f64]) -> Result<(), StudyError> {
+        let end = Some((outcome.total_time(), state));
+        outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
+        if outcome.still_moving > 0 {
+            self.still_moving.fetch_add(1, Ordering::Relaxed);
+            if self.to_the_end {
+                let why = format!("{}; its steps need more time", outcome.unfinished.join("; "));
+                return Err(StudyError::Unfinished(why));
+            }
+        }
         for (out, quantity) in out.iter_mut().zip(&self.quantities) {
-            *out = quantity.number(run)?;
+            *out = quantity.number(FinishedRun { history, end })?;
         }
         Ok(())
+    }
+}
+
+/// Samples that are evaluated together.
+struct Batch<'a> {
+    evaluator: &'a Evaluator,
+    samples: Samples<'a>,
+    interrupt: &'a AtomicUsize,
+}
+
+impl Batch<'_> {
+    fn is_interrupted(&self) -> bool {
+        self.interrupt.load(Ordering::Relaxed) != 0
+    }
+
+    fn run_here(&self, table: &mut [f64], look: &mut dyn FnMut(usize)) -> Vec<SampleFailure> {
+        let mut worker = self.evaluator.worker();
+        let mut failures = Vec::new();
+        let rows = table.chunks_exact_mut(self.evaluator.quantities.len().max(1));
+        for (row, out) in rows.enumerate().take(self.samples.count) {
+            failures.extend(self.row(&mut worker, row, out, &mut || look(row)));
+            if row % CHUNK == CHUNK - 1 {
+                look(row + 1);
+            }
+            if self.is_interrupted() {
+                break;
+            }
+        }
+        self.evaluator.rest(worker);
+        failures
+    }
+
+    fn run_over(
+        &self,
+        table: &mut [f64],
+        threads: usize,
+        look: &mut dyn FnMut(usize),
+    ) -> Result<Vec<SampleFailure>, StudyError> {
+        let wrong = |e: rayon::ThreadPoolBuildError| StudyError::Setting(format!("cannot start threads: {e}"));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(wrong)?;
+        let size = (self.samples.count / (16 * threads)).clamp(1, CHUNK);
+        let width = self.evaluator.quantities.len().max(1);
+        let chunks = Mutex::new(table.chunks_mut(size * width).enumerate());
+        // A call of its own: the lock is released before the chunk is run.
+        let take = || held(&chunks).next();
+        let (done, failures) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let (ended, ends) = std::sync::mpsc::channel();
+        pool.in_place_scope(|scope| {
+            for _ in 0..threads {
+                let (ended, take, done, failures) = (ended.clone(), &take, &done, &failures);
+                scope.spawn(move |_| {
+                    let mut worker = self.evaluator.worker();
+                    while let Some((chunk, out)) = take().filter(|_| !self.is_interrupted()) {
+                        for (i, out) in out.chunks_mut(width).enumerate() {
+                            if let Some(failure) = self.row(&mut worker, chunk * size + i, out, &mut || {}) {
+                                held(failures).push(failure);
+                            }
+                            done.fetch_add(1, Ordering::Relaxed);
+                            if self.is_interrupted() {
+                                break;
+                            }
+                        }
+                    }
+                    self.evaluator.rest(worker);
+                    // Nobody waits any longer if this is not heard.
+                    let _ = ended.send(());
+                });
+            }
+            let mut working = threads;
+            while working > 0 {
+                match ends.recv_timeout(LOOK) {
+                    Ok(()) => working -= 1,
+                    Err(_) => look(done.load(Ordering::Relaxed)),
+                }
+            }
+        });
+        Ok(failures.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Runs one sample; why it gave nothing.
+    fn row(&self, worker: &mut Worker, row: usize, out: &mut [f64], look: &mut dyn FnMut()) -> Option<SampleFailure> {
+        let width = self.evaluator.width();
+        let sample = &self.samples.values[row * width..(row + 1) * width];
+        let revised = worker.plan.as_mut().and_then(|plan| plan.revise(sample).then_some(plan));
+        let result = match revised {
+            Some(plan) => plan.run(self, out, look),
+            None => self.run_anew(sample, out, look),
+        };
+        result.err().map(|reason| {
+            out.fill(f64::NAN);
+            SampleFailure { row, reason }
+        })
+    }
+
+    /// Runs a sample from the deck's text on.
+    fn run_anew(&self, sample: &[f64], out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
+        let evaluator = self.evaluator;
+        let routines = evaluator.user.routines()?;
+        let read = evaluator.source.read(&evaluator.overrides(sample));
+        let mut prepared = accepted(job::prepare_edited(read, &mut |_| {}, &routines))?;
+        evaluator.look_less(&mut prepared.plan);
+        let mut history = quantity::history(&evaluator.quantities, &prepared.plan);
+        let mut sink = HistorySink { history: &mut history, look };
+        let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
+        evaluator.finish(&history, outcome, &state, out)
     }
 }
 
@@ -314,13 +340,13 @@ fn held<T>(shared: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// One thread's part: what it needs for a sample, used again for the next.
+/// What one thread reuses from sample to sample.
 struct Worker {
-    kept: Option<Box<Kept>>,
+    plan: Option<Box<ReusablePlan>>,
 }
 
 /// A plan whose numbers change from sample to sample.
-struct Kept {
+struct ReusablePlan {
     template: Template,
     places: Vec<Place>,
     model: Model,
@@ -334,35 +360,10 @@ struct Kept {
     numbers: Vec<f64>,
 }
 
-impl Worker {
-    fn new(evaluator: &Evaluator) -> Worker {
-        Worker { kept: Kept::new(evaluator).map(Box::new) }
-    }
-
-    fn sample(
-        &mut self,
-        evaluator: &Evaluator,
-        sample: &[f64],
-        out: &mut [f64],
-        interrupt: &AtomicUsize,
-        look: &mut dyn FnMut(),
-    ) -> Result<(), StudyError> {
-        let revised = self.kept.as_mut().and_then(|kept| kept.revise(sample).then_some(kept));
-        let told = match revised {
-            Some(kept) => kept.run(evaluator, out, interrupt, look),
-            None => anew(evaluator, sample, out, interrupt, look),
-        };
-        if told.is_err() {
-            out.fill(f64::NAN);
-        }
-        told
-    }
-}
-
-impl Kept {
+impl ReusablePlan {
     /// `None` where a sample takes more than other numbers in the same plan.
-    fn new(evaluator: &Evaluator) -> Option<Kept> {
-        if matches!(evaluator.user, User::Files(_)) {
+    fn new(evaluator: &Evaluator) -> Option<ReusablePlan> {
+        if matches!(evaluator.user, UserRoutines::Files(_)) {
             return None;
         }
         let routines = evaluator.user.routines().ok()?;
@@ -375,7 +376,7 @@ impl Kept {
         evaluator.look_less(&mut plan);
         let history = quantity::history(&evaluator.quantities, &plan);
         let (reviser, values, numbers) = (reviser?, Vec::new(), Vec::new());
-        Some(Kept { template, places, model, routines, plan, state, reviser, history, values, numbers })
+        Some(ReusablePlan { template, places, model, routines, plan, state, reviser, history, values, numbers })
     }
 
     /// Whether the plan is that of the sample now.
@@ -385,68 +386,22 @@ impl Kept {
             && self.reviser.revise(&self.model, &self.routines, &mut self.plan, &mut self.state)
     }
 
-    fn run(
-        &mut self,
-        evaluator: &Evaluator,
-        out: &mut [f64],
-        interrupt: &AtomicUsize,
-        look: &mut dyn FnMut(),
-    ) -> Result<(), StudyError> {
+    fn run(&mut self, batch: &Batch<'_>, out: &mut [f64], look: &mut dyn FnMut()) -> Result<(), StudyError> {
         self.history.clear();
-        let mut watched = Watched { history: &mut self.history, look };
-        let control = Control { interrupt: Some(interrupt), ..Control::default() };
-        let (outcome, state) =
-            solve::run_with(&self.plan, self.state.clone(), &mut watched, control).unwrap_or_default();
-        finish(evaluator, &self.history, outcome, &state, out)
+        let mut sink = HistorySink { history: &mut self.history, look };
+        let control = Control { interrupt: Some(batch.interrupt), ..Control::default() };
+        let (outcome, state) = solve::run_with(&self.plan, self.state.clone(), &mut sink, control).unwrap_or_default();
+        batch.evaluator.finish(&self.history, outcome, &state, out)
     }
-}
-
-/// A sample from the deck's text on.
-fn anew(
-    evaluator: &Evaluator,
-    sample: &[f64],
-    out: &mut [f64],
-    interrupt: &AtomicUsize,
-    look: &mut dyn FnMut(),
-) -> Result<(), StudyError> {
-    let routines = evaluator.user.routines()?;
-    let read = evaluator.source.read(&evaluator.overrides(sample));
-    let mut prepared = job::prepare_edited(read, &mut |_| {}, &routines);
-    if prepared.diagnostics.has_errors() {
-        return Err(StudyError::refused(&prepared));
-    }
-    evaluator.look_less(&mut prepared.plan);
-    let mut history = quantity::history(&evaluator.quantities, &prepared.plan);
-    let (outcome, state) = job::run_until(&prepared, &mut Watched { history: &mut history, look }, interrupt);
-    finish(evaluator, &history, outcome, &state, out)
-}
-
-fn finish(
-    evaluator: &Evaluator,
-    history: &History,
-    outcome: Outcome,
-    state: &State,
-    out: &mut [f64],
-) -> Result<(), StudyError> {
-    let end = Some((outcome.total_time(), state));
-    outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
-    if outcome.still_moving > 0 {
-        evaluator.still_moving.fetch_add(1, Ordering::Relaxed);
-        if evaluator.to_the_end {
-            let why = format!("{}; its steps need more time", outcome.unfinished.join("; "));
-            return Err(StudyError::Unfinished(why));
-        }
-    }
-    evaluator.values(Finished { history, end }, out)
 }
 
 /// Keeps the history, and lets the caller look up now and then.
-struct Watched<'a> {
+struct HistorySink<'a> {
     history: &'a mut History,
     look: &'a mut dyn FnMut(),
 }
 
-impl Sink for Watched<'_> {
+impl Sink for HistorySink<'_> {
     fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
         self.history.push(now, values);
         Ok(())

@@ -1,18 +1,18 @@
 //! The pressure on an expanding cavity, measured: a deck of a wedge of a sphere whose cavity is opened at a constant velocity.
-//! Never here: the similarity solution, the fit (`resistance`).
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
-use std::sync::atomic::AtomicUsize;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::StudyError;
-use super::richardson::{self, Estimate, Level};
+use super::error::accepted;
+use super::richardson::{self, Level, LimitEstimate};
 use crate::job;
-use crate::output::{History, Job};
+use crate::output::History;
 use crate::resistance::{Curve, Material};
+use crate::solve::Halt;
 use crate::user::Routines;
 
 /// Radius at the end over that at the start: by then the start is forgotten to a few hundredths of a percent.
@@ -26,18 +26,18 @@ const LARGEST_RATIO: f64 = 0.499;
 
 /// The pressure at one velocity.
 #[derive(Clone, Debug, Serialize)]
-pub struct Measured {
+pub struct MeasuredPressure {
     /// Velocity at which the cavity opens.
     pub velocity: f64,
     /// Pressure over the yield stress, on the meshes of [`LEVELS`].
     pub levels: Vec<f64>,
     /// What these say of the limit.
-    pub estimate: Estimate,
+    pub estimate: LimitEstimate,
     /// Half of the difference between the pressures of the halves of the time that is averaged over, of the finest mesh.
     pub drift: f64,
 }
 
-impl Measured {
+impl MeasuredPressure {
     /// Distance within which the limit is expected.
     pub fn uncertainty(&self) -> f64 {
         self.estimate.uncertainty + self.drift
@@ -45,10 +45,7 @@ impl Measured {
 }
 
 /// Measures the pressure at velocities, on three meshes each, several at once.
-///
-/// # Errors
-/// Where the target is more than a deck here has, or a run fails.
-pub fn measure(target: &Material, velocities: &[f64]) -> Result<Vec<Measured>, StudyError> {
+pub fn measure(target: &Material, velocities: &[f64]) -> Result<Vec<MeasuredPressure>, StudyError> {
     check(target, velocities)?;
     let pairs: Vec<(f64, f64)> = velocities.iter().flat_map(|&v| LEVELS.map(|step| (v, step))).collect();
     let runs: Vec<[f64; 2]> = pairs.par_iter().map(|&(v, step)| run(target, v, step)).collect::<Result<_, _>>()?;
@@ -56,7 +53,7 @@ pub fn measure(target: &Material, velocities: &[f64]) -> Result<Vec<Measured>, S
         let series: Vec<Level> = LEVELS.iter().zip(runs).map(|(&size, r)| Level { size, value: r[0] }).collect();
         let estimate = richardson::estimate(&series)?;
         let levels = runs.iter().map(|r| r[0]).collect();
-        Some(Measured { velocity: *velocity, levels, estimate, drift: runs.last()?[1] })
+        Some(MeasuredPressure { velocity: *velocity, levels, estimate, drift: runs.last()?[1] })
     };
     Ok(velocities.iter().zip(runs.chunks(LEVELS.len())).filter_map(of).collect())
 }
@@ -81,16 +78,12 @@ fn check(target: &Material, velocities: &[f64]) -> Result<(), StudyError> {
 /// Pressure over the yield stress, and its drift.
 fn run(target: &Material, velocity: f64, step: f64) -> Result<[f64; 2], StudyError> {
     let wedge = Wedge::new(target, velocity, step);
-    let prepared = job::prepare_text("cavity.inp", &wedge.deck(target), &[], &Routines::none());
-    if prepared.diagnostics.has_errors() {
-        return Err(StudyError::refused(&prepared));
+    let prepared = accepted(job::prepare_text("cavity.inp", &wedge.deck(target), &[], &Routines::none()))?;
+    let mut history = History::of_rows(prepared.plan.column_names());
+    if let Some(Halt { code, reason, .. }) = job::run_into(&prepared, &mut history).0.halt {
+        return Err(StudyError::Comparison(format!("--measure: at {velocity} the run halted: {code}: {reason}")));
     }
-    let job = Job { name: "cavity".into(), folder: std::path::PathBuf::new() };
-    let (summary, _) = job::run_kept(&prepared, &job, false, &AtomicUsize::new(0), &mut |_| {});
-    if let Some(reason) = summary.reason {
-        return Err(StudyError::Comparison(format!("--measure: at {velocity} the run halted: {reason}")));
-    }
-    Ok(wedge.pressure(&summary.history).map(|p| p / target.yield_stress))
+    Ok(wedge.pressure(&history).map(|p| p / target.yield_stress))
 }
 
 /// Shells between two rays, the first the equator; the cavity's first radius is 1.

@@ -1,6 +1,4 @@
-//! A variable over the nodes or elements of what deforms at the end of a run, its norm against an expression or against the
-//! same variable on a finer mesh.
-//! Never here: expressions, runs.
+//! Fields at the end of a run, and their norm against an expression or against a finer mesh.
 
 use crate::element::group::ElementGroup;
 use crate::element::values;
@@ -15,9 +13,6 @@ pub struct FieldName(Part);
 
 impl FieldName {
     /// The variable of that name, in any case.
-    ///
-    /// # Errors
-    /// In words, with the names there are.
     pub(super) fn parse(name: &str) -> Result<FieldName, String> {
         let wanted = name.trim().to_ascii_uppercase();
         let known = Part::parse(&wanted).filter(|p| has_norm(p.variable)).map(FieldName);
@@ -35,16 +30,13 @@ fn has_norm(variable: Variable) -> bool {
     }
 }
 
-/// One node or element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Place at the start (of an element its middle), `[r, z]`.
     pub start: [f64; 2],
-    /// Place now.
     pub now: [f64; 2],
     /// Volume it stands for, at the start.
     pub weight: f64,
-    /// Value.
     pub value: f64,
 }
 
@@ -53,21 +45,16 @@ pub struct Point {
 pub struct Field {
     /// Nodes, or the quadrilaterals that elements consist of.
     pub points: Vec<Point>,
-    /// Whether they are elements.
     pub on_elements: bool,
     /// Corners of the quadrilaterals of all elements at the start.
     pub cells: Vec<[[f64; 2]; 4]>,
     /// Indices of their nodes, where the field is one of nodes.
     pub corners: Vec<[u32; 4]>,
-    /// Total time.
     pub time: f64,
 }
 
 impl Field {
     /// The variable at the end of a run.
-    ///
-    /// # Errors
-    /// In words, where nothing deforms.
     pub(super) fn of(state: &State, name: FieldName, time: f64) -> Result<Field, String> {
         if state.elements.is_empty() {
             return Err("a norm is taken over what deforms, and nothing here does".into());
@@ -94,9 +81,6 @@ impl Field {
 
     /// Relative L2 norm of the difference from what `exact` gives at each point: root of the sum of volume times square,
     /// over that of `exact` itself. Dimensionless.
-    ///
-    /// # Errors
-    /// From `exact`, and where it is zero everywhere.
     pub(super) fn relative_norm(&self, mut exact: impl FnMut(&Point) -> Result<f64, String>) -> Result<f64, String> {
         let (mut difference, mut size) = (0.0, 0.0);
         // Nodes of no element, as rotations of shells are, stand for nothing.
@@ -112,11 +96,7 @@ impl Field {
         }
     }
 
-    /// The same against a finer field: of nodes by the shape functions of the element that holds the node, of elements by
-    /// the mean over the finer elements whose middle lies inside.
-    ///
-    /// # Errors
-    /// In words, where the meshes do not cover each other.
+    /// The same against a finer field: nodes by shape functions, elements by the mean of the finer elements inside.
     pub(super) fn relative_norm_against(&self, fine: &Field) -> Result<f64, String> {
         let buckets = Buckets::new(fine);
         let mut cells = self.cells.iter();

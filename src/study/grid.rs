@@ -1,5 +1,4 @@
 //! The values a sweep runs through: lists and ranges per parameter, several make a grid.
-//! Never here: runs.
 
 use std::path::Path;
 
@@ -39,27 +38,21 @@ enum Order {
 
 impl Grid {
     /// From `NAME=v1,v2,…`, `NAME=start:stop:step` (stop included where it is met) or `NAME=start:stop:#count`.
-    ///
-    /// # Errors
-    /// In words, for a form that is none of these or an absurd number of combinations.
     pub fn parse(settings: &[String]) -> Result<Grid, StudyError> {
         Grid::read(settings).map_err(StudyError::Setting)
     }
 
-    /// From the text of a CSV file of samples, a parameter a column under its name and a run a row; `settings` give the other
-    /// parameters one value each.
-    ///
-    /// # Errors
-    /// In words, with the line; a parameter that is given twice; several values in a setting.
+    /// Reads a CSV file of samples, a parameter a column and a run a row; `settings` give other parameters one value each.
     pub fn samples(path: &Path, text: &str, settings: &[String]) -> Result<Grid, StudyError> {
-        let wrong = |message: String| StudyError::Reference { path: path.to_owned(), message };
-        Grid::rows(text).map_err(wrong)?.beside(settings, "--samples")
+        Grid::table("--samples", path, text)?.beside(settings, "--samples")
+    }
+
+    /// The rows of a CSV file that an option names.
+    pub(super) fn table(option: &'static str, path: &Path, text: &str) -> Result<Grid, StudyError> {
+        Grid::rows(text).map_err(|message| StudyError::file(option, path, message))
     }
 
     /// The same rows with other parameters, which `settings` give one value each; `option` is what the rows come from.
-    ///
-    /// # Errors
-    /// In words: a parameter that is given twice; several values in a setting.
     pub(super) fn beside(mut self, settings: &[String], option: &str) -> Result<Grid, StudyError> {
         let count = self.count();
         for (name, values) in Grid::parse(settings)?.axes {
@@ -76,7 +69,7 @@ impl Grid {
     }
 
     fn rows(text: &str) -> Result<Grid, String> {
-        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+        let mut lines = csv::lines(text);
         let (_, header) = lines.next().ok_or("the file is empty")?;
         let names = csv::fields(header).into_iter().map(|name| name.trim().to_owned());
         let mut axes: Vec<(String, Vec<String>)> = names.map(|name| (name, Vec::new())).collect();
@@ -88,7 +81,7 @@ impl Grid {
         for (i, line) in lines {
             let values = csv::fields(line);
             if values.len() != axes.len() || values.iter().any(|v| v.trim().is_empty()) {
-                return Err(format!("line {}: {} values, but the header has {}", i + 1, values.len(), axes.len()));
+                return Err(format!("line {i}: {} values, but the header has {}", values.len(), axes.len()));
             }
             axes.iter_mut().zip(values).for_each(|(axis, value)| axis.1.push(value.trim().to_owned()));
         }
@@ -109,9 +102,6 @@ impl Grid {
     }
 
     /// So many draws from `NAME=DISTRIBUTION`; other parameters have one value each.
-    ///
-    /// # Errors
-    /// In words, for several values or a distribution that is none, and where nothing is drawn.
     pub fn random(settings: &[String], count: usize, seed: u64) -> Result<Grid, StudyError> {
         let mut grid = Grid { axes: Vec::new(), order: Order::Random { count, seed } };
         for setting in settings {

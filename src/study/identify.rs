@@ -1,19 +1,16 @@
 //! `identify`: parameters of a deck that best fit a table of shots, how well the shots tell them, and which they cannot tell apart.
-//! Never here: the search itself (`statistics::least_squares`), printing.
 
 use std::path::Path;
-use std::sync::atomic::AtomicUsize;
 
 use super::StudyError;
 use super::chart::{Chart, Form, Series};
-use super::evaluate::{Evaluator, Samples};
+use super::evaluate::Evaluator;
 use super::grid::Grid;
 use super::statistics::least_squares::{Fit, fit};
 
 /// Two parameters that go together more closely than this are told.
 const CLOSE: f64 = 0.95;
-/// Part of a parameter over which derivatives are taken: runs come to their values by whole increments, so smaller ones would see
-/// these.
+/// Relative step of the derivatives; smaller ones would resolve single increments.
 const STEP: f64 = 1e-2;
 
 /// A table of shots.
@@ -30,17 +27,10 @@ pub struct Shots {
 }
 
 impl Shots {
-    /// Takes the text of a CSV file apart: a column holds what was measured, one perhaps its standard deviation, the others are
-    /// parameters.
-    ///
-    /// # Errors
-    /// [`StudyError::Shots`], with the line or the column.
+    /// Reads a CSV file: a column of measurements, perhaps one of their standard deviations, and parameters.
     pub fn parse(path: &Path, text: &str, measured: &str, deviation: Option<&str>) -> Result<Shots, StudyError> {
-        let wrong = |message: String| StudyError::Shots { path: path.to_owned(), message };
-        let table = Grid::samples(path, text, &[]).map_err(|error| match error {
-            StudyError::Reference { message, .. } => wrong(message),
-            other => other,
-        })?;
+        let wrong = |message: String| StudyError::file("--shots", path, message);
+        let table = Grid::table("--shots", path, text)?;
         let mut columns = Vec::new();
         for (name, values) in table.axes() {
             let number = |(i, v): (usize, &String)| {
@@ -83,18 +73,14 @@ impl Shots {
             (0..self.rows.len()).map(|i| self.measured[i] + found.residuals[i] * self.deviations[i]).collect();
         let form = if self.names.len() == 1 { Form::Line } else { Form::Marks };
         let series = vec![
-            Series { name: measured.into(), points: self.points(self.measured.iter().copied()), form: Form::Marks },
-            Series { name: format!("{quantity}, fitted"), points: self.points(computed.into_iter()), form },
+            Series::new(measured, Form::Marks, self.points(self.measured.iter().copied())),
+            Series::new(format!("{quantity}, fitted"), form, self.points(computed.into_iter())),
         ];
-        let x_label = self.names.first().cloned().unwrap_or_else(|| "shot".into());
-        Chart { title: title.into(), x_label, y_label: measured.into(), series, ..Chart::default() }
+        Chart::new(title, [self.names.first().map_or("shot", String::as_str), measured], series)
     }
 }
 
 /// Fits from `start` on; the evaluator has the parameters of the shots, then the unknown ones, and one quantity.
-///
-/// # Errors
-/// Where the deck has no value with the parameters of the start, with the reason; fewer shots than parameters.
 pub fn identify(evaluator: &Evaluator, shots: &Shots, start: &[f64], threads: usize) -> Result<Fit, StudyError> {
     let mut first = None;
     let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, StudyError> {
@@ -103,10 +89,7 @@ pub fn identify(evaluator: &Evaluator, shots: &Shots, start: &[f64], threads: us
             .flat_map(|point| shots.rows.iter().flat_map(move |row| row.iter().chain(point)))
             .copied()
             .collect();
-        let count = points.len() * shots.rows.len();
-        let mut table = vec![f64::NAN; count];
-        let asked = Samples { values: &samples, count };
-        let failures = evaluator.run(asked, &mut table, threads, &AtomicUsize::new(0), &mut |_| {})?;
+        let (table, failures) = evaluator.table(&samples, threads)?;
         first = first.take().or_else(|| failures.into_iter().next());
         let weigh = |values: &[f64]| {
             let known = shots.measured.iter().zip(&shots.deviations);

@@ -1,5 +1,4 @@
 //! Parameters of a deck that are drawn: each from its distribution, together by their correlations.
-//! Never here: how points are spread, runs.
 
 use super::StudyError;
 use super::statistics::cholesky::Factor;
@@ -8,21 +7,17 @@ use super::statistics::normal;
 
 /// Parameters with their distributions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Inputs {
-    /// Names of the parameters.
+pub struct RandomInputs {
     pub names: Vec<String>,
     distributions: Vec<Distribution>,
-    /// Of the matrix of correlations; `None` where all are zero.
+    /// The factor of the matrix of correlations; `None` where all are zero.
     together: Option<Factor>,
 }
 
-impl Inputs {
+impl RandomInputs {
     /// From `NAME=DISTRIBUTION` and, of pairs that do not go by themselves, `NAME:OTHER=NUMBER`.
-    ///
-    /// # Errors
-    /// In words: a form that is none, a parameter given twice, a pair of which one is not drawn, correlations that cannot be together.
-    pub fn parse(distributions: &[String], correlations: &[String]) -> Result<Inputs, StudyError> {
-        let mut inputs = Inputs { names: Vec::new(), distributions: Vec::new(), together: None };
+    pub fn parse(distributions: &[String], correlations: &[String]) -> Result<RandomInputs, StudyError> {
+        let mut inputs = RandomInputs { names: Vec::new(), distributions: Vec::new(), together: None };
         for text in distributions {
             let wrong = |why: String| StudyError::Setting(format!("--distribution {text}: {why}"));
             let (name, of) = text.split_once('=').ok_or_else(|| wrong("NAME=DISTRIBUTION is the form".into()))?;
@@ -61,11 +56,6 @@ impl Inputs {
         Factor::of(&matrix, size, 1e-12).ok_or_else(|| StudyError::Setting(impossible.into()))
     }
 
-    /// Whether parameters go together.
-    pub fn are_correlated(&self) -> bool {
-        self.together.is_some()
-    }
-
     /// Values at a point of the unit cube. Correlations are those of the normal distributions behind them (a Gaussian copula, Nelsen,
     /// An Introduction to Copulas, section 2.3): of parameters that are normal their own.
     pub fn values(&self, point: &[f64], values: &mut [f64]) {
@@ -81,7 +71,7 @@ impl Inputs {
 
 #[cfg(test)]
 mod tests {
-    use super::Inputs;
+    use super::RandomInputs;
     use crate::study::statistics::design::{Design, Sampling};
 
     fn words(words: &[&str]) -> Vec<String> {
@@ -108,7 +98,7 @@ mod tests {
     #[test]
     fn samples_have_the_correlations_that_are_asked_for() {
         let distributions = words(&["V=normal(800, 20)", "m=normal(0.02, 0.001)", "A=lognormal(4, 1)", "mu=0..0.2"]);
-        let inputs = Inputs::parse(&distributions, &words(&["V:m=0.6", "m : A=-0.5"])).expect("inputs");
+        let inputs = RandomInputs::parse(&distributions, &words(&["V:m=0.6", "m : A=-0.5"])).expect("inputs");
         let count = 1 << 14;
         let (mut points, mut all) = (vec![0.0; 4 * count], vec![0.0; 4 * count]);
         Design::new(Sampling::Sobol, 4, count, 5).expect("a design").fill(&mut points);
@@ -141,7 +131,7 @@ mod tests {
             (two.clone(), words(&["V:m=0.5", "m:V=0.5"])),
             (two, words(&["V:m=0.9", "m:A=0.9", "V:A=-0.9"])),
         ] {
-            assert!(Inputs::parse(&distributions, &correlations).is_err(), "{distributions:?} {correlations:?}");
+            assert!(RandomInputs::parse(&distributions, &correlations).is_err(), "{distributions:?} {correlations:?}");
         }
     }
 }

@@ -1,25 +1,22 @@
 //! A derived resistance as table, JSON with stable keys, picture, and a card to include.
-//! Never here: how it is derived (`resistance`), files.
 
 use serde::Serialize;
 
 use super::chart::{Chart, Form, Series};
-use super::expansion::Measured;
+use super::expansion::MeasuredPressure;
+use super::table::Table;
 use crate::resistance::fit::law;
 use crate::resistance::{Derived, Request, Target};
 
 /// What `revolve resistance --json` prints. The keys are stable; velocities are those of the material's units, pressures over Y.
 #[derive(Clone, Debug, Serialize)]
 pub struct Record {
-    /// Y.
     pub yield_stress: f64,
-    /// Density.
     pub density: f64,
     /// A, B, C as the card has them.
     pub constants: [f64; 3],
     /// Halves of the 95 % intervals; `null` of what was not fitted.
     pub half_widths: [Option<f64>; 3],
-    /// Range of velocities.
     pub range: [f64; 2],
     /// Root of the weighted mean square of the differences, over Y.
     pub residual: f64,
@@ -27,27 +24,21 @@ pub struct Record {
     pub worst: [f64; 2],
     /// Pressure at rest over Y.
     pub still: f64,
-    /// The pressures.
     pub points: Vec<Row>,
     /// Measured pressures; absent where none were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub measured: Vec<Measured>,
+    pub measured: Vec<MeasuredPressure>,
     /// Seconds that the pressures and the fit took.
     pub seconds: f64,
-    /// The card.
     pub card: String,
-    /// The program's version.
     pub version: &'static str,
 }
 
-/// A velocity.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Row {
     /// Velocity at which the cavity opens.
     pub velocity: f64,
-    /// Pressure over Y.
     pub pressure: f64,
-    /// The law there.
     pub law: f64,
     /// Radius of the plastic front over the cavity's.
     pub plastic: f64,
@@ -58,7 +49,13 @@ pub struct Row {
 
 impl Record {
     /// Of what was derived, and measured.
-    pub fn new(target: &Target, request: &Request, derived: &Derived, measured: Vec<Measured>, seconds: f64) -> Record {
+    pub fn new(
+        target: &Target,
+        request: &Request,
+        derived: &Derived,
+        measured: Vec<MeasuredPressure>,
+        seconds: f64,
+    ) -> Record {
         let row = |p: &crate::resistance::similarity::Point| Row {
             velocity: p.velocity,
             pressure: p.stress,
@@ -83,8 +80,7 @@ impl Record {
         }
     }
 
-    /// Header and rows of a table.
-    pub fn sheet(&self) -> (Vec<String>, Vec<Vec<String>>) {
+    pub fn table(&self) -> Table {
         let cracks = self.points.iter().any(|p| p.cracked.is_some());
         let mut header: Vec<String> =
             ["velocity", "pressure/Y", "law", "difference", "plastic front/a"].map(String::from).into();
@@ -100,13 +96,12 @@ impl Record {
             row.extend(cracks.then(|| p.cracked.map_or(String::new(), |c| format!("{c:.3}"))));
             row
         };
-        (header, self.points.iter().map(row).collect())
+        Table { header, rows: self.points.iter().map(row).collect() }
     }
 
-    /// Header and rows of what was measured.
-    pub fn measured_sheet(&self, similar: &dyn Fn(f64) -> Option<f64>) -> (Vec<String>, Vec<Vec<String>>) {
+    pub fn measured_table(&self, similar: &dyn Fn(f64) -> Option<f64>) -> Table {
         let header = ["velocity", "measured/Y", "uncertainty", "order", "similar", "difference"].map(String::from);
-        let row = |m: &Measured| {
+        let row = |m: &MeasuredPressure| {
             let exact = similar(m.velocity);
             vec![
                 m.velocity.to_string(),
@@ -117,7 +112,7 @@ impl Record {
                 exact.map_or(String::new(), |e| format!("{:+.3} %", 100.0 * (m.estimate.limit / e - 1.0))),
             ]
         };
-        (header.into(), self.measured.iter().map(row).collect())
+        Table { header: header.into(), rows: self.measured.iter().map(row).collect() }
     }
 
     /// What the fit came to, line by line.
@@ -147,26 +142,16 @@ impl Record {
         let [a, b, c] = self.constants;
         let fitted = |p: &(f64, f64)| (p.0, law(self.constants, p.0 / target.velocity));
         let mut series = vec![
-            Series { name: "similarity solution".into(), points: pressures.to_vec(), form: Form::Line },
-            Series {
-                name: format!("A = {a}, B = {b}, C = {c}"),
-                points: pressures.iter().map(fitted).collect(),
-                form: Form::Guide,
-            },
+            Series::new("similarity solution", Form::Line, pressures.to_vec()),
+            Series::new(format!("A = {a}, B = {b}, C = {c}"), Form::Guide, pressures.iter().map(fitted).collect()),
         ];
         if !self.measured.is_empty() {
             let points = self.measured.iter().map(|m| (m.velocity, m.estimate.limit)).collect();
             let widest = self.measured.iter().map(|m| m.uncertainty() / m.estimate.limit).fold(0.0, f64::max);
             let name = format!("finite elements, ± {:.2} %", 100.0 * widest);
-            series.push(Series { name, points, form: Form::Marks });
+            series.push(Series::new(name, Form::Marks, points));
         }
-        Chart {
-            title: title.into(),
-            x_label: "velocity of the cavity".into(),
-            y_label: "pressure / yield stress".into(),
-            units: Default::default(),
-            series,
-        }
+        Chart::new(title, ["velocity of the cavity", "pressure / yield stress"], series)
     }
 }
 

@@ -1,15 +1,14 @@
 //! `limit`: the striking velocity from which on a body perforates, the residual velocity above it, and how the limit scatters.
-//! Never here: fits (`statistics`), printing.
 
 use super::StudyError;
 use super::chart::{Chart, Form, Series};
 use super::statistics::lambert_jonas::{self, Curve};
-use super::statistics::probit::{self, Scatter};
+use super::statistics::probit::{self, NormalFit};
 use super::statistics::summary;
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Asked {
+pub struct LimitRequest {
     /// Ends between which the limit is looked for.
     pub between: [f64; 2],
     /// Width of the bracket that is enough.
@@ -20,12 +19,9 @@ pub struct Asked {
     pub shots: usize,
 }
 
-impl Asked {
+impl LimitRequest {
     /// Reads `LOW,HIGH`.
-    ///
-    /// # Errors
-    /// In words, for what are no ends that rise, a tolerance that is not above zero or finer than velocities are told apart.
-    pub fn new(between: &str, tolerance: f64, least: f64, shots: usize) -> Result<Asked, StudyError> {
+    pub fn new(between: &str, tolerance: f64, least: f64, shots: usize) -> Result<LimitRequest, StudyError> {
         let wrong = |why: &str| StudyError::Setting(why.into());
         let ends: Option<Vec<f64>> = between.split(',').map(|end| end.trim().parse().ok()).collect();
         let Some(&[low, high]) = ends.as_deref() else {
@@ -37,7 +33,7 @@ impl Asked {
         if tolerance.is_nan() || tolerance <= 1e-12 * high {
             return Err(wrong("--tolerance: a width above zero is needed, such as 0.1"));
         }
-        Ok(Asked { between: [low, high], tolerance, least, shots })
+        Ok(LimitRequest { between: [low, high], tolerance, least, shots })
     }
 
     /// Rounds of halving that bring the ends together.
@@ -47,14 +43,13 @@ impl Asked {
 }
 
 /// Residual velocities of shots at some velocities.
-pub type Fire<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, StudyError> + 'a;
+pub type FireShots<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, StudyError> + 'a;
 
 /// Residual velocities of draws, each at a velocity; not a number where a shot gives nothing.
 pub type FireDraws<'a> = dyn FnMut(&[(usize, f64)]) -> Result<Vec<f64>, StudyError> + 'a;
 
-/// What was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Limit {
+pub struct LimitVelocity {
     /// A velocity that does not perforate, and one that does.
     pub bracket: [f64; 2],
     /// All shots, striking and residual velocity, by striking velocity.
@@ -65,7 +60,7 @@ pub struct Limit {
     pub gaps: Vec<f64>,
 }
 
-impl Limit {
+impl LimitVelocity {
     /// The limit velocity: the middle of its bracket.
     pub fn velocity(&self) -> f64 {
         0.5 * (self.bracket[0] + self.bracket[1])
@@ -73,10 +68,7 @@ impl Limit {
 }
 
 /// Halves until the bracket is as narrow as asked, then shoots the curve above it.
-///
-/// # Errors
-/// Where the upper end does not perforate, or the lower one does; those of the shots.
-pub fn find(asked: &Asked, fire: &mut Fire<'_>) -> Result<Limit, StudyError> {
+pub fn find(asked: &LimitRequest, fire: &mut FireShots<'_>) -> Result<LimitVelocity, StudyError> {
     let [mut low, mut high] = asked.between;
     let ends = fire(&[low, high])?;
     let mut shots = vec![(low, ends[0]), (high, ends[1])];
@@ -106,16 +98,16 @@ pub fn find(asked: &Asked, fire: &mut Fire<'_>) -> Result<Limit, StudyError> {
     shots.sort_by(|a, b| a.0.total_cmp(&b.0));
     shots.dedup_by_key(|shot| shot.0);
     let curve = lambert_jonas::fit(&through, 0.5 * (low + high));
-    Ok(Limit { bracket: [low, high], shots, curve, gaps })
+    Ok(LimitVelocity { bracket: [low, high], shots, curve, gaps })
 }
 
 /// How the limit scatters where parameters are drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Scattered {
+pub struct LimitScatter {
     /// Ends between which the limit of each draw lies; infinite where it lies outside of what was asked.
     pub members: Vec<(f64, f64)>,
     /// The normal distribution of them, where they tell one.
-    pub scatter: Option<Scatter>,
+    pub scatter: Option<NormalFit>,
     /// Draws whose limit was not found, because a shot gave nothing.
     pub lost: usize,
     /// Striking velocities with the residual velocities between which 90 % of the draws lie.
@@ -127,10 +119,7 @@ const ACROSS: u32 = 32;
 const PARTS: [f64; 2] = [0.05, 0.95];
 
 /// Halves for each of so many draws by itself; `fire` is given draws and velocities, and says not-a-number where a shot gives nothing.
-///
-/// # Errors
-/// Those of the shots.
-pub fn scatter(asked: &Asked, draws: usize, fire: &mut FireDraws<'_>) -> Result<Scattered, StudyError> {
+pub fn scatter(asked: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -> Result<LimitScatter, StudyError> {
     let [low, high] = asked.between;
     let mut ends = vec![(low, high); draws];
     let mut open: Vec<usize> = (0..draws).collect();
@@ -159,7 +148,7 @@ pub fn scatter(asked: &Asked, draws: usize, fire: &mut FireDraws<'_>) -> Result<
     let lost = lost.into_iter().filter(|lost| *lost).count();
     let first = members.iter().map(|m| m.0).filter(|v| v.is_finite()).fold(f64::INFINITY, f64::min);
     let band = band(if first.is_finite() { [first, high] } else { asked.between }, asked.least, draws, fire)?;
-    Ok(Scattered { scatter: probit::fit(&members), members, lost, band })
+    Ok(LimitScatter { scatter: probit::fit(&members), members, lost, band })
 }
 
 /// Residual velocities of all draws between two striking velocities, closer together at the lower one, where they rise steeply.
@@ -184,13 +173,12 @@ fn band(
 }
 
 /// Residual over striking velocity, with the fitted curve, and the band of draws where there are any.
-pub fn chart(title: &str, found: &Limit, scattered: Option<&Scattered>) -> Chart {
-    let shots = Series { name: "shots".into(), points: found.shots.clone(), form: Form::Marks };
-    let mut series = vec![shots];
+pub fn chart(title: &str, found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Chart {
+    let mut series = vec![Series::new("shots", Form::Marks, found.shots.clone())];
     if let Some(band) = scattered.map(|s| &s.band).filter(|band| !band.is_empty()) {
         let edge = |side: usize| band.iter().map(move |(velocity, edges)| (*velocity, edges[side]));
         let points = edge(0).chain(edge(1).rev()).collect();
-        series.push(Series { name: "90 % of draws".into(), points, form: Form::Band });
+        series.push(Series::new("90 % of draws", Form::Band, points));
     }
     if let (Some(curve), Some(last)) = (&found.curve, found.shots.last()) {
         let constants = curve.estimates.map(|e| e.value);
@@ -198,28 +186,26 @@ pub fn chart(title: &str, found: &Limit, scattered: Option<&Scattered>) -> Chart
         // Closer near the limit, where the curve is steep.
         let place = |i: u32| limit + (last.0 - limit) * (f64::from(i) / 200.0).powi(2);
         let points = (0..=200).map(place).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
-        series.push(Series { name: "Lambert and Jonas".into(), points, form: Form::Line });
+        series.push(Series::new("Lambert and Jonas", Form::Line, points));
     }
-    let (x_label, y_label) = ("striking velocity".into(), "residual velocity".into());
-    Chart { title: title.into(), x_label, y_label, series, ..Chart::default() }
+    Chart::new(title, ["striking velocity", "residual velocity"], series)
 }
 
 /// The fraction of draws that perforate over the striking velocity, with the normal distribution fitted to it.
-pub fn scatter_chart(title: &str, found: &Scattered) -> Chart {
+pub fn scatter_chart(title: &str, found: &LimitScatter) -> Chart {
     let mut limits: Vec<f64> = found.members.iter().map(|m| 0.5 * (m.0 + m.1)).filter(|v| v.is_finite()).collect();
     limits.sort_by(f64::total_cmp);
     let below = found.members.iter().filter(|m| m.0 == f64::NEG_INFINITY).count();
     let all = found.members.len().max(1) as f64;
     let step = |(i, v): (usize, &f64)| [(*v, (below + i) as f64 / all), (*v, (below + i + 1) as f64 / all)];
     let points = limits.iter().enumerate().flat_map(step).collect();
-    let mut series = vec![Series { name: "draws that perforate".into(), points, form: Form::Line }];
+    let mut series = vec![Series::new("draws that perforate", Form::Line, points)];
     if let (Some(scatter), Some(low), Some(high)) = (&found.scatter, limits.first(), limits.last()) {
         let place = |i: u32| low + (high - low) * f64::from(i) / 200.0;
         let points = (0..=200).map(place).map(|v| (v, probit::part_below(scatter, v))).collect();
-        series.push(Series { name: "normal distribution".into(), points, form: Form::Guide });
+        series.push(Series::new("normal distribution", Form::Guide, points));
     }
-    let (x_label, y_label) = ("striking velocity".into(), "fraction that perforates".into());
-    Chart { title: title.into(), x_label, y_label, series, ..Chart::default() }
+    Chart::new(title, ["striking velocity", "fraction that perforates"], series)
 }
 
 #[cfg(test)]
@@ -228,8 +214,8 @@ mod tests {
 
     const TRUTH: [f64; 3] = [0.9, 2.1, 417.3];
 
-    fn asked() -> Asked {
-        Asked::new("200,900", 0.1, 0.0, 12).expect("sound")
+    fn asked() -> LimitRequest {
+        LimitRequest::new("200,900", 0.1, 0.0, 12).expect("sound")
     }
 
     #[test]
@@ -258,7 +244,7 @@ mod tests {
         for (between, tolerance) in
             [("200", 0.1), ("900,200", 0.1), ("-1,5", 0.1), ("1,x", 0.1), ("1,2", 0.0), ("1,2", f64::NAN)]
         {
-            assert!(Asked::new(between, tolerance, 0.0, 5).is_err(), "{between}");
+            assert!(LimitRequest::new(between, tolerance, 0.0, 5).is_err(), "{between}");
         }
         // A hole in what perforates.
         let odd = |v: f64| if v > 400.0 && !(600.0..700.0).contains(&v) { v } else { 0.0 };

@@ -1,16 +1,17 @@
-//! What runs a deck many times: sweeps, refinement and its price, effects left out, comparison with references, charts.
-//! Never here: a solver of its own.
+//! Many runs of a deck: sweeps, refinement and its cost, effects left out, comparison with references, searches, charts.
 
 mod ablation;
-pub mod asked;
 #[cfg(feature = "cli")]
 pub(crate) mod axis;
-pub mod bench;
-pub mod cases;
+#[cfg(feature = "cli")]
+pub(crate) mod cases;
 pub mod chart;
-pub mod columns;
+#[cfg(feature = "cli")]
+pub(crate) mod columns;
 pub mod compare;
-pub mod dakota;
+pub mod convergence;
+#[cfg(feature = "cli")]
+pub(crate) mod dakota;
 #[cfg(feature = "cli")]
 pub mod draw;
 pub mod effects;
@@ -18,20 +19,23 @@ mod error;
 pub mod evaluate;
 #[cfg(feature = "resistance")]
 pub mod expansion;
-pub mod field;
+mod field;
 pub mod grid;
-mod histories;
 pub mod identify;
-pub mod inputs;
-#[cfg(feature = "resistance")]
-pub mod law;
-pub mod limit;
-pub mod price;
+#[cfg(feature = "cli")]
+pub(crate) mod inputs;
+#[cfg(feature = "cli")]
+pub(crate) mod law;
+#[cfg(feature = "cli")]
+pub(crate) mod limit;
+mod price;
 pub mod quantity;
 pub mod record;
 pub mod refinement;
 pub mod richardson;
-pub mod scatter;
+pub mod runner;
+#[cfg(feature = "cli")]
+pub(crate) mod scatter;
 pub mod settings;
 pub mod statistics;
 pub mod sweep;

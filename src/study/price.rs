@@ -1,13 +1,13 @@
 //! Error against time: which settings are worth their time, and what an accuracy costs.
-//! Never here: runs, estimates of errors.
 
 use serde::Serialize;
 
-use super::refinement::{Row, Study};
+use super::refinement::{Study, StudyRow};
+use super::table::{duration, short};
 
 /// What a setting costs and is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Offer {
+struct SettingCost {
     row: usize,
     bound: f64,
     seconds: f64,
@@ -16,11 +16,11 @@ struct Offer {
     cycles: f64,
 }
 
-fn offers(study: &Study) -> Vec<Offer> {
-    let offer = |(row, r): (usize, &Row)| {
+fn offers(study: &Study) -> Vec<SettingCost> {
+    let offer = |(row, r): (usize, &StudyRow)| {
         let run = r.run.as_ref().ok()?;
         let (time, cycles) = (run.seconds, run.element_cycles());
-        Some(Offer { row, bound: r.bound?, seconds: time.median, longest: time.max, shortest: time.min, cycles })
+        Some(SettingCost { row, bound: r.bound?, seconds: time.median, longest: time.max, shortest: time.min, cycles })
     };
     study.rows.iter().enumerate().filter_map(offer).collect()
 }
@@ -40,11 +40,10 @@ pub fn front(study: &Study) -> Vec<usize> {
     front
 }
 
-/// The cheapest setting whose error is below `bound`. Among settings that differ in levels alone the fewest element-cycles
-/// are the cheapest, so that a clock's noise chooses nothing; between choices the time decides, and cycles where times
-/// overlap over their repetitions.
+/// The cheapest setting whose error is below `bound`: within a family the one with the fewest element-cycles, between families
+/// the fastest, or the fewest cycles where times overlap.
 pub fn cheapest(study: &Study, bound: f64) -> Option<usize> {
-    let mut best: Vec<Offer> = Vec::new();
+    let mut best: Vec<SettingCost> = Vec::new();
     for offer in offers(study).into_iter().filter(|o| o.bound <= bound) {
         let family = study.rows[offer.row].family;
         match best.iter_mut().find(|o| study.rows[o.row].family == family) {
@@ -58,7 +57,6 @@ pub fn cheapest(study: &Study, bound: f64) -> Option<usize> {
     alike.min_by(|a, b| a.cycles.total_cmp(&b.cycles)).map(|o| o.row)
 }
 
-/// What an accuracy costs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Price {
     /// Error that is held: relative, or in the units of the quantity where the reference is zero.
@@ -69,8 +67,7 @@ pub struct Price {
     pub seconds: f64,
 }
 
-/// The price of each power of ten that some setting holds, from the widest on; of several that one setting holds the
-/// narrowest.
+/// The run time for each power of ten of the error, from the widest on; of several of one setting the narrowest.
 pub fn list(study: &Study) -> Vec<Price> {
     let unit = study.scale.unwrap_or(1.0);
     let bounds: Vec<f64> = offers(study).iter().map(|o| o.bound / unit).filter(|b| *b > 0.0).collect();
@@ -109,27 +106,4 @@ pub fn tolerance_in_words(tolerance: f64, relative: bool) -> String {
 pub fn setting(study: &Study, row: usize) -> String {
     let of = study.axes.iter().zip(&study.rows[row].values);
     of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
-}
-
-/// Seconds as a person says them, three digits.
-pub fn duration(seconds: f64) -> String {
-    let (value, unit) = match seconds {
-        s if s < 1e-3 => (1e6 * s, "us"),
-        s if s < 1.0 => (1e3 * s, "ms"),
-        s => (s, "s"),
-    };
-    format!("{} {unit}", short(value))
-}
-
-/// Three digits.
-pub fn short(value: f64) -> String {
-    digits(value, 3)
-}
-
-/// So many digits, in the shortest form that holds them.
-pub fn digits(value: f64, count: usize) -> String {
-    let text = format!("{value:.*e}", count.saturating_sub(1));
-    let number: f64 = text.parse().unwrap_or(value);
-    let size = number.abs();
-    if size != 0.0 && !(1e-4..1e7).contains(&size) { format!("{number:e}") } else { format!("{number}") }
 }

@@ -1,16 +1,16 @@
-//! Quantities of runs, sweeps and studies: expressions over histories and over norms of fields at the end of the run, such as
-//! `-1000*final(U2@REF)`.
-//! Never here: the evaluator (`deck::expression`), what repeats runs.
+//! Quantities: expressions over histories and over norms of fields, such as `-1000*final(U2@REF)`.
 
 use super::StudyError;
 use super::field::{Field, FieldName};
-use super::histories::{FUNCTIONS, parse, value};
-use crate::deck::expression::{Argument, Expression};
-use crate::output::History;
+use crate::deck::expression::{Argument, Expression, ExpressionError};
+use crate::deck::names::nearest;
 use crate::output::history::between;
+use crate::output::{History, HistorySummary};
 use crate::plan::{Plan, State};
 use crate::state::Instant;
 
+/// Functions of a history column.
+const FUNCTIONS: &[&str] = &["final", "min", "max", "time_min", "time_max"];
 /// Functions beside those of what columns came to.
 const MORE: [&str; 3] = ["at", "mean", "norm"];
 /// Why there is no norm of a run without its end.
@@ -36,7 +36,7 @@ enum Kind {
 
 /// What one run gives.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Found {
+pub enum QuantityValue {
     /// A number.
     Number(f64),
     /// A field, to be compared with the finest.
@@ -47,12 +47,9 @@ impl Quantity {
     /// Parses an expression of `final(C)`, `min(C)`, `max(C)`, `time_min(C)`, `time_max(C)`, `at(C, t)`,
     /// `mean(C, t1, t2)` over history columns and `norm(VARIABLE, EXPR)` over nodes or elements, where EXPR knows `r`, `z`
     /// (now), `r0`, `z0` (at the start) and `t`. `norm(VARIABLE)` alone compares with the finest level.
-    ///
-    /// # Errors
-    /// In words, with the place in the expression.
     pub fn parse(text: &str) -> Result<Quantity, StudyError> {
         let functions: Vec<&str> = FUNCTIONS.iter().copied().chain(MORE).collect();
-        let expression = parse(text, &functions)?;
+        let expression = parse_expression(text, &functions)?;
         let alone = text.trim().strip_prefix("norm(").and_then(|t| t.strip_suffix(')'));
         if let Some(variable) = alone.filter(|a| !a.contains([',', '('])) {
             let field = FieldName::parse(variable).map_err(|e| StudyError::quantity(text, e))?;
@@ -90,18 +87,12 @@ impl Quantity {
     }
 
     /// Refuses what compares with the finest mesh: only a study has one.
-    ///
-    /// # Errors
-    /// In words.
     pub fn stands_alone(&self) -> Result<(), StudyError> {
         let message = "it compares with the finest level of a study; give the norm an expression: norm(VAR, EXPR)";
         if self.compares_fields() { Err(StudyError::quantity(&self.text, message.into())) } else { Ok(()) }
     }
 
     /// Refuses what no run of such a plan can give: columns that do not exist, norms where nothing deforms.
-    ///
-    /// # Errors
-    /// In words, with the nearest name that exists.
     pub fn check(&self, plan: &Plan) -> Result<(), StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         let nothing = "a norm is taken over what deforms, and nothing here does";
@@ -125,25 +116,19 @@ impl Quantity {
     }
 
     /// The value of a run.
-    ///
-    /// # Errors
-    /// In words: what does not exist, with the nearest that does; a value that is not finite.
-    pub fn evaluate(&self, run: Finished<'_>) -> Result<Found, StudyError> {
+    pub fn evaluate(&self, run: FinishedRun<'_>) -> Result<QuantityValue, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         match &self.kind {
             Kind::Field(name) => {
                 let (time, state) = run.end.ok_or_else(|| wrong(NO_NORM.into()))?;
-                Field::of(state, *name, time).map(|f| Found::Field(Box::new(f))).map_err(wrong)
+                Field::of(state, *name, time).map(|f| QuantityValue::Field(Box::new(f))).map_err(wrong)
             }
-            Kind::Number(_) => self.number(run).map(Found::Number),
+            Kind::Number(_) => self.number(run).map(QuantityValue::Number),
         }
     }
 
     /// The number of a run.
-    ///
-    /// # Errors
-    /// As [`Quantity::evaluate`].
-    pub fn number(&self, run: Finished<'_>) -> Result<f64, StudyError> {
+    pub fn number(&self, run: FinishedRun<'_>) -> Result<f64, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         self.stands_alone()?;
         let Kind::Number(expression) = &self.kind else { return Err(wrong("it is no number".into())) };
@@ -153,7 +138,7 @@ impl Quantity {
                 "at" => at(run.history, argument),
                 "mean" => mean(run.history, argument),
                 "norm" => run.end.ok_or(NO_NORM.to_owned()).and_then(|end| norm(end, argument)),
-                _ => value(&run.history.summary, function, argument),
+                _ => summary_value(&run.history.summary, function, argument),
             })
         };
         let number = expression.evaluate(&|_| None, &call).map_err(|e| wrong(e.message))?;
@@ -163,7 +148,7 @@ impl Quantity {
 
 /// A run that is over: its histories, and what it left behind where that is at hand.
 #[derive(Clone, Copy)]
-pub struct Finished<'a> {
+pub struct FinishedRun<'a> {
     /// Its histories, with their rows where a quantity [looks at rows](history).
     pub history: &'a History,
     /// Total time and state at its end; without them no norm can be taken.
@@ -179,7 +164,7 @@ pub fn history(quantities: &[Quantity], plan: &Plan) -> History {
 /// Its number among the columns.
 fn column(history: &History, name: &str) -> Result<usize, String> {
     // The summary knows how to tell what is missing.
-    value(&history.summary, "final", name)?;
+    summary_value(&history.summary, "final", name)?;
     history.columns.iter().position(|c| c.eq_ignore_ascii_case(name)).ok_or_else(|| format!("no column {name}"))
 }
 
@@ -267,6 +252,35 @@ fn norm((time, state): (f64, &State), argument: &str) -> Result<f64, String> {
     })
 }
 
+/// The expression of a quantity.
+fn parse_expression(text: &str, functions: &[&str]) -> Result<Expression, StudyError> {
+    let wrong =
+        |e: ExpressionError| StudyError::Quantity { text: text.to_owned(), at: Some(e.start + 1), message: e.message };
+    Expression::parse_with(text, functions).map_err(wrong)
+}
+
+fn summary_value(history: &HistorySummary, function: &str, column: &str) -> Result<f64, String> {
+    let summary = history.0.iter().find(|(name, _)| name.eq_ignore_ascii_case(column)).map(|(_, s)| s);
+    let Some(summary) = summary else { return Err(missing(history, column)) };
+    Ok(match function {
+        "final" => summary.last,
+        "min" => summary.min,
+        "max" => summary.max,
+        "time_min" => summary.time_min,
+        _ => summary.time_max,
+    })
+}
+
+fn missing(history: &HistorySummary, column: &str) -> String {
+    let names: Vec<&str> = history.0.keys().map(String::as_str).collect();
+    match nearest(column, names.iter().copied()) {
+        Some(near) => format!("there is no history column {column}; did you mean {near}?"),
+        None => {
+            format!("there is no history column {column}; the deck's *OUTPUT, HISTORY asks for {}", names.join(", "))
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -309,7 +323,7 @@ mod tests {
             history.push(&now(t), &[u]);
         }
         let value =
-            |text: &str| Quantity::parse(text).and_then(|q| q.number(Finished { history: &history, end: None }));
+            |text: &str| Quantity::parse(text).and_then(|q| q.number(FinishedRun { history: &history, end: None }));
         assert_eq!(value("-1000*final(U2@REF)"), Ok(50.0));
         assert_eq!(value("time_min(u2@ref) + max(U2@REF)"), Ok(1.0));
         assert!(value("final(U2@RFE)").is_err_and(|e| e.to_string().contains("did you mean U2@REF")));

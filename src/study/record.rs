@@ -1,16 +1,16 @@
 //! A study as table, CSV, JSON with stable keys, and charts.
-//! Never here: what is in them, files.
 
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::bench::Spread;
-use super::chart::{Chart, Form, Series};
+use super::chart::{Chart, Form, Scale, Series};
 use super::effects::Effects;
-use super::price::{self, Price, digits, setting, short};
-use super::refinement::{Reference, Row, Study};
-use super::richardson::{Estimate, FORMAL_ORDER};
-use super::target::{BEYOND, MOST_CYCLES, Met};
+use super::price::{self, Price, setting};
+use super::refinement::{Reference, Study, StudyRow};
+use super::richardson::{FORMAL_ORDER, LimitEstimate};
+use super::runner::TimeSpread;
+use super::table::{Table, cell, digits, duration, short};
+use super::target::{BEYOND, MOST_CYCLES, TargetResult};
 
 /// What `<job>_study.json` holds. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
@@ -29,7 +29,7 @@ pub struct Record<'a> {
     /// All settings, in the order in which they ran.
     pub runs: Vec<RunRecord<'a>>,
     /// What converges.
-    pub refinements: Vec<Refined<'a>>,
+    pub refinements: Vec<RefinementRecord<'a>>,
     /// Indices of the runs that no other beats in both time and error.
     pub front: Vec<usize>,
     /// What an accuracy costs.
@@ -38,7 +38,7 @@ pub struct Record<'a> {
     pub sentence: String,
     /// Whether `--target` was met.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub target: Option<Met>,
+    pub target: Option<TargetResult>,
     /// What the study took.
     pub timing: Timing,
     /// The program's version.
@@ -47,7 +47,7 @@ pub struct Record<'a> {
 
 /// Runs that differ in the size of one thing.
 #[derive(Clone, Debug, Serialize)]
-pub struct Refined<'a> {
+pub struct RefinementRecord<'a> {
     /// What is refined.
     pub along: &'a str,
     /// The other values of its setting, as written; empty where there are none.
@@ -62,11 +62,11 @@ pub struct Refined<'a> {
     pub formal_order: f64,
 }
 
-impl<'a> Refined<'a> {
-    fn of(study: &'a Study, series: &'a super::refinement::Series) -> Refined<'a> {
+impl<'a> RefinementRecord<'a> {
+    fn of(study: &'a Study, series: &'a super::refinement::RefinementSeries) -> RefinementRecord<'a> {
         let finest = series.sizes.last().copied().unwrap_or(1.0);
         let at = series.rows.first().map_or(String::new(), |&r| setting_but(study, r, &series.along));
-        Refined {
+        RefinementRecord {
             along: &series.along,
             at,
             runs: &series.rows,
@@ -119,7 +119,7 @@ pub struct RunRecord<'a> {
     /// What its size is below.
     pub bound: Option<f64>,
     /// By each series: order, behaviour, limit, uncertainty and factor of safety.
-    pub estimates: &'a [Option<Estimate>],
+    pub estimates: &'a [Option<LimitEstimate>],
     /// Order of the last two errors against the exact value, by series.
     #[serde(skip_serializing_if = "<[Option<f64>]>::is_empty")]
     pub exact_orders: &'a [Option<f64>],
@@ -132,9 +132,9 @@ pub struct RunRecord<'a> {
     /// Their product.
     pub element_cycles: Option<f64>,
     /// Seconds of the whole run: median, shortest, longest.
-    pub seconds: Option<Spread>,
+    pub seconds: Option<TimeSpread>,
     /// Seconds in the time loop.
-    pub loop_seconds: Option<Spread>,
+    pub loop_seconds: Option<TimeSpread>,
     /// What the run warns of.
     #[serde(skip_serializing_if = "<[String]>::is_empty")]
     pub warnings: &'a [String],
@@ -145,7 +145,7 @@ pub fn record<'a>(
     quantity: &'a str,
     exact: Option<f64>,
     study: &'a Study,
-    target: Option<Met>,
+    target: Option<TargetResult>,
     timing: Timing,
 ) -> Record<'a> {
     Record {
@@ -154,7 +154,7 @@ pub fn record<'a>(
         reference: study.reference,
         scale: study.scale,
         runs: study.rows.iter().map(|r| run(study, r)).collect(),
-        refinements: study.series.iter().map(|series| Refined::of(study, series)).collect(),
+        refinements: study.series.iter().map(|series| RefinementRecord::of(study, series)).collect(),
         front: price::front(study),
         prices: price::list(study),
         sentence: price::sentence(study),
@@ -164,7 +164,7 @@ pub fn record<'a>(
     }
 }
 
-fn run<'a>(study: &'a Study, row: &'a Row) -> RunRecord<'a> {
+fn run<'a>(study: &'a Study, row: &'a StudyRow) -> RunRecord<'a> {
     let ran = row.run.as_ref().ok();
     RunRecord {
         setting: study.axes.iter().map(String::as_str).zip(row.values.iter().map(String::as_str)).collect(),
@@ -184,8 +184,8 @@ fn run<'a>(study: &'a Study, row: &'a Row) -> RunRecord<'a> {
     }
 }
 
-/// The table of a study: header and rows. Shown in few digits, or in all that a CSV needs.
-pub fn sheet(study: &Study, all_digits: bool) -> (Vec<String>, Vec<Vec<String>>) {
+/// The table of a study, in few digits or in all.
+pub fn table(study: &Study, all_digits: bool) -> Table {
     let unit = if study.scale.is_some() { "%" } else { "" };
     let mut header: Vec<String> = study.axes.clone();
     let columns = ["value", "error", "error below", "order", "limit", "GCI", "increments", "element-cycles"];
@@ -196,15 +196,12 @@ pub fn sheet(study: &Study, all_digits: bool) -> (Vec<String>, Vec<Vec<String>>)
     header.extend(["time ms", "time min ms", "time max ms", "note"].map(String::from));
     let front = price::front(study);
     let rows = study.rows.iter().enumerate();
-    (header, rows.map(|(i, row)| cells(study, row, front.contains(&i), all_digits)).collect())
+    let rows = rows.map(|(i, row)| cells(study, row, front.contains(&i), all_digits)).collect();
+    Table { header, rows }
 }
 
-fn cells(study: &Study, row: &Row, on_front: bool, all_digits: bool) -> Vec<String> {
-    let number = |value: Option<f64>, few: usize| match value {
-        Some(value) if all_digits => format!("{value:?}"),
-        Some(value) => digits(value, few),
-        None => String::new(),
-    };
+fn cells(study: &Study, row: &StudyRow, on_front: bool, all_digits: bool) -> Vec<String> {
+    let number = |value: Option<f64>, few: usize| cell(value, few, all_digits);
     let factor = study.scale.map_or(1.0, |s| 100.0 / s);
     let relative = |value: Option<f64>| number(value.map(|v| factor * v), 3);
     let in_words = |order: Option<f64>| order.map_or("-".into(), |o| format!("{o:.2}"));
@@ -230,7 +227,7 @@ fn cells(study: &Study, row: &Row, on_front: bool, all_digits: bool) -> Vec<Stri
     cells
 }
 
-fn note(row: &Row, on_front: bool) -> String {
+fn note(row: &StudyRow, on_front: bool) -> String {
     let Ok(run) = &row.run else { return "no result".into() };
     let mut words: Vec<&str> =
         row.estimates.iter().flatten().map(|e| e.behaviour.word()).filter(|w| !w.is_empty()).collect();
@@ -253,48 +250,45 @@ pub fn price_chart(study: &Study, title: &str) -> Chart {
         r.bound.map(|b| (1e3 * seconds, factor * b)).filter(|p| p.0 > 0.0 && p.1 > 0.0)
     };
     let front = price::front(study).into_iter().filter_map(point).collect();
-    let mut series = vec![Series { name: "no setting beats these".into(), points: front, form: Form::Line }];
+    let mut series = vec![Series::new("no setting beats these", Form::Line, front)];
     for family in 0..=study.rows.iter().map(|r| r.family).max().unwrap_or(0) {
         let rows: Vec<usize> = (0..study.rows.len()).filter(|&i| study.rows[i].family == family).collect();
         let points: Vec<(f64, f64)> = rows.iter().filter_map(|&i| point(i)).collect();
         if let Some(&first) = rows.first().filter(|_| !points.is_empty()) {
-            series.push(Series { name: family_name(study, first), points, form: Form::Marks });
+            series.push(Series::new(family_name(study, first), Form::Marks, points));
         }
     }
-    let [x_label, y_label] = ["time", "error"].map(String::from);
-    Chart { title: title.into(), x_label, y_label, units: ["ms".into(), error_unit(study)], series }
+    logarithmic(title, ["time", "error"], ["ms".into(), error_unit(study)], series)
 }
 
 /// Error over size of what is refined, one series for each, and the slopes of the orders through the finest point of the first.
 pub fn order_chart(study: &Study, title: &str) -> Chart {
     let factor = study.scale.map_or(1.0, |s| 100.0 / s);
     let error = |row: &usize| study.rows[*row].error.map(|e| factor * e.abs()).filter(|e| *e > 0.0);
-    let line = |refined: &Refined<'_>| {
+    let line = |refined: &RefinementRecord<'_>| {
         let points: Vec<(f64, f64)> =
             refined.runs.iter().zip(&refined.sizes).filter_map(|(row, size)| Some((*size, error(row)?))).collect();
         let order = refined.order.map(|o| format!(", order {o:.2}")).unwrap_or_default();
         let others = if refined.at.is_empty() { String::new() } else { format!(", {}", refined.at) };
-        let name = format!("{}{others}{order}", refined.along);
-        Series { name, points, form: Form::Line }
+        Series::new(format!("{}{others}{order}", refined.along), Form::Line, points)
     };
-    let refined = study.series.iter().map(|s| Refined::of(study, s));
+    let refined = study.series.iter().map(|s| RefinementRecord::of(study, s));
     let lines = refined.map(|refined| (line(&refined), refined)).filter(|l| !l.0.points.is_empty());
-    let lines: Vec<(Series, Refined<'_>)> = lines.take(MOST_LINES).collect();
+    let lines: Vec<(Series, RefinementRecord<'_>)> = lines.take(MOST_LINES).collect();
     let guides = lines.first().map_or(Vec::new(), |(line, refined)| slopes(line, refined));
     let series = lines.into_iter().map(|l| l.0).chain(guides).collect();
-    let [x_label, y_label] = ["size over the finest", "error"].map(String::from);
-    Chart { title: title.into(), x_label, y_label, units: [String::new(), error_unit(study)], series }
+    logarithmic(title, ["size over the finest", "error"], [String::new(), error_unit(study)], series)
 }
 
 /// Straight lines of the observed and the formal order through the finest point of a line.
-fn slopes(line: &Series, refined: &Refined<'_>) -> Vec<Series> {
+fn slopes(line: &Series, refined: &RefinementRecord<'_>) -> Vec<Series> {
     let (Some(&(coarsest, _)), Some(&(finest, error))) = (line.points.first(), line.points.last()) else {
         return Vec::new();
     };
     let guide = |order: f64, word: &str| {
         let end = error * libm::pow(coarsest / finest, order);
         let name = format!("slope of the {word} order {}", short(order));
-        Series { name, points: vec![(coarsest, end), (finest, error)], form: Form::Guide }
+        Series::new(name, Form::Guide, vec![(coarsest, end), (finest, error)])
     };
     let observed = refined.order.map(|order| guide(order, "observed"));
     observed.into_iter().chain([guide(refined.formal_order, "formal")]).filter(|_| coarsest > finest).collect()
@@ -302,6 +296,10 @@ fn slopes(line: &Series, refined: &Refined<'_>) -> Vec<Series> {
 
 /// More lines than this are no picture.
 const MOST_LINES: usize = 12;
+
+fn logarithmic(title: &str, labels: [&str; 2], units: [String; 2], series: Vec<Series>) -> Chart {
+    Chart { units, scale: Scale::LogLog, ..Chart::new(title, labels, series) }
+}
 
 fn error_unit(study: &Study) -> String {
     if study.scale.is_some() { "%".into() } else { String::new() }
@@ -322,7 +320,7 @@ fn setting_but(study: &Study, row: usize, along: &str) -> String {
 }
 
 /// What is said under the table, a line each.
-pub fn conclusions(study: &Study, target: Option<&Met>) -> Vec<String> {
+pub fn conclusions(study: &Study, target: Option<&TargetResult>) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(reference) = study.reference {
         lines.push(match reference.row {
@@ -348,7 +346,7 @@ pub fn conclusions(study: &Study, target: Option<&Met>) -> Vec<String> {
 /// Families whose own limit lies outside of what the reference allows: they converge to something else, or not yet.
 fn disagreement(study: &Study) -> Vec<String> {
     let Some(reference) = study.reference else { return Vec::new() };
-    let last = |s: &super::refinement::Series| s.rows.last().copied();
+    let last = |s: &super::refinement::RefinementSeries| s.rows.last().copied();
     let mut lines = Vec::new();
     for row in study.series.iter().filter_map(last) {
         let r = &study.rows[row];
@@ -366,11 +364,11 @@ fn disagreement(study: &Study) -> Vec<String> {
     lines
 }
 
-fn of_target(study: &Study, met: &Met) -> String {
+fn of_target(study: &Study, met: &TargetResult) -> String {
     let target = price::tolerance_in_words(met.target.value, met.target.relative);
     match met.run.and_then(|row| Some((row, study.rows[row].run.as_ref().ok()?))) {
         Some((row, run)) => {
-            format!("target {target}: held by {} in {}", setting(study, row), price::duration(run.seconds.median))
+            format!("target {target}: held by {} in {}", setting(study, row), duration(run.seconds.median))
         }
         None => format!(
             "target {target}: not reached by the levels given and at most {BEYOND} more of at most {MOST_CYCLES:e} \

@@ -1,10 +1,9 @@
 //! A deck over levels of refinement: what each level gave, what the levels together say of the limit.
-//! Never here: printing, times as money (`price`).
 
 use super::StudyError;
-use super::bench::{Bench, Run};
-use super::quantity::Found;
-use super::richardson::{Estimate, Level, estimate, order_of_errors};
+use super::quantity::QuantityValue;
+use super::richardson::{Level, LimitEstimate, estimate, order_of_errors};
+use super::runner::{StudyRun, StudyRunner};
 use super::settings::Axis;
 
 /// The most settings of one study.
@@ -12,17 +11,17 @@ const MOST: usize = 10_000;
 
 /// One setting.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct StudyRow {
     /// One value for each axis.
     pub values: Vec<String>,
     /// What it gave, or why nothing.
-    pub run: Result<Run, StudyError>,
+    pub run: Result<StudyRun, StudyError>,
     /// Settings that differ in levels alone are of one family.
     pub family: usize,
     /// The quantity; for a field the relative norm of its difference from the finest of the family.
     pub value: Option<f64>,
     /// By each series the row is in: observed order and Richardson's value up to it; `None` where it has too few levels.
-    pub estimates: Vec<Option<Estimate>>,
+    pub estimates: Vec<Option<LimitEstimate>>,
     /// Order of its error and the one before, against an exact value, by series.
     pub exact_orders: Vec<Option<f64>>,
     /// Grid convergence index of all series together; `None` where one has too few levels.
@@ -35,7 +34,7 @@ pub struct Row {
 
 /// Rows whose values converge, coarse to fine.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+pub struct RefinementSeries {
     /// What is refined.
     pub along: String,
     /// Indices of rows.
@@ -43,7 +42,7 @@ pub struct Series {
     /// Size of each.
     pub sizes: Vec<f64>,
     /// What its finest levels say.
-    pub estimate: Option<Estimate>,
+    pub estimate: Option<LimitEstimate>,
 }
 
 /// What errors are measured from.
@@ -63,19 +62,19 @@ pub struct Study {
     /// Names of the axes.
     pub axes: Vec<String>,
     /// All settings.
-    pub rows: Vec<Row>,
+    pub rows: Vec<StudyRow>,
     /// What converges.
-    pub series: Vec<Series>,
+    pub series: Vec<RefinementSeries>,
     /// What errors are measured from; `None` where too little came out.
     pub reference: Option<Reference>,
     /// What makes errors relative; `None` where the reference is zero.
     pub scale: Option<f64>,
 }
 
-impl Row {
+impl StudyRow {
     /// A setting that has been tried.
-    pub fn new(values: Vec<String>, run: Result<Run, StudyError>, family: usize) -> Row {
-        Row {
+    pub fn new(values: Vec<String>, run: Result<StudyRun, StudyError>, family: usize) -> StudyRow {
+        StudyRow {
             values,
             run,
             family,
@@ -107,10 +106,7 @@ pub(super) fn families(axes: &[Axis]) -> Vec<Vec<(usize, String)>> {
 }
 
 /// Runs every combination of all axes' values; the last axis varies fastest.
-///
-/// # Errors
-/// In words, for an absurd number of combinations.
-pub fn grid(bench: &mut Bench<'_>, axes: &[Axis], exact: Option<f64>) -> Result<Study, StudyError> {
+pub fn grid(bench: &mut StudyRunner<'_>, axes: &[Axis], exact: Option<f64>) -> Result<Study, StudyError> {
     let count = axes.iter().try_fold(1_usize, |n, a| n.checked_mul(a.values.len())).filter(|n| *n <= MOST);
     let slip = || StudyError::Setting(format!("the study has more than {MOST} settings; that is taken for a slip"));
     let count = count.ok_or_else(slip)?;
@@ -134,7 +130,7 @@ pub fn grid(bench: &mut Bench<'_>, axes: &[Axis], exact: Option<f64>) -> Result<
             known.push(own);
         }
         let run = bench.at(axes, &values, None);
-        study.rows.push(Row::new(values, run, family));
+        study.rows.push(StudyRow::new(values, run, family));
     }
     study.series = series_of(axes, &places);
     judge(&mut study, exact, bench.measure().is_norm());
@@ -142,13 +138,13 @@ pub fn grid(bench: &mut Bench<'_>, axes: &[Axis], exact: Option<f64>) -> Result<
 }
 
 /// Along each refinement, with all else alike.
-fn series_of(axes: &[Axis], places: &[Vec<usize>]) -> Vec<Series> {
+fn series_of(axes: &[Axis], places: &[Vec<usize>]) -> Vec<RefinementSeries> {
     let mut all = Vec::new();
     for (k, axis) in axes.iter().enumerate().filter(|(_, a)| a.is_refinement()) {
         for start in places.iter().filter(|p| p[k] == 0) {
             let alike = |p: &&Vec<usize>| p.iter().zip(start).enumerate().all(|(i, (a, b))| i == k || a == b);
             let rows: Vec<usize> = (0..places.len()).filter(|&i| alike(&&places[i])).collect();
-            all.push(Series { along: axis.name.clone(), rows, sizes: axis.sizes.clone(), estimate: None });
+            all.push(RefinementSeries { along: axis.name.clone(), rows, sizes: axis.sizes.clone(), estimate: None });
         }
     }
     all
@@ -192,12 +188,12 @@ fn value_against(study: &Study, row: usize, finest: Option<usize>) -> Result<f64
     let run = study.rows[row].run.as_ref().map_err(StudyError::clone)?;
     let fine = finest.and_then(|f| study.rows[f].run.as_ref().ok()).map(|r| &r.found);
     match (&run.found, fine) {
-        (Found::Number(value), _) => Ok(*value),
-        (Found::Field(_), _) if finest == Some(row) => Ok(0.0),
-        (Found::Field(field), Some(Found::Field(fine))) => {
+        (QuantityValue::Number(value), _) => Ok(*value),
+        (QuantityValue::Field(_), _) if finest == Some(row) => Ok(0.0),
+        (QuantityValue::Field(field), Some(QuantityValue::Field(fine))) => {
             field.relative_norm_against(fine).map_err(StudyError::Comparison)
         }
-        (Found::Field(_), _) => Err(StudyError::Comparison("there is no finest level to compare with".into())),
+        (QuantityValue::Field(_), _) => Err(StudyError::Comparison("there is no finest level to compare with".into())),
     }
 }
 
@@ -209,7 +205,7 @@ fn finest_of(study: &Study, family: usize) -> Option<usize> {
     in_series.max_by_key(|&i| place(i))
 }
 
-fn estimate_along(rows: &mut [Row], series: &mut Series, exact: Option<f64>) {
+fn estimate_along(rows: &mut [StudyRow], series: &mut RefinementSeries, exact: Option<f64>) {
     let mut levels: Vec<Level> = Vec::new();
     for (&row, &size) in series.rows.iter().zip(&series.sizes) {
         let Some(value) = rows[row].value else { continue };

@@ -1,5 +1,4 @@
 //! What a series of refined values says of its limit: observed order, Richardson's value, grid convergence index.
-//! Never here: runs, tables.
 //!
 //! Sources: L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307; P. J. Roache, J. Fluids Eng. 116 (1994) 405: the grid
 //! convergence index with the factor of safety 1.25 where the order is observed on three levels, 3 where it is assumed;
@@ -63,7 +62,7 @@ impl Behaviour {
 
 /// What the finest levels of a series say.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
+pub struct LimitEstimate {
     /// Observed order; `None` where there is none to observe.
     pub order: Option<f64>,
     /// How the series behaves.
@@ -77,7 +76,7 @@ pub struct Estimate {
 }
 
 /// Judges a series by its last three levels, or by two; `None` for fewer. Sizes fall along the series.
-pub fn estimate(series: &[Level]) -> Option<Estimate> {
+pub fn estimate(series: &[Level]) -> Option<LimitEstimate> {
     match series {
         [.., a, b, c] => Some(of_three(*a, *b, *c)),
         [a, b] => Some(of_two(*a, *b)),
@@ -85,18 +84,18 @@ pub fn estimate(series: &[Level]) -> Option<Estimate> {
     }
 }
 
-fn of_two(coarse: Level, fine: Level) -> Estimate {
+fn of_two(coarse: Level, fine: Level) -> LimitEstimate {
     let change = fine.value - coarse.value;
     let error = change / gain(coarse, fine, FORMAL_ORDER);
     let behaviour = if is_rounding(&[coarse, fine]) { Behaviour::Settled } else { Behaviour::TwoLevels };
     let uncertainty = ASSUMED * error.abs() + floor(fine);
-    Estimate { order: None, behaviour, limit: fine.value + error, uncertainty, factor: ASSUMED }
+    LimitEstimate { order: None, behaviour, limit: fine.value + error, uncertainty, factor: ASSUMED }
 }
 
-fn of_three(coarse: Level, middle: Level, fine: Level) -> Estimate {
+fn of_three(coarse: Level, middle: Level, fine: Level) -> LimitEstimate {
     let (before, last) = (middle.value - coarse.value, fine.value - middle.value);
     let widest = before.abs().max(last.abs());
-    let unextrapolated = |order, behaviour, uncertainty: f64| Estimate {
+    let unextrapolated = |order, behaviour, uncertainty: f64| LimitEstimate {
         order,
         behaviour,
         limit: fine.value,
@@ -123,10 +122,10 @@ fn of_three(coarse: Level, middle: Level, fine: Level) -> Estimate {
         // The last difference may be small by chance: what the one before leaves with the formal order bounds it, too.
         let left = before / gain(coarse, middle, FORMAL_ORDER) / libm::pow(middle.size / fine.size, FORMAL_ORDER);
         let uncertainty = ASSUMED * error.abs().max(left.abs()) + floor(fine);
-        return Estimate { order: Some(order), behaviour: Behaviour::Fast, limit, uncertainty, factor: ASSUMED };
+        return LimitEstimate { order: Some(order), behaviour: Behaviour::Fast, limit, uncertainty, factor: ASSUMED };
     }
     let uncertainty = OBSERVED * error.abs() + floor(fine);
-    Estimate { order: Some(order), behaviour: Behaviour::Asymptotic, limit, uncertainty, factor: OBSERVED }
+    LimitEstimate { order: Some(order), behaviour: Behaviour::Asymptotic, limit, uncertainty, factor: OBSERVED }
 }
 
 /// r^p - 1: how much larger the coarser error's excess is than the finer error.

@@ -1,41 +1,34 @@
 //! `scatter`: quantities of a deck whose parameters are drawn from distributions, and which of them their scatter comes from.
-//! Never here: distributions, statistics, printing.
 
 use std::sync::atomic::AtomicUsize;
 
 use super::StudyError;
 use super::chart::{Chart, Form, Series};
-use super::evaluate::{Evaluator, Failure, Samples};
-use super::inputs::Inputs;
+use super::evaluate::{Evaluator, SampleFailure, Samples};
+use super::inputs::RandomInputs;
 use super::statistics::design::{Design, Sampling};
 use super::statistics::indices::{Indices, indices};
 use super::statistics::summary::histogram;
 
 /// What is asked.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
-    /// How points are spread.
+pub struct ScatterRequest {
     pub sampling: Sampling,
-    /// How many.
     pub count: usize,
-    /// The seed.
     pub seed: u64,
     /// Whether Sobol's indices are asked for: each point then stands for two runs more than there are parameters.
     pub indices: bool,
-    /// Threads.
     pub threads: usize,
 }
 
-impl Asked {
-    /// Runs of a point.
-    pub fn runs(&self, inputs: &Inputs) -> usize {
+impl ScatterRequest {
+    pub fn runs(&self, inputs: &RandomInputs) -> usize {
         if self.indices { inputs.names.len() + 2 } else { 1 }
     }
 }
 
-/// What came of it.
 #[derive(Clone, Debug, Default)]
-pub struct Results {
+pub struct ScatterResults {
     /// Values of each quantity, one a point; not a number where there is none.
     pub values: Vec<Vec<f64>>,
     /// Where sets of points begin that are spread by themselves, and the end of the last.
@@ -52,25 +45,22 @@ pub struct Results {
 const BLOCK: usize = 4096;
 
 /// Runs all points; `keep` is given rows of parameters and quantities, `look` how many runs are done.
-///
-/// # Errors
-/// Points that cannot be spread so, threads that cannot be started, what `keep` says.
 pub fn run(
     evaluator: &Evaluator,
-    inputs: &Inputs,
+    inputs: &RandomInputs,
     quantities: usize,
-    asked: Asked,
+    asked: ScatterRequest,
     keep: &mut dyn FnMut(&[f64]) -> Result<(), StudyError>,
     look: &mut dyn FnMut(usize),
-) -> Result<Results, StudyError> {
+) -> Result<ScatterResults, StudyError> {
     let (width, runs) = (inputs.names.len(), asked.runs(inputs));
     let dimensions = if asked.indices { 2 * width } else { width };
     let design = Design::new(asked.sampling, dimensions, asked.count, asked.seed);
     let mut design = design.map_err(|why| StudyError::Setting(format!("--sampling: {why}")))?;
-    let mut results = Results {
+    let mut results = ScatterResults {
         values: vec![Vec::with_capacity(asked.count); quantities],
         sets: Design::sets(asked.sampling, asked.count),
-        ..Results::default()
+        ..ScatterResults::default()
     };
     // What indices are made of: f at two points, and at the first with one parameter of the second.
     let mut mixed = vec![Vec::new(); if asked.indices { quantities } else { 0 }];
@@ -106,7 +96,7 @@ pub fn run(
 }
 
 /// Parameters of all runs of some points.
-fn samples(inputs: &Inputs, points: &[f64], dimensions: usize, runs: usize) -> Vec<f64> {
+fn samples(inputs: &RandomInputs, points: &[f64], dimensions: usize, runs: usize) -> Vec<f64> {
     let width = inputs.names.len();
     let mut samples = vec![0.0; points.len() / dimensions * runs * width];
     for (point, rows) in points.chunks_exact(dimensions).zip(samples.chunks_exact_mut(runs * width)) {
@@ -121,7 +111,7 @@ fn samples(inputs: &Inputs, points: &[f64], dimensions: usize, runs: usize) -> V
     samples
 }
 
-fn note(results: &mut Results, failures: Vec<Failure>) {
+fn note(results: &mut ScatterResults, failures: Vec<SampleFailure>) {
     results.failed += failures.len();
     if results.reason.is_none() {
         results.reason = failures.into_iter().next().map(|failure| failure.reason);
@@ -132,12 +122,5 @@ fn note(results: &mut Results, failures: Vec<Failure>) {
 pub fn chart(title: &str, quantity: &str, values: &[f64]) -> Chart {
     let (edges, counts) = histogram(values);
     let steps = counts.iter().enumerate().flat_map(|(i, n)| [(edges[i], *n as f64), (edges[i + 1], *n as f64)]);
-    let series = Series { name: quantity.into(), points: steps.collect(), form: Form::Area };
-    Chart {
-        title: title.into(),
-        x_label: quantity.into(),
-        y_label: "samples".into(),
-        series: vec![series],
-        ..Chart::default()
-    }
+    Chart::new(title, [quantity, "samples"], vec![Series::new(quantity, Form::Area, steps.collect())])
 }

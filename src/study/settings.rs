@@ -1,5 +1,4 @@
-//! What a study refines: parameters of the deck, and knobs that change the model after it has been read.
-//! Never here: runs.
+//! What a study refines: parameters of the deck, and settings of the model after the deck has been read.
 
 use super::StudyError;
 use super::grid::Grid;
@@ -8,12 +7,18 @@ use crate::model::{
     Hourglass, IncrementControl, Load, LoadKind, LoadVelocity, Model, Precision, SectionControls, Step,
 };
 
-/// Names of the knobs.
-pub const KNOBS: [&str; 5] = ["increment", "load-velocity", "hourglass", "estimate", "precision"];
+/// Parameters that every study has, by name.
+const BUILT_IN: [(&str, StudyParameter); 5] = [
+    ("increment", StudyParameter::Increment),
+    ("load-velocity", StudyParameter::LoadVelocity),
+    ("hourglass", StudyParameter::Hourglass),
+    ("estimate", StudyParameter::Estimate),
+    ("precision", StudyParameter::Precision),
+];
 
 /// What an axis of a study changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Knob {
+pub enum StudyParameter {
     /// A `*PARAMETER` of the deck.
     Parameter(String),
     /// Factor on the increment.
@@ -34,7 +39,7 @@ pub struct Axis {
     /// As written.
     pub name: String,
     /// What it changes.
-    pub knob: Knob,
+    pub parameter: StudyParameter,
     /// Values from coarse to fine, as written.
     pub values: Vec<String>,
     /// Size of each value, falling; empty where the values are choices and not levels.
@@ -69,9 +74,6 @@ impl Axis {
 }
 
 /// Reads all `--refine NAME=v1,v2,…` of a study on a deck with these parameters.
-///
-/// # Errors
-/// In words: a name that is neither parameter nor knob, values that are none, one level alone, levels out of order.
 pub fn axes(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, StudyError> {
     read(settings, parameters).map_err(StudyError::Setting)
 }
@@ -82,39 +84,36 @@ fn read(settings: &[String], parameters: &[String]) -> Result<Vec<Axis>, String>
 }
 
 fn axis(name: &str, values: &[String], parameters: &[String]) -> Result<Axis, String> {
-    let knob = knob(name, parameters)?;
-    let mut axis = Axis { name: name.to_owned(), knob, values: values.to_vec(), sizes: Vec::new() };
+    let parameter = parameter(name, parameters)?;
+    let mut axis = Axis { name: name.to_owned(), parameter, values: values.to_vec(), sizes: Vec::new() };
     for value in values {
-        edit(&axis.knob, value)?;
+        edit(&axis.parameter, value)?;
     }
     let numbers: Option<Vec<f64>> = values.iter().map(|v| v.parse().ok()).collect();
     match numbers {
         Some(numbers) => axis.sizes = sizes(name, &numbers, &axis)?,
-        None if axis.knob == Knob::Increment => return Err(format!("--refine {name}: factors are numbers")),
+        None if axis.parameter == StudyParameter::Increment => {
+            return Err(format!("--refine {name}: factors are numbers"));
+        }
         None => {}
     }
     Ok(axis)
 }
 
-fn knob(name: &str, parameters: &[String]) -> Result<Knob, String> {
+fn parameter(name: &str, parameters: &[String]) -> Result<StudyParameter, String> {
     if parameters.iter().any(|p| p == name) {
-        return Ok(Knob::Parameter(name.to_owned()));
+        return Ok(StudyParameter::Parameter(name.to_owned()));
     }
-    match name {
-        "increment" => Ok(Knob::Increment),
-        "load-velocity" => Ok(Knob::LoadVelocity),
-        "hourglass" => Ok(Knob::Hourglass),
-        "estimate" => Ok(Knob::Estimate),
-        "precision" => Ok(Knob::Precision),
-        _ => Err(unknown(name, parameters)),
-    }
+    let known = BUILT_IN.into_iter().find(|known| known.0 == name);
+    known.map(|known| known.1).ok_or_else(|| unknown(name, parameters))
 }
 
 fn unknown(name: &str, parameters: &[String]) -> String {
-    let known = parameters.iter().map(String::as_str).chain(KNOBS);
+    let built_in = BUILT_IN.map(|known| known.0);
+    let known = parameters.iter().map(String::as_str).chain(built_in);
     let near = nearest(name, known).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
     let own = if parameters.is_empty() { "none".into() } else { parameters.join(", ") };
-    format!("--refine {name}: {near}the deck's parameters are {own}; the knobs are {}", KNOBS.join(", "))
+    format!("--refine {name}: {near}the deck's parameters are {own}; those of every study are {}", built_in.join(", "))
 }
 
 fn sizes(name: &str, numbers: &[f64], axis: &Axis) -> Result<Vec<f64>, String> {
@@ -129,7 +128,7 @@ fn sizes(name: &str, numbers: &[f64], axis: &Axis) -> Result<Vec<f64>, String> {
              facets), falling where they measure (lengths, increments)"
         ));
     }
-    if rising && axis.knob == Knob::Increment {
+    if rising && axis.parameter == StudyParameter::Increment {
         return Err(format!("--refine {name}: factors on the increment fall from coarse to fine"));
     }
     Ok(numbers.iter().map(|v| if rising { 1.0 / v } else { *v }).collect())
@@ -142,29 +141,23 @@ fn refuse(why: &str) -> Result<(), StudyError> {
 /// A change of the model, or why it cannot be made.
 pub type Edit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
 
-/// The change of the model that a value of a knob asks for; none for a parameter of the deck.
-///
-/// # Errors
-/// In words, for a value the knob does not have.
-pub(super) fn edit(knob: &Knob, value: &str) -> Result<Option<Edit>, String> {
-    match knob {
-        Knob::Parameter(_) => Ok(None),
-        Knob::Increment => increment(value).map(Some),
-        Knob::LoadVelocity => load_velocity(value).map(Some),
-        Knob::Hourglass => hourglass(value).map(Some),
-        Knob::Estimate => stable_estimate(value).map(Some),
-        Knob::Precision => precision(value).map(Some),
+/// The change of the model that a value of a parameter asks for; none for a parameter of the deck.
+pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<Edit>, String> {
+    match parameter {
+        StudyParameter::Parameter(_) => Ok(None),
+        StudyParameter::Increment => increment(value).map(Some),
+        StudyParameter::LoadVelocity => load_velocity(value).map(Some),
+        StudyParameter::Hourglass => hourglass(value).map(Some),
+        StudyParameter::Estimate => stable_estimate(value).map(Some),
+        StudyParameter::Precision => precision(value).map(Some),
     }
 }
 
-/// Refuses knobs that turn nothing in this model.
-///
-/// # Errors
-/// In words, of the first value that cannot be set.
+/// Refuses parameters that change nothing in this model.
 pub fn check(axes: &[Axis], model: &Model) -> Result<(), StudyError> {
     for axis in axes {
         for value in &axis.values {
-            if let Some(edit) = edit(&axis.knob, value).map_err(StudyError::Setting)? {
+            if let Some(edit) = edit(&axis.parameter, value).map_err(StudyError::Setting)? {
                 edit(&mut model.clone())?;
             }
         }
@@ -181,8 +174,7 @@ fn increment(value: &str) -> Result<Edit, String> {
     }))
 }
 
-/// A fixed increment and a stable one are multiplied; where an error estimate rules, increments go with the root of the
-/// accuracy aimed at.
+/// Scales a fixed or stable increment; under error control the accuracy goes with the square of the factor.
 fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), StudyError> {
     if let IncrementControl::Automatic { largest, .. } = &mut step.increment {
         *largest *= factor;

@@ -1,5 +1,4 @@
 //! `sweep`: a deck over a grid of parameters, spread over the threads, with references beside the results.
-//! Never here: printing.
 
 use std::ops::Range;
 use std::path::Path;
@@ -9,9 +8,10 @@ use rayon::prelude::*;
 use super::StudyError;
 use super::chart::{Chart, Form, Series};
 use super::compare::{Reference, rms};
+use super::error::accepted;
 use super::grid::Grid;
-use super::quantity::{self, Finished, Quantity};
-use super::table::number;
+use super::quantity::{self, FinishedRun, Quantity};
+use super::table::{Table, number};
 use crate::job;
 use crate::model::Precision;
 use crate::output::{History, Job};
@@ -28,8 +28,8 @@ pub struct Results {
     pub doubts: Vec<Vec<String>>,
 }
 
-/// Runs every combination of a deck, with elements in a precision. The results do not depend on the number of threads: runs share nothing, and the user's
-/// routines start afresh in each.
+/// Runs combinations of a grid, by their indices; with a job, writes summary and histories of each run into its own folder. The
+/// results do not depend on the number of threads: user subroutines start afresh in each run.
 ///
 /// ```
 /// use revolve::model::Precision;
@@ -37,24 +37,13 @@ pub struct Results {
 ///
 /// let grid = Grid::parse(&["V=569,781".into()])?;
 /// let depth = Quantity::parse("-1000*final(U2@REF)")?;
-/// let results = sweep::run(("input/ogive.inp".as_ref(), Precision::Double), &grid, &[depth], None, &|| {});
+/// let deck = ("input/ogive.inp".as_ref(), Precision::Double);
+/// let results = sweep::run(deck, (&grid, 0..2), &[depth], None, None, &|| {});
 /// let depths = results.values.into_iter().collect::<Result<Vec<_>, StudyError>>()?;
 /// assert!(depths[1][0] > depths[0][0]); // The faster one goes deeper.
 /// # Ok::<(), StudyError>(())
 /// ```
 pub fn run(
-    deck: (&Path, Precision),
-    grid: &Grid,
-    quantities: &[Quantity],
-    user: Option<&Compiled>,
-    done: &(dyn Fn() + Sync),
-) -> Results {
-    run_cases(deck, (grid, 0..grid.count()), quantities, user, None, done)
-}
-
-/// The same of some of the combinations, by their indices; with a job, summary and histories of each run are written in a folder
-/// of its own beside it.
-pub fn run_cases(
     deck: (&Path, Precision),
     (grid, cases): (&Grid, Range<usize>),
     quantities: &[Quantity],
@@ -91,16 +80,13 @@ fn one(
     kept: Option<&Job>,
 ) -> Result<(Vec<f64>, Vec<String>), StudyError> {
     let routines = Compiled::open_any(user)?;
-    let prepared = job::prepare_in(precision, deck, overrides, &routines);
-    if prepared.diagnostics.has_errors() {
-        return Err(StudyError::refused(&prepared));
-    }
+    let prepared = accepted(job::prepare_in(precision, deck, overrides, &routines))?;
     let mut history = match kept {
         None => quantity::history(quantities, &prepared.plan),
         Some(_) => History::of_rows(prepared.plan.column_names()),
     };
     let (outcome, state) = job::run_into(&prepared, &mut history);
-    let run = Finished { history: &history, end: Some((outcome.total_time(), &state)) };
+    let run = FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) };
     let values = quantities.iter().map(|q| q.number(run)).collect::<Result<_, _>>();
     let doubts = outcome.unfinished.iter().chain(&outcome.warnings).cloned().collect();
     let halt = outcome.halt.clone();
@@ -113,9 +99,6 @@ fn one(
 }
 
 /// What keeps a reference table from standing beside a sweep: none of its rows has a value of the first parameter.
-///
-/// # Errors
-/// [`StudyError::Reference`], with what either has.
 pub fn comparable(grid: &Grid, path: &Path, reference: &Reference) -> Result<(), StudyError> {
     let Some((first, swept)) = grid.axes().first() else { return Ok(()) };
     if swept.iter().any(|v| v.parse().is_ok_and(|v| reference.at(v).is_some())) {
@@ -125,22 +108,20 @@ pub fn comparable(grid: &Grid, path: &Path, reference: &Reference) -> Result<(),
     let more = if reference.rows.len() > 5 { ", …" } else { "" };
     let (swept, known) = (swept.join(" or "), known.join(", "));
     let message = format!("no row of it has {first} = {swept}; its first column has {known}{more}");
-    Err(StudyError::Reference { path: path.to_owned(), message })
+    Err(StudyError::file("--compare", path, message))
 }
 
-/// A sweep's results with reference columns beside them, ready to print.
+/// A sweep's results with reference columns.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sheet {
-    /// Column names.
-    pub header: Vec<String>,
-    /// Cells as text.
-    pub rows: Vec<Vec<String>>,
+pub struct ComparedTable {
+    /// Parameters, quantities, references and differences from them.
+    pub table: Table,
     /// Root mean square of the differences from each reference column.
     pub rms: Vec<(String, f64)>,
 }
 
 /// Puts results (of the first quantity) beside the references: for each a column and the difference from it.
-pub fn sheet(grid: &Grid, quantities: &[Quantity], results: &Results, reference: Option<&Reference>) -> Sheet {
+pub fn table(grid: &Grid, quantities: &[Quantity], results: &Results, reference: Option<&Reference>) -> ComparedTable {
     let mut header: Vec<String> = grid.names().into_iter().map(str::to_owned).collect();
     header.extend(quantities.iter().map(|q| q.text.clone()));
     let columns = reference.map_or(&[][..], |r| &r.columns);
@@ -167,11 +148,10 @@ pub fn sheet(grid: &Grid, quantities: &[Quantity], results: &Results, reference:
         rows.push(row);
     }
     let rms = columns.iter().zip(&differences).filter_map(|(c, d)| Some((c.clone(), rms(d)?))).collect();
-    Sheet { header, rows, rms }
+    ComparedTable { table: Table { header, rows }, rms }
 }
 
-/// Results and references over the first swept parameter; of a grid, one line for each combination of the others, of scattered
-/// cases a mark each.
+/// Results and references over the first swept parameter: a line for each combination of the others, marks for scattered cases.
 pub fn chart(
     title: &str,
     grid: &Grid,
@@ -194,17 +174,16 @@ pub fn chart(
             };
             match series.iter_mut().find(|s| s.name == name) {
                 Some(known) => known.points.push((x, *value)),
-                None => series.push(Series { name, points: vec![(x, *value)], form }),
+                None => series.push(Series::new(name, form, vec![(x, *value)])),
             }
         }
     }
     for (i, column) in reference.map_or(&[][..], |r| &r.columns).iter().enumerate() {
         let points = reference.into_iter().flat_map(|r| &r.rows).map(|r| (r.0, r.1[i])).collect();
-        series.push(Series { name: column.clone(), points, form: Form::Marks });
+        series.push(Series::new(column, Form::Marks, points));
     }
-    let y_label = quantities.first().map_or(String::new(), |q| q.text.clone());
-    let x_label = names.first().map_or(String::new(), |n| (*n).to_owned());
-    Chart { title: title.into(), x_label, y_label, series, ..Chart::default() }
+    let y_label = quantities.first().map_or("", |q| &q.text);
+    Chart::new(title, [names.first().copied().unwrap_or_default(), y_label], series)
 }
 
 #[cfg(test)]

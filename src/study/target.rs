@@ -1,13 +1,12 @@
 //! `--target`: one level after the other until the error is inside, then the cheapest setting that holds it.
-//! Never here: estimates of errors, prices.
 
 use serde::Serialize;
 
 use super::StudyError;
-use super::bench::Bench;
 use super::price;
-use super::refinement::{Row, Series, Study, families, judge};
+use super::refinement::{RefinementSeries, Study, StudyRow, families, judge};
 use super::richardson::{Behaviour, FORMAL_ORDER};
+use super::runner::StudyRunner;
 use super::settings::Axis;
 
 /// Levels beyond those given.
@@ -28,9 +27,6 @@ pub struct Target {
 
 impl Target {
     /// Reads `0.5%` (relative) or `1e-6` (in the units of the quantity).
-    ///
-    /// # Errors
-    /// In words, for what is no number above zero.
     pub fn parse(text: &str) -> Result<Target, StudyError> {
         let (number, relative) = match text.trim().strip_suffix('%') {
             Some(number) => (number.trim(), true),
@@ -50,7 +46,7 @@ impl Target {
 
 /// Whether a target was met.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Met {
+pub struct TargetResult {
     /// What was aimed at.
     pub target: Target,
     /// Row of the cheapest setting that holds it; `None` where none does.
@@ -107,15 +103,12 @@ fn between(axis: &Axis, size: f64) -> String {
 }
 
 /// Refines all levels together, family by family, until the error is inside the target.
-///
-/// # Errors
-/// In words, where the refinements differ in their number of levels.
 pub fn reach(
-    bench: &mut Bench<'_>,
+    bench: &mut StudyRunner<'_>,
     axes: &[Axis],
     exact: Option<f64>,
     target: Target,
-) -> Result<(Study, Met), StudyError> {
+) -> Result<(Study, TargetResult), StudyError> {
     let wrong = |why: &str| StudyError::Setting(why.into());
     let mut counts = axes.iter().filter(|a| a.is_refinement()).map(|a| a.sizes.len());
     let first = counts.next().ok_or_else(|| wrong("--target needs a --refine with levels"))?;
@@ -134,13 +127,13 @@ pub fn reach(
     }
     judge(&mut whole, exact, bench.measure().is_norm());
     let run = target.bound(&whole).and_then(|bound| price::cheapest(&whole, bound));
-    Ok((whole, Met { target, run }))
+    Ok((whole, TargetResult { target, run }))
 }
 
 /// One family: up the ladder, then a look between its levels.
-fn climb(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target: Target, family: usize) -> Study {
+fn climb(bench: &mut StudyRunner<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target: Target, family: usize) -> Study {
     let along: Vec<&str> = ladder.axes.iter().filter(|a| a.is_refinement()).map(|a| a.name.as_str()).collect();
-    let series = Series { along: along.join(" and "), rows: Vec::new(), sizes: Vec::new(), estimate: None };
+    let series = RefinementSeries { along: along.join(" and "), rows: Vec::new(), sizes: Vec::new(), estimate: None };
     let mut study = Study { series: vec![series], ..Study::default() };
     let norm = bench.measure().is_norm();
     let inside = |study: &Study, row: usize| {
@@ -154,7 +147,7 @@ fn climb(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target:
         let values = ladder.values(level, 1.0);
         let run = bench.at(ladder.axes, &values, None);
         let failed = run.is_err();
-        study.rows.push(Row::new(values, run, 0));
+        study.rows.push(StudyRow::new(values, run, 0));
         study.series[0].rows.push(level);
         study.series[0].sizes.push(ladder.leading(level));
         judge(&mut study, exact, norm);
@@ -169,7 +162,7 @@ fn climb(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target:
 
 /// Element-cycles of the next level by the ratio of the last two.
 fn next_cycles(study: &Study) -> Option<f64> {
-    let cycles = |row: &Row| row.run.as_ref().ok().map(|r| r.element_cycles());
+    let cycles = |row: &StudyRow| row.run.as_ref().ok().map(|r| r.element_cycles());
     match &study.rows[..] {
         [.., a, b] => Some(cycles(b)? * cycles(b)? / cycles(a)?),
         _ => None,
@@ -177,7 +170,13 @@ fn next_cycles(study: &Study) -> Option<f64> {
 }
 
 /// The coarsest setting that the observed power lets hold the target, tried where it is coarser than the level that does.
-fn look_between(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target: Target, study: &mut Study) {
+fn look_between(
+    bench: &mut StudyRunner<'_>,
+    ladder: &Ladder<'_>,
+    exact: Option<f64>,
+    target: Target,
+    study: &mut Study,
+) {
     let Some(factor) = coarser(study, exact, target) else { return };
     let finest = study.series[0].rows.len() - 1;
     let values = ladder.values(finest, factor);
@@ -185,7 +184,7 @@ fn look_between(bench: &mut Bench<'_>, ladder: &Ladder<'_>, exact: Option<f64>, 
         return;
     }
     let run = bench.at(ladder.axes, &values, None);
-    study.rows.push(Row::new(values, run, 0));
+    study.rows.push(StudyRow::new(values, run, 0));
     judge(study, exact, bench.measure().is_norm());
 }
 

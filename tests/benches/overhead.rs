@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use revolve::deck;
 use revolve::job::{self, Overrides};
-use revolve::study::bench::Bench;
 use revolve::study::quantity::Quantity;
+use revolve::study::runner::StudyRunner;
 use revolve::study::{record, refinement, settings};
 use revolve::user::Routines;
 
@@ -19,9 +19,9 @@ fn study() -> f64 {
     let measure = Quantity::parse("final(U2@REF)").expect("a quantity");
     let axes = settings::axes(&["n=20,40,80,160".to_owned()], &["n".to_owned()]).expect("levels");
     let begin = Instant::now();
-    let mut bench = Bench::new(&source, &[], None, &measure, 10, &|| {});
+    let mut bench = StudyRunner::new(&source, &[], None, &measure, 10, &|| {});
     let study = refinement::grid(&mut bench, &axes, None).expect("a study");
-    assert_eq!(record::sheet(&study, true).1.len(), 4);
+    assert_eq!(record::table(&study, true).rows.len(), 4);
     begin.elapsed().as_secs_f64() / bench.spent()
 }
 

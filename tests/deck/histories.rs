@@ -8,7 +8,7 @@ use crate::common::{Memory, prepared};
 use revolve::job;
 use revolve::model::{NodeSetId, OutputExpression, OutputRequest, Region};
 use revolve::solve;
-use revolve::study::quantity::{Finished, Quantity};
+use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::Routines;
 use revolve::variables::Variable;
 use revolve::variables::statistic::Statistic;
@@ -153,7 +153,7 @@ fn expressions_are_columns_like_others() {
     let (outcome, _) = solve::run(&prepared.plan, prepared.state.clone(), &mut history);
     let own = Quantity::parse("-1000*(at(U2@TIP, 0.01) - at(U2@FOOT, 0.01))").expect("a quantity");
     let [found, expected] =
-        [&quantity, &own].map(|q| q.number(Finished { history: &history, end: None }).expect("a number"));
+        [&quantity, &own].map(|q| q.number(FinishedRun { history: &history, end: None }).expect("a number"));
     assert!((found / expected - 1.0).abs() < 1e-12 && outcome.halt.is_none(), "{found} {expected}");
 }
 

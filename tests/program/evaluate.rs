@@ -9,8 +9,8 @@ use std::sync::atomic::AtomicUsize;
 
 use revolve::job;
 use revolve::study::StudyError;
-use revolve::study::evaluate::{Evaluator, Samples, Source, User};
-use revolve::study::quantity::{Finished, Quantity, history};
+use revolve::study::evaluate::{DeckSource, Evaluator, Samples, UserRoutines};
+use revolve::study::quantity::{FinishedRun, Quantity, history};
 use revolve::user::Routines;
 
 use crate::common::project;
@@ -94,7 +94,7 @@ lengths = 2.
 ";
 
 /// Quantities of a run from the deck's text on, or why there are none.
-fn alone(source: &Source, parameter: &str, value: f64, quantities: &[Quantity]) -> Result<Vec<u64>, String> {
+fn alone(source: &DeckSource, parameter: &str, value: f64, quantities: &[Quantity]) -> Result<Vec<u64>, String> {
     let overrides = [(parameter.to_owned(), format!("{value:?}"))];
     let prepared = job::prepare_edited(source.read(&overrides), &mut |_| {}, &Routines::none());
     if prepared.diagnostics.has_errors() {
@@ -105,7 +105,7 @@ fn alone(source: &Source, parameter: &str, value: f64, quantities: &[Quantity]) 
     if let Some(halt) = outcome.halt {
         return Err(StudyError::Halted(halt).to_string());
     }
-    let run = Finished { history: &history, end: Some((outcome.steps.iter().map(|s| s.time).sum(), &state)) };
+    let run = FinishedRun { history: &history, end: Some((outcome.steps.iter().map(|s| s.time).sum(), &state)) };
     quantities.iter().map(|q| q.number(run).map(f64::to_bits).map_err(|e| e.to_string())).collect()
 }
 
@@ -125,7 +125,7 @@ fn table(evaluator: &Evaluator, samples: &[f64], width: usize, threads: usize) -
     values.chunks(width).enumerate().map(row).collect()
 }
 
-fn agree(source: &Source, texts: &[&str]) {
+fn agree(source: &DeckSource, texts: &[&str]) {
     let quantities: Vec<Quantity> = texts.iter().map(|t| Quantity::parse(t).expect("a quantity")).collect();
     let (deck, _) = source.read(&[]);
     for (name, value) in &deck.parameters {
@@ -133,7 +133,7 @@ fn agree(source: &Source, texts: &[&str]) {
         let expected: Vec<_> = samples.iter().map(|x| alone(source, name, *x, &quantities)).collect();
         assert!(expected[0].is_ok(), "{name}: {:?}", expected[0]);
         let evaluator =
-            Evaluator::new(source.clone(), Vec::new(), vec![name.clone()], quantities.clone(), User::Absent);
+            Evaluator::new(source.clone(), Vec::new(), vec![name.clone()], quantities.clone(), UserRoutines::Absent);
         let evaluator = evaluator.expect("an evaluator");
         for threads in [1, 3] {
             assert_eq!(table(&evaluator, &samples, texts.len(), threads), expected, "{name}, {threads} threads");
@@ -145,39 +145,40 @@ fn agree(source: &Source, texts: &[&str]) {
 
 #[test]
 fn a_table_has_the_bits_of_runs() {
-    let ogive = Source::File(project("input/ogive.inp"));
+    let ogive = DeckSource::File(project("input/ogive.inp"));
     agree(&ogive, &["-1000*final(U2@REF)"]);
     agree(&ogive, &["final(U2@REF)", "max(ALLCAV) + mean(V2@REF, 0, 1e-4)"]);
     // Where an angle makes or unmakes a body in space each sample is planned as any run is.
     let oblique = std::fs::read_to_string(project("input/oblique.inp")).expect("a deck");
     let short = oblique.replace(" , 4.e-4", " , 1.e-5").replace("stations  = 64", "stations = 8");
     let short = short.replace("n     = 20", "n = 4").replace("m     = 10", "m = 2");
-    agree(&Source::Text("oblique.inp".into(), short), &["final(U2@REF)", "final(ALLKE)"]);
-    let loads = Source::Text("loads.inp".into(), LOADS.into());
+    agree(&DeckSource::Text("oblique.inp".into(), short), &["final(U2@REF)", "final(ALLKE)"]);
+    let loads = DeckSource::Text("loads.inp".into(), LOADS.into());
     agree(&loads, &["final(U2@ALL)", "final(ETOTAL)"]);
     agree(&loads, &["min(V2@ALL)"]);
 }
 
 #[test]
 fn what_nothing_can_come_of_is_refused_before_any_run() {
-    let source = Source::File(project("input/ogive.inp"));
+    let source = DeckSource::File(project("input/ogive.inp"));
     let make = |name: &str, quantity: &str| {
         let quantities = vec![Quantity::parse(quantity).expect("a quantity")];
-        Evaluator::new(source.clone(), Vec::new(), vec![name.into()], quantities, User::Absent).map(|_| ())
+        Evaluator::new(source.clone(), Vec::new(), vec![name.into()], quantities, UserRoutines::Absent).map(|_| ())
     };
     let told = |made: Result<(), StudyError>| made.expect_err("refused").to_string();
     assert!(told(make("v", "final(U2@REF)")).contains("did you mean V?"));
     assert!(told(make("V", "final(U2@RFE)")).contains("did you mean U2@REF?"));
-    let broken = Source::File(Path::new("no such deck.inp").into());
-    let made = Evaluator::new(broken, Vec::new(), Vec::new(), Vec::new(), User::Absent).map(|_| ());
+    let broken = DeckSource::File(Path::new("no such deck.inp").into());
+    let made = Evaluator::new(broken, Vec::new(), Vec::new(), Vec::new(), UserRoutines::Absent).map(|_| ());
     assert!(matches!(made, Err(StudyError::Refused { code: "D001", .. })), "{made:?}");
 }
 
 #[test]
 fn an_interrupt_ends_a_table_early() {
     let quantities = vec![Quantity::parse("final(U2@REF)").expect("a quantity")];
-    let source = Source::File(project("input/ogive.inp"));
-    let evaluator = Evaluator::new(source, Vec::new(), vec!["V".into()], quantities, User::Absent).expect("made");
+    let source = DeckSource::File(project("input/ogive.inp"));
+    let evaluator =
+        Evaluator::new(source, Vec::new(), vec!["V".into()], quantities, UserRoutines::Absent).expect("made");
     let samples = vec![500.0; 1000];
     for threads in [1, 2] {
         let mut values = vec![f64::NAN; samples.len()];

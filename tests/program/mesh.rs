@@ -3,32 +3,32 @@
 
 use std::f64::consts::PI;
 
-use revolve::generate::{Cavity, Fill, Labels, Measure, Mesh, Nose, Wanted};
+use revolve::generate::{Cavity, DeckLabels, Fill, Mesh, MeshMeasure, MeshRequest, Nose};
 use revolve::job;
 use revolve::user::Routines;
 
 use crate::common::{self, revolve};
 
-fn wanted(nose: Nose, length: f64, size: f64) -> Wanted {
-    Wanted { nose, radius: 1.0, length, size, along: 1.0, across: 1.0, cavity: None }
+fn wanted(nose: Nose, length: f64, size: f64) -> MeshRequest {
+    MeshRequest { nose, radius: 1.0, length, size, along: 1.0, across: 1.0, cavity: None }
 }
 
-fn hollow(fill: Fill, through: Option<usize>, wall: f64, base: f64) -> Wanted {
+fn hollow(fill: Fill, through: Option<usize>, wall: f64, base: f64) -> MeshRequest {
     let cavity = Some(Cavity { wall, through, front: 4.0, base, fill });
-    Wanted { cavity, ..wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25) }
+    MeshRequest { cavity, ..wanted(Nose::Ogive { crh: 3.0 }, 10.0, 0.25) }
 }
 
-fn measure(wanted: &Wanted) -> Measure {
+fn measure(wanted: &MeshRequest) -> MeshMeasure {
     Mesh::new(wanted).unwrap_or_else(|e| panic!("{wanted:?}: {e:?}")).measure()
 }
 
-fn refusal(wanted: &Wanted) -> &'static str {
+fn refusal(wanted: &MeshRequest) -> &'static str {
     Mesh::new(wanted).expect_err("a refusal").code
 }
 
 /// The deck of a mesh with all that a run needs besides, loaded on its whole outer surface.
-fn findings(wanted: &Wanted) -> String {
-    let labels = Labels { first: 1001, prefix: "P_".into(), material: "STEEL".into(), fill: "SOFT".into() };
+fn findings(wanted: &MeshRequest) -> String {
+    let labels = DeckLabels { first: 1001, prefix: "P_".into(), material: "STEEL".into(), fill: "SOFT".into() };
     let mesh = Mesh::new(wanted).expect("a mesh").deck(&labels, &["a comment".into()]);
     let text = format!(
         "{mesh}*Material, name=STEEL\n*Density\n 7800.\n*Elastic\n 2.e11, 0.3\n*Material, name=SOFT\n*Density\n 1600.\n*Elastic\n \
@@ -128,8 +128,8 @@ fn cases_and_fills_have_their_volumes_and_nodes() {
 #[test]
 fn sizes_grow_along_and_across() {
     let even = measure(&wanted(Nose::Blunt, 8.0, 0.25));
-    let along = measure(&Wanted { along: 4.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
-    let across = measure(&Wanted { across: 3.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
+    let along = measure(&MeshRequest { along: 4.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
+    let across = measure(&MeshRequest { across: 3.0, ..wanted(Nose::Blunt, 8.0, 0.25) });
     assert!((even.aspect.0 - 1.0).abs() < 1e-9, "{:?}", even.aspect);
     assert!((3.0..4.0).contains(&along.aspect.0) && along.aspect.1[1] > 7.0, "{:?}", along.aspect);
     assert!(across.aspect.0 > 1.5 && across.height.1[0] > 0.8, "{across:?}");
@@ -161,14 +161,14 @@ fn what_cannot_be_meshed_is_refused_in_words() {
     let profile = |points: &[[f64; 2]]| wanted(Nose::Polyline(points.to_vec()), 1.0, 0.2);
     let cavity = |wall: f64, front: f64, base: f64| {
         let cavity = Some(Cavity { wall, through: None, front, base, fill: Fill::None });
-        Wanted { cavity, ..ogive.clone() }
+        MeshRequest { cavity, ..ogive.clone() }
     };
     let cases = [
-        ("G001", Wanted { radius: -1.0, ..ogive.clone() }),
-        ("G001", Wanted { size: f64::NAN, ..ogive.clone() }),
-        ("G001", Wanted { size: 2.0, ..ogive.clone() }),
-        ("G001", Wanted { size: 1e-4, ..ogive.clone() }),
-        ("G001", Wanted { along: 0.0, ..ogive.clone() }),
+        ("G001", MeshRequest { radius: -1.0, ..ogive.clone() }),
+        ("G001", MeshRequest { size: f64::NAN, ..ogive.clone() }),
+        ("G001", MeshRequest { size: 2.0, ..ogive.clone() }),
+        ("G001", MeshRequest { size: 1e-4, ..ogive.clone() }),
+        ("G001", MeshRequest { along: 0.0, ..ogive.clone() }),
         ("G002", wanted(Nose::Ogive { crh: 0.4 }, 10.0, 0.25)),
         ("G002", wanted(Nose::Cone { half_angle: 90.0 }, 10.0, 0.25)),
         ("G003", wanted(Nose::Ogive { crh: 3.0 }, 3.0, 0.25)),

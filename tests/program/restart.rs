@@ -11,7 +11,7 @@ use revolve::job::{self, Demand, Options};
 use revolve::output::{Frame, Job};
 use revolve::solve::Instant;
 use revolve::solve::{self, Control, Every, Outcome, Progress, Sink, SinkError};
-use revolve::study::quantity::{Finished, Quantity};
+use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::compile::compile;
 use revolve::user::{
     AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
@@ -698,7 +698,7 @@ fn quantities_of_a_run_that_went_on_are_those_of_the_whole() {
     assert!(gone_on.timing.resumed_at.is_some_and(|increment| increment > 0));
     for text in ["min(V2@REF)", "time_min(V2@REF)", "at(U2@REF, 5e-5)", "mean(V2@REF, 1e-5, 9e-4)"] {
         let quantity = Quantity::parse(text).expect("a quantity");
-        let [a, b] = [&whole, &gone_on].map(|run| quantity.number(Finished { history: &run.history, end: None }));
+        let [a, b] = [&whole, &gone_on].map(|run| quantity.number(FinishedRun { history: &run.history, end: None }));
         assert_eq!(a.expect("a number").to_bits(), b.expect("a number").to_bits(), "{text}");
     }
 }

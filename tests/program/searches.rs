@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicUsize;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore as _, SeedableRng as _};
-use revolve::study::evaluate::{Evaluator, Samples, Source, User};
+use revolve::study::evaluate::{DeckSource, Evaluator, Samples, UserRoutines};
 use revolve::study::identify::{self, Shots};
 use revolve::study::quantity::Quantity;
 use revolve::study::statistics::least_squares::Fit;
@@ -37,9 +37,9 @@ fn number(value: &Value) -> f64 {
 
 fn evaluator(names: &[&str]) -> Evaluator {
     let names = names.iter().map(|n| (*n).to_owned()).collect();
-    let source = Source::File(project("input/ogive.inp"));
+    let source = DeckSource::File(project("input/ogive.inp"));
     let quantity = Quantity::parse(DEPTH).expect("a quantity");
-    Evaluator::new(source, Vec::new(), names, vec![quantity], User::Absent).expect("an evaluator")
+    Evaluator::new(source, Vec::new(), names, vec![quantity], UserRoutines::Absent).expect("an evaluator")
 }
 
 /// Shots of the deck as it stands, with normal errors of 1.5 mm.

@@ -4,10 +4,10 @@
 //! met by a setting that is not much dearer than need be.
 //! Source: the answers of `study_cases.rs`, closed forms all.
 
-use revolve::study::bench::Bench;
 use revolve::study::quantity::Quantity;
 use revolve::study::refinement::{self, Study};
 use revolve::study::richardson::Behaviour;
+use revolve::study::runner::StudyRunner;
 use revolve::study::settings;
 use revolve::study::target::{self, Target};
 
@@ -17,7 +17,7 @@ use crate::study_cases::{self as cases, Case};
 fn study(case: &Case, told: bool) -> Study {
     let measure = Quantity::parse(&case.quantity).expect("a quantity");
     let axes = settings::axes(&[case.refine.to_owned()], &["n".to_owned()]).expect("levels");
-    let mut bench = Bench::new(&*case.deck, &[], None, &measure, 1, &|| {});
+    let mut bench = StudyRunner::new(&*case.deck, &[], None, &measure, 1, &|| {});
     let study = refinement::grid(&mut bench, &axes, told.then_some(case.exact)).expect("a study");
     for row in &study.rows {
         assert!(row.run.is_ok(), "{}: {:?}", case.name, row.run);
@@ -93,7 +93,7 @@ fn a_target_is_met_and_not_overpaid() {
         let aim = 0.2 * errors[0];
         let measure = Quantity::parse(&case.quantity).expect("a quantity");
         let axes = settings::axes(&[case.refine.to_owned()], &["n".to_owned()]).expect("levels");
-        let mut bench = Bench::new(&*case.deck, &[], None, &measure, 1, &|| {});
+        let mut bench = StudyRunner::new(&*case.deck, &[], None, &measure, 1, &|| {});
         let wanted = Target { value: aim, relative: true };
         let (reached, met) = target::reach(&mut bench, &axes, None, wanted).expect("a study");
         let named = met.run.unwrap_or_else(|| panic!("{}: {aim:e} not reached", case.name));
@@ -107,7 +107,7 @@ fn a_target_is_met_and_not_overpaid() {
             let value = axes[0].value(coarser);
             let value = if axes[0].counts() { format!("{}", value.floor()) } else { format!("{value:e}") };
             let run = bench.at(&axes, &[value], None).expect("a run");
-            if let revolve::study::quantity::Found::Number(found) = run.found
+            if let revolve::study::quantity::QuantityValue::Number(found) = run.found
                 && true_error(&case, found) <= aim
             {
                 least = least.min(run.element_cycles());

@@ -9,10 +9,10 @@ use std::f64::consts::PI;
 use revolve::deck;
 use revolve::job::Overrides;
 use revolve::model;
-use revolve::study::bench::Bench;
 use revolve::study::effects::{self, Effect, Effects};
 use revolve::study::quantity::Quantity;
 use revolve::study::refinement;
+use revolve::study::runner::StudyRunner;
 use revolve::study::settings;
 
 use crate::common;
@@ -24,7 +24,7 @@ fn left_out(text: &str, refine: &str, quantity: &str) -> Effects {
     let (read, _) = source(&[]);
     let parameters: Vec<String> = read.parameters.iter().map(|p| p.0.clone()).collect();
     let axes = settings::axes(&[refine.to_owned()], &parameters).expect("levels");
-    let mut bench = Bench::new(&source, &[], None, &measure, 1, &|| {});
+    let mut bench = StudyRunner::new(&source, &[], None, &measure, 1, &|| {});
     effects::leave_out(&mut bench, &axes, &model::build(&read).0).expect("effects")
 }
 
@@ -240,7 +240,7 @@ fn norms_of_shells() {
     let source = |overrides: &Overrides| deck::read_text("case.inp", text, overrides);
     let measure = Quantity::parse("norm(U2)").expect("a quantity");
     let axes = settings::axes(&["n=8,16,32".to_owned()], &["n".to_owned(), "last".to_owned()]).expect("levels");
-    let mut bench = Bench::new(&source, &[], None, &measure, 1, &|| {});
+    let mut bench = StudyRunner::new(&source, &[], None, &measure, 1, &|| {});
     let study = refinement::grid(&mut bench, &axes, None).expect("a study");
     let row = study.rows.last().expect("rows");
     let order = row.estimates.last().copied().flatten().and_then(|e| e.order).expect("an order");

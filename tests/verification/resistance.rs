@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use revolve::resistance::fit::Weight;
 use revolve::resistance::rate::{Factor, Rate};
 use revolve::resistance::similarity::{Expansion, Point};
-use revolve::resistance::{Curve, Derived, Fault, Material, Request, Target, derive};
+use revolve::resistance::{Curve, Derived, Material, Request, ResistanceError, Target, derive};
 
 const YOUNG: f64 = 68.9e9;
 const Y: f64 = 276e6;
@@ -20,7 +20,7 @@ fn aluminium(curve: Curve, poisson: f64) -> Material {
     Material { young, poisson, density, yield_stress, curve, pressure_slope: 0.0, tension: None, rate: None }
 }
 
-fn pressure(target: &Target, velocity: f64) -> Result<Point, Fault> {
+fn pressure(target: &Target, velocity: f64) -> Result<Point, ResistanceError> {
     Expansion::new(target)?.pressure(velocity)
 }
 
@@ -311,7 +311,7 @@ fn the_worst_places_have_an_answer_or_a_reason() {
                             before = p.stress;
                         }
                         Err(fault) => {
-                            if let Fault::Fast { fastest, .. } = fault {
+                            if let ResistanceError::Fast { fastest, .. } = fault {
                                 let there = pressure(&target, fastest);
                                 assert!(fastest < velocity && there.is_ok(), "{material:?} {fault:?} {there:?}");
                             }

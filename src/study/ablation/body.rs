@@ -1,20 +1,17 @@
 //! A body that deforms made rigid.
-//! Never here: what its material does.
 
-use super::{Ablation, one_way};
+use super::Ablation;
 use crate::kernel::quad;
 use crate::model::{InitialCondition, InitialKind, LoadKind, Model, PointMass, RigidBody};
 
-pub(super) const LIST: &[Ablation] = &[Ablation {
-    name: "deformation of the body",
-    instead: "rigid, with its mass and its velocity along z",
-    ways: |model| usize::from(velocity(model).is_some()),
-    edit: |model, _| stiffen(model),
-    way: one_way,
-}];
+pub(super) const LIST: &[Ablation] = &[Ablation::new(
+    "deformation of the body",
+    "rigid, with its mass and its velocity along z",
+    |model| velocity(model).is_some(),
+    stiffen,
+)];
 
-/// Velocity of a body that can be made rigid: all that deforms starts with one velocity along z, is loaded by a target or
-/// by the user, and nothing holds, joins or measures parts of it along z.
+/// Velocity of a body that can be made rigid: one initial velocity along z, loads by targets or the user only, no supports.
 fn velocity(model: &Model) -> Option<f64> {
     let driven = |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. });
     let loaded = model.steps.iter().any(|s| s.loads.iter().any(|l| driven(&l.kind)));

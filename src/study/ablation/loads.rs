@@ -1,61 +1,31 @@
 //! Loads, contact and friction left out.
-//! Never here: the target.
 
-use super::{Ablation, one_way};
+use super::Ablation;
 use crate::model::{ConnectorLaw, Friction, Load, LoadKind, Model, Step};
 
 pub(super) const LIST: &[Ablation] = &[
-    Ablation {
-        name: "friction",
-        instead: "coefficient 0 on all surfaces",
-        ways: |model| usize::from(has_friction(model)),
-        edit: |model, _| no_friction(model),
-        way: one_way,
-    },
-    Ablation {
-        name: "contact",
-        instead: "none: all passes through all",
-        ways: |model| usize::from(model.steps.iter().any(Step::has_contact)),
-        edit: |model, _| no_contact(model),
-        way: one_way,
-    },
-    Ablation {
-        name: "gravity",
-        instead: "none",
-        ways: |model| usize::from(has(model, is_gravity)),
-        edit: |model, _| without(model, is_gravity),
-        way: one_way,
-    },
-    Ablation {
-        name: "concentrated force",
-        instead: "none",
-        ways: |model| usize::from(has(model, is_concentrated)),
-        edit: |model, _| without(model, is_concentrated),
-        way: one_way,
-    },
-    Ablation {
-        name: "pressure",
-        instead: "none",
-        ways: |model| usize::from(has(model, is_pressure)),
-        edit: |model, _| without(model, is_pressure),
-        way: one_way,
-    },
-    Ablation {
-        name: "user load",
-        instead: "none",
-        ways: |model| usize::from(has(model, is_user)),
-        edit: |model, _| without(model, is_user),
-        way: one_way,
-    },
-    Ablation {
-        name: "dashpots",
-        instead: "coefficient 0",
-        ways: |model| {
-            usize::from(model.discrete.connectors.iter().any(|c| matches!(c.law, ConnectorLaw::Dashpot(v) if v != 0.0)))
-        },
-        edit: |model, _| no_dashpots(model),
-        way: one_way,
-    },
+    Ablation::new("friction", "coefficient 0 on all surfaces", has_friction, no_friction),
+    Ablation::new(
+        "contact",
+        "none: all passes through all",
+        |model| model.steps.iter().any(Step::has_contact),
+        no_contact,
+    ),
+    Ablation::new("gravity", "none", |model| has(model, is_gravity), |model| remove(model, is_gravity)),
+    Ablation::new(
+        "concentrated force",
+        "none",
+        |model| has(model, is_concentrated),
+        |model| remove(model, is_concentrated),
+    ),
+    Ablation::new("pressure", "none", |model| has(model, is_pressure), |model| remove(model, is_pressure)),
+    Ablation::new("user load", "none", |model| has(model, is_user), |model| remove(model, is_user)),
+    Ablation::new(
+        "dashpots",
+        "coefficient 0",
+        |model| model.discrete.connectors.iter().any(|c| matches!(c.law, ConnectorLaw::Dashpot(v) if v != 0.0)),
+        no_dashpots,
+    ),
 ];
 
 fn has_friction(model: &Model) -> bool {
@@ -97,12 +67,12 @@ fn is_user(load: &Load) -> bool {
     matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. })
 }
 
-fn has(model: &Model, which: fn(&Load) -> bool) -> bool {
-    model.steps.iter().any(|s| s.loads.iter().any(which))
+fn has(model: &Model, kind: fn(&Load) -> bool) -> bool {
+    model.steps.iter().any(|s| s.loads.iter().any(kind))
 }
 
-fn without(model: &mut Model, which: fn(&Load) -> bool) {
-    model.steps.iter_mut().for_each(|s| s.loads.retain(|l| !which(l)));
+fn remove(model: &mut Model, kind: fn(&Load) -> bool) {
+    model.steps.iter_mut().for_each(|s| s.loads.retain(|l| !kind(l)));
 }
 
 fn no_dashpots(model: &mut Model) {

@@ -1,73 +1,49 @@
 //! Parts of a material's law left out.
-//! Never here: what controls elements (`numerics`).
 
-use super::{Ablation, one_way};
+use super::Ablation;
 use crate::model::{DamageEvolution, Material, Model, StrainAtFailure};
 
 pub(super) const LIST: &[Ablation] = &[
-    Ablation {
-        name: "rate dependence",
-        instead: "static yield stress",
-        ways: |model| usize::from(any(model, |m| m.rate.is_some())),
-        edit: |model, _| no_rate(model),
-        way: one_way,
-    },
-    Ablation {
-        name: "heating by plastic work",
-        instead: "temperatures stay",
-        ways: |model| usize::from(heats(model)),
-        edit: |model, _| no_heat_of_work(model),
-        way: one_way,
-    },
-    Ablation {
-        name: "heat conduction",
-        instead: "heat stays where it is given",
-        ways: |model| usize::from(conducts(model)),
-        edit: |model, _| {
-            let rows =
-                model.materials.iter_mut().filter_map(|m| m.thermal.conductivity.as_mut()).flat_map(|c| &mut c.0);
-            rows.for_each(|row| row[0] = NO_CONDUCTION);
-        },
-        way: one_way,
-    },
-    Ablation {
-        name: "thermal expansion",
-        instead: "coefficient 0",
-        ways: |model| usize::from(any(model, |m| m.thermal.expansion.is_some())),
-        edit: |model, _| model.materials.iter_mut().for_each(|m| m.thermal.expansion = None),
-        way: one_way,
-    },
-    Ablation {
-        name: "failure",
-        instead: "no damage, no deletion, no cutoff",
-        ways: |model| usize::from(any(model, fails)),
-        edit: |model, _| {
+    Ablation::new("rate dependence", "static yield stress", |model| any(model, |m| m.rate.is_some()), no_rate),
+    Ablation::new("heating by plastic work", "temperatures stay", heats, no_heat_of_work),
+    Ablation::new("heat conduction", "heat stays where it is given", conducts, |model| {
+        let rows = model.materials.iter_mut().filter_map(|m| m.thermal.conductivity.as_mut()).flat_map(|c| &mut c.0);
+        rows.for_each(|row| row[0] = NO_CONDUCTION);
+    }),
+    Ablation::new(
+        "thermal expansion",
+        "coefficient 0",
+        |model| any(model, |m| m.thermal.expansion.is_some()),
+        |model| model.materials.iter_mut().for_each(|m| m.thermal.expansion = None),
+    ),
+    Ablation::new(
+        "failure",
+        "no damage, no deletion, no cutoff",
+        |model| any(model, fails),
+        |model| {
             for material in &mut model.materials {
                 material.failures.clear();
                 material.tensile_failure = None;
             }
         },
-        way: one_way,
-    },
-    Ablation {
-        name: "erosion",
-        instead: "no *EROSION",
-        ways: |model| usize::from(!model.erosions.is_empty() && super::super::settings::deforms(model)),
-        edit: |model, _| model.erosions.clear(),
-        way: one_way,
-    },
-    Ablation {
-        name: "plasticity",
-        instead: "elastic, without failure",
-        ways: |model| usize::from(any(model, |m| m.plastic.is_some())),
-        edit: |model, _| {
+    ),
+    Ablation::new(
+        "erosion",
+        "no *EROSION",
+        |model| !model.erosions.is_empty() && super::super::settings::deforms(model),
+        |model| model.erosions.clear(),
+    ),
+    Ablation::new(
+        "plasticity",
+        "elastic, without failure",
+        |model| any(model, |m| m.plastic.is_some()),
+        |model| {
             for material in &mut model.materials {
                 (material.plastic, material.rate) = (None, None);
                 material.failures.clear();
             }
         },
-        way: one_way,
-    },
+    ),
 ];
 
 /// A conductivity, which must be above zero, by which nothing flows over any time.

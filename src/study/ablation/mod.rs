@@ -1,5 +1,4 @@
 //! Effects that can be left out of a model, one at a time: each an edit between `model::build` and `plan::compile`.
-//! Never here: runs, what the change of a result means (`effects`).
 
 mod body;
 mod loads;
@@ -10,26 +9,44 @@ mod target;
 use crate::model::Model;
 
 /// An effect that can be left out.
-#[derive(Clone, Copy)]
-pub struct Ablation {
+struct Ablation {
+    name: &'static str,
+    instead: &'static str,
+    present: fn(&Model) -> bool,
+    edit: fn(&mut Model),
+}
+
+impl Ablation {
+    const fn new(
+        name: &'static str,
+        instead: &'static str,
+        present: fn(&Model) -> bool,
+        edit: fn(&mut Model),
+    ) -> Ablation {
+        Ablation { name, instead, present, edit }
+    }
+}
+
+/// A model without one effect.
+pub struct Omission {
     /// The effect, as the ledger calls it.
-    pub name: &'static str,
+    pub name: String,
     /// What takes its place, in words.
     pub instead: &'static str,
-    /// In how many ways it can be left out of this model: none where it is not there, one a layer for layers.
-    pub ways: fn(&Model) -> usize,
-    /// Leaves it out, in the way counted from 0.
-    pub edit: fn(&mut Model, usize),
-    /// Names the way, where there are several.
-    pub way: fn(&Model, usize) -> String,
+    /// Leaves it out.
+    pub edit: Box<dyn Fn(&mut Model)>,
 }
 
-/// All of them, in the order of the ledger.
-pub fn all() -> impl Iterator<Item = &'static Ablation> {
-    loads::LIST.iter().chain(target::LIST).chain(material::LIST).chain(numerics::LIST).chain(body::LIST)
-}
-
-/// Nothing to tell ways apart.
-fn one_way(_model: &Model, _way: usize) -> String {
-    String::new()
+/// What can be left out of a model, in the order of the ledger.
+pub fn omissions(model: &Model) -> Vec<Omission> {
+    let of = |list: &'static [Ablation]| {
+        let present = list.iter().filter(|effect| (effect.present)(model));
+        present.map(|effect| Omission {
+            name: effect.name.into(),
+            instead: effect.instead,
+            edit: Box::new(effect.edit),
+        })
+    };
+    let rest = [target::LIST, material::LIST, numerics::LIST, body::LIST];
+    of(loads::LIST).chain(target::layers_left_out(model)).chain(rest.into_iter().flat_map(of)).collect()
 }

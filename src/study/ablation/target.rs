@@ -1,68 +1,51 @@
 //! Parts of a target's resistance left out: layers, the entry, terms of the law.
-//! Never here: friction.
 
-use super::{Ablation, one_way};
+use super::{Ablation, Omission};
 use crate::model::{FreeSurfaces, LoadKind, Material, Model, Sides, Target, TargetId};
 
 pub(super) const LIST: &[Ablation] = &[
-    Ablation {
-        name: "layer",
-        instead: "material of the layer before it, of the first that of the second",
-        ways: |model| layers(model).len(),
-        edit: |model, way| take_neighbour(model, way),
-        way: |model, way| {
-            layers(model).get(way).map_or(String::new(), |(t, l)| format!("{} of {}", l + 1, model.targets[*t].name))
-        },
-    },
-    Ablation {
-        name: "entry phase",
-        instead: "the target reaches back over all loaded surfaces from the start",
-        ways: |model| usize::from(entering(model).next().is_some()),
-        edit: |model, _| embed(model),
-        way: one_way,
-    },
-    Ablation {
-        name: "resistance linear in velocity",
-        instead: "B = 0",
-        ways: |model| usize::from(loaded(model).any(|t| laws(model, t).any(|m| m.cavity.is_some_and(|c| c.b != 0.0)))),
-        edit: |model, _| model.materials.iter_mut().filter_map(|m| m.cavity.as_mut()).for_each(|c| c.b = 0.0),
-        way: one_way,
-    },
-    Ablation {
-        name: "resistance quadratic in velocity",
-        instead: "C = 0",
-        ways: |model| usize::from(loaded(model).any(|t| laws(model, t).any(|m| m.cavity.is_some_and(|c| c.c != 0.0)))),
-        edit: |model, _| model.materials.iter_mut().filter_map(|m| m.cavity.as_mut()).for_each(|c| c.c = 0.0),
-        way: one_way,
-    },
-    Ablation {
-        name: "free surfaces",
-        instead: "layers as strong as a body without end",
-        ways: |model| usize::from(any(model, |t| t.free_surfaces != FreeSurfaces::Off)),
-        edit: |model, _| model.targets.iter_mut().for_each(|t| t.free_surfaces = FreeSurfaces::Off),
-        way: one_way,
-    },
-    Ablation {
-        name: "crater",
-        instead: "the full resistance from the face on",
-        ways: |model| usize::from(any(model, |t| t.crater.is_some())),
-        edit: |model, _| model.targets.iter_mut().for_each(|t| t.crater = None),
-        way: one_way,
-    },
-    Ablation {
-        name: "plugging",
-        instead: "the cavity is opened all the way",
-        ways: |model| usize::from(any(model, |t| t.shear_strength.is_some())),
-        edit: |model, _| model.targets.iter_mut().for_each(|t| t.shear_strength = None),
-        way: one_way,
-    },
-    Ablation {
-        name: "separation",
-        instead: "whatever moves outwards or ahead bears, inside the tunnel too",
-        ways: |model| usize::from(any(model, |t| t.separation)),
-        edit: |model, _| model.targets.iter_mut().for_each(|t| t.separation = false),
-        way: one_way,
-    },
+    Ablation::new(
+        "entry phase",
+        "the target reaches back over all loaded surfaces from the start",
+        |model| entering(model).next().is_some(),
+        embed,
+    ),
+    Ablation::new(
+        "resistance linear in velocity",
+        "B = 0",
+        |model| loaded(model).any(|t| laws(model, t).any(|m| m.cavity.is_some_and(|c| c.b != 0.0))),
+        |model| model.materials.iter_mut().filter_map(|m| m.cavity.as_mut()).for_each(|c| c.b = 0.0),
+    ),
+    Ablation::new(
+        "resistance quadratic in velocity",
+        "C = 0",
+        |model| loaded(model).any(|t| laws(model, t).any(|m| m.cavity.is_some_and(|c| c.c != 0.0))),
+        |model| model.materials.iter_mut().filter_map(|m| m.cavity.as_mut()).for_each(|c| c.c = 0.0),
+    ),
+    Ablation::new(
+        "free surfaces",
+        "layers as strong as a body without end",
+        |model| any(model, |t| t.free_surfaces != FreeSurfaces::Off),
+        |model| model.targets.iter_mut().for_each(|t| t.free_surfaces = FreeSurfaces::Off),
+    ),
+    Ablation::new(
+        "crater",
+        "the full resistance from the face on",
+        |model| any(model, |t| t.crater.is_some()),
+        |model| model.targets.iter_mut().for_each(|t| t.crater = None),
+    ),
+    Ablation::new(
+        "plugging",
+        "the cavity is opened all the way",
+        |model| any(model, |t| t.shear_strength.is_some()),
+        |model| model.targets.iter_mut().for_each(|t| t.shear_strength = None),
+    ),
+    Ablation::new(
+        "separation",
+        "whatever moves outwards or ahead bears, inside the tunnel too",
+        |model| any(model, |t| t.separation),
+        |model| model.targets.iter_mut().for_each(|t| t.separation = false),
+    ),
 ];
 
 /// Whether this is so of a target that some load drives a surface into.
@@ -102,14 +85,19 @@ fn neighbour(layer: usize) -> usize {
     if layer == 0 { 1 } else { layer - 1 }
 }
 
-fn take_neighbour(model: &mut Model, way: usize) {
-    let Some((target, layer)) = layers(model).get(way).copied() else { return };
-    let layers = &mut model.targets[target].layers;
-    layers[layer].material = layers[neighbour(layer)].material;
+/// Each layer made of its neighbour's material.
+pub(super) fn layers_left_out(model: &Model) -> impl Iterator<Item = Omission> + '_ {
+    layers(model).into_iter().map(|(target, layer)| Omission {
+        name: format!("layer {} of {}", layer + 1, model.targets[target].name),
+        instead: "material of the layer before it, of the first that of the second",
+        edit: Box::new(move |model| {
+            let layers = &mut model.targets[target].layers;
+            layers[layer].material = layers[neighbour(layer)].material;
+        }),
+    })
 }
 
-/// Targets whose face the loaded surfaces stand at or cut, with how far these reach out of it. A body that flies up to the
-/// face first would be loaded in flight: its entry cannot be left out alone.
+/// Targets that the loaded surfaces touch at the start, and how far these reach out of them.
 fn entering(model: &Model) -> impl Iterator<Item = (TargetId, f64)> + '_ {
     loaded(model).filter_map(|t| {
         let target = &model.targets[t];

@@ -1,5 +1,4 @@
 //! Small symmetric matrices that are positive definite: correlations, normal equations.
-//! Never here: matrices of nodes or elements (`constraint::system`).
 
 /// The lower triangle L of A = L L^T, row by row.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,4 @@
 //! Points of the unit cube: at random, as Latin hypercubes, along Sobol's sequence; a seed gives the same points anywhere.
-//! Never here: what becomes of them (`distribution`).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -80,9 +79,6 @@ enum Set {
 
 impl Design {
     /// So many points of so many numbers.
-    ///
-    /// # Errors
-    /// In words: too few points for their sets, too many numbers.
     pub fn new(sampling: Sampling, dimensions: usize, count: usize, seed: u64) -> Result<Design, String> {
         if sampling != Sampling::Random && count < 2 * SETS {
             return Err(format!("latin and sobol take {} points or more: they come in {SETS} sets", 2 * SETS));

@@ -1,5 +1,4 @@
 //! Distributions of one number, by their quantiles: any point of the unit interval becomes a value, however points are spread.
-//! Never here: points (`design`), correlations (`design`).
 
 use super::normal;
 use crate::deck::lists::split;
@@ -45,9 +44,6 @@ const FORMS: &str = "low..high, uniform(low, high), normal(mean, deviation), log
 impl Distribution {
     /// Reads `low..high`, `uniform(low, high)`, `normal(mean, deviation)`, `lognormal(mean, deviation)` (mean and standard
     /// deviation of the number itself) or `truncated(D, low, high)`, where an end may be `-inf` or `inf`.
-    ///
-    /// # Errors
-    /// In words, for what is none of these, ends that do not rise, deviations that are not above zero.
     pub fn parse(text: &str) -> Result<Distribution, String> {
         let text = text.trim();
         if let Some((low, high)) = text.split_once("..").filter(|_| !text.contains('(')) {

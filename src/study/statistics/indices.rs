@@ -1,5 +1,4 @@
 //! Sobol's indices: how much of a variance comes of each input, alone and with all others.
-//! Never here: runs; inputs that depend on each other, for which there are no such indices.
 
 use rand_chacha::rand_core::RngCore as _;
 

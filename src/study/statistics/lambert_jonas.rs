@@ -1,7 +1,6 @@
 //! Residual over striking velocity: v_r = a (v^p - v_l^p)^(1/p) above the limit v_l, nothing below.
 //!
 //! Source: J. P. Lambert and G. H. Jonas, BRL Report 1852 (1976).
-//! Never here: shots.
 
 use super::Estimate;
 use super::least_squares;
@@ -22,8 +21,7 @@ pub fn residual([a, p, limit]: [f64; 3], velocity: f64) -> f64 {
     if velocity <= limit { 0.0 } else { a * velocity * libm::pow(1.0 - libm::pow(limit / velocity, p), 1.0 / p) }
 }
 
-/// Fits shots (striking and residual velocity) of which all perforate, from a limit that is about right. `None` of fewer than four, or
-/// where no curve comes near.
+/// Fits shots that perforate, from an approximate limit. `None` for fewer than four shots, or if no curve fits.
 pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<Curve> {
     let slowest = shots.iter().map(|s| s.0).fold(f64::INFINITY, f64::min);
     if shots.len() < 4 || !(limit > 0.0 && limit < slowest) {

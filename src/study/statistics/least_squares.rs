@@ -1,6 +1,4 @@
-//! Least squares of a model that is costly and known by its values alone: Levenberg and Marquardt's method, and what the
-//! residuals say of the parameters.
-//! Never here: the models.
+//! Least squares of a model without derivatives: the method of Levenberg and Marquardt, and confidence intervals.
 
 use super::Estimate;
 use super::cholesky::Factor;
@@ -71,9 +69,6 @@ impl Point {
 }
 
 /// Fits parameters from `start`, with derivatives over this part of a parameter or of its start. `None` where the model has no value there, or there are fewer residuals than parameters.
-///
-/// # Errors
-/// Those of the model.
 pub fn fit<E>(start: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Option<Fit>, E> {
     let scale: Vec<f64> = start.iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() }).collect();
     let Some(mut here) = best(model, vec![start.to_vec()])? else { return Ok(None) };

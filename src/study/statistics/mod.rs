@@ -1,5 +1,4 @@
 //! Statistics that know no deck: distributions, points of the unit cube, estimates with their errors, fits.
-//! Never here: runs, files, printing.
 
 pub mod cholesky;
 pub mod design;

@@ -1,11 +1,10 @@
 //! A normal distribution by intervals that hold its members: limits that were bracketed, and shots that perforated or did not.
-//! Never here: shots.
 
 use super::{Estimate, normal};
 
 /// Mean and deviation with their intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scatter {
+pub struct NormalFit {
     /// The value that half of the members lie below: V50.
     pub median: Estimate,
     /// The standard deviation.
@@ -21,7 +20,7 @@ const NARROWEST: f64 = 1e-4;
 /// three, or none that stops above another that perforates.
 ///
 /// Intervals by the matrix of second derivatives at the most likely values; that of the deviation in its logarithm.
-pub fn fit(members: &[(f64, f64)]) -> Option<Scatter> {
+pub fn fit(members: &[(f64, f64)]) -> Option<NormalFit> {
     let mut here = Point::of(members, start(members)?);
     for _ in 0..MOST_ITERATIONS {
         let Some(next) = here.uphill(members) else { break };
@@ -41,7 +40,7 @@ pub fn fit(members: &[(f64, f64)]) -> Option<Scatter> {
     let median = Estimate::around(here.at[0], deviation * (ss / determinant).sqrt(), freedom);
     let log = Estimate::around(here.at[1], (uu / determinant).sqrt(), freedom);
     let [value, low, high] = [log.value, log.low, log.high].map(libm::exp);
-    Some(Scatter { median, deviation: Estimate { value, low, high } })
+    Some(NormalFit { median, deviation: Estimate { value, low, high } })
 }
 
 /// Mean and logarithm of the deviation of all ends that there are.
@@ -128,7 +127,7 @@ impl Point {
 }
 
 /// The part of members below a value.
-pub fn part_below(scatter: &Scatter, value: f64) -> f64 {
+pub fn part_below(scatter: &NormalFit, value: f64) -> f64 {
     normal::cumulative((value - scatter.median.value) / scatter.deviation.value)
 }
 

@@ -1,5 +1,4 @@
 //! What a sample says of where it was drawn from: mean, deviation, quantiles, with their errors.
-//! Never here: where values come from.
 
 use super::{Estimate, TAIL, normal};
 

@@ -3,7 +3,7 @@ use revolve::output::csv;
 use revolve::study::compare::Reference;
 use revolve::study::grid::Grid;
 use revolve::study::quantity::Quantity;
-use revolve::study::{sweep, table};
+use revolve::study::sweep;
 
 /// Reads it; nothing may panic, hang or grow.
 pub fn read(data: &[u8]) {
@@ -15,10 +15,9 @@ pub fn read(data: &[u8]) {
     let _ = sweep::comparable(&grid, &path, &reference);
     let parameters = vec![vec!["1".to_owned()], vec!["2".to_owned()]];
     let results = sweep::Results { parameters, values: vec![Ok(vec![3.0]), Ok(vec![4.0])], doubts: Vec::new() };
-    let sheet = sweep::sheet(&grid, &quantities, &results, Some(&reference));
-    let text = table::csv(&sheet.header, &sheet.rows);
-    for line in text.lines() {
-        assert_eq!(csv::fields(line).len(), sheet.header.len(), "{line}");
+    let table = sweep::table(&grid, &quantities, &results, Some(&reference)).table;
+    for line in table.csv().lines() {
+        assert_eq!(csv::fields(line).len(), table.header.len(), "{line}");
     }
     let _ = sweep::chart("fuzz", &grid, &quantities, &results, Some(&reference)).svg();
 }

@@ -1,5 +1,4 @@
 //! One setting of a study, run in memory as often as its time is to be taken, nothing else at once.
-//! Never here: which settings, what their values mean.
 
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant as Stopwatch;
@@ -7,8 +6,9 @@ use std::time::Instant as Stopwatch;
 use serde::Serialize;
 
 use super::StudyError;
-use super::quantity::{Finished, Found, Quantity};
-use super::settings::{Axis, Edit, Knob, edit};
+use super::error::accepted;
+use super::quantity::{FinishedRun, Quantity, QuantityValue};
+use super::settings::{Axis, Edit, StudyParameter, edit};
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, Overrides};
 use crate::user::compile::Compiled;
@@ -17,7 +17,7 @@ use crate::user::compile::Compiled;
 pub type Source<'a> = dyn Fn(&Overrides) -> (Deck, Diagnostics) + 'a;
 
 /// What settings have in common.
-pub struct Bench<'a> {
+pub struct StudyRunner<'a> {
     source: &'a Source<'a>,
     overrides: Vec<(String, String)>,
     user: Option<&'a Compiled>,
@@ -30,9 +30,9 @@ pub struct Bench<'a> {
 
 /// What a setting gave and took.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct StudyRun {
     /// What was found.
-    pub found: Found,
+    pub found: QuantityValue,
     /// What is to be known of it: warnings, and bodies that are still on their way.
     pub doubts: Vec<String>,
     /// Elements and facets.
@@ -40,12 +40,12 @@ pub struct Run {
     /// Increments.
     pub increments: u64,
     /// Seconds of the whole run, deck to last increment, by repetition.
-    pub seconds: Spread,
+    pub seconds: TimeSpread,
     /// Seconds in the time loop.
-    pub loop_seconds: Spread,
+    pub loop_seconds: TimeSpread,
 }
 
-impl Run {
+impl StudyRun {
     /// Elements (facets, of rigid bodies) times increments: what a run costs, without a clock.
     pub fn element_cycles(&self) -> f64 {
         self.elements as f64 * self.increments as f64
@@ -54,7 +54,7 @@ impl Run {
 
 /// Times of repeated runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Spread {
+pub struct TimeSpread {
     /// Median.
     pub median: f64,
     /// Shortest.
@@ -63,16 +63,16 @@ pub struct Spread {
     pub max: f64,
 }
 
-impl Spread {
-    fn of(times: &mut [f64]) -> Spread {
+impl TimeSpread {
+    fn of(times: &mut [f64]) -> TimeSpread {
         times.sort_by(f64::total_cmp);
         let n = times.len();
-        let (Some(&min), Some(&max)) = (times.first(), times.last()) else { return Spread::default() };
-        Spread { median: 0.5 * (times[(n - 1) / 2] + times[n / 2]), min, max }
+        let (Some(&min), Some(&max)) = (times.first(), times.last()) else { return TimeSpread::default() };
+        TimeSpread { median: 0.5 * (times[(n - 1) / 2] + times[n / 2]), min, max }
     }
 }
 
-impl<'a> Bench<'a> {
+impl<'a> StudyRunner<'a> {
     /// Runs of a deck with these overrides; each setting `repeat` times, `done` after each run.
     pub fn new(
         source: &'a Source<'a>,
@@ -82,7 +82,7 @@ impl<'a> Bench<'a> {
         repeat: usize,
         done: &'a dyn Fn(),
     ) -> Self {
-        Bench {
+        StudyRunner {
             source,
             overrides: overrides.to_vec(),
             user,
@@ -115,23 +115,20 @@ impl<'a> Bench<'a> {
     }
 
     /// Runs with one value for each axis, and a change of the model after those that the values ask for.
-    ///
-    /// # Errors
-    /// In words: findings of the deck, a knob that turns nothing here, a halt, a quantity that does not exist.
-    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<Edit>) -> Result<Run, StudyError> {
+    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<Edit>) -> Result<StudyRun, StudyError> {
         let mut overrides = self.overrides.clone();
         let mut edits: Vec<Edit> = Vec::new();
         for (axis, value) in axes.iter().zip(values) {
-            match &axis.knob {
-                Knob::Parameter(name) => overrides.push((name.clone(), value.clone())),
-                knob => edits.extend(edit(knob, value).map_err(StudyError::Setting)?),
+            match &axis.parameter {
+                StudyParameter::Parameter(name) => overrides.push((name.clone(), value.clone())),
+                parameter => edits.extend(edit(parameter, value).map_err(StudyError::Setting)?),
             }
         }
         edits.extend(change);
         self.edited(&overrides, &edits)
     }
 
-    fn edited(&mut self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, StudyError> {
+    fn edited(&mut self, overrides: &Overrides, edits: &[Edit]) -> Result<StudyRun, StudyError> {
         let (mut whole, mut inside) = (Vec::new(), Vec::new());
         let mut first = None;
         for _ in 0..self.repeat {
@@ -146,17 +143,14 @@ impl<'a> Bench<'a> {
             first.get_or_insert(run);
         }
         let run = first.ok_or_else(|| StudyError::Comparison("no run".into()))?;
-        Ok(Run { seconds: Spread::of(&mut whole), loop_seconds: Spread::of(&mut inside), ..run })
+        Ok(StudyRun { seconds: TimeSpread::of(&mut whole), loop_seconds: TimeSpread::of(&mut inside), ..run })
     }
 
-    fn once(&self, overrides: &Overrides, edits: &[Edit]) -> Result<Run, StudyError> {
+    fn once(&self, overrides: &Overrides, edits: &[Edit]) -> Result<StudyRun, StudyError> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
         let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));
-        let prepared = job::prepare_edited((self.source)(overrides), &mut change, &routines);
-        if prepared.diagnostics.has_errors() {
-            return Err(StudyError::refused(&prepared));
-        }
+        let prepared = accepted(job::prepare_edited((self.source)(overrides), &mut change, &routines))?;
         fault?;
         let mut history = self.measure.history(&prepared.plan);
         let never = AtomicUsize::new(0);
@@ -164,21 +158,22 @@ impl<'a> Bench<'a> {
         if let Some(halt) = outcome.halt {
             return Err(StudyError::Halted(halt));
         }
-        let found = self.measure.evaluate(Finished { history: &history, end: Some((outcome.total_time(), &state)) })?;
+        let found =
+            self.measure.evaluate(FinishedRun { history: &history, end: Some((outcome.total_time(), &state)) })?;
         let elements = prepared.plan.mesh.elements.iter().filter(|e| !e.kind.is_discrete()).count();
-        let seconds = Spread { median: outcome.seconds, ..Spread::default() };
+        let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
         let doubts = outcome.unfinished.into_iter().chain(outcome.warnings).collect();
-        Ok(Run { found, doubts, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
+        Ok(StudyRun { found, doubts, elements, increments: outcome.increments, seconds, loop_seconds: seconds })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Spread;
+    use super::TimeSpread;
 
     #[test]
     fn the_median_of_times() {
-        assert_eq!(Spread::of(&mut [3.0, 1.0, 2.0]), Spread { median: 2.0, min: 1.0, max: 3.0 });
-        assert_eq!(Spread::of(&mut [3.0, 1.0]).median, 2.0);
+        assert_eq!(TimeSpread::of(&mut [3.0, 1.0, 2.0]), TimeSpread { median: 2.0, min: 1.0, max: 3.0 });
+        assert_eq!(TimeSpread::of(&mut [3.0, 1.0]).median, 2.0);
     }
 }

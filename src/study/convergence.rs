@@ -1,21 +1,17 @@
 //! A study as it is asked for: the exact value, and the way to the results.
-//! Never here: printing, files, estimates of errors.
 
 use std::time::Instant as Stopwatch;
 
 use super::StudyError;
-use super::bench::Bench;
 use super::quantity::Quantity;
 use super::record::Timing;
 use super::refinement::{self, Study};
+use super::runner::StudyRunner;
 use super::settings::Axis;
-use super::target::{self, Met, Target};
+use super::target::{self, Target, TargetResult};
 use crate::deck::expression::Expression;
 
 /// The exact value of a quantity, a number or an expression; of a norm against an expression it is zero.
-///
-/// # Errors
-/// What is wrong with the expression; that a norm against the finest level has none.
 pub fn exact(text: Option<&str>, quantity: &Quantity) -> Result<Option<f64>, StudyError> {
     let Some(text) = text else {
         return Ok((quantity.is_norm() && !quantity.compares_fields()).then_some(0.0));
@@ -29,15 +25,12 @@ pub fn exact(text: Option<&str>, quantity: &Quantity) -> Result<Option<f64>, Stu
 }
 
 /// Refines until a target is reached, or all that is given; says what it took.
-///
-/// # Errors
-/// In words, where the settings give nothing that could be compared.
 pub fn refine(
-    bench: &mut Bench<'_>,
+    bench: &mut StudyRunner<'_>,
     axes: &[Axis],
     exact: Option<f64>,
     target: Option<Target>,
-) -> Result<(Study, Option<Met>, Timing), StudyError> {
+) -> Result<(Study, Option<TargetResult>, Timing), StudyError> {
     let begin = Stopwatch::now();
     let (results, met) = match target {
         Some(target) => {
