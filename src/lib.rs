@@ -58,6 +58,7 @@
 #[cfg(feature = "cli")]
 mod command;
 mod constraint;
+#[macro_use]
 pub mod deck;
 mod element;
 pub mod explain;

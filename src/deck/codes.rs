@@ -3,8 +3,11 @@
 
 use super::Code;
 
+/// A list of codes, each with title and text.
 macro_rules! codes {
-    ($($code:literal $title:literal $text:literal)*) => { &[$(Code { code: $code, title: $title, text: $text }),*] };
+    ($($code:literal $title:literal $text:literal)*) => {
+        &[$($crate::deck::Code { code: $code, title: $title, text: $text }),*]
+    };
 }
 
 /// Every code this room gives.

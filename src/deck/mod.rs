@@ -1,6 +1,7 @@
 //! From text to syntax tree: sources and spans, diagnostics, the keyword table, a parser that never fails.
 //! Never here: physics.
 
+#[macro_use] // `codes!`, for every folder with codes.
 pub mod codes;
 pub mod diagnostic;
 pub mod expression;
