@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 
 use crate::deck::{Diagnostic, Diagnostics, Sources};
 use crate::job::{self, Prepared, Refusal};
-use crate::output::lock::Lock;
+use crate::output::lock::FolderLock;
 use crate::output::{self, Job};
 use crate::study::StudyError;
 use crate::study::chart::Chart;
@@ -142,7 +142,7 @@ fn print_error(error: &(dyn Error + 'static)) {
 }
 
 /// The job of a deck with its folder, which is locked against other jobs.
-pub fn lock_job(deck: &Path, out: Option<PathBuf>) -> Result<(Job, Lock), Refusal> {
+pub fn lock_job(deck: &Path, out: Option<PathBuf>) -> Result<(Job, FolderLock), Refusal> {
     let job = job::default_job(deck, out).map_err(Refusal::Checkpoint)?;
     let lock = job::take(&job)?;
     Ok((job, lock))

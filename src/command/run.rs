@@ -139,7 +139,7 @@ impl Run {
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, frames, signal);
         if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
-            crate::user::library::leave(HALTED);
+            crate::user::crash::leave(HALTED);
         }
         // The libraries stay until the process goes: a thread that a routine started may still run in one.
         std::mem::forget((prepared, routines));
@@ -249,7 +249,7 @@ fn print_end(summary: &Summary, job: &output::Job, frames: Frames, signal: usize
 }
 
 /// What the user's routines had to say.
-fn print_messages(messages: &[host::Message], quiet: bool) {
+fn print_messages(messages: &[host::RoutineMessage], quiet: bool) {
     for message in messages.iter().filter(|m| !quiet || m.level == host::Level::Error) {
         let level = format!("{:?}", message.level).to_lowercase();
         let times = if message.times > 1 { format!(" ({} times)", message.times) } else { String::new() };

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::job::Refusal;
 use crate::output::Job;
-use crate::output::lock::Lock;
+use crate::output::lock::FolderLock;
 use crate::study::StudyError;
 use crate::study::evaluate::{DeckSource, Evaluator, UserRoutines};
 use crate::study::quantity::Quantity;
@@ -60,7 +60,7 @@ impl SearchArguments {
     }
 
     /// The job of the deck, whose folder is locked.
-    pub fn job(&self) -> Result<(Job, Lock), Refusal> {
+    pub fn job(&self) -> Result<(Job, FolderLock), Refusal> {
         lock_job(&self.deck, self.out.clone())
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::kernel::hardening::{RateFactor, YieldStress};
 use crate::kernel::heating::Heating;
-use crate::kernel::levels::Levels;
+use crate::kernel::levels::NestedTable;
 
 /// What a deck says of a user material.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ pub enum Yield {
 #[derive(Clone, Debug)]
 pub struct YieldOverFields {
     /// The static part, over the plastic strain, the temperature and the field variables.
-    pub table: Levels,
+    pub table: NestedTable,
     /// Factor of rate.
     pub factor: Option<RateFactor>,
     /// Field variables that it depends on, from the first on.
@@ -86,9 +86,9 @@ impl YieldStress for AtFields<'_> {
 #[derive(Clone, Debug)]
 pub struct Elasticity {
     /// Young's modulus.
-    pub young: Levels,
+    pub young: NestedTable,
     /// Poisson's ratio.
-    pub ratio: Levels,
+    pub ratio: NestedTable,
     /// Field variables that they depend on, from the first on.
     pub fields: usize,
 }

@@ -19,9 +19,9 @@ pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
 use crate::model::{self, Model, Name, Precision, Units, scene::Scene};
 use crate::output::checkpoint::{CHECKPOINT, Checkpoint, Identity, hash};
-use crate::output::lock::{Lock, Refused};
+use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, Written, missing_frames};
-use crate::output::sums::{SUMS, Sums, sum};
+use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
     Frame, HISTORY, History, HistorySummary, Job, Points, write_summary, write_whole, write_with_sums,
 };
@@ -190,7 +190,7 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// Messages of the user's routines.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub messages: Vec<host::Message>,
+    pub messages: Vec<host::RoutineMessage>,
     /// Steps begun.
     pub steps: Vec<StepSummary>,
     /// What limited the increments of each.
@@ -421,8 +421,8 @@ impl FileSink<'_> {
     }
 
     /// Writes the histories; checksums of all but the summary, and why the histories could not be written.
-    fn end(&mut self) -> (Sums, Option<io::Error>) {
-        let mut sums = if self.wanted == Frames::Absent { Sums::default() } else { self.frames.sums() };
+    fn end(&mut self) -> (Checksums, Option<io::Error>) {
+        let mut sums = if self.wanted == Frames::Absent { Checksums::default() } else { self.frames.sums() };
         let written = self.write_history();
         if let Ok(sum) = &written {
             sums.add_sum(self.job, HISTORY, *sum);
@@ -582,16 +582,16 @@ pub fn run_with<'a>(
 ///
 /// # Errors
 /// Where it cannot be made, or another job is at work in it.
-pub fn take(job: &Job) -> Result<Lock, Refusal> {
+pub fn take(job: &Job) -> Result<FolderLock, Refusal> {
     make_folder(job)?;
-    Lock::take(&job.folder, &job.name).map_err(|why| match why {
-        Refused::Busy(finding) => Refusal::Checkpoint(finding),
-        Refused::File(error) => Refusal::Folder(error),
+    FolderLock::take(&job.folder, &job.name).map_err(|why| match why {
+        LockError::Busy(finding) => Refusal::Checkpoint(finding),
+        LockError::File(error) => Refusal::Folder(error),
     })
 }
 
 /// The summary and the list of checksums; then the checkpoint of a run that is complete has served its purpose.
-fn finish_files(job: &Job, summary: &mut Summary, mut sums: Sums) {
+fn finish_files(job: &Job, summary: &mut Summary, mut sums: Checksums) {
     let written = write_summary(job, summary).and_then(|sum| {
         sums.add_sum(job, ".json", sum);
         sums.write(job, SUMS)

@@ -4,32 +4,32 @@
 /// A value over variables, one level each (ABAQUS Analysis User's Guide, "Material data definition": in a table of several
 /// independent variables the first varies fastest).
 #[derive(Clone, Debug, PartialEq)]
-pub enum Levels {
+pub enum NestedTable {
     /// No variable is left.
     Value(f64),
     /// Entries at ascending values of a variable.
-    Over(Vec<(f64, Levels)>),
+    Over(Vec<(f64, NestedTable)>),
 }
 
-impl Levels {
+impl NestedTable {
     /// From rows of a value and its variables, as many in each; `None` where rows of one value of a slower variable do not
     /// follow each other, or a variable does not ascend.
-    pub fn new<R: AsRef<[f64]>>(rows: &[R]) -> Option<Levels> {
+    pub fn new<R: AsRef<[f64]>>(rows: &[R]) -> Option<NestedTable> {
         let rows: Vec<&[f64]> = rows.iter().map(AsRef::as_ref).collect();
         let length = rows.first()?.len();
-        rows.iter().all(|r| r.len() == length).then(|| Levels::of(&rows, length.checked_sub(1)?)).flatten()
+        rows.iter().all(|r| r.len() == length).then(|| NestedTable::of(&rows, length.checked_sub(1)?)).flatten()
     }
 
-    fn of(rows: &[&[f64]], variable: usize) -> Option<Levels> {
+    fn of(rows: &[&[f64]], variable: usize) -> Option<NestedTable> {
         if variable == 0 {
             let [row] = rows else { return None };
-            return Some(Levels::Value(row[0]));
+            return Some(NestedTable::Value(row[0]));
         }
         let parts = rows.chunk_by(|a, b| a[variable] == b[variable]);
-        let entry = |part: &[&[f64]]| Some((part[0][variable], Levels::of(part, variable - 1)?));
-        let entries: Vec<(f64, Levels)> = parts.map(entry).collect::<Option<_>>()?;
+        let entry = |part: &[&[f64]]| Some((part[0][variable], NestedTable::of(part, variable - 1)?));
+        let entries: Vec<(f64, NestedTable)> = parts.map(entry).collect::<Option<_>>()?;
         let ascends = entries.windows(2).all(|w| w[0].0 < w[1].0);
-        (ascends && !entries.is_empty()).then_some(Levels::Over(entries))
+        (ascends && !entries.is_empty()).then_some(NestedTable::Over(entries))
     }
 
     /// The value at variables in the order of the rows.
@@ -46,24 +46,24 @@ impl Levels {
         }
     }
 
-    fn entries(&self) -> &[(f64, Levels)] {
+    fn entries(&self) -> &[(f64, NestedTable)] {
         match self {
-            Levels::Value(_) => &[],
-            Levels::Over(entries) => entries,
+            NestedTable::Value(_) => &[],
+            NestedTable::Over(entries) => entries,
         }
     }
 
     fn value(&self) -> f64 {
         match self {
-            Levels::Value(value) => *value,
-            Levels::Over(_) => 0.0,
+            NestedTable::Value(value) => *value,
+            NestedTable::Over(_) => 0.0,
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Levels;
+    use super::NestedTable;
 
     /// 1 + x + 10 y + 100 z is linear, so the table gives it everywhere inside, and at the nearest edge outside.
     #[test]
@@ -75,15 +75,15 @@ mod tests {
                 rows.extend([0.0, 1.0, 5.0].map(|x| [f(x, y, z), x, y, z]));
             }
         }
-        let levels = Levels::new(&rows).expect("a table");
+        let levels = NestedTable::new(&rows).expect("a table");
         for (x, y, z) in [(0.0, -1.0, 0.0), (0.5, 0.0, 0.5), (4.0, 1.5, 1.0), (5.0, 2.0, 2.0)] {
             assert!((levels.at(&[x, y, z]) - f(x, y, z)).abs() < 1e-12, "{x} {y} {z}");
         }
         assert!((levels.at(&[9.0, -7.0, 1.0]) - f(5.0, -1.0, 1.0)).abs() < 1e-12);
         rows.swap(0, 8);
-        assert_eq!(Levels::new(&rows), None);
-        assert_eq!(Levels::new(&[[1.0, 0.0, 0.0, 0.0]; 2]), None, "two rows at one place");
-        assert_eq!(Levels::new::<[f64; 4]>(&[]), None);
-        assert_eq!(Levels::new(&[vec![1.0, 0.0], vec![2.0]]), None, "rows of different lengths");
+        assert_eq!(NestedTable::new(&rows), None);
+        assert_eq!(NestedTable::new(&[[1.0, 0.0, 0.0, 0.0]; 2]), None, "two rows at one place");
+        assert_eq!(NestedTable::new::<[f64; 4]>(&[]), None);
+        assert_eq!(NestedTable::new(&[vec![1.0, 0.0], vec![2.0]]), None, "rows of different lengths");
     }
 }

@@ -18,7 +18,7 @@ pub struct PlaneElastic {
 
 /// What a return came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Returned {
+pub struct PlaneReturn {
     /// Stress along the meridian and the hoop.
     pub stress: [f64; 2],
     /// Von Mises stress; 0 where nothing flows.
@@ -61,8 +61,8 @@ impl PlaneElastic {
         trial: [f64; 2],
         [strain, temperature]: [f64; 2],
         dt: f64,
-    ) -> Returned {
-        let elastic = Returned { stress: trial, ..Returned::default() };
+    ) -> PlaneReturn {
+        let elastic = PlaneReturn { stress: trial, ..PlaneReturn::default() };
         let return_of = |x: f64| self.scaled(trial, x);
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let residual = |x: f64| {
@@ -78,7 +78,7 @@ impl PlaneElastic {
         // Associated flow: dp_i = x (2 s_i - s_j)/3.
         let plastic = [x / 3.0 * (2.0 * stress[0] - stress[1]), x / 3.0 * (2.0 * stress[1] - stress[0])];
         let mises = mises(stress);
-        Returned { stress, mises, flow: 2.0 / 3.0 * x * mises, plastic }
+        PlaneReturn { stress, mises, flow: 2.0 / 3.0 * x * mises, plastic }
     }
 
     /// The trial stress with p and d scaled by the unknown.

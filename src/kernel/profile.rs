@@ -147,7 +147,7 @@ pub struct Profile {
 
 /// The nearest place of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Nearest {
+pub struct NearestPlace {
     /// Segment.
     pub segment: usize,
     /// Signed distance.
@@ -159,10 +159,10 @@ pub struct Nearest {
 impl Profile {
     /// The nearest place to a point, of a profile carried by `lift` along z. Where that is a corner, what lies in front of a
     /// convex one is in front, what lies behind a concave one is behind.
-    pub fn nearest(&self, point: [f64; 2], lift: f64) -> Nearest {
+    pub fn nearest(&self, point: [f64; 2], lift: f64) -> NearestPlace {
         // A node on the axis that nothing holds there may be a rounding across it: it is where its mirror image is.
         let point = [point[0].abs(), point[1]];
-        let mut found = Nearest { segment: 0, gap: f64::INFINITY, beyond: true };
+        let mut found = NearestPlace { segment: 0, gap: f64::INFINITY, beyond: true };
         let (count, last) = (self.segments.len(), self.segments.len() - 1);
         let open = self.segments[0].ends()[0] != self.segments[last].ends()[1];
         for (k, segment) in self.segments.iter().enumerate() {
@@ -175,7 +175,7 @@ impl Profile {
             }
             if side == 0 {
                 if own.abs() < found.gap.abs() {
-                    found = Nearest { segment: k, gap: own, beyond: false };
+                    found = NearestPlace { segment: k, gap: own, beyond: false };
                 }
                 continue;
             }
@@ -188,7 +188,7 @@ impl Profile {
             let (before, after) = if side > 0 { (k, (k + 1) % count) } else { ((k + last) % count, k) };
             let turn = || cross(self.segments[before].direction(1), self.segments[after].direction(0));
             let sign = if beyond { own } else { Some(-turn()).filter(|t| t.abs() > SMOOTH).unwrap_or(own) };
-            found = Nearest { segment: k, gap: if sign < 0.0 { -distance } else { distance }, beyond };
+            found = NearestPlace { segment: k, gap: if sign < 0.0 { -distance } else { distance }, beyond };
         }
         found
     }

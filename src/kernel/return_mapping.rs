@@ -16,7 +16,7 @@ use super::transcendental::{ln, power};
 
 /// What lanes return from.
 #[derive(Clone, Copy, Debug)]
-pub struct Trial<'a> {
+pub struct TrialState<'a> {
     /// Von Mises stress of the elastic trial.
     pub stress: &'a Lanes,
     /// Equivalent plastic strain before the increment.
@@ -32,7 +32,7 @@ pub struct Trial<'a> {
 }
 
 /// A value, its slope, and how that changes.
-type Curved = [Lanes; 3];
+type CurveLanes = [Lanes; 3];
 
 const ZERO: Lanes = [0.0; LANES];
 /// Rounds at most.
@@ -48,8 +48,8 @@ const LEAST: f64 = 0.02;
 
 /// Increments of the equivalent plastic strain: zero where nothing flows.
 #[inline(always)]
-pub fn plastic_increments(law: &FlowStress, trial: Trial<'_>, count: usize) -> Lanes {
-    let Trial { stress, strain, temperature, rate, shear3, dt } = trial;
+pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize) -> Lanes {
+    let TrialState { stress, strain, temperature, rate, shear3, dt } = trial;
     let softening = law.softening(temperature);
     let at_rest = law.at_rest(strain, temperature, &softening);
     let mut flows = false;
@@ -127,7 +127,7 @@ impl FlowStress {
     }
 
     #[inline(always)]
-    fn static_yield(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Curved {
+    fn static_yield(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> CurveLanes {
         match &self.base {
             StaticYield::JohnsonCook(law) => law.lanes(strain, softening),
             StaticYield::Tables(tables) => tables.lanes(strain, temperature),
@@ -136,7 +136,7 @@ impl FlowStress {
 
     /// The yield stress at plastic strains and their rates, which grow by `per_dt` a unit of strain, over the strain.
     #[inline(always)]
-    fn lanes(&self, strain: &Lanes, rate: &Lanes, temperature: &Lanes, softening: &Lanes, per_dt: f64) -> Curved {
+    fn lanes(&self, strain: &Lanes, rate: &Lanes, temperature: &Lanes, softening: &Lanes, per_dt: f64) -> CurveLanes {
         let [mut value, mut slope, mut bend] = self.static_yield(strain, temperature, softening);
         if let Some(factor) = &self.factor {
             let [times, grows, bends] = factor.lanes(rate, temperature);
@@ -173,7 +173,7 @@ impl JohnsonCook {
     }
 
     #[inline(always)]
-    fn lanes(&self, strain: &Lanes, softening: &Lanes) -> Curved {
+    fn lanes(&self, strain: &Lanes, softening: &Lanes) -> CurveLanes {
         let power = power(strain, &[self.n; LANES]);
         let [mut value, mut slope, mut bend] = [ZERO; 3];
         for l in 0..LANES {
@@ -190,7 +190,7 @@ impl JohnsonCook {
 impl RateFactor {
     /// The factor over the rate.
     #[inline(always)]
-    fn lanes(&self, rate: &Lanes, temperature: &Lanes) -> Curved {
+    fn lanes(&self, rate: &Lanes, temperature: &Lanes) -> CurveLanes {
         let [mut value, mut slope, mut bend] = [[1.0; LANES], ZERO, ZERO];
         match self {
             RateFactor::JohnsonCook { c, reference } => {
@@ -231,7 +231,7 @@ impl RateFactor {
 impl TableOverTemperature {
     /// Values and their slopes over the abscissa: the tables around each temperature, by their shares.
     #[inline(always)]
-    fn lanes(&self, at: &Lanes, temperature: &Lanes) -> Curved {
+    fn lanes(&self, at: &Lanes, temperature: &Lanes) -> CurveLanes {
         let Some((first, rest)) = self.tables.split_first() else { return [ZERO; 3] };
         let [mut value, mut slope, straight] = first.1.lanes(at);
         let mut below = first.0;
@@ -255,7 +255,7 @@ impl TableOverTemperature {
 impl Table {
     /// Values and slopes, row after row: what lies behind a row takes it.
     #[inline(always)]
-    fn lanes(&self, at: &Lanes) -> Curved {
+    fn lanes(&self, at: &Lanes) -> CurveLanes {
         let Some(last) = self.rows.last() else { return [ZERO; 3] };
         let (mut value, mut slope) = ([self.rows[0][0]; LANES], ZERO);
         for row in self.rows.windows(2) {
@@ -327,7 +327,7 @@ mod tests {
                         let rest: Lanes = std::array::from_fn(|l| law.at(strain, 0.0, temperature[l]));
                         let stress = std::array::from_fn(|l| (rest[l] + 1e-3) * (1.0 + past) * f64::from(l != 2));
                         let rate = std::array::from_fn(|l| [0.0, 1.0, 1e3, 1e9][(l + i) % 4]);
-                        let trial = Trial {
+                        let trial = TrialState {
                             stress: &stress,
                             strain: &strains,
                             temperature: &temperature,
@@ -360,11 +360,12 @@ mod tests {
             let stress: Lanes = std::array::from_fn(|l| 300.0 + 100.0 * l as f64);
             let (strain, temperature, rate) = ([0.01; LANES], [100.0; LANES], [1e3; LANES]);
             let (shear3, dt) = (240_000.0, 1e-7);
-            let trial = Trial { stress: &stress, strain: &strain, temperature: &temperature, rate: &rate, shear3, dt };
+            let trial =
+                TrialState { stress: &stress, strain: &strain, temperature: &temperature, rate: &rate, shear3, dt };
             let together = plastic_increments(&law, trial, LANES);
             for l in 0..LANES {
                 let same = [stress[l]; LANES];
-                let alone = plastic_increments(&law, Trial { stress: &same, ..trial }, 1);
+                let alone = plastic_increments(&law, TrialState { stress: &same, ..trial }, 1);
                 assert_eq!(alone[0].to_bits(), together[l].to_bits());
             }
         }

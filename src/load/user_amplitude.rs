@@ -6,7 +6,7 @@ use crate::state::archive::{Archive, Persist};
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::Halt;
 use crate::state::{EffectId, Instant};
-use crate::user::{AmplitudeCall, LoadFailure, Locked, Wish};
+use crate::user::{AmplitudeCall, LoadFailure, Locked, RunAction};
 
 /// What a sensor measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,8 +52,8 @@ impl UserAmplitude {
         dofs: &Dofs,
         told: &mut [Track],
         user: &mut Locked<'_>,
-    ) -> Result<Wish, Halt> {
-        let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(Wish::Continue) };
+    ) -> Result<RunAction, Halt> {
+        let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(RunAction::Continue) };
         for (value, sensor) in self.sensor_values.iter_mut().zip(&self.sensors) {
             *value = match *sensor {
                 Sensed::Displacement(dof) => dofs.displacement(dof),
@@ -80,9 +80,9 @@ impl UserAmplitude {
         let answer = answer.map_err(|failure| failure.halt(&what(), arrival))?;
         told[self.told].tell(arrival.total_time, answer.value);
         Ok(match (answer.stop, answer.conclude_step) {
-            (true, _) => Wish::EndAnalysis,
-            (_, true) => Wish::EndStep,
-            _ => Wish::Continue,
+            (true, _) => RunAction::EndAnalysis,
+            (_, true) => RunAction::EndStep,
+            _ => RunAction::Continue,
         })
     }
 

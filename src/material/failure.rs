@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other phases.
 
 use crate::kernel::lanes::{LANES, Lanes};
-use crate::kernel::levels::Levels;
+use crate::kernel::levels::NestedTable;
 use crate::kernel::transcendental::{exp, ln};
 use crate::state::archive::{Archive, Persist, persist_fields};
 
@@ -135,9 +135,9 @@ pub enum FailureStrain {
         reference: f64,
     },
     /// Over the triaxiality (mean stress over von Mises stress), the rate of the plastic strain, and the temperature.
-    Ductile(Levels),
+    Ductile(NestedTable),
     /// Over the rate, pressure over von Mises stress, and the temperature.
-    Shear(Levels),
+    Shear(NestedTable),
 }
 
 impl FailureStrain {

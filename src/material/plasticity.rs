@@ -5,7 +5,7 @@ use crate::kernel::hardening::FlowStress;
 use crate::kernel::heating::Heating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::kernel::return_mapping::{Trial, plastic_increments};
+use crate::kernel::return_mapping::{TrialState, plastic_increments};
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// How the yield stress of von Mises plasticity develops. An absent one is a type without state.
@@ -188,7 +188,7 @@ impl Hardening for General {
     #[inline(always)]
     fn flow(&self, state: &mut PlasticState, flow: &mut Flow<'_>) {
         let PlasticState { strain, temperature, rate } = state;
-        let trial = Trial { stress: flow.trial, strain, temperature, rate, shear3: flow.shear3, dt: flow.dt };
+        let trial = TrialState { stress: flow.trial, strain, temperature, rate, shear3: flow.shear3, dt: flow.dt };
         let increment = plastic_increments(&self.law, trial, flow.count);
         let per_dt = if flow.dt > 0.0 { 1.0 / flow.dt } else { 0.0 };
         for l in 0..LANES {

@@ -10,7 +10,7 @@ use super::types::{
     SectionControls, Set, ShellSection, ShellThinning, Side, Sides, SolidSection, Step,
 };
 use crate::deck::Span;
-use crate::variables::asked::Asked;
+use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Variable};
 
@@ -260,18 +260,18 @@ impl Load {
 impl OutputRequest {
     /// History columns of variables, `<VARIABLE>@<SET>`, at the program's default interval.
     #[track_caller]
-    pub fn history<A: Into<Asked>>(region: Region, variables: impl IntoIterator<Item = A>) -> OutputRequest {
+    pub fn history<A: Into<VariableRequest>>(region: Region, variables: impl IntoIterator<Item = A>) -> OutputRequest {
         OutputRequest::new(OutputKind::History, region, variables.into_iter().map(Into::into).collect())
     }
 
     /// Arrays of frames, at the program's default interval.
     #[track_caller]
-    pub fn field<A: Into<Asked>>(variables: impl IntoIterator<Item = A>) -> OutputRequest {
+    pub fn field<A: Into<VariableRequest>>(variables: impl IntoIterator<Item = A>) -> OutputRequest {
         OutputRequest::new(OutputKind::Field, Region::Whole, variables.into_iter().map(Into::into).collect())
     }
 
     #[track_caller]
-    fn new(kind: OutputKind, region: Region, variables: Vec<Asked>) -> OutputRequest {
+    fn new(kind: OutputKind, region: Region, variables: Vec<VariableRequest>) -> OutputRequest {
         let card = match region {
             Region::Whole => OutputCard::Output,
             Region::Nodes(_) => OutputCard::Node,
@@ -307,14 +307,14 @@ impl OutputExpression {
     }
 }
 
-impl From<Variable> for Asked {
-    fn from(variable: Variable) -> Asked {
-        Asked::Whole(variable)
+impl From<Variable> for VariableRequest {
+    fn from(variable: Variable) -> VariableRequest {
+        VariableRequest::Whole(variable)
     }
 }
 
-impl From<Part> for Asked {
-    fn from(part: Part) -> Asked {
-        Asked::One(part)
+impl From<Part> for VariableRequest {
+    fn from(part: Part) -> VariableRequest {
+        VariableRequest::One(part)
     }
 }

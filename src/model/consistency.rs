@@ -9,7 +9,7 @@ use super::types::{
     OutputRequest, Region, ShellSection, ShellThinning, Side, Sides, Step, SurfaceContact, Target,
 };
 use crate::deck::{Diagnostic, Diagnostics, Span};
-use crate::variables::asked::Asked;
+use crate::variables::request::VariableRequest;
 
 impl Model {
     /// What keeps it from being planned; empty for a model of a deck that was read without errors.
@@ -455,7 +455,7 @@ impl Check<'_> {
         self.interval(request.span, request.interval);
         let model = self.model;
         for asked in &request.variables {
-            let Asked::One(part) = asked else { continue };
+            let VariableRequest::One(part) = asked else { continue };
             if !part.variable.row().numbered && part.variable.parts().all(|p| p != *part) {
                 let message = format!("{} has no component {}", part.variable.name(), part.component);
                 self.error("M141", request.span, message);

@@ -8,7 +8,7 @@ use super::types::{
     DamageEvolution, EosKind, Expansion, FailureCriterion, FoamShape, Hyperelastic, Material, Plastic, RateDependence,
     RubberShape, StrainAtFailure,
 };
-use crate::kernel::levels::Levels;
+use crate::kernel::levels::NestedTable;
 
 /// Whether temperatures ascend in rows; one row needs none.
 fn by_temperature(rows: &[[f64; 3]]) -> bool {
@@ -59,7 +59,7 @@ impl Check<'_> {
 
 fn is_elastic_table(rows: &[Vec<f64>]) -> bool {
     let good = |r: &Vec<f64>| r.len() > 2 && above_zero(r[0]) && r[1] > -1.0 && r[1] < 0.5;
-    let over = || Levels::new(&rows.iter().map(|r| &r[1..]).collect::<Vec<_>>());
+    let over = || NestedTable::new(&rows.iter().map(|r| &r[1..]).collect::<Vec<_>>());
     rows.is_empty() || rows.iter().all(good) && over().is_some()
 }
 
@@ -102,7 +102,7 @@ fn yields(plastic: &Plastic) -> bool {
     match plastic {
         Plastic::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
         Plastic::Tabular(rows) => rows.iter().all(|r| r[0].is_finite() && r[1].is_finite()),
-        Plastic::OverFields(rows) => rows.iter().flatten().all(|v| v.is_finite()) && Levels::new(rows).is_some(),
+        Plastic::OverFields(rows) => rows.iter().flatten().all(|v| v.is_finite()) && NestedTable::new(rows).is_some(),
         Plastic::User(constants) => constants.iter().all(|c| c.is_finite()),
         Plastic::Kinematic(lines) => by_temperature(lines) && lines.iter().all(|l| above_zero(l[0]) && not_below(l[1])),
     }
@@ -124,7 +124,7 @@ fn is_rate(rate: &RateDependence) -> bool {
 }
 
 fn fails(criterion: &FailureCriterion) -> bool {
-    let table = |rows: &Vec<[f64; 4]>| rows.iter().all(|r| r[0] > 0.0) && Levels::new(rows).is_some();
+    let table = |rows: &Vec<[f64; 4]>| rows.iter().all(|r| r[0] > 0.0) && NestedTable::new(rows).is_some();
     let strain = match &criterion.strain {
         StrainAtFailure::Constant(strain) => *strain > 0.0,
         StrainAtFailure::JohnsonCook(d, _) => d.iter().all(|v| v.is_finite()),

@@ -5,7 +5,7 @@ use super::builder::Builder;
 use super::names::upper;
 use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
 use crate::deck::{Card, Diagnostic};
-use crate::kernel::levels::Levels;
+use crate::kernel::levels::NestedTable;
 
 impl Builder<'_> {
     /// A parameter in upper case without blanks; the default where it is absent.
@@ -50,7 +50,7 @@ impl Builder<'_> {
     fn strains(&mut self, card: &Card) -> Option<Vec<[f64; 4]>> {
         let line = self.first_line(card)?;
         let rows: Vec<[f64; 4]> = card.lines.iter().map(|l| self.numbers::<4>(l, &[0.0; 4])).collect::<Option<_>>()?;
-        if rows.iter().any(|r| r[0] <= 0.0 || r[0].is_nan()) || Levels::new(&rows).is_none() {
+        if rows.iter().any(|r| r[0] <= 0.0 || r[0].is_nan()) || NestedTable::new(&rows).is_none() {
             let message =
                 "strains must be above zero, and each variable ascend, the first fastest, for each value of the next";
             self.out_of_range(line.span, message);

@@ -8,7 +8,7 @@ use super::types::{
     SolidSection,
 };
 use crate::deck::{Card, DataLine, Diagnostic};
-use crate::kernel::levels::Levels;
+use crate::kernel::levels::NestedTable;
 
 impl Builder<'_> {
     pub(super) fn material_card(&mut self, card: &Card) {
@@ -134,7 +134,7 @@ impl Builder<'_> {
         let fields = self.dependencies(card)?;
         let rows = self.rows_over_fields(card, 2, fields)?;
         let over: Vec<&[f64]> = rows.iter().map(|r| &r[1..]).collect();
-        if Levels::new(&over).is_none() {
+        if NestedTable::new(&over).is_none() {
             let message =
                 "rows of moduli need temperatures that ascend, for each value of the first field variable, and so on";
             self.out_of_range(card.span, message);
@@ -207,7 +207,7 @@ impl Builder<'_> {
         }
         let Some(rows) = self.rows_over_fields(card, 2, fields) else { return };
         let starts = |w: &[Vec<f64>]| w[0][2..] == w[1][2..] || w[1][1] == 0.0;
-        if Levels::new(&rows).is_none() || rows[0][1] != 0.0 || !rows.windows(2).all(starts) {
+        if NestedTable::new(&rows).is_none() || rows[0][1] != 0.0 || !rows.windows(2).all(starts) {
             let message = "rows of the yield stress need plastic strains that begin at 0 and ascend for each temperature, \
                            temperatures that ascend for each value of the first field variable, and so on";
             self.out_of_range(card.span, message);

@@ -9,7 +9,7 @@ use super::types::{
 };
 use crate::deck::names::fold;
 use crate::deck::{Card, Diagnostic, Word};
-use crate::variables::asked::{self, Asked, SectionPoint};
+use crate::variables::request::{self, SectionPoint, VariableRequest};
 use crate::variables::statistic::Statistic;
 
 impl Builder<'_> {
@@ -206,7 +206,7 @@ impl Builder<'_> {
         let words = named.iter().flat_map(|l| &l.fields).filter(|w| !w.text.is_empty());
         let mut unknown = Vec::new();
         for word in words {
-            match Asked::parse(&upper(&word.text)) {
+            match VariableRequest::parse(&upper(&word.text)) {
                 Some(asked) => match &sides {
                     Some(sides) => variables.extend(sides.iter().filter_map(|side| asked.at(*side))),
                     None => variables.push(asked),
@@ -306,12 +306,12 @@ impl Builder<'_> {
     }
 
     /// What `VARIABLE=` asks for.
-    fn default_variables(&mut self, card: &Card) -> Vec<Asked> {
+    fn default_variables(&mut self, card: &Card) -> Vec<VariableRequest> {
         let Some(word) = card.value("VARIABLE") else { return Vec::new() };
         let text = fold(&word.text);
         match ["PRESELECT", "ALL"].map(|name| !text.is_empty() && name.starts_with(&text)) {
-            [true, _] => vec![Asked::Preselect],
-            [_, true] => vec![Asked::All],
+            [true, _] => vec![VariableRequest::Preselect],
+            [_, true] => vec![VariableRequest::All],
             _ => {
                 self.out_of_range(word.span, "VARIABLE is PRESELECT or ALL; names of variables stand on data lines");
                 Vec::new()
@@ -389,7 +389,8 @@ impl Builder<'_> {
     /// Whether a word is a component that a body of revolution does not have: the ledger tells.
     fn out_of_plane(&mut self, word: &Word) -> bool {
         let name = upper(&word.text);
-        let stem = |ends: &[&str]| ends.iter().find_map(|e| name.strip_suffix(e)).and_then(Asked::parse).is_some();
+        let stem =
+            |ends: &[&str]| ends.iter().find_map(|e| name.strip_suffix(e)).and_then(VariableRequest::parse).is_some();
         let zero = stem(&["13", "23"]) || matches!(name.as_str(), "U3" | "V3" | "A3" | "RF3" | "CF3" | "COOR3");
         if zero {
             let why = "a body of revolution has no such component: it is zero".into();
@@ -407,10 +408,10 @@ impl Builder<'_> {
             [name] => format!("the output variable {name} is not known to Revolve"),
             _ => format!("the output variables {} are not known to Revolve", names.join(", ")),
         };
-        let mut finding = Diagnostic::warning("M141", message).help(asked::help(&upper(&first.text), card.places()));
+        let mut finding = Diagnostic::warning("M141", message).help(request::help(&upper(&first.text), card.places()));
         for word in words {
             let like =
-                asked::like(&upper(&word.text)).map_or("left out".into(), |n| format!("left out; did you mean {n}?"));
+                request::like(&upper(&word.text)).map_or("left out".into(), |n| format!("left out; did you mean {n}?"));
             finding = finding.at(word.span, like);
         }
         self.diagnostics.push(finding);

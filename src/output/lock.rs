@@ -18,7 +18,7 @@ const TRIES: usize = 100;
 /// A folder that is this job's until it is dropped. The system lets go of it when the process ends, however that comes, so
 /// no lock is ever stale.
 #[derive(Debug)]
-pub struct Lock {
+pub struct FolderLock {
     path: PathBuf,
     /// Open as long as the lock is held; `None` on a file system without locks.
     file: Option<File>,
@@ -26,22 +26,22 @@ pub struct Lock {
 
 /// Why a folder is not to be had.
 #[derive(Debug)]
-pub enum Refused {
+pub enum LockError {
     /// A job is at work in it.
     Busy(Box<Diagnostic>),
     /// The lock cannot be written.
     File(io::Error),
 }
 
-impl Lock {
+impl FolderLock {
     /// Takes a folder, which is there, for a job.
     ///
     /// # Errors
     /// Which job has it, or that of the file system.
-    pub fn take(folder: &Path, job: &str) -> Result<Lock, Refused> {
+    pub fn take(folder: &Path, job: &str) -> Result<FolderLock, LockError> {
         let path = folder.join(NAME);
         let cannot =
-            |e: io::Error| Refused::File(io::Error::new(e.kind(), format!("cannot lock {}: {e}", path.display())));
+            |e: io::Error| LockError::File(io::Error::new(e.kind(), format!("cannot lock {}: {e}", path.display())));
         for _ in 0..TRIES {
             let mut options = OpenOptions::new();
             options
@@ -56,19 +56,19 @@ impl Lock {
                 Ok(()) if is_still(&file, &path) => {
                     // A name that cannot be written leaves the lock what it is.
                     let _ = file.set_len(0).and_then(|()| writeln!(file, "{} {}", std::process::id(), job));
-                    return Ok(Lock { path, file: Some(file) });
+                    return Ok(FolderLock { path, file: Some(file) });
                 }
                 // Its holder ended and took the file away.
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return Err(Refused::Busy(Box::new(busy(folder, &mut file)))),
-                Err(TryLockError::Error(_)) => return Ok(Lock { path, file: None }),
+                Err(TryLockError::WouldBlock) => return Err(LockError::Busy(Box::new(busy(folder, &mut file)))),
+                Err(TryLockError::Error(_)) => return Ok(FolderLock { path, file: None }),
             }
         }
         Err(cannot(io::Error::other("it comes and goes")))
     }
 }
 
-impl Drop for Lock {
+impl Drop for FolderLock {
     fn drop(&mut self) {
         // The name first: who opens it from now on has a file, and a lock, of their own.
         let own = self.file.as_ref().is_none_or(|file| is_still(file, &self.path));
@@ -97,19 +97,19 @@ fn busy(folder: &Path, file: &mut File) -> Diagnostic {
 
 #[cfg(test)]
 mod tests {
-    use super::{Lock, Refused};
+    use super::{FolderLock, LockError};
 
     #[test]
     fn a_folder_has_one_job_at_a_time() {
         let folder = tempfile::tempdir().expect("a folder");
-        let first = Lock::take(folder.path(), "bar").expect("the lock");
-        let Err(Refused::Busy(finding)) = Lock::take(folder.path(), "rod") else { panic!("taken twice") };
+        let first = FolderLock::take(folder.path(), "bar").expect("the lock");
+        let Err(LockError::Busy(finding)) = FolderLock::take(folder.path(), "rod") else { panic!("taken twice") };
         let told = format!("job `bar` of process {}", std::process::id());
         assert!(finding.code == "K007" && finding.message.contains(&told), "{}", finding.message);
         drop(first);
         assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
         // What a killed process leaves is no lock.
         std::fs::write(folder.path().join(super::NAME), "1 ghost\n").expect("a file");
-        drop(Lock::take(folder.path(), "rod").expect("the lock"));
+        drop(FolderLock::take(folder.path(), "rod").expect("the lock"));
     }
 }

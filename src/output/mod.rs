@@ -130,7 +130,7 @@ pub fn write_summary<T: Serialize>(job: &Job, summary: &T) -> io::Result<u32> {
 pub fn write_with_sums(job: &Job, files: &[(String, Vec<u8>)], list: &str) -> io::Result<()> {
     // None of these sums is that of a file before.
     whole::remove(&job.path(list))?;
-    let mut sums = sums::Sums::default();
+    let mut sums = sums::Checksums::default();
     for (ending, bytes) in files {
         write_whole(&job.path(ending), bytes)?;
         sums.add(job, ending, bytes);

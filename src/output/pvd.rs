@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::{fs, io};
 
 use super::checkpoint::CHECKPOINT;
-use super::sums::{SUMS, Sums, sum};
+use super::sums::{Checksums, SUMS, sum};
 use super::vtu::{VtuWriter, escape};
 use super::whole::{remove, unfinished};
 use super::{Frame, HISTORY, Job, Points, STATUS, write_whole};
@@ -59,8 +59,8 @@ impl FrameWriter {
     }
 
     /// Checksums of the frames and their list.
-    pub fn sums(&self) -> Sums {
-        let mut sums = Sums::default();
+    pub fn sums(&self) -> Checksums {
+        let mut sums = Checksums::default();
         for (i, (_, sum)) in self.frames.iter().enumerate() {
             sums.add_sum(&self.job, &ending(i), *sum);
         }

@@ -26,9 +26,9 @@ pub fn sum(bytes: &[u8]) -> u32 {
 
 /// Sums by the names of files in one folder.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sums(IndexMap<String, u32>);
+pub struct Checksums(IndexMap<String, u32>);
 
-impl Sums {
+impl Checksums {
     /// Notes a file of a job that has these bytes.
     pub fn add(&mut self, job: &Job, ending: &str, bytes: &[u8]) {
         self.add_sum(job, ending, sum(bytes));
@@ -55,11 +55,11 @@ impl Sums {
     ///
     /// # Errors
     /// In words, with the path: a folder or a list that cannot be read, a line that is none.
-    pub fn of(folder: &Path) -> Result<Sums, String> {
+    pub fn of(folder: &Path) -> Result<Checksums, String> {
         let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
         paths.sort();
-        let mut sums = Sums::default();
+        let mut sums = Checksums::default();
         for path in paths.iter().filter(|path| path.extension().is_some_and(|ending| ending == &SUMS[1..])) {
             let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
             sums.take(&text).map_err(|why| format!("{}: {why}", path.display()))?;
@@ -110,7 +110,7 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    use super::{SUMS, Sums, sum};
+    use super::{Checksums, SUMS, sum};
     use crate::output::Job;
 
     #[test]
@@ -120,10 +120,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let job = Job { folder: folder.path().to_owned(), name: "a b".into() };
         let path = job.path("_history.csv");
-        let mut sums = Sums::default();
+        let mut sums = Checksums::default();
         sums.add(&job, "_history.csv", b"time\n0\n");
         sums.write(&job, SUMS).expect("a list");
-        let read = Sums::of(folder.path()).expect("a list");
+        let read = Checksums::of(folder.path()).expect("a list");
         assert_eq!(read, sums);
         std::fs::write(&path, b"time\n0\n").expect("a file");
         assert_eq!(read.hold(&path), Ok(()));
@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(read.hold(&job.path("_other.csv")), Ok(()));
         for wrong in ["; CRC-32 of 2 files\na b.json 1234\n", "a b.json 1234", "a b.json\n", "a b.json xyz\n"] {
             std::fs::write(job.path(SUMS), wrong).expect("a list");
-            assert!(Sums::of(folder.path()).is_err(), "{wrong:?}");
+            assert!(Checksums::of(folder.path()).is_err(), "{wrong:?}");
         }
     }
 }

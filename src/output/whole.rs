@@ -55,7 +55,7 @@ fn cannot_write(path: &Path, error: &io::Error) -> io::Error {
 /// A file that grows beside its place and takes it when it is finished; if it is not, nothing is left of it.
 pub struct Whole {
     file: File,
-    temporary: Temporary,
+    temporary: TemporaryFile,
     path: PathBuf,
 }
 
@@ -74,7 +74,7 @@ impl Whole {
             let temporary = folder_of(path).join(format!("{MARK}{name}-{letters}"));
             // Result files may be read by others, as files usually may.
             let file = OpenOptions::new().write(true).create_new(true).mode(0o644).open(&temporary)?;
-            Ok((file, Temporary(temporary)))
+            Ok((file, TemporaryFile(temporary)))
         })?;
         Ok(Whole { file, temporary, path: path.to_owned() })
     }
@@ -117,26 +117,26 @@ pub(super) fn remove(path: &Path) -> io::Result<()> {
 }
 
 /// A file that goes unless it was renamed.
-struct Temporary(PathBuf);
+struct TemporaryFile(PathBuf);
 
-impl Drop for Temporary {
+impl Drop for TemporaryFile {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.0);
     }
 }
 
 /// A folder for files that nothing needs later; it goes with what is in it.
-pub(crate) struct Scratch(PathBuf);
+pub(crate) struct ScratchFolder(PathBuf);
 
-impl Scratch {
+impl ScratchFolder {
     /// A new folder in another, which only its owner may open.
     ///
     /// # Errors
     /// That of the file system.
-    pub(crate) fn within(folder: &Path) -> io::Result<Scratch> {
+    pub(crate) fn within(folder: &Path) -> io::Result<ScratchFolder> {
         unique(|letters| {
             let path = folder.join(format!("revolve-{letters}"));
-            DirBuilder::new().mode(0o700).create(&path).map(|()| Scratch(path))
+            DirBuilder::new().mode(0o700).create(&path).map(|()| ScratchFolder(path))
         })
     }
 
@@ -145,7 +145,7 @@ impl Scratch {
     }
 }
 
-impl Drop for Scratch {
+impl Drop for ScratchFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }

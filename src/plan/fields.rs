@@ -9,7 +9,7 @@ use super::{Compiler, State};
 use crate::deck::Diagnostic;
 use crate::element::predefined::{PredefinedFields, Prescribed, mean};
 use crate::element::user_law::{Elasticity, MOST_DEPENDENCIES, Yield, YieldOverFields};
-use crate::kernel::levels::Levels;
+use crate::kernel::levels::NestedTable;
 use crate::model::{InitialKind, Material, Plastic, SolidSection};
 
 /// Field variables that a material's tables depend on.
@@ -106,7 +106,7 @@ impl Compiler<'_> {
         let rows = &material.elastic_table;
         let of = |value: usize| {
             let rows: Vec<Vec<f64>> = rows.iter().map(|r| [&r[value..=value], &r[2..]].concat()).collect();
-            Levels::new(&rows)
+            NestedTable::new(&rows)
         };
         let (young, ratio) = (of(0)?, of(1)?);
         let fields = rows.first()?.len() - 3;
@@ -123,7 +123,7 @@ impl Compiler<'_> {
         rows: &[Vec<f64>],
     ) -> Option<Yield> {
         let fields = rows.first().map_or(0, |r| r.len().saturating_sub(3));
-        let table = Levels::new(rows).filter(|_| fields <= MOST_DEPENDENCIES);
+        let table = NestedTable::new(rows).filter(|_| fields <= MOST_DEPENDENCIES);
         let Some(table) = table else {
             let message = format!("material `{}`: its table over field variables has no order", material.name);
             self.diagnostics.push(Diagnostic::error("P014", message).at(section.span, "the material of this section"));

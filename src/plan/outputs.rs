@@ -13,7 +13,7 @@ use crate::model::{
     ElementSetId, Interval, Model, NodeSetId, OutputCard, OutputKind, OutputRequest, Position, Region, Set, Step,
     SurfaceId, WhichPairs,
 };
-use crate::variables::asked::Asked;
+use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 use crate::variables::{Part, Place, Preselected, Variable};
 
@@ -103,9 +103,9 @@ impl FrameField {
         FrameField { position, ..self }
     }
 
-    fn is_meant(&self, asked: Asked) -> bool {
+    fn is_meant(&self, asked: VariableRequest) -> bool {
         match asked {
-            Asked::One(part) => self.parts == [part],
+            VariableRequest::One(part) => self.parts == [part],
             _ => asked.variables().contains(&self.variable()),
         }
     }
@@ -200,8 +200,8 @@ impl Compiler<'_> {
 
     /// The row of strains and energies that elements follow because an output asks for them.
     fn followed_row(&mut self, count: usize) {
-        let follows = |asked: &Asked| match asked {
-            Asked::Preselect | Asked::All => true,
+        let follows = |asked: &VariableRequest| match asked {
+            VariableRequest::Preselect | VariableRequest::All => true,
             _ => asked.variables().iter().any(|v| v.row().followed),
         };
         let asks = |r: &&OutputRequest| r.variables.iter().any(follows);
@@ -263,7 +263,7 @@ impl Compiler<'_> {
     }
 
     /// Variables of the whole model that a word means on a card.
-    fn model_variables(&self, asked: Asked, card: OutputCard) -> impl Iterator<Item = Variable> + use<> {
+    fn model_variables(&self, asked: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> + use<> {
         let by_default = match card {
             OutputCard::Output | OutputCard::Energy => Some(Place::Energy),
             OutputCard::Incrementation => Some(Place::Increment),
@@ -273,13 +273,20 @@ impl Compiler<'_> {
         // Where materials alone delete, books are kept if they are asked for by name: elements must be followed for them.
         let erodes = !self.model.erosions.is_empty();
         let meant = move |v: &Variable| match asked {
-            Asked::Preselect | Asked::All => Some(v.place()) == by_default && (erodes || !is_removed(*v)),
+            VariableRequest::Preselect | VariableRequest::All => {
+                Some(v.place()) == by_default && (erodes || !is_removed(*v))
+            }
             _ => named.contains(v),
         };
         self.energies().chain([Variable::TimeIncrement]).filter(meant)
     }
 
-    fn node_columns(&mut self, (asked, request): (Asked, &OutputRequest), set: NodeSetId, columns: &mut Vec<Column>) {
+    fn node_columns(
+        &mut self,
+        (asked, request): (VariableRequest, &OutputRequest),
+        set: NodeSetId,
+        columns: &mut Vec<Column>,
+    ) {
         let model = self.model;
         let (set, members) = named(&model.node_sets, set.index());
         let mut parts = self.parts(asked, Variable::is_of_nodes);
@@ -342,8 +349,8 @@ impl Compiler<'_> {
     }
 
     /// Columns of each pair of surfaces that may meet, of those that are meant.
-    fn pair_columns(&self, asked: Asked, which: &WhichPairs, columns: &mut Vec<Column>) {
-        let asked = if matches!(asked, Asked::Preselect) { Asked::All } else { asked };
+    fn pair_columns(&self, asked: VariableRequest, which: &WhichPairs, columns: &mut Vec<Column>) {
+        let asked = if matches!(asked, VariableRequest::Preselect) { VariableRequest::All } else { asked };
         let parts = self.parts(asked, |v| v.place() == Place::Pair);
         let meant = |name: &str| self.pairs.iter().flatten().any(|c| pair_name(c) == name && which.means(c));
         for (index, name) in self.pair_names.iter().enumerate().filter(|n| meant(n.1)) {
@@ -363,7 +370,7 @@ impl Compiler<'_> {
 
     fn element_columns(
         &mut self,
-        (asked, request): (Asked, &OutputRequest),
+        (asked, request): (VariableRequest, &OutputRequest),
         set: ElementSetId,
         state: &State,
         columns: &mut Vec<Column>,
@@ -384,13 +391,13 @@ impl Compiler<'_> {
 
     fn section_columns(
         &mut self,
-        asked: Asked,
+        asked: VariableRequest,
         surface: SurfaceId,
         name: &str,
         state: &State,
         columns: &mut Vec<Column>,
     ) {
-        let asked = if matches!(asked, Asked::Preselect) { Asked::All } else { asked };
+        let asked = if matches!(asked, VariableRequest::Preselect) { VariableRequest::All } else { asked };
         let parts = self.parts(asked, |v| v.place() == Place::Section);
         let known = self.sections.iter().position(|s| s.surface == surface);
         let at = known.unwrap_or_else(|| {
@@ -422,10 +429,10 @@ impl Compiler<'_> {
     }
 
     /// The numbers that a word means among variables of nodes or of elements.
-    fn parts(&self, asked: Asked, of: impl Fn(Variable) -> bool) -> Vec<Part> {
+    fn parts(&self, asked: VariableRequest, of: impl Fn(Variable) -> bool) -> Vec<Part> {
         let variables = match asked {
-            Asked::One(part) => return Some(part).filter(|p| of(p.variable)).into_iter().collect(),
-            Asked::All => Variable::ALL.to_vec(),
+            VariableRequest::One(part) => return Some(part).filter(|p| of(p.variable)).into_iter().collect(),
+            VariableRequest::All => Variable::ALL.to_vec(),
             _ => asked.variables(),
         };
         variables.into_iter().filter(|v| of(*v)).flat_map(|v| self.parts_of(v)).collect()
@@ -443,8 +450,8 @@ impl Compiler<'_> {
         let places = request.card.places();
         for &asked in &request.variables {
             let meant = |f: &&FrameField| match asked {
-                Asked::Preselect => self.is_preselected(f) && places.contains(&f.variable().place()),
-                Asked::All => places.contains(&f.variable().place()),
+                VariableRequest::Preselect => self.is_preselected(f) && places.contains(&f.variable().place()),
+                VariableRequest::All => places.contains(&f.variable().place()),
                 _ => f.is_meant(asked),
             };
             let meant: Vec<FrameField> = there.iter().filter(meant).cloned().map(|f| f.at(request.position)).collect();
@@ -525,7 +532,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn absent(&mut self, asked: Asked, request: &OutputRequest) {
+    fn absent(&mut self, asked: VariableRequest, request: &OutputRequest) {
         let why = why_absent(asked, request);
         self.unused(request.span, asked.name(), why);
     }
@@ -537,7 +544,7 @@ fn of_flights(variable: Variable) -> bool {
 }
 
 /// Parts of a word at a node of a body with six degrees of freedom: a variable named as a whole has components in space too.
-fn in_space(asked: Asked, parts: &[Part]) -> impl Iterator<Item = Part> {
+fn in_space(asked: VariableRequest, parts: &[Part]) -> impl Iterator<Item = Part> {
     let more = |variable: Variable| match variable {
         Variable::Displacement => Some(Variable::ThirdDisplacement),
         Variable::Velocity => Some(Variable::ThirdVelocity),
@@ -547,7 +554,7 @@ fn in_space(asked: Asked, parts: &[Part]) -> impl Iterator<Item = Part> {
         Variable::RotationalAcceleration => Some(Variable::OutwardRotationalAcceleration),
         _ => None,
     };
-    let named = if let Asked::Whole(variable) = asked { more(variable) } else { None };
+    let named = if let VariableRequest::Whole(variable) = asked { more(variable) } else { None };
     let mut all: Vec<Part> = parts.to_vec();
     if let Some(variable) = named {
         let at = if variable.row().labels.is_empty() { all.len() } else { 0 };
@@ -574,13 +581,13 @@ fn has(state: &State, group: usize, element: usize, part: Part) -> bool {
 }
 
 /// Why a word of a request comes to nothing.
-fn why_absent(asked: Asked, request: &OutputRequest) -> String {
+fn why_absent(asked: VariableRequest, request: &OutputRequest) -> String {
     let history = request.kind == OutputKind::History;
     let name = asked.name();
     let place = match asked {
-        Asked::NotSimulated(known) => return format!("{name} ({}) is not simulated", known.words),
-        Asked::Preselect if history => return "of histories ABAQUS preselects energies alone".into(),
-        Asked::One(part) if !history && part.variable.parts().count() > 1 => {
+        VariableRequest::NotSimulated(known) => return format!("{name} ({}) is not simulated", known.words),
+        VariableRequest::Preselect if history => return "of histories ABAQUS preselects energies alone".into(),
+        VariableRequest::One(part) if !history && part.variable.parts().count() > 1 => {
             return format!("frames show {} with all its components", part.variable.name());
         }
         _ => asked.variables().first().map(|v| v.place()),
@@ -611,7 +618,7 @@ fn why_absent(asked: Asked, request: &OutputRequest) -> String {
 }
 
 /// Whether frames have it without a field of its own: what loads show of facets, and coordinates, which are their points.
-fn is_in_every_frame(asked: Asked) -> bool {
+fn is_in_every_frame(asked: VariableRequest) -> bool {
     let implied = |v: &Variable| v.place() == Place::Facet || *v == Variable::Coordinate;
     let named = asked.variables();
     !named.is_empty() && named.iter().all(implied)

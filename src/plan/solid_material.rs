@@ -12,7 +12,7 @@ use crate::element::group::{ElementGroup, Quads};
 use crate::element::numbers::Numbers;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature};
 use crate::kernel::heating::Heating;
-use crate::kernel::levels::Levels;
+use crate::kernel::levels::NestedTable;
 use crate::material::eos::{Eos, IdealGas, Tabulated, UsUp};
 use crate::material::explosive::Explosive;
 use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, NoDamage};
@@ -475,8 +475,8 @@ impl Compiler<'_> {
         Some(match &criterion.strain {
             StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
             // The model has made sure that they are tables.
-            StrainAtFailure::Ductile(rows) => FailureStrain::Ductile(Levels::new(rows)?),
-            StrainAtFailure::Shear(rows) => FailureStrain::Shear(Levels::new(rows)?),
+            StrainAtFailure::Ductile(rows) => FailureStrain::Ductile(NestedTable::new(rows)?),
+            StrainAtFailure::Shear(rows) => FailureStrain::Shear(NestedTable::new(rows)?),
             StrainAtFailure::JohnsonCook(d, Some([melt, transition, reference])) => {
                 FailureStrain::JohnsonCook { d: *d, melt: *melt, transition: *transition, reference: *reference }
             }

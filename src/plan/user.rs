@@ -6,16 +6,16 @@ use crate::deck::{Diagnostic, Span};
 use crate::load::user_amplitude::{Sensed, UserAmplitude};
 use crate::model::{AmplitudeDefinition, AmplitudeId, OutputRequest, Region};
 use crate::state::dofs::Dof;
-use crate::variables::asked::Asked;
+use crate::variables::request::VariableRequest;
 use crate::variables::{Part, Variable};
 
 impl Compiler<'_> {
     /// Says that a routine that the deck asks for is not there, or why it cannot be called.
     pub(super) fn no_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
         self.called.push(name);
-        if let Some(misfit) = self.routines.misfits.iter().find(|m| m.routine == name) {
-            let code = if misfit.code == "U004" { "U004" } else { "U005" };
-            let finding = Diagnostic::error(code, format!("{asks}: {}", misfit.message));
+        if let Some(uncallable) = self.routines.uncallable.iter().find(|m| m.routine == name) {
+            let code = if uncallable.code == "U004" { "U004" } else { "U005" };
+            let finding = Diagnostic::error(code, format!("{asks}: {}", uncallable.message));
             self.diagnostics.push(finding.at(span, format!("this {label} calls the user's routine")));
             return;
         }
@@ -40,8 +40,8 @@ impl Compiler<'_> {
         ];
         let uncalled: Vec<(&str, &str)> =
             there.into_iter().filter(|r| r.1 && !self.called.contains(&r.0)).map(|r| (r.0, r.2)).collect();
-        let strangers = routines.strangers.iter().map(|name| (*name, "Revolve does not have it"));
-        for (name, why) in uncalled.into_iter().chain(strangers) {
+        let unsupported = routines.unsupported.iter().map(|name| (*name, "Revolve does not have it"));
+        for (name, why) in uncalled.into_iter().chain(unsupported) {
             self.unused(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));
             let message = format!("the user's files define `{name}`, which is never called: {why}");
             self.diagnostics.push(Diagnostic::note("U009", message));
@@ -105,7 +105,7 @@ impl Compiler<'_> {
             return None;
         }
         let [node] = self.model.node_sets[*set].members[..] else { return None };
-        let [Asked::One(Part { variable, component })] = request.variables[..] else { return None };
+        let [VariableRequest::One(Part { variable, component })] = request.variables[..] else { return None };
         let dof = match (self.places.free_node(node), self.body_of_node.get(&node)) {
             (Some(place), _) => Dof::Node(place, component),
             (_, Some(&body)) if component == 1 => Dof::Body(body),

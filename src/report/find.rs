@@ -10,7 +10,7 @@ use super::units::UnitNames;
 use super::{PageOptions, ReportError, balance, compare, frames, history, limits, study, sweep};
 use crate::deck::files;
 use crate::output::HISTORY;
-use crate::output::sums::Sums;
+use crate::output::sums::Checksums;
 use crate::study::chart::{Chart, Form, Series};
 
 /// Runs beyond these are left out.
@@ -20,7 +20,7 @@ const COLUMNS: usize = 200;
 
 /// Reads the results in a folder, with names for quantities and curves to compare with.
 pub fn page(folder: &Path, options: &PageOptions) -> Result<Page, ReportError> {
-    let (names, sums) = (file_names(folder)?, Sums::of(folder)?);
+    let (names, sums) = (file_names(folder)?, Checksums::of(folder)?);
     let with = |ending: &str| -> BTreeSet<String> {
         names.iter().filter_map(|n| n.strip_suffix(ending)).filter(|n| !n.is_empty()).map(str::to_owned).collect()
     };
@@ -75,7 +75,7 @@ pub fn only_run(folder: &Path) -> Result<String, String> {
 }
 
 /// Targets and planes as a run's summary tells them; nothing where there is none.
-pub fn scene(folder: &Path, name: &str, sums: &Sums) -> Result<Value, String> {
+pub fn scene(folder: &Path, name: &str, sums: &Checksums) -> Result<Value, String> {
     let path = folder.join(format!("{name}.json"));
     if !path.is_file() {
         return Ok(Value::Null);
@@ -103,7 +103,7 @@ fn is_run(path: &Path) -> bool {
 }
 
 /// A run: whatever of its files is there.
-fn run(folder: &Path, name: &str, sums: &Sums) -> Result<Run, String> {
+fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<Run, String> {
     let file = |ending: &str| folder.join(format!("{name}{ending}"));
     let mut run = Run { name: name.to_owned(), ..Run::default() };
     if !sums.has(&file(".pvd")) && !sums.has(&file(HISTORY)) {

@@ -13,7 +13,7 @@ use crate::deck::{files, printable};
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
 use crate::output::Label;
-use crate::output::sums::Sums;
+use crate::output::sums::Checksums;
 use crate::output::vtu::{BLANKING, REFERENCE};
 use crate::variables::Variable;
 
@@ -60,7 +60,7 @@ pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
     text.split("<DataSet").skip(1).map(|tag| entry(tag).ok_or_else(|| wrong(&first_line(tag)))).collect()
 }
 
-pub fn read(time: f64, path: &Path, sums: &Sums) -> Result<FrameData, String> {
+pub fn read(time: f64, path: &Path, sums: &Checksums) -> Result<FrameData, String> {
     sums.hold(path)?;
     let wrong = |e: String| format!("{}: {e}", path.display());
     let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
@@ -137,7 +137,7 @@ fn rank(name: &str) -> usize {
 pub fn pack(
     files: &[(f64, PathBuf)],
     scene: &Value,
-    (units, sums): (&UnitNames, &Sums),
+    (units, sums): (&UnitNames, &Checksums),
     notes: &mut Vec<String>,
 ) -> Result<Option<Meridian>, String> {
     let Some(((time, path), _)) = files.split_first() else { return Ok(None) };

@@ -8,7 +8,7 @@ use super::frames::{self, CELLS, FrameData};
 use super::mesh::{bounds, drawn};
 use super::{PageOptions, ReportError, balance, compare};
 use super::{find, history};
-use crate::output::sums::Sums;
+use crate::output::sums::Checksums;
 use crate::output::svg::{END, MIDDLE, Svg, polyline};
 use crate::study::axis::{self, ticks};
 use crate::study::chart::{Chart, Form, Series};
@@ -79,7 +79,7 @@ fn history_file(folder: &Path) -> Result<(String, std::path::PathBuf), String> {
     if !path.is_file() {
         return Err(format!("{} is missing", path.display()));
     }
-    Sums::of(folder)?.hold(&path)?;
+    Checksums::of(folder)?.hold(&path)?;
     Ok((name, path))
 }
 
@@ -118,7 +118,7 @@ fn chart(title: &str, path: &Path, columns: &[String], options: &PageOptions) ->
 /// The meridian of a frame (counted from 1; the last by default), mirrored about the axis, as SVG.
 pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<String, ReportError> {
     let name = find::only_run(folder)?;
-    let (list, sums) = (folder.join(format!("{name}.pvd")), Sums::of(folder)?);
+    let (list, sums) = (folder.join(format!("{name}.pvd")), Checksums::of(folder)?);
     sums.hold(&list)?;
     let series = frames::series(&list)?;
     let number = number.unwrap_or(series.len());

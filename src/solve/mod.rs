@@ -24,7 +24,7 @@ use crate::plan::{Plan, State};
 pub use crate::state::Instant;
 pub use crate::state::archive::UnfitState;
 pub use crate::state::halt::Halt;
-use crate::user::Wish;
+use crate::user::RunAction;
 pub use energy::Energy;
 pub use frames::node_value;
 use increment::IncrementController;
@@ -96,7 +96,7 @@ pub fn run_with(
             run.outcome.halt = Some(written.err().unwrap_or(halt));
             break;
         }
-        if run.wish == Wish::EndAnalysis {
+        if run.wish == RunAction::EndAnalysis {
             run.outcome.ended_by_user = true;
             break;
         }

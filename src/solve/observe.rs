@@ -13,7 +13,7 @@ use crate::plan::{Plan, Schedule, StepPlan};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::halt::Halt;
-use crate::user::Wish;
+use crate::user::RunAction;
 
 /// Why a sink cannot keep what it is shown.
 #[derive(Debug, Error)]
@@ -197,7 +197,10 @@ impl Observing {
     /// Shows what is due: rows and frames at their marks, at the very start, and at the end of each step.
     #[inline]
     pub(super) fn show(&mut self, run: &mut Run<'_>, sink: &mut dyn Sink) -> Result<(), Halt> {
-        if run.now.step_time < self.next_time && run.now.increment < self.next_increment && run.wish == Wish::Continue {
+        if run.now.step_time < self.next_time
+            && run.now.increment < self.next_increment
+            && run.wish == RunAction::Continue
+        {
             return Ok(());
         }
         let began = Stopwatch::now();

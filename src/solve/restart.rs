@@ -11,7 +11,7 @@ use crate::plan::StepPlan;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, UnfitState, persist_all, persist_fields};
 use crate::state::halt::Halt;
-use crate::user::{Kept, Moment, Wish};
+use crate::user::{AnalysisMoment, RunAction, SavedMemory};
 
 /// How often the state is kept, beside what the deck's `*RESTART, WRITE` asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -220,7 +220,7 @@ pub(super) struct At<'r, 'p> {
 #[derive(Default)]
 struct Head {
     step: usize,
-    routines: Kept,
+    routines: SavedMemory,
 }
 
 impl Persist for Head {
@@ -330,11 +330,11 @@ impl Persist for Run<'_> {
     }
 }
 
-impl Persist for Wish {
+impl Persist for RunAction {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let mut number = *self as u8;
         number.persist(archive);
-        *self = [Wish::Continue, Wish::EndStep, Wish::EndAnalysis]
+        *self = [RunAction::Continue, RunAction::EndStep, RunAction::EndAnalysis]
             .into_iter()
             .find(|w| *w as u8 == number)
             .unwrap_or_default();
@@ -370,7 +370,7 @@ impl Run<'_> {
         let due = self.now.step_time > 0.0 && !self.told_complete;
         if let Some(events) = self.user.events.as_deref_mut().filter(|_| due) {
             events.restart_follows();
-            self.tell(Moment::EndIncrement, self.last_increment)?;
+            self.tell(AnalysisMoment::EndIncrement, self.last_increment)?;
             self.told_complete = true;
         }
         Ok(())

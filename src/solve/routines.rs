@@ -6,16 +6,16 @@ use super::run::Run;
 use crate::constraint;
 use crate::state::Instant;
 use crate::state::halt::Halt;
-use crate::user::{Moment, Wish};
+use crate::user::{AnalysisMoment, RunAction};
 
 impl Run<'_> {
     /// At the start of a step.
     pub(super) fn begin_routines(&mut self) -> Result<(), Halt> {
-        self.wish = Wish::Continue;
+        self.wish = RunAction::Continue;
         if self.now.step == 1 {
-            self.tell(Moment::StartAnalysis, 0.0)?;
+            self.tell(AnalysisMoment::StartAnalysis, 0.0)?;
         }
-        self.tell(Moment::StartStep, 0.0)?;
+        self.tell(AnalysisMoment::StartStep, 0.0)?;
         let now = self.now;
         self.call(&now, 0.0)
     }
@@ -25,10 +25,10 @@ impl Run<'_> {
     pub(super) fn call_routines(&mut self, next: Increment) -> Result<(), Halt> {
         if self.user.events.is_some() {
             if self.now.step_time > 0.0 && !std::mem::take(&mut self.told_complete) {
-                self.tell(Moment::EndIncrement, self.last_increment)?;
+                self.tell(AnalysisMoment::EndIncrement, self.last_increment)?;
             }
-            self.tell(Moment::SetupIncrement, next.length)?;
-            self.tell(Moment::StartIncrement, next.length)?;
+            self.tell(AnalysisMoment::SetupIncrement, next.length)?;
+            self.tell(AnalysisMoment::StartIncrement, next.length)?;
         }
         if self.amplitudes.is_empty() && self.motions.is_empty() {
             return Ok(());
@@ -40,11 +40,11 @@ impl Run<'_> {
     /// At the end of a step, and of the analysis.
     pub(super) fn end_routines(&mut self) -> Result<(), Halt> {
         if self.now.step_time > 0.0 {
-            self.tell(Moment::EndIncrement, self.last_increment)?;
+            self.tell(AnalysisMoment::EndIncrement, self.last_increment)?;
         }
-        self.tell(Moment::EndStep, 0.0)?;
-        if self.wish == Wish::EndAnalysis || self.now.step as usize == self.plan.steps.len() {
-            self.tell(Moment::EndAnalysis, 0.0)?;
+        self.tell(AnalysisMoment::EndStep, 0.0)?;
+        if self.wish == RunAction::EndAnalysis || self.now.step as usize == self.plan.steps.len() {
+            self.tell(AnalysisMoment::EndAnalysis, 0.0)?;
         }
         Ok(())
     }
@@ -66,7 +66,7 @@ impl Run<'_> {
     /// to its own memory is taken back: that is as it was when the state was kept.
     pub(super) fn resume_routines(&mut self) -> Result<(), Halt> {
         let (wish, kept) = (self.wish, std::mem::take(&mut self.taken_up));
-        self.tell(Moment::StartAnalysis, 0.0)?;
+        self.tell(AnalysisMoment::StartAnalysis, 0.0)?;
         if let (Some(memory), Some(_)) = (&self.plan.routines.memory, &self.user.events) {
             memory.take_up(&kept).map_err(|why| Halt { code: "R201", reason: why.reason })?;
         }
@@ -74,7 +74,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    pub(super) fn tell(&mut self, moment: Moment, increment: f64) -> Result<(), Halt> {
+    pub(super) fn tell(&mut self, moment: AnalysisMoment, increment: f64) -> Result<(), Halt> {
         let Some(events) = self.user.events.as_deref_mut() else { return Ok(()) };
         let wish = events.moment(moment, &self.now, increment);
         let failed = |f: crate::user::LoadFailure| f.halt("the user's routine that is told of events", &self.now);

@@ -25,7 +25,7 @@ use crate::state::flight::Flight;
 use crate::state::halt::Halt;
 use crate::state::magnitude::Clock;
 use crate::state::{Before, BodyState, Instant, direction};
-use crate::user::{Kept, Locked, Wish};
+use crate::user::{Locked, RunAction, SavedMemory};
 
 /// Everything an increment touches. Aligned, so that what it costs does not depend on where the stack begins.
 #[repr(align(64))]
@@ -71,13 +71,13 @@ pub(super) struct Run<'a> {
     /// Whether the instant is complete: forces, motion and energies belong to it.
     pub(super) complete: bool,
     /// What the user's routines want.
-    pub(super) wish: Wish,
+    pub(super) wish: RunAction,
     /// Whether they know already that the increment is complete.
     pub(super) told_complete: bool,
     /// Whether it has been said what states that are kept do not hold.
     pub(super) told_of_loss: bool,
     /// What a state that was taken up has of the routines.
-    pub(super) taken_up: Kept,
+    pub(super) taken_up: SavedMemory,
     /// Group and element that limited the smallest increment of the step.
     pub(super) limiting: Option<(usize, usize)>,
     pub(super) balance: Balance,
@@ -119,10 +119,10 @@ impl<'a> Run<'a> {
             last_increment: 0.0,
             bearable: f64::INFINITY,
             complete: false,
-            wish: Wish::Continue,
+            wish: RunAction::Continue,
             told_complete: false,
             told_of_loss: false,
-            taken_up: Kept::default(),
+            taken_up: SavedMemory::default(),
             limiting: None,
             warned: [false; 2],
             watch: Watch::default(),
@@ -201,7 +201,7 @@ impl<'a> Run<'a> {
 
     /// Whether the step is at its end, or a user's routine wants it to be.
     pub(super) fn is_over(&self) -> bool {
-        self.now.step_time >= self.step.duration || self.wish != Wish::Continue
+        self.now.step_time >= self.step.duration || self.wish != RunAction::Continue
     }
 
     pub(super) fn begin(&mut self) {

@@ -1,5 +1,5 @@
-//! Where compiled libraries are kept between runs: a folder that nobody else may write, and beside each library what it was
-//! made of. What is not as it was is made anew.
+//! The cache of compiled libraries: a folder that only the user may write, with a list of its inputs next to each library. A
+//! library is compiled again if an input has changed.
 //! Never here: running a compiler, opening a library.
 
 use std::collections::BTreeSet;
@@ -11,59 +11,59 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-use super::Misfit;
+use super::UncallableRoutine;
 use crate::deck::files;
 use crate::output::checkpoint::hash;
-use crate::output::whole::{Scratch, write_whole};
+use crate::output::whole::{ScratchFolder, write_whole};
 
-/// Libraries that are kept; those used last.
+/// Largest number of libraries; those used least recently are removed.
 const KEPT: usize = 64;
-/// Variables that tell a compiler where to look.
+/// Environment variables with search paths of compilers.
 const SEARCH: &[&str] = &["CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX"];
 
-/// A library's bytes, and what is known of it.
+/// A compiled library.
 #[derive(Debug)]
-pub struct Built {
-    /// The shared library itself.
+pub struct BuiltLibrary {
+    /// Bytes of the shared library.
     pub bytes: Vec<u8>,
-    /// Hash of what it was made of: texts, flags, compiler, files that the compiler read.
+    /// Hash of its inputs: sources, flags, compiler, files that the compiler read.
     pub identity: String,
     /// Routines in it that cannot be called.
-    pub misfits: Vec<Misfit>,
+    pub uncallable: Vec<UncallableRoutine>,
 }
 
-/// The files that a library was made of.
+/// The files from which a library was compiled.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Origin {
-    /// Each with the hash of its bytes.
+pub struct BuildInputs {
+    /// Files that were read, with hashes of their bytes.
     read: Vec<(PathBuf, String)>,
-    /// Files that were not there, and would be read in place of others.
+    /// Absent files that would be read instead of others.
     absent: BTreeSet<PathBuf>,
-    /// When the compiler began: what changed since may have been read before or after it did.
+    /// Start of the compilation: files that changed later may have been read before or after.
     #[serde(skip)]
     begun: Option<(i64, i64)>,
-    /// Whether something did.
+    /// Whether a file changed since.
     #[serde(skip)]
     unsettled: bool,
 }
 
-/// What stands beside a library.
+/// The description of a cached library.
 #[derive(Serialize, Deserialize)]
-struct Entry {
+struct CacheEntry {
     library: String,
     identity: String,
-    origin: Origin,
-    misfits: Vec<Misfit>,
+    origin: BuildInputs,
+    uncallable: Vec<UncallableRoutine>,
 }
 
-/// The folder of kept libraries, if there is one that is private.
+/// The folder of the cache, if there is a private one.
 pub struct Cache(Option<PathBuf>);
 
 impl Cache {
-    /// That of `XDG_CACHE_HOME` or of `HOME`; without both nothing is kept.
+    /// The folder in `XDG_CACHE_HOME` or `HOME`; without both there is no cache.
     ///
     /// # Errors
-    /// Why the folder is not used; the libraries are then made anew for every run.
+    /// Why the folder is not used; libraries are then compiled for every run.
     pub fn find() -> Result<Cache, String> {
         let under = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
         let home = under("XDG_CACHE_HOME").or_else(|| under("HOME").map(|h| h.join(".cache")));
@@ -86,21 +86,21 @@ impl Cache {
         Cache(None)
     }
 
-    /// A folder to build in, which goes with what is in it.
+    /// A temporary folder for compilation.
     ///
     /// # Errors
     /// That of the file system.
-    pub fn workshop(&self) -> io::Result<Scratch> {
+    pub fn workshop(&self) -> io::Result<ScratchFolder> {
         match &self.0 {
-            Some(folder) => Scratch::within(folder),
-            None => Scratch::within(&std::env::temp_dir()),
+            Some(folder) => ScratchFolder::within(folder),
+            None => ScratchFolder::within(&std::env::temp_dir()),
         }
     }
 
-    /// The library of this key, if it is whole and all that it was made of is as it was.
-    pub fn get(&self, key: &str) -> Option<Built> {
+    /// The library of a key, if it is complete and its inputs are unchanged.
+    pub fn get(&self, key: &str) -> Option<BuiltLibrary> {
         let (library, beside) = self.places(key)?;
-        let entry: Entry = serde_json::from_slice(&own_file(&beside).ok()?).ok()?;
+        let entry: CacheEntry = serde_json::from_slice(&own_file(&beside).ok()?).ok()?;
         if !entry.origin.holds() {
             return None;
         }
@@ -110,30 +110,30 @@ impl Cache {
         }
         // Used just now: the last to be pruned. One that cannot be marked is only built again sooner.
         let _ = File::open(&beside).and_then(|file| file.set_modified(SystemTime::now()));
-        Some(Built { bytes, identity: entry.identity, misfits: entry.misfits })
+        Some(BuiltLibrary { bytes, identity: entry.identity, uncallable: entry.uncallable })
     }
 
-    /// Keeps a library; one that cannot be kept is built again.
-    pub fn put(&self, key: &str, built: &Built, origin: &Origin) {
+    /// Stores a library; failures are ignored.
+    pub fn put(&self, key: &str, built: &BuiltLibrary, origin: &BuildInputs) {
         let Some((library, beside)) = self.places(key).filter(|_| !origin.unsettled) else { return };
-        let entry = Entry {
+        let entry = CacheEntry {
             library: hash([built.bytes.as_slice()]),
             identity: built.identity.clone(),
             origin: origin.clone(),
-            misfits: built.misfits.clone(),
+            uncallable: built.uncallable.clone(),
         };
         let Ok(text) = serde_json::to_vec(&entry) else { return };
         let _ = write_whole(&library, &built.bytes).and_then(|()| write_whole(&beside, &text));
         self.prune();
     }
 
-    /// Library and what stands beside it.
+    /// Paths of a library and its description.
     fn places(&self, key: &str) -> Option<(PathBuf, PathBuf)> {
         let folder = self.0.as_ref()?;
         Some((folder.join(format!("{key}.so")), folder.join(format!("{key}.json"))))
     }
 
-    /// Takes away what was not used for longest, and libraries without a word beside them.
+    /// Removes the libraries used least recently, and those without a description.
     fn prune(&self) {
         let Some(folder) = &self.0 else { return };
         let names = |ending: &'static str| {
@@ -154,12 +154,12 @@ impl Cache {
     }
 }
 
-/// The user as whom this process writes files; `None` where the system does not show it.
+/// The user of this process; `None` if the system does not show it.
 fn user() -> Option<u32> {
     std::fs::metadata("/proc/self").map(|process| process.uid()).ok()
 }
 
-/// Whether this user alone may write.
+/// Whether only this user may write.
 fn private(metadata: &Metadata) -> bool {
     user().is_some_and(|user| may_trust(metadata.uid(), metadata.mode(), user))
 }
@@ -168,7 +168,7 @@ fn may_trust(owner: u32, mode: u32, user: u32) -> bool {
     owner == user && mode & 0o022 == 0
 }
 
-/// Bytes of a regular file that this user alone may write, no link.
+/// Bytes of a regular file, not a link, that only this user may write.
 fn own_file(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = File::options().read(true).custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK).open(path)?;
     let metadata = file.metadata()?;
@@ -180,30 +180,30 @@ fn own_file(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What decides where a compiler looks, beside its arguments.
+/// The environment that decides where a compiler searches.
 pub fn surroundings() -> String {
     let values = SEARCH.iter().map(std::env::var_os);
     format!("{:?} {:?}", std::env::current_dir().ok(), values.collect::<Vec<_>>())
 }
 
-impl Origin {
-    /// Of sources that a compiler is about to read.
-    pub fn of<'a>(sources: impl Iterator<Item = &'a Path>, now: SystemTime) -> Origin {
+impl BuildInputs {
+    /// Inputs of a compilation that begins now.
+    pub fn of<'a>(sources: impl Iterator<Item = &'a Path>, now: SystemTime) -> BuildInputs {
         let begun = now.duration_since(UNIX_EPOCH).ok();
         let begun = begun.map(|t| (t.as_secs() as i64, i64::from(t.subsec_nanos())));
-        let mut origin = Origin { begun, ..Origin::default() };
+        let mut origin = BuildInputs { begun, ..BuildInputs::default() };
         sources.for_each(|file| origin.settle(file));
         origin
     }
 
-    /// Notices a file that changed since the compiler began; its clock cannot be set back as that of its contents can.
+    /// Notes whether a file changed since the start, by its change time, which users cannot set.
     fn settle(&mut self, path: &Path) {
         let changed = path.metadata().ok().map(|m| (m.ctime(), m.ctime_nsec()));
         self.unsettled |= changed.is_none() || changed >= self.begun;
     }
 
-    /// Adds what a compiler says that it read (a rule as `-MD` writes it), but for what stands in `own`; `folder` is that of the
-    /// source. `None` if that cannot be followed: the library is not to be kept.
+    /// Adds the files of a rule written by `-MD`, except those in `own`; `folder` is that of the source. `None` if the inputs
+    /// are not all known: the library is not cached.
     pub fn add(&mut self, rule: &str, folder: &Path, own: &Path) -> Option<()> {
         let mut named = Vec::new();
         for name in prerequisites(rule)? {
@@ -222,12 +222,12 @@ impl Origin {
         Some(())
     }
 
-    /// Hashes of the files read, for the identity of what was made of them.
+    /// Hashes of the files read.
     pub fn hashes(&self) -> impl Iterator<Item = &str> {
         self.read.iter().map(|(_, hash)| hash.as_str())
     }
 
-    /// Whether each file is as it was.
+    /// Whether all inputs are unchanged.
     fn holds(&self) -> bool {
         let same = |(path, was): &(PathBuf, String)| files::read(path).is_ok_and(|bytes| hash([&bytes[..]]) == *was);
         self.read.iter().all(same) && !self.absent.iter().any(|path| path.exists())
@@ -245,7 +245,7 @@ fn looks_elsewhere(bytes: &[u8]) -> bool {
     ["__has_include", "incbin", "__has_embed", "#embed"].iter().any(|word| text.contains(word))
 }
 
-/// Files that are not there, and would be found before some of those read.
+/// Absent files that would be found before some of those read.
 fn rivals(read: &[PathBuf], folder: &Path) -> BTreeSet<PathBuf> {
     let mut folders: BTreeSet<PathBuf> = read.iter().filter(|p| !is_systems(p)).filter_map(|p| parent(p)).collect();
     folders.extend(std::path::absolute(folder));
@@ -269,8 +269,7 @@ fn parent(path: &Path) -> Option<PathBuf> {
     path.parent().map(Path::to_owned)
 }
 
-/// The files behind the colon of a rule for `make`; a blank, `#` or backslash in a name has a backslash before it, `$` is
-/// doubled.
+/// The files after the colon of a rule for `make`, in which blanks, `#` and backslashes are escaped and `$` is doubled.
 fn prerequisites(rule: &str) -> Option<Vec<String>> {
     let joined = rule.replace("\\\n", " ");
     let (_, list) = joined.split_once(": ")?;

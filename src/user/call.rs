@@ -1,5 +1,5 @@
-//! The call of a routine that is under way on a thread, and the words about it where the process cannot go on.
-//! Never here: calling, what becomes of the process.
+//! The call in progress on a thread, and the message about it if the process cannot continue.
+//! Never here: calling, ending the process.
 #![allow(unsafe_code)]
 
 use std::cell::Cell;
@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicPtr, Ordering};
 use super::PointValues;
 use crate::state::Instant;
 
-/// The call that is under way.
-pub struct Call<'a> {
+/// A call in progress.
+pub struct ActiveCall<'a> {
     /// The routine.
     pub routine: &'static str,
     /// Surface, set or amplitude.
@@ -19,24 +19,24 @@ pub struct Call<'a> {
     pub now: Instant,
     /// Names and values of sensors.
     pub sensors: (&'a [String], &'a [f64]),
-    /// User's numbers of the elements whose points are shown.
+    /// User's numbers of the elements of the points.
     pub elements: &'a [i32],
-    /// What the points of the call hold.
+    /// Values of the points.
     pub points: Option<(usize, &'a dyn PointValues)>,
 }
 
-impl<'a> Call<'a> {
+impl<'a> ActiveCall<'a> {
     /// Without sensors and points.
     pub fn new(routine: &'static str, name: &'a str, now: Instant) -> Self {
-        Call { routine, name, now, sensors: (&[], &[]), elements: &[], points: None }
+        ActiveCall { routine, name, now, sensors: (&[], &[]), elements: &[], points: None }
     }
 
     /// At points of elements.
     pub fn at(self, elements: &'a [i32]) -> Self {
-        Call { elements, ..self }
+        ActiveCall { elements, ..self }
     }
 
-    /// The routine is entered, until [`end`].
+    /// Begins the call, until [`end`].
     #[inline]
     pub fn begin(&self) {
         CURRENT.set(std::ptr::from_ref(self).cast());
@@ -44,10 +44,10 @@ impl<'a> Call<'a> {
 }
 
 thread_local! {
-    static CURRENT: Cell<*const Call<'static>> = const { Cell::new(std::ptr::null()) };
+    static CURRENT: Cell<*const ActiveCall<'static>> = const { Cell::new(std::ptr::null()) };
 }
 
-/// The routine has been left.
+/// Ends the call.
 #[inline]
 pub fn end() {
     CURRENT.set(std::ptr::null());
@@ -59,54 +59,54 @@ pub fn inside() -> bool {
     !CURRENT.get().is_null()
 }
 
-/// The routine that this thread is inside of.
+/// The routine in which this thread is.
 pub fn routine() -> Option<&'static str> {
     current(|call| call.map(|call| call.routine))
 }
 
-/// Runs `ask` on the call under way on this thread, if there is one.
-pub fn current<R>(ask: impl FnOnce(Option<&Call<'_>>) -> R) -> R {
+/// Runs `ask` on the call in progress on this thread, if there is one.
+pub fn current<R>(ask: impl FnOnce(Option<&ActiveCall<'_>>) -> R) -> R {
     let pointer = CURRENT.get();
     // SAFETY: the pointer is set to a call that outlives the routine, and taken back when the routine is left.
     ask(unsafe { pointer.as_ref() })
 }
 
-/// Words in memory that another process reads, too.
+/// Reason why a call failed, in memory shared with another process.
 #[repr(C)]
-pub struct Words {
+pub struct FailureText {
     length: u32,
     text: [u8; 2044],
 }
 
-impl Words {
-    /// Whether there are none.
+impl FailureText {
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }
 
-    /// Sets them; what is too long is cut. Allocates nothing.
+    /// Sets it, cut to the available length. Allocates nothing.
     pub fn set(&mut self, text: &str) {
         let length = text.len().min(self.text.len());
         self.text[..length].copy_from_slice(&text.as_bytes()[..length]);
         self.length = length as u32;
     }
 
-    /// What they are.
+    /// The text.
     pub fn get(&self) -> String {
         let length = (self.length as usize).min(self.text.len());
         String::from_utf8_lossy(&self.text[..length]).into_owned()
     }
 }
 
-/// Where last words go in place of standard error, if anywhere.
-static ELSEWHERE: AtomicPtr<Words> = AtomicPtr::new(std::ptr::null_mut());
+/// Destination of last words in place of standard error, if any.
+static ELSEWHERE: AtomicPtr<FailureText> = AtomicPtr::new(std::ptr::null_mut());
 
-/// Has last words left in memory of another process, which says where they belong.
-pub fn leave_words_in(words: *mut Words) {
+/// Directs last words into memory of another process, which adds the call.
+pub fn report_failure_in(words: *mut FailureText) {
     ELSEWHERE.store(words, Ordering::Relaxed);
 }
 
-/// Says which call was under way; `false` if none was. Allocates nothing: a signal may come from inside the allocator.
+/// Reports the call in progress; `false` if there is none. Allocates nothing: a signal may come from inside the allocator.
 pub fn last_words(what: &str) -> bool {
     struct Line([u8; 512], usize);
     impl std::fmt::Write for Line {

@@ -1,5 +1,5 @@
-//! Fortran and C files to a shared library. Nothing is written beside the files.
-//! Never here: where libraries are kept, opening a library, calling it.
+//! Compiles Fortran and C files to a shared library. Nothing is written next to the files.
+//! Never here: the cache of libraries, opening a library, calling it.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::SystemTime;
 
-use super::cache::{Built, Cache, Origin, surroundings};
-use super::source::{HEADER, Source, candidates, included};
-use super::{MAX_BLOCK, Misfit, Routines, isolate, library, prototype};
+use super::cache::{BuildInputs, BuiltLibrary, Cache, surroundings};
+use super::source::{HEADER, PreparedSource, candidates, included};
+use super::{MAX_BLOCK, Routines, UncallableRoutine, isolate, library, prototype};
 use crate::deck::{Diagnostic, Diagnostics, files};
 use crate::output::checkpoint::hash;
 
-/// Flags as ABAQUS's own compile command sets them for its compilers: long lines, no complaint about old Fortran nor
-/// about DEC's (Cray pointers, structures, lines with D as comments), local arrays on the stack. No contraction, so that the same arithmetic gives the same bits as in Rust.
+/// Flags like those of ABAQUS's compile command: long lines, old Fortran and DEC extensions (Cray pointers, structures, D
+/// comment lines) allowed, local arrays on the stack. No contraction, so that arithmetic gives the same bits as in Rust.
 const FORTRAN_FLAGS: &[&str] = &[
     "-c",
     "-fPIC",
@@ -40,22 +40,22 @@ const CHECK_FLAGS: &[&str] = &["-fcheck=bounds,do,mem,pointer"];
 /// Shared libraries ready to be opened.
 #[derive(Debug)]
 pub struct Compiled {
-    /// In the order in which they are searched for routines.
-    libraries: Vec<Ready>,
-    /// What the user should know.
+    /// In the order of the search for routines.
+    libraries: Vec<SharedLibrary>,
+    /// Notes for the user.
     pub notes: Diagnostics,
     /// Whether a source reads a third coordinate: calls are then watched for invalid operations.
     third_coordinate: bool,
-    /// Routines that cannot be called as they are.
-    misfits: Vec<Misfit>,
+    /// Routines that cannot be called.
+    uncallable: Vec<UncallableRoutine>,
     /// The user's files, for messages.
     files: Vec<PathBuf>,
 }
 
-/// A shared library in memory: what was looked at is what is loaded, whatever becomes of the file.
+/// A shared library in memory, so that the checked bytes are those that are loaded.
 #[derive(Debug)]
-pub(super) struct Ready {
-    /// What messages call it.
+pub(super) struct SharedLibrary {
+    /// Name in messages.
     pub name: PathBuf,
     /// The library itself.
     pub bytes: Vec<u8>,
@@ -71,8 +71,7 @@ enum Language {
 }
 
 impl Compiled {
-    /// What decides on the routines: of sources a hash of all that they were made of (texts, flags, compiler, files that it
-    /// read), of ready libraries one of their bytes.
+    /// Hashes of the libraries: of sources, compiler, flags and all files read, or of the bytes of a ready library.
     pub fn identity(&self) -> String {
         self.libraries.iter().map(|library| library.identity.as_str()).collect::<Vec<_>>().join(" ")
     }
@@ -82,18 +81,18 @@ impl Compiled {
     /// # Errors
     /// Where a library cannot be loaded, or a routine in it cannot be called.
     pub fn open(&self) -> Result<Routines, Diagnostic> {
-        library::open(&self.libraries, self.third_coordinate, &self.misfits, &self.files)
+        library::open(&self.libraries, self.third_coordinate, &self.uncallable, &self.files)
     }
 
-    /// The same in a process of their own, made of this one, which must have no other threads yet.
+    /// Opens the libraries in a process of their own, forked from this one, which must have no other threads yet.
     ///
     /// # Errors
-    /// As [`Compiled::open`]; routines that cannot be called over there are refused (U012).
+    /// As [`Compiled::open`]; U012 for routines that cannot be isolated.
     pub fn open_isolated(&self) -> Result<Routines, Diagnostic> {
         isolate::open(|| self.open())
     }
 
-    /// The same where there may be no files: then there are no routines.
+    /// Opens the libraries, if there are any.
     ///
     /// # Errors
     /// As [`Compiled::open`].
@@ -105,7 +104,7 @@ impl Compiled {
 /// Makes libraries of user files; `checked` builds with bounds checks.
 ///
 /// # Errors
-/// All that is wrong with the files, in the compiler's words where they are the best.
+/// All errors of the files, with the compiler's messages.
 pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics> {
     let files: Vec<PathBuf> = files.iter().map(|file| no_option(file)).collect();
     let mut faults = Diagnostics::default();
@@ -115,7 +114,7 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
         match language(file).and_then(|l| readable(file, l)) {
             Ok((Language::Ready, bytes)) => {
                 let identity = hash([bytes.as_slice()]);
-                libraries.push(Ready { name: file.clone(), bytes, identity });
+                libraries.push(SharedLibrary { name: file.clone(), bytes, identity });
             }
             Ok((language, _)) => sources.push((file.as_path(), language)),
             Err(message) => faults.push(Diagnostic::error("U001", message)),
@@ -126,18 +125,18 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     }
     let mut notes = Diagnostics::default();
     leave_to_includes(&mut sources, &mut notes);
-    let mut misfits = Vec::new();
+    let mut uncallable = Vec::new();
     if !sources.is_empty() {
-        let Built { bytes, identity, misfits: found } = build(&sources, checked, &mut notes)?;
+        let BuiltLibrary { bytes, identity, uncallable: found } = build(&sources, checked, &mut notes)?;
         // Messages speak of the user's own file.
-        libraries.insert(0, Ready { name: sources[0].0.to_owned(), bytes, identity });
-        misfits = found;
+        libraries.insert(0, SharedLibrary { name: sources[0].0.to_owned(), bytes, identity });
+        uncallable = found;
     }
     let third_coordinate = notes.iter().any(|n| n.code == "U008");
-    Ok(Compiled { libraries, notes, third_coordinate, misfits, files })
+    Ok(Compiled { libraries, notes, third_coordinate, uncallable, files })
 }
 
-/// A name that no compiler takes for an option.
+/// The file with a name that is not an option of a compiler.
 fn no_option(file: &Path) -> PathBuf {
     if file.as_os_str().as_encoded_bytes().starts_with(b"-") { Path::new(".").join(file) } else { file.to_owned() }
 }
@@ -152,14 +151,14 @@ fn language(file: &Path) -> Result<Language, String> {
     }
 }
 
-/// The bytes of a library, nothing of a source.
+/// Checks that a file can be read; returns the bytes of a library.
 fn readable(file: &Path, language: Language) -> Result<(Language, Vec<u8>), String> {
     let bytes = if language == Language::Ready { files::read(file) } else { files::open(file).map(|_| Vec::new()) };
     let told = |e| format!("cannot read the user file `{}`: {e}", file.display());
     bytes.map(|bytes| (language, bytes)).map_err(told)
 }
 
-fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) -> Result<Built, Diagnostics> {
+fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) -> Result<BuiltLibrary, Diagnostics> {
     let fault = |code, message: String| {
         let mut faults = Diagnostics::default();
         faults.push(Diagnostic::error(code, message));
@@ -167,14 +166,16 @@ fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) 
     };
     for (file, language) in sources {
         if *language == Language::FixedFortran {
-            note_long_lines(file, notes);
+            let what = |count| format!("text past column 72 is read as code ({count} such lines)");
+            note_lines(file, "U007", has_code_past_72, what, notes);
         }
-        note_third_coordinate(file, notes);
+        let what = |_| "this reads a third coordinate; there are two, r and z".to_owned();
+        note_lines(file, "U008", reads_third_coordinate, what, notes);
     }
-    let tools = Tools::find(sources).map_err(|e| fault("U002", e))?;
+    let tools = Compilers::find(sources).map_err(|e| fault("U002", e))?;
     let cache = Cache::find().unwrap_or_else(|why| {
         let warning = Diagnostic::warning("U011", format!("{why}: the routines are compiled anew for this run"));
-        notes.push(warning.help("let it belong to you, and take the right to write from others: chmod go-w"));
+        notes.push(warning.help("the folder must be owned by you and not writable by others: run `chmod go-w FOLDER`"));
         Cache::none()
     });
     let content = content(sources, &tools, checked);
@@ -190,9 +191,9 @@ fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) 
         scratch: scratch.path(),
         checked,
         faults: Diagnostics::default(),
-        misfits: Vec::new(),
-        calls: Calls::default(),
-        origin: Some(Origin::of(sources.iter().map(|(file, _)| *file), SystemTime::now())),
+        uncallable: Vec::new(),
+        calls: CallGraph::default(),
+        origin: Some(BuildInputs::of(sources.iter().map(|(file, _)| *file), SystemTime::now())),
     };
     let objects: Vec<PathBuf> =
         sources.iter().enumerate().filter_map(|(i, (file, language))| builder.object(i, file, *language)).collect();
@@ -201,56 +202,54 @@ fn build(sources: &[(&Path, Language)], checked: bool, notes: &mut Diagnostics) 
     }
     let linked = builder.link(objects)?;
     let bytes = std::fs::read(linked).map_err(io)?;
-    let Builder { misfits, origin, .. } = builder;
+    let Builder { uncallable, origin, .. } = builder;
     let Some(origin) = origin else {
         let identity = hash([content.as_bytes(), &bytes]);
-        return Ok(Built { bytes, identity, misfits });
+        return Ok(BuiltLibrary { bytes, identity, uncallable });
     };
     let identity = hash(std::iter::once(content.as_bytes()).chain(origin.hashes().map(str::as_bytes)));
-    let built = Built { bytes, identity, misfits };
+    let built = BuiltLibrary { bytes, identity, uncallable };
     // What was missing may be installed tomorrow.
-    if built.misfits.iter().all(|misfit| misfit.code != "U005") {
+    if built.uncallable.iter().all(|routine| routine.code != "U005") {
         cache.put(&key, &built, &origin);
     }
     Ok(built)
 }
 
-/// The compilers, and what they call themselves.
-struct Tools {
+/// The compilers that sources need, and their versions.
+#[derive(Default)]
+struct Compilers {
     fortran: Option<OsString>,
     c: OsString,
     version: String,
 }
 
-impl Tools {
+impl Compilers {
     fn find(sources: &[(&Path, Language)]) -> Result<Self, String> {
-        let named = |variable: &str, default: &str| std::env::var_os(variable).unwrap_or_else(|| default.into());
-        let (fortran, c) = (named("FC", "gfortran"), named("CC", "cc"));
-        let mut version = String::new();
-        let wants_fortran = sources.iter().any(|s| s.1 != Language::C);
-        if wants_fortran {
-            version += &tool_version(&fortran).ok_or_else(|| {
+        let Compilers { mut fortran, mut c, mut version } = Compilers::default();
+        let mut find = |language, variable, name: &str, install| {
+            let program = std::env::var_os(variable).unwrap_or_else(|| name.into());
+            let missing = || {
+                let shown = program.display();
                 format!(
-                    "no Fortran compiler: `{}` does not run. Install gfortran (Debian, Ubuntu: apt install gfortran; \
-                     Fedora: dnf install gcc-gfortran), or name another in FC",
-                    fortran.display()
+                    "no {language} compiler: `{shown}` does not run. Install {install}, or name another in {variable}"
                 )
-            })?;
+            };
+            version += &tool_version(&program).ok_or_else(missing)?;
+            Ok::<_, String>(program)
+        };
+        let packages = "gfortran (Debian, Ubuntu: apt install gfortran; Fedora: dnf install gcc-gfortran)";
+        if sources.iter().any(|s| s.1 != Language::C) {
+            fortran = Some(find("Fortran", "FC", "gfortran", packages)?);
         }
         if sources.iter().any(|s| s.1 == Language::C) {
-            version += &tool_version(&c).ok_or_else(|| {
-                format!(
-                    "no C compiler: `{}` does not run. Install gcc (Debian, Ubuntu: apt install gcc), or name another in CC",
-                    c.display()
-                )
-            })?;
+            c = find("C", "CC", "cc", "gcc (Debian, Ubuntu: apt install gcc)")?;
         }
-        Ok(Tools { fortran: wants_fortran.then_some(fortran), c, version })
+        Ok(Compilers { fortran, c, version })
     }
 }
 
-/// Which program a name stands for, and which build of it: asking a compiler for its version would take longer than the
-/// rest of a small job. `None` if there is none.
+/// Path, size and time of a program, which identify its version faster than a call; `None` if there is none.
 fn tool_version(tool: &OsString) -> Option<String> {
     let program = |path: PathBuf| path.is_file().then_some(path);
     let found = if Path::new(tool).components().count() > 1 {
@@ -263,9 +262,8 @@ fn tool_version(tool: &OsString) -> Option<String> {
     Some(format!("{} {} {:?}", found.display(), metadata.len(), metadata.modified().ok()?))
 }
 
-/// Hash of what the library is made of as far as it is known before the compiler ran: sources, what their lines include,
-/// flags, compilers. Where they are does not matter.
-fn content(sources: &[(&Path, Language)], tools: &Tools, checked: bool) -> String {
+/// Hash of the inputs known before compilation: sources, their includes, flags, compilers; independent of their folders.
+fn content(sources: &[(&Path, Language)], tools: &Compilers, checked: bool) -> String {
     let flags = format!("{FORTRAN_FLAGS:?} {C_FLAGS:?} {checked} {:?}", includes_text());
     let mut pieces: Vec<Vec<u8>> =
         [env!("CARGO_PKG_VERSION"), &tools.version, &flags].map(|text| text.as_bytes().to_vec()).into();
@@ -276,14 +274,14 @@ fn content(sources: &[(&Path, Language)], tools: &Tools, checked: bool) -> Strin
     hash(pieces.iter().map(Vec::as_slice))
 }
 
-/// Under which a library is kept: its content, and where the compiler looks for the rest of it.
+/// Cache key of a library: the hash of its inputs, and the search paths of the compiler.
 fn key(sources: &[(&Path, Language)], content: &str) -> String {
     let mut pieces = vec![content.as_bytes().to_vec(), surroundings().into_bytes()];
     for (file, language) in sources {
         pieces.push(std::path::absolute(file).unwrap_or_default().into_os_string().into_encoded_bytes());
         if *language != Language::C {
             // Includes that are found in another case, or in another folder, stand in it.
-            let changed = Source::read(file, &known_includes());
+            let changed = PreparedSource::read(file, &known_includes());
             pieces.extend(changed.texts().map(|text| text.as_bytes().to_vec()));
         }
     }
@@ -294,7 +292,7 @@ fn known_includes() -> Vec<String> {
     includes_text().into_iter().map(|(name, _)| name.to_owned()).collect()
 }
 
-/// A file and those it includes, each once; what cannot be read is the compiler's to tell. `main` is what is compiled.
+/// Passes on a file and its includes, each once; files that cannot be read are left to the compiler. `main` is compiled.
 fn add_with_includes(main: &Path, file: &Path, seen: &mut BTreeSet<PathBuf>, add: &mut impl FnMut(&[u8])) {
     let Ok(bytes) = files::read(file) else { return };
     if !seen.insert(file.to_owned()) {
@@ -310,9 +308,8 @@ fn add_with_includes(main: &Path, file: &Path, seen: &mut BTreeSet<PathBuf>, add
     }
 }
 
-/// The files that ABAQUS's compile command finds, valid in fixed and in free form. (What the parameters must define is in the
-/// ABAQUS Analysis User's Guide, "User subroutines: overview": double precision, and the block length. The functions of arrays
-/// and threads are those of the User Subroutines Reference, 2.1.23 "Allocatable arrays" and 2.1.22 "Ensuring thread safety".)
+/// The include files of ABAQUS, valid in fixed and in free form (ABAQUS Analysis User's Guide, "User subroutines: overview";
+/// User Subroutines Reference, 2.1.23 "Allocatable arrays" and 2.1.22 "Ensuring thread safety").
 fn includes_text() -> Vec<(&'static str, String)> {
     let vaba = format!(
         "!     double precision, two words a real; points a call at most\n\
@@ -331,12 +328,12 @@ fn includes_text() -> Vec<(&'static str, String)> {
         (HEADER, header()),
         ("SMAAspUserArrays.hdr", "!     all in SMAAspUserSubroutines.hdr\n".to_owned()),
         ("SMAAspUserUtilities.hdr", "!     all in SMAAspUserSubroutines.hdr\n".to_owned()),
-        ("mpif.h", mpi()),
+        ("mpif.h", MPI.to_owned()),
     ]
 }
 
-/// Interfaces of the functions of arrays and threads; reals begin with a number of either precision, and have eight bytes
-/// unless SP is asked for.
+/// Interfaces of the functions for arrays and threads; initial reals have either precision, arrays of reals eight bytes
+/// unless SP is in the name.
 fn header() -> String {
     let mut text = String::from("!     arrays that outlive a call, and threads, of which there is one\n");
     let mut interface = |generic: &str, specifics: &[(String, &str)]| {
@@ -372,34 +369,25 @@ fn header() -> String {
             \x20     external getnumthreads, get_thread_id, getcommunicator\n"
 }
 
-/// What a program of one process needs of MPI; the last two digits of a type are its bytes.
-fn mpi() -> String {
-    let numbers = [
-        ("MPI_COMM_WORLD", 0),
-        ("MPI_COMM_SELF", 1),
-        ("MPI_SUCCESS", 0),
-        ("MPI_STATUS_SIZE", 6),
-        ("MPI_INTEGER", 104),
-        ("MPI_INTEGER4", 104),
-        ("MPI_INTEGER8", 108),
-        ("MPI_LOGICAL", 204),
-        ("MPI_REAL", 304),
-        ("MPI_REAL4", 304),
-        ("MPI_REAL8", 308),
-        ("MPI_DOUBLE_PRECISION", 308),
-        ("MPI_CHARACTER", 401),
-        ("MPI_BYTE", 501),
-        ("MPI_SUM", 1),
-        ("MPI_PROD", 2),
-        ("MPI_MAX", 3),
-        ("MPI_MIN", 4),
-        ("MPI_LAND", 5),
-        ("MPI_LOR", 6),
-    ];
-    let number = |(name, value): (&str, i32)| format!("      integer {name}\n      parameter ({name} = {value})\n");
-    let numbers: String = numbers.into_iter().map(number).collect();
-    format!("!     one process\n{numbers}      real*8 mpi_wtime\n      external mpi_wtime\n")
-}
+/// Constants of MPI for one process; the last two digits of a type are its bytes.
+const MPI: &str = "!     one process
+      integer MPI_COMM_WORLD, MPI_COMM_SELF, MPI_SUCCESS
+      integer MPI_STATUS_SIZE, MPI_INTEGER, MPI_INTEGER4, MPI_INTEGER8
+      integer MPI_LOGICAL, MPI_REAL, MPI_REAL4, MPI_REAL8
+      integer MPI_DOUBLE_PRECISION, MPI_CHARACTER, MPI_BYTE
+      integer MPI_SUM, MPI_PROD, MPI_MAX, MPI_MIN, MPI_LAND, MPI_LOR
+      parameter (MPI_COMM_WORLD = 0, MPI_COMM_SELF = 1)
+      parameter (MPI_SUCCESS = 0, MPI_STATUS_SIZE = 6)
+      parameter (MPI_INTEGER = 104, MPI_INTEGER4 = 104)
+      parameter (MPI_INTEGER8 = 108, MPI_LOGICAL = 204)
+      parameter (MPI_REAL = 304, MPI_REAL4 = 304, MPI_REAL8 = 308)
+      parameter (MPI_DOUBLE_PRECISION = 308)
+      parameter (MPI_CHARACTER = 401, MPI_BYTE = 501)
+      parameter (MPI_SUM = 1, MPI_PROD = 2, MPI_MAX = 3, MPI_MIN = 4)
+      parameter (MPI_LAND = 5, MPI_LOR = 6)
+      real*8 mpi_wtime
+      external mpi_wtime
+";
 
 fn write_includes(folder: &Path) -> std::io::Result<()> {
     for (name, text) in includes_text() {
@@ -411,9 +399,9 @@ fn write_includes(folder: &Path) -> std::io::Result<()> {
 
 /// Which function calls which, by the names of their symbols.
 #[derive(Default)]
-struct Calls(Vec<(String, String)>);
+struct CallGraph(Vec<(String, String)>);
 
-impl Calls {
+impl CallGraph {
     /// Reads what `-fcallgraph-info` writes: lines `edge: { sourcename: "a" targetname: "b" … }`, some names with a file
     /// before a colon.
     fn read(&mut self, text: &str) {
@@ -425,7 +413,7 @@ impl Calls {
         self.0.extend(text.lines().filter(|l| l.starts_with("edge:")).filter_map(edge));
     }
 
-    /// Whether a function leads to another.
+    /// Whether a function calls another, directly or through others.
     fn lead(&self, from: &str, to: &str) -> bool {
         let mut reached = vec![from];
         let mut next = 0;
@@ -445,18 +433,18 @@ impl Calls {
 }
 
 struct Builder<'a> {
-    tools: &'a Tools,
+    tools: &'a Compilers,
     scratch: &'a Path,
     checked: bool,
     faults: Diagnostics,
-    misfits: Vec<Misfit>,
-    calls: Calls,
-    /// What the compiler read; `None` once that cannot be followed.
-    origin: Option<Origin>,
+    uncallable: Vec<UncallableRoutine>,
+    calls: CallGraph,
+    /// Files that the compiler read; `None` if they are not all known.
+    origin: Option<BuildInputs>,
 }
 
 impl Builder<'_> {
-    /// Compiles one file; `None` if that failed (told).
+    /// Compiles one file; `None` if that failed, with an error.
     fn object(&mut self, index: usize, file: &Path, language: Language) -> Option<PathBuf> {
         let object = self.scratch.join(format!("{index}.o"));
         match language {
@@ -469,8 +457,8 @@ impl Builder<'_> {
                 made.then_some(object)
             }
             _ => {
-                let written =
-                    Source::read(file, &known_includes()).write(file, &self.scratch.join(format!("source{index}")));
+                let written = PreparedSource::read(file, &known_includes())
+                    .write(file, &self.scratch.join(format!("source{index}")));
                 match written {
                     Ok(ready) => self.fortran((file, &ready), &object, language).then_some(object),
                     Err(error) => {
@@ -482,9 +470,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Keeps account of what the compiler read for an object.
+    /// Records the files that the compiler read for an object.
     fn follow(&mut self, file: &Path, object: &Path) {
-        let followed = |origin: &mut Origin| {
+        let followed = |origin: &mut BuildInputs| {
             let rule = std::fs::read_to_string(object.with_extension("d")).ok()?;
             origin.add(&rule, folder_of(file), self.scratch)
         };
@@ -493,7 +481,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Arguments for a file of the user, which stands ready in the second.
+    /// Arguments of the compiler for a user file and its prepared copy.
     fn arguments(
         &self,
         (file, ready): (&Path, &Path),
@@ -517,7 +505,7 @@ impl Builder<'_> {
         list
     }
 
-    /// Tries both forms, the one that the ending stands for first; then checks the arguments of known routines.
+    /// Tries both forms, that of the file ending first; then checks the arguments of known routines.
     fn fortran(&mut self, (file, ready): (&Path, &Path), object: &Path, language: Language) -> bool {
         let Some(compiler) = &self.tools.fortran else { return false };
         let mut forms = ["-ffixed-form", "-ffree-form"];
@@ -539,7 +527,7 @@ impl Builder<'_> {
                 let prototypes = run(compiler, &arguments).map(|o| o.stdout).unwrap_or_default();
                 for (routine, told) in prototype::check(&String::from_utf8_lossy(&prototypes)) {
                     let message = format!("{}: {told}", file.display());
-                    self.misfits.push(Misfit { routine, code: "U004".into(), message });
+                    self.uncallable.push(UncallableRoutine { routine, code: "U004".into(), message });
                 }
                 return true;
             }
@@ -563,8 +551,8 @@ impl Builder<'_> {
         false
     }
 
-    /// Links the objects; what they call and nothing defines becomes a call that ends the analysis, and a misfit of each
-    /// routine that leads there. LAPACK is taken where the machine has it and something is missing without it.
+    /// Links the objects, with LAPACK if a symbol is missing without it. Calls of symbols that stay undefined end the analysis,
+    /// and routines that reach them cannot be called.
     fn link(&mut self, mut objects: Vec<PathBuf>) -> Result<PathBuf, Diagnostics> {
         let mut library = self.linked(&objects, &[])?;
         let Some(mut missing) = library::missing(&library) else { return Ok(library) };
@@ -593,18 +581,22 @@ impl Builder<'_> {
         Ok(library)
     }
 
-    /// Each known routine that leads to what is missing cannot be called.
+    /// Records the routines that reach a missing symbol.
     fn note_missing(&mut self, missing: &str) {
         let plain = missing.trim_end_matches('_');
         for routine in super::ROUTINES {
             if self.calls.lead(&format!("{routine}_"), missing) || self.calls.lead(routine, missing) {
                 let message = format!("{routine} calls `{plain}`, which nothing defines");
-                self.misfits.push(Misfit { routine: (*routine).to_owned(), code: "U005".into(), message });
+                self.uncallable.push(UncallableRoutine {
+                    routine: (*routine).to_owned(),
+                    code: "U005".into(),
+                    message,
+                });
             }
         }
     }
 
-    /// An object that defines a symbol as a call which ends the analysis; `None` without a Fortran compiler.
+    /// Compiles a function for a missing symbol that ends the analysis; `None` without a Fortran compiler.
     fn stub(&self, symbol: &str, index: usize) -> Option<PathBuf> {
         let compiler = self.tools.fortran.as_ref()?;
         let (file, object) =
@@ -648,7 +640,7 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Has the compiler write which files it reads beside the object.
+/// Arguments by which the compiler writes the list of files that it reads.
 fn rule_into(object: &Path) -> [OsString; 3] {
     ["-MD".into(), "-MF".into(), object.with_extension("d").into()]
 }
@@ -658,7 +650,7 @@ fn run(tool: &OsString, arguments: &[OsString]) -> std::io::Result<Output> {
     Command::new(tool).args(arguments).env("LC_ALL", "C").output()
 }
 
-/// A compiler may say the same a hundred times.
+/// The first lines of a message.
 fn shortened(text: &str) -> String {
     const LINES: usize = 30;
     let lines: Vec<&str> = text.lines().collect();
@@ -668,7 +660,7 @@ fn shortened(text: &str) -> String {
     format!("{}\n… and {} more lines", lines[..LINES].join("\n"), lines.len() - LINES)
 }
 
-/// Leaves out files that another one includes: their routines are compiled with that.
+/// Leaves out files that another one includes: they are compiled with it.
 fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnostics) {
     let real = |file: &Path| file.canonicalize().unwrap_or_else(|_| file.to_owned());
     let includes = |file: &Path| {
@@ -690,23 +682,19 @@ fn leave_to_includes(sources: &mut Vec<(&Path, Language)>, notes: &mut Diagnosti
     });
 }
 
-fn note_long_lines(file: &Path, notes: &mut Diagnostics) {
-    let Ok(bytes) = files::read(file) else { return };
-    let text = String::from_utf8_lossy(&bytes);
-    let long: Vec<usize> = text.lines().enumerate().filter(|(_, l)| has_code_past_72(l)).map(|(i, _)| i + 1).collect();
-    if let Some(first) = long.first() {
-        let message =
-            format!("{}:{first}: text past column 72 is read as code ({} such lines)", file.display(), long.len());
-        notes.push(Diagnostic::note("U007", message));
-    }
-}
-
-fn note_third_coordinate(file: &Path, notes: &mut Diagnostics) {
-    let Ok(bytes) = files::read(file) else { return };
-    let text = String::from_utf8_lossy(&bytes);
-    if let Some(line) = text.lines().position(reads_third_coordinate) {
-        let message = format!("{}:{}: this reads a third coordinate; there are two, r and z", file.display(), line + 1);
-        notes.push(Diagnostic::note("U008", message));
+/// Notes the first line of a file that has a property, with how many there are.
+fn note_lines(
+    file: &Path,
+    code: &'static str,
+    has: fn(&str) -> bool,
+    what: fn(usize) -> String,
+    notes: &mut Diagnostics,
+) {
+    let text = files::read(file).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
+    let mut lines = text.lines().zip(1..).filter(|(line, _)| has(line));
+    if let Some((_, first)) = lines.next() {
+        let message = format!("{}:{first}: {}", file.display(), what(1 + lines.count()));
+        notes.push(Diagnostic::note(code, message));
     }
 }
 
@@ -735,11 +723,11 @@ fn has_code_past_72(line: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Calls, has_code_past_72, reads_third_coordinate};
+    use super::{CallGraph, has_code_past_72, reads_third_coordinate};
 
     #[test]
     fn calls_lead_through_others() {
-        let mut calls = Calls::default();
+        let mut calls = CallGraph::default();
         calls.read("graph: { title: \"t.f\"\nedge: { sourcename: \"vumat_\" targetname: \"t.f:b\" label: \"t.f:4:72\" }\nedge: { sourcename: \"t.f:b\" targetname: \"q_\" label: \"x\" }\n");
         assert!(calls.lead("vumat_", "q_") && calls.lead("b", "q_") && !calls.lead("q_", "b"));
     }

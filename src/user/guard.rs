@@ -1,6 +1,5 @@
-//! What a routine must not leave behind in the process that calls it: another arithmetic, another working folder, a second
-//! process that runs the job on, handlers of signals, threads, an end without a word. Noticed where it happens, set right when
-//! the routine is left.
+//! Changes of the process that a routine must not leave: rounding mode, working folder, forked processes, signal handlers,
+//! threads, a silent exit. They are detected when they happen and undone when the routine returns.
 //! Never here: which routine it was.
 #![allow(unsafe_code)]
 
@@ -14,14 +13,14 @@ use std::sync::atomic::{AtomicU32, Ordering};
 thread_local! {
     /// The working folder before a routine changed it.
     static FOLDER: RefCell<Option<File>> = const { RefCell::new(None) };
-    /// Whether there is one, or this is a child.
+    /// Whether there is something to restore, and whether this is a forked process.
     static TOUCHED: Cell<bool> = const { Cell::new(false) };
     static CHILD: Cell<bool> = const { Cell::new(false) };
-    /// Whether initialisers of a library may be at work.
+    /// Whether initialisers of a library may be running.
     static OPENING: Cell<bool> = const { Cell::new(false) };
-    /// What was done about signals before a routine changed it.
+    /// Signal actions before a routine changed them.
     static HANDLERS: RefCell<Vec<(c_int, libc::sigaction)>> = const { RefCell::new(Vec::new()) };
-    /// Threads that routines started in the run of this thread, each with its number and the routine.
+    /// Numbers of the threads that routines of this run started, with the routine.
     static STARTED: RefCell<Vec<(i32, &'static str)>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -35,7 +34,7 @@ pub fn watch() {
     unsafe { libc::pthread_atfork(None, None, Some(forked)) };
 }
 
-/// Whether this is the process that opened the routines, and no child that one of them made.
+/// Whether this is the process that opened the routines, not a forked one.
 pub fn is_own_process() -> bool {
     PROCESS.load(Ordering::Relaxed) == std::process::id()
 }
@@ -55,12 +54,12 @@ pub fn opening<R>(open: impl FnOnce() -> R) -> R {
     opened
 }
 
-/// Whether what this thread does is a user's doing.
+/// Whether this thread executes code of a user.
 fn is_users() -> bool {
     super::call::inside() || OPENING.get()
 }
 
-/// Sets right what a routine that was left changed, and tells each change; ends a child that came back in its place.
+/// Undoes what a routine changed, and reports each change; ends a forked process that returned from the routine.
 #[inline]
 pub fn restore(tell: impl Fn(&str)) {
     if !arithmetic_is_plain() {
@@ -81,7 +80,7 @@ pub fn restore(tell: impl Fn(&str)) {
     }
 }
 
-/// A copy of the process would write the results a second time.
+/// Ends a forked process, which would write the results a second time.
 #[cold]
 fn leave_child() {
     const WORDS: &[u8] = b"note: a process that a user's routine forked came back from it, and ends here\n";
@@ -143,7 +142,7 @@ fn make_arithmetic_plain() {
     unsafe { core::arch::asm!("msr fpcr, {}", in(reg) 0_u64, options(nostack, preserves_flags)) };
 }
 
-/// Other processors are not looked at.
+/// Not checked on other processors.
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 fn arithmetic_is_plain() -> bool {
     true
@@ -184,7 +183,7 @@ unsafe extern "C" {
     fn __sigaction(signal: c_int, new: *const libc::sigaction, old: *mut libc::sigaction) -> c_int;
 }
 
-/// What is done about a signal.
+/// Current action of a signal.
 fn action(signal: c_int) -> libc::sigaction {
     // SAFETY: zeros are an action; it is asked for, not changed.
     unsafe {
@@ -194,7 +193,7 @@ fn action(signal: c_int) -> libc::sigaction {
     }
 }
 
-/// Sets back what a routine did about a signal, unless it did so itself.
+/// Restores the action of a signal if it has changed.
 fn set_back(signal: c_int, before: &libc::sigaction, tell: &impl Fn(&str)) {
     let now = action(signal);
     if (now.sa_sigaction, now.sa_flags) != (before.sa_sigaction, before.sa_flags) {
@@ -218,7 +217,7 @@ pub unsafe extern "C" fn sigaction(signal: c_int, new: *const libc::sigaction, o
     unsafe { __sigaction(signal, new, old) }
 }
 
-/// What `signal` and its kin are made of: a handler with flags; what was there before.
+/// Sets a handler with flags; returns the previous one.
 fn handle(signal: c_int, handler: usize, flags: c_int) -> usize {
     // SAFETY: zeros are an action with an empty mask; both places are actions.
     unsafe {
@@ -238,12 +237,12 @@ pub extern "C" fn sysv_signal(number: c_int, handler: usize) -> usize {
     handle(number, handler, libc::SA_RESETHAND | libc::SA_NODEFER)
 }
 
-/// A run begins on this thread: what routines of an earlier one left running has been told.
+/// Forgets the threads of an earlier run.
 pub fn forget_threads() {
     STARTED.take();
 }
 
-/// The routines that started threads which still run, each with how many.
+/// Routines with the number of their threads that still run.
 pub fn threads_running() -> Vec<(&'static str, usize)> {
     let started = STARTED.with_borrow(Vec::clone);
     let now = if started.is_empty() { Vec::new() } else { threads() };
@@ -290,7 +289,7 @@ pub unsafe extern "C" fn pthread_create(
     failed
 }
 
-/// Whether a thread is one of OpenMP or of linear algebra, which wait for the next call.
+/// Whether a thread belongs to OpenMP or linear algebra: these wait for the next call.
 fn is_of_runtime(body: Body) -> bool {
     // SAFETY: zeros are such a description; the loader fills in names that last as long as its library.
     let name = unsafe {
@@ -301,14 +300,14 @@ fn is_of_runtime(body: Body) -> bool {
     ["libgomp", "libopenblas", "libmkl"].iter().any(|runtime| name.contains(runtime))
 }
 
-/// `_exit` of the C library: inside a routine it is no success.
+/// `_exit` of the C library: a failure inside a routine.
 pub extern "C" fn leave(status: c_int) -> ! {
     let failed = is_own_process() && super::call::last_words("left the process without a word (_exit)");
     // SAFETY: ends the process, as the caller wants.
     unsafe { end(if failed { 1 } else { status }) }
 }
 
-/// Writes what Fortran and C keep of their output.
+/// Flushes the output of Fortran and C.
 pub fn flush() {
     // SAFETY: flushes all units of the Fortran runtime, if the process has one, and all streams of C.
     unsafe {
@@ -321,7 +320,7 @@ pub fn flush() {
     }
 }
 
-/// Ends the process at once, not by way of what is watched.
+/// Ends the process at once, by the system call.
 ///
 /// # Safety
 /// Nothing is tidied up.

@@ -1,5 +1,5 @@
-//! What a compiled routine may ask of the program that calls it: the job's name and folder, numbers of nodes and elements
-//! in their parts, sensors, and a place for messages. All of one thread, as a run is.
+//! Data behind the host routines: name and folder of the job, numbers of nodes and elements in their parts, arrays that outlive
+//! a call, messages. All of it belongs to one thread, as a run does.
 //! Never here: pointers.
 
 use std::cell::RefCell;
@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::state::archive::{Archive, Persist, persist_fields};
 
-/// How grave a message is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
@@ -25,16 +25,16 @@ pub enum Level {
 
 /// A message of a routine (`xplb_abqerr`).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Message {
-    /// How grave.
+pub struct RoutineMessage {
+    /// Severity.
     pub level: Level,
-    /// In the routine's words.
+    /// Text of the routine.
     pub text: String,
-    /// How often it was given.
+    /// Number of times it was given.
     pub times: u64,
 }
 
-/// What a routine can learn of its job.
+/// Data of the job for its routines.
 #[derive(Clone, Debug, Default)]
 pub struct JobInfo {
     /// Name of the job (`vgetjobname`).
@@ -47,10 +47,10 @@ pub struct JobInfo {
     pub elements: Vec<String>,
 }
 
-/// Different messages that are kept; a routine may give one every increment.
+/// Largest number of different messages.
 const MOST: usize = 200;
 
-/// An array that outlives a call: its bytes in words, so that numbers are where they may be, and its entries.
+/// An array that outlives a call: its bytes in aligned words, and the number of its entries.
 type Array = (Box<[u64]>, i32);
 
 static OPENING: Mutex<Vec<String>> = Mutex::new(Vec::new());
@@ -58,10 +58,10 @@ static OPENING: Mutex<Vec<String>> = Mutex::new(Vec::new());
 thread_local! {
     static ARRAYS: RefCell<BTreeMap<(u8, i32), Array>> = const { RefCell::new(BTreeMap::new()) };
     static JOB: RefCell<JobInfo> = RefCell::default();
-    static MESSAGES: RefCell<Vec<Message>> = const { RefCell::new(Vec::new()) };
+    static MESSAGES: RefCell<Vec<RoutineMessage>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Sets what routines called by this thread are told of their job, and forgets messages of the job before.
+/// Sets the job of the routines that this thread calls, and clears arrays and messages of the previous job.
 pub fn announce(job: JobInfo) {
     JOB.with_borrow_mut(|j| *j = job);
     ARRAYS.with_borrow_mut(BTreeMap::clear);
@@ -70,7 +70,7 @@ pub fn announce(job: JobInfo) {
     opening.into_iter().for_each(|text| tell(Level::Warning, text));
 }
 
-/// Keeps what libraries did when they were opened, on whatever thread that was: each job that is announced then says so.
+/// Records what libraries did when they were opened, on any thread; every job announced later warns of it.
 pub(super) fn tell_of_opening(text: String) {
     if let Ok(mut told) = OPENING.lock()
         && !told.contains(&text)
@@ -81,21 +81,28 @@ pub(super) fn tell_of_opening(text: String) {
 }
 
 /// The messages that routines gave since the job was announced.
-pub fn take_messages() -> Vec<Message> {
+pub fn take_messages() -> Vec<RoutineMessage> {
     MESSAGES.take()
 }
 
-/// Visits the messages since the job was announced, which a run that goes on has given already.
+/// Archives the messages since the job was announced.
 pub fn persist_messages(archive: &mut Archive<'_>) {
     MESSAGES.with_borrow_mut(|list| list.persist(archive));
 }
 
 /// Adds messages that routines gave in another process.
-pub(super) fn add_messages(messages: Vec<Message>) {
+pub(super) fn add_messages(messages: Vec<RoutineMessage>) {
     for message in messages {
         for _ in 0..message.times {
             tell(message.level, message.text.clone());
         }
+    }
+}
+
+impl JobInfo {
+    /// Names of the nodes (0) or elements.
+    pub(super) fn names(&self, kind: i32) -> &[String] {
+        if kind == 0 { &self.nodes } else { &self.elements }
     }
 }
 
@@ -106,7 +113,7 @@ impl Persist for JobInfo {
     }
 }
 
-/// Visits the arrays that routines of this thread have made.
+/// Archives the arrays of this thread.
 pub fn persist_arrays(archive: &mut Archive<'_>) {
     let place = |(key, array): (&(u8, i32), &Array)| (*key, (array.0.to_vec(), array.1));
     let mut list: Vec<_> = ARRAYS.with_borrow(|arrays| arrays.iter().map(place).collect());
@@ -117,9 +124,9 @@ pub fn persist_arrays(archive: &mut Archive<'_>) {
     }
 }
 
-impl Persist for Message {
+impl Persist for RoutineMessage {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Message { level, text, times } = self;
+        let RoutineMessage { level, text, times } = self;
         let mut number = *level as u8;
         persist_fields!(archive; &mut number, text, times);
         *level = [Level::Note, Level::Warning].into_iter().find(|l| *l as u8 == number).unwrap_or(Level::Error);
@@ -130,19 +137,19 @@ pub(super) fn with_job<R>(ask: impl FnOnce(&JobInfo) -> R) -> R {
     JOB.with_borrow(ask)
 }
 
-/// Keeps a message for the end of the run; one that is known is counted.
+/// Adds a message for the end of the run; repetitions are counted.
 pub fn tell(level: Level, text: String) {
     MESSAGES.with_borrow_mut(|list| {
         if let Some(known) = list.iter_mut().find(|m| m.level == level && m.text == text) {
             known.times += 1;
         } else if list.len() < MOST {
-            list.push(Message { level, text, times: 1 });
+            list.push(RoutineMessage { level, text, times: 1 });
         }
     });
 }
 
-/// Makes an array of a kind and number with so many entries of so many bytes, all alike; where it is. One that is there keeps
-/// what it holds as far as it goes, and is where it was if its size does not change.
+/// Makes an array of a kind and number with `count` equal entries of `width` bytes, and returns its address. An array that
+/// exists keeps its content, and its address if its size does not change.
 pub(super) fn new_array(key: (u8, i32), count: i32, width: usize, value: &[u8]) -> *mut u64 {
     let words = (usize::try_from(count).unwrap_or(0) * width).div_ceil(8).max(1);
     let pattern: Vec<u8> = value.iter().copied().cycle().take(8).collect();
@@ -158,23 +165,23 @@ pub(super) fn new_array(key: (u8, i32), count: i32, width: usize, value: &[u8]) 
     })
 }
 
-/// Where an array is, and its entries.
+/// Address of an array, and the number of its entries.
 pub(super) fn array(key: (u8, i32)) -> Option<(*mut u64, i32)> {
     ARRAYS.with_borrow_mut(|arrays| arrays.get_mut(&key).map(|array| (array.0.as_mut_ptr(), array.1)))
 }
 
-/// Takes an array away.
+/// Deletes an array.
 pub(super) fn delete_array(key: (u8, i32)) {
     ARRAYS.with_borrow_mut(|arrays| arrays.remove(&key));
 }
 
-/// Number inside the program of what has this name in this instance; 0 if there is none.
+/// Internal number of a node or element by instance and local number; 0 if there is none.
 pub(super) fn internal_number(names: &[String], part: &str, local: i32) -> i32 {
     let wanted = if part.is_empty() { local.to_string() } else { format!("{part}.{local}") };
     names.iter().position(|n| n.eq_ignore_ascii_case(&wanted)).map_or(0, |i| i as i32 + 1)
 }
 
-/// Instance and local number of what has this number inside the program.
+/// Instance and local number of a node or element by its internal number.
 pub(super) fn part_of(names: &[String], internal: i32) -> Option<(&str, i32)> {
     let name = names.get(usize::try_from(internal).ok()?.checked_sub(1)?)?;
     let (part, local) = name.rsplit_once('.').unwrap_or(("", name));

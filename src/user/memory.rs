@@ -1,7 +1,7 @@
-//! What compiled routines keep to themselves between two calls: SAVE, COMMON, modules, static variables. They are found in the
-//! memory of the libraries by what has changed there since they were loaded, and written back into libraries that are loaded
-//! anew. What means nothing in another process (addresses, variables of a thread, open files, seeds) is told instead.
-//! Never here: when a state is kept, what becomes of a run whose state is not whole.
+//! Variables of compiled routines between two calls: SAVE, COMMON, modules, static variables. Bytes of the libraries that have
+//! changed since loading are saved, and written back into newly loaded libraries. State that is not valid in another process
+//! (addresses, thread-local variables, open files, seeds) is reported instead.
+//! Never here: when a state is saved, what a run does with an incomplete state.
 #![allow(unsafe_code)]
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,17 +13,17 @@ use libloading::os::unix::Library;
 
 use super::guard;
 use super::host::{self, Level};
-use super::symbols::Symbols;
+use super::symbols::LibrarySymbols;
 use crate::output::checkpoint::hash;
 use crate::state::archive::{Archive, Persist, UnfitState, persist_fields};
 
-/// Memory is compared in pieces of so many bytes, and kept in cells of so many.
+/// Bytes that are compared at once, and bytes of a saved cell.
 const PAGE: usize = 4096;
 const CELL: usize = 4;
-/// Findings of a kind that are told one by one.
+/// Findings of a kind that are listed one by one.
 const MOST: usize = 4;
 
-/// Libraries of the system, of compilers and of linear algebra: what they keep decides on no result.
+/// Libraries of the system, of compilers and of linear algebra: their variables affect no result.
 const RUNTIMES: &[&str] = &[
     "ld-linux",
     "libblas",
@@ -43,7 +43,7 @@ const RUNTIMES: &[&str] = &[
     "libstdc++",
 ];
 
-/// Functions that go on from a seed of the process.
+/// Functions that use a random seed of the process.
 const SEEDS: &[&str] = &[
     "_gfortran_random_r4",
     "_gfortran_random_r8",
@@ -63,89 +63,89 @@ const SEEDS: &[&str] = &[
 ];
 
 /// The memory of a job's libraries.
-pub struct Memory {
-    parts: Vec<Part>,
-    /// What is known to be lost before anything is called.
+pub struct RoutineMemory {
+    parts: Vec<LibraryMemory>,
+    /// State that cannot be saved, known before the first call.
     hidden: Vec<String>,
     /// Files that were open before the first call.
     open: Mutex<BTreeSet<(PathBuf, PathBuf)>>,
     _keep: Arc<[Library]>,
 }
 
-/// What a checkpoint has of routines.
+/// Memory of routines in a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Kept {
-    /// Cells that changed, where all of them mean the same in another process.
+pub struct SavedMemory {
+    /// Changed cells, if all of them are valid in another process.
     memory: Option<Vec<u8>>,
-    /// What is not kept, in words.
+    /// Descriptions of the state that is not saved.
     pub lost: Vec<String>,
 }
 
-/// What routines keep to themselves, wherever they are.
-pub trait Recall: Send + Sync {
-    /// A run begins on this thread: what is open now is not the routines'.
+/// Variables of routines, in this process or another.
+pub trait PersistentMemory: Send + Sync {
+    /// Notes that a run begins on this thread: files open now do not belong to the routines.
     fn begin(&self);
-    /// The run on this thread is over: says what its routines left running.
+    /// Notes that the run on this thread is over, and warns of threads that still run.
     fn end(&self);
-    /// What is to be kept now, on the thread that calls the routines.
-    fn keep(&self) -> Kept;
-    /// Puts the memory into the state that was kept; without one it stays as it is.
+    /// Saves the memory, on the thread that calls the routines.
+    fn keep(&self) -> SavedMemory;
+    /// Restores a saved memory; without one nothing changes.
     ///
     /// # Errors
-    /// Where it is not the memory of these libraries; then nothing is written.
-    fn take_up(&self, kept: &Kept) -> Result<(), UnfitState>;
+    /// If it is not the memory of these libraries; then nothing is written.
+    fn take_up(&self, kept: &SavedMemory) -> Result<(), UnfitState>;
 }
 
 /// A library: the user's own, or one that it needs.
-pub struct Part {
-    /// What messages call it.
+pub struct LibraryMemory {
+    /// Name in messages.
     name: String,
     base: usize,
-    symbols: Symbols,
-    areas: Vec<Area>,
-    /// Of variables that each thread has its own of: where their first values are, how many bytes of them, and of all.
+    symbols: LibrarySymbols,
+    areas: Vec<WritableRange>,
+    /// Thread-local variables: offset of their initial values, bytes of these, and bytes of all.
     of_thread: Option<[usize; 3]>,
-    /// What tells it from another one: where its variables are.
+    /// Hash of the places of its variables.
     layout: String,
-    /// Whether routines that were opened before use it, too.
+    /// Whether routines opened earlier use it, too.
     shared: bool,
 }
 
-/// Memory that a library may write.
-struct Area {
-    /// From where the library is loaded.
+/// Writable memory of a library.
+struct WritableRange {
+    /// Offset from the base of the library.
     at: usize,
     length: usize,
-    /// What it held when the library was loaded, by page; others were zero.
+    /// Content when the library was loaded, by page; other pages were zero.
     begun: BTreeMap<usize, Box<[u8; PAGE]>>,
 }
 
-/// Cells that follow each other.
+/// Consecutive changed cells.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Change {
+struct ChangedBytes {
     area: usize,
     at: usize,
     bytes: Vec<u8>,
 }
 
-impl Persist for Change {
+impl Persist for ChangedBytes {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Change { area, at, bytes } = self;
+        let ChangedBytes { area, at, bytes } = self;
         persist_fields!(archive; area, at);
         archive.blob(bytes);
     }
 }
 
-impl Kept {
-    /// Nothing, and why.
-    pub fn nothing(why: &str) -> Kept {
-        Kept { memory: None, lost: vec![why.to_owned()] }
+impl SavedMemory {
+    /// No memory, with the reason.
+    pub fn nothing(why: &str) -> SavedMemory {
+        SavedMemory { memory: None, lost: vec![why.to_owned()] }
     }
 }
 
-impl Persist for Kept {
+impl Persist for SavedMemory {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Kept { memory, lost } = self;
+        let SavedMemory { memory, lost } = self;
         let mut there = memory.is_some();
         persist_fields!(archive; lost, &mut there);
         if there {
@@ -156,21 +156,21 @@ impl Persist for Kept {
     }
 }
 
-impl Memory {
-    /// That of libraries which have just been loaded.
-    pub fn of(parts: Vec<Part>, libraries: Arc<[Library]>) -> Memory {
-        let seeds = |part: &Part| {
+impl RoutineMemory {
+    /// Memory of newly loaded libraries.
+    pub fn of(parts: Vec<LibraryMemory>, libraries: Arc<[Library]>) -> RoutineMemory {
+        let seeds = |part: &LibraryMemory| {
             let taken = part.symbols.taken.iter().find(|name| SEEDS.contains(&name.as_str()))?;
             Some(format!("{} draws random numbers (`{taken}`), whose seed is of the process", part.name))
         };
         let shared = parts.iter().filter(|part| part.shared);
         let shared = shared.map(|part| format!("{} is shared with other routines of the process", part.name));
         let hidden = parts.iter().filter_map(seeds).chain(shared).collect();
-        Memory { parts, hidden, open: Mutex::default(), _keep: libraries }
+        RoutineMemory { parts, hidden, open: Mutex::default(), _keep: libraries }
     }
 }
 
-impl Recall for Memory {
+impl PersistentMemory for RoutineMemory {
     fn begin(&self) {
         guard::forget_threads();
         *self.open.lock().unwrap_or_else(PoisonError::into_inner) = open_files();
@@ -187,9 +187,9 @@ impl Recall for Memory {
         }
     }
 
-    fn keep(&self) -> Kept {
+    fn keep(&self) -> SavedMemory {
         let Some(used) = mappings() else {
-            return Kept::nothing("the system does not show what memory is in use");
+            return SavedMemory::nothing("the system does not show what memory is in use");
         };
         let mut bytes = Vec::new();
         let mut archive = Archive::writer(&mut bytes);
@@ -208,15 +208,15 @@ impl Recall for Memory {
         let threads = guard::threads_running().into_iter();
         let threads = threads.map(|(routine, _)| format!("a thread that {routine} started still runs")).collect();
         let lost = [self.hidden.clone(), shortened(bound), shortened(files), threads].concat();
-        Kept { memory, lost }
+        SavedMemory { memory, lost }
     }
 
-    fn take_up(&self, kept: &Kept) -> Result<(), UnfitState> {
+    fn take_up(&self, kept: &SavedMemory) -> Result<(), UnfitState> {
         let Some(memory) = &kept.memory else { return Ok(()) };
         let mut archive = Archive::reader(memory);
         let mut list = Vec::new();
         for part in &self.parts {
-            let (mut layout, mut changes) = (String::new(), Vec::<Change>::new());
+            let (mut layout, mut changes) = (String::new(), Vec::<ChangedBytes>::new());
             persist_fields!(&mut archive; &mut layout, &mut changes);
             if layout != part.layout || !changes.iter().all(|change| part.holds(change)) {
                 archive.refuse(|| format!("the variables of {} are elsewhere than they were", part.name));
@@ -230,7 +230,7 @@ impl Recall for Memory {
     }
 }
 
-/// The first few of a list.
+/// The first few entries of a list.
 fn shortened(mut list: Vec<String>) -> Vec<String> {
     if list.len() > MOST {
         let more = list.len() - MOST;
@@ -240,25 +240,25 @@ fn shortened(mut list: Vec<String>) -> Vec<String> {
     list
 }
 
-impl Part {
-    /// What was loaded from a file of these bytes under a path, and what was loaded for it; `before` was there already.
-    pub fn of(path: &Path, name: &Path, bytes: &[u8], before: &[usize]) -> Vec<Part> {
+impl LibraryMemory {
+    /// The library loaded from a path with these bytes, and the libraries it needs; `before` are those loaded earlier.
+    pub fn of(path: &Path, name: &Path, bytes: &[u8], before: &[usize]) -> Vec<LibraryMemory> {
         let loaded = loaded();
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<LibraryMemory> = Vec::new();
         let own = loaded.iter().find(|object| Path::new(&object.name) == path);
-        parts.extend(own.map(|object| Part::new(object, name, bytes, false)));
+        parts.extend(own.map(|object| LibraryMemory::new(object, name, bytes, false)));
         let mut next = 0;
         while let Some(part) = parts.get(next) {
             for needed in part.symbols.needed.clone() {
-                let is_named = |object: &&Loaded| object.name.rsplit('/').next() == Some(&needed);
-                let known = |object: &&Loaded| parts.iter().all(|part| part.base != object.base);
+                let is_named = |object: &&LoadedObject| object.name.rsplit('/').next() == Some(&needed);
+                let known = |object: &&LoadedObject| parts.iter().all(|part| part.base != object.base);
                 if RUNTIMES.iter().any(|runtime| needed.starts_with(runtime)) {
                     continue;
                 }
                 if let Some(object) = loaded.iter().find(is_named).filter(known) {
                     let bytes = std::fs::read(&object.name).unwrap_or_default();
                     let shared = before.contains(&object.base);
-                    parts.push(Part::new(object, Path::new(&object.name), &bytes, shared));
+                    parts.push(LibraryMemory::new(object, Path::new(&object.name), &bytes, shared));
                 }
             }
             next += 1;
@@ -266,19 +266,20 @@ impl Part {
         parts
     }
 
-    fn new(object: &Loaded, name: &Path, bytes: &[u8], shared: bool) -> Part {
-        let symbols = Symbols::read(bytes);
-        let areas = object.writable().into_iter().map(|(at, length)| Area::new(object.base, at, length)).collect();
+    fn new(object: &LoadedObject, name: &Path, bytes: &[u8], shared: bool) -> LibraryMemory {
+        let symbols = LibrarySymbols::read(bytes);
+        let areas =
+            object.writable().into_iter().map(|(at, length)| WritableRange::new(object.base, at, length)).collect();
         let mut text = format!("{:?} {:?}", object.writable(), object.of_thread);
         symbols.variables.iter().for_each(|variable| text += &format!(" {variable:?}"));
         let layout = hash([text.as_bytes()]);
         let name = format!("`{}`", name.display());
-        Part { name, base: object.base, symbols, areas, of_thread: object.of_thread, layout, shared }
+        LibraryMemory { name, base: object.base, symbols, areas, of_thread: object.of_thread, layout, shared }
     }
 
-    /// What differs from when the library was loaded.
-    fn changes(&self) -> Vec<Change> {
-        let mut changes: Vec<Change> = Vec::new();
+    /// Bytes that have changed since the library was loaded.
+    fn changes(&self) -> Vec<ChangedBytes> {
+        let mut changes: Vec<ChangedBytes> = Vec::new();
         let mut now = [0; PAGE];
         for (index, area) in self.areas.iter().enumerate() {
             for page in (0..area.length).step_by(PAGE) {
@@ -291,7 +292,7 @@ impl Part {
                     let at = page + i * CELL;
                     match changes.last_mut().filter(|last| last.area == index && last.at + last.bytes.len() == at) {
                         Some(last) => last.bytes.extend(cell),
-                        None => changes.push(Change { area: index, at, bytes: cell.to_vec() }),
+                        None => changes.push(ChangedBytes { area: index, at, bytes: cell.to_vec() }),
                     }
                 }
             }
@@ -299,8 +300,8 @@ impl Part {
         changes
     }
 
-    /// Variables among these that hold an address, with the half of one beside: eight bytes, not always in their own place.
-    fn addresses(&self, changes: &[Change], used: &[(u64, u64)]) -> Vec<String> {
+    /// Changed variables that hold an address: eight bytes, not always aligned.
+    fn addresses(&self, changes: &[ChangedBytes], used: &[(u64, u64)]) -> Vec<String> {
         let lowest = used.first().map_or(u64::MAX, |range| range.0);
         let is_address = |word: u64| {
             word >= lowest && used.get(used.partition_point(|range| range.1 <= word)).is_some_and(|r| r.0 <= word)
@@ -324,7 +325,7 @@ impl Part {
         found.into_iter().map(|place| format!("{place} holds an address (allocated memory, a pointer)")).collect()
     }
 
-    /// Variables of which each thread has its own, and which this one has changed.
+    /// A thread-local variable that this thread has changed.
     fn of_threads(&self) -> Option<String> {
         let [image, filled, length] = self.of_thread?;
         let now = loaded().into_iter().find(|object| object.base == self.base)?.threads_own?;
@@ -335,7 +336,7 @@ impl Part {
         Some(format!("{} is a variable of which each thread has its own", self.place(at, true)))
     }
 
-    /// What a message calls a byte of its memory.
+    /// Name of a byte of the memory in messages.
     fn place(&self, at: usize, of_thread: bool) -> String {
         match self.symbols.variable(at, of_thread) {
             Some((variable, 0)) => format!("{} of {}", variable.plain_name(), self.name),
@@ -344,13 +345,13 @@ impl Part {
         }
     }
 
-    fn holds(&self, change: &Change) -> bool {
+    fn holds(&self, change: &ChangedBytes) -> bool {
         let end = change.at.checked_add(change.bytes.len());
         self.areas.get(change.area).is_some_and(|area| end.is_some_and(|end| end <= area.length))
     }
 
-    /// As it was loaded, but for the changes; what is so already is not written.
-    fn set(&self, changes: &[Change]) {
+    /// Restores the content at loading with these changes; bytes that are so already are not written.
+    fn set(&self, changes: &[ChangedBytes]) {
         let mut now = [0; PAGE];
         for area in &self.areas {
             for page in (0..area.length).step_by(PAGE) {
@@ -369,10 +370,10 @@ fn cells(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
     bytes.chunks_exact(CELL)
 }
 
-impl Area {
-    /// As it is when the library has been loaded.
-    fn new(base: usize, at: usize, length: usize) -> Area {
-        let mut area = Area { at, length, begun: BTreeMap::new() };
+impl WritableRange {
+    /// Takes the content of a newly loaded library.
+    fn new(base: usize, at: usize, length: usize) -> WritableRange {
+        let mut area = WritableRange { at, length, begun: BTreeMap::new() };
         for page in (0..length).step_by(PAGE) {
             let mut bytes = Box::new([0; PAGE]);
             if area.read(base, page, &mut bytes).iter().any(|byte| *byte != 0) {
@@ -382,7 +383,7 @@ impl Area {
         area
     }
 
-    /// The bytes of a page, the last of which may be shorter.
+    /// Reads a page; the last one may be shorter.
     fn read<'a>(&self, base: usize, page: usize, to: &'a mut [u8; PAGE]) -> &'a [u8] {
         let bytes = &mut to[..PAGE.min(self.length - page)];
         self.copy(base, page, bytes);
@@ -411,20 +412,20 @@ fn copy(from: usize, to: &mut [u8]) {
     unsafe { std::ptr::copy_nonoverlapping(from as *const u8, to.as_mut_ptr(), to.len()) }
 }
 
-/// What the loader has loaded.
-struct Loaded {
+/// An object that the loader has loaded.
+struct LoadedObject {
     name: String,
     base: usize,
-    /// Memory that may be written, and that which may not be any more; each from the base, with its length.
+    /// Offset and length of writable memory, and of the part that is read-only after loading.
     written: Vec<(usize, usize)>,
     sealed: Option<(usize, usize)>,
-    /// As [`Part::of_thread`], and where this thread has its own, if it has touched them.
+    /// As [`LibraryMemory::of_thread`], and the address of the variables of this thread, if used.
     of_thread: Option<[usize; 3]>,
     threads_own: Option<usize>,
 }
 
-impl Loaded {
-    /// What of the writable memory is not sealed, in whole cells.
+impl LoadedObject {
+    /// Writable memory without the read-only part, in whole cells.
     fn writable(&self) -> Vec<(usize, usize)> {
         let (from, length) = self.sealed.unwrap_or_default();
         let mut list = Vec::new();
@@ -441,14 +442,14 @@ impl Loaded {
     }
 }
 
-/// Where the libraries of the process are.
+/// Base addresses of the libraries of the process.
 pub fn bases() -> Vec<usize> {
     loaded().into_iter().map(|object| object.base).collect()
 }
 
 /// All objects of the process.
-fn loaded() -> Vec<Loaded> {
-    let mut list: Vec<Loaded> = Vec::new();
+fn loaded() -> Vec<LoadedObject> {
+    let mut list: Vec<LoadedObject> = Vec::new();
     // SAFETY: the callback gets the pointer to the list, and only while this call lasts.
     unsafe { libc::dl_iterate_phdr(Some(add_loaded), (&raw mut list).cast()) };
     list
@@ -457,14 +458,14 @@ fn loaded() -> Vec<Loaded> {
 unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, list: *mut c_void) -> c_int {
     const MAY_WRITE: u32 = 2;
     // SAFETY: the loader describes an object with so many headers; the list is that of `loaded`.
-    let (info, list) = unsafe { (&*info, &mut *list.cast::<Vec<Loaded>>()) };
+    let (info, list) = unsafe { (&*info, &mut *list.cast::<Vec<LoadedObject>>()) };
     if info.dlpi_name.is_null() || info.dlpi_phdr.is_null() {
         return 0;
     }
     // SAFETY: as above.
     let (name, headers) =
         unsafe { (CStr::from_ptr(info.dlpi_name), std::slice::from_raw_parts(info.dlpi_phdr, info.dlpi_phnum.into())) };
-    let mut object = Loaded {
+    let mut object = LoadedObject {
         name: name.to_string_lossy().into_owned(),
         base: info.dlpi_addr as usize,
         written: Vec::new(),
@@ -485,7 +486,7 @@ unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, lis
     0
 }
 
-/// Where there is memory in this process, in order; `None` where the system does not show it.
+/// Address ranges in use, ascending; `None` if the system does not show them.
 fn mappings() -> Option<Vec<(u64, u64)>> {
     let text = std::fs::read_to_string("/proc/self/maps").ok()?;
     let range = |line: &str| {
@@ -495,7 +496,7 @@ fn mappings() -> Option<Vec<(u64, u64)>> {
     text.lines().map(range).collect()
 }
 
-/// Files that the process has open, by their number and name.
+/// Open files of the process, by number and name.
 fn open_files() -> BTreeSet<(PathBuf, PathBuf)> {
     let entries = std::fs::read_dir("/proc/self/fd").into_iter().flatten().filter_map(Result::ok);
     let files = entries.filter_map(|entry| Some((entry.path(), std::fs::read_link(entry.path()).ok()?)));
@@ -504,11 +505,11 @@ fn open_files() -> BTreeSet<(PathBuf, PathBuf)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Loaded, mappings};
+    use super::{LoadedObject, mappings};
 
     #[test]
     fn what_is_sealed_is_no_memory_of_routines() {
-        let object = |written: &[(usize, usize)], sealed| Loaded {
+        let object = |written: &[(usize, usize)], sealed| LoadedObject {
             name: String::new(),
             base: 0,
             written: written.to_vec(),

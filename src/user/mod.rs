@@ -1,18 +1,22 @@
-//! User routines: the traits that Rust plug-ins implement, with the arguments of ABAQUS's subroutines, and the door to
-//! compiled Fortran and C. Never here: solver internals.
+//! User subroutines: the traits that Rust plug-ins implement, with the arguments of ABAQUS's subroutines, and compiled
+//! Fortran and C behind the same traits. Never here: solver internals.
 
 mod address;
 mod cache;
 mod call;
 pub mod codes;
 pub mod compile;
+mod compiled;
+pub mod crash;
 mod guard;
 pub mod host;
+mod host_routines;
 mod isolate;
 pub mod library;
 mod memory;
 mod prototype;
 mod source;
+mod subroutines;
 mod symbols;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -20,13 +24,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::state::Instant;
 use crate::state::halt::Halt;
 pub use address::show_symbols;
-pub(crate) use memory::{Kept, Recall};
+pub(crate) use memory::{PersistentMemory, SavedMemory};
 
-/// Points a routine is shown in one call at most: `maxblk` of `vaba_param.inc`. Larger surfaces come in blocks.
+/// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
 pub const MAX_BLOCK: usize = 512;
 
-/// What a user load is told, for one surface and a block of points: VDLOAD's arguments, structure of arrays
-/// (ABAQUS 6.6 User Subroutines Reference, 1.2.1 "VDLOAD"). Slices have one entry a point unless said otherwise.
+/// Arguments of a user load for a block of points of one surface (ABAQUS 6.6 User Subroutines Reference, 1.2.1 "VDLOAD").
+/// Slices have one entry per point unless stated otherwise.
 #[derive(Debug)]
 pub struct LoadPoints<'a> {
     /// Surface or element-set name, upper case (`sname` of a surface load; VDLOAD gets blanks for an element load).
@@ -51,26 +55,24 @@ pub struct LoadPoints<'a> {
     pub normal_r: &'a [f64],
     /// Outward unit normal of each point, z component (zero for a body force).
     pub normal_z: &'a [f64],
-    /// `curCoords`: r of all points, z of all points, and behind them as many NaN for a routine that reads a third
-    /// coordinate.
+    /// `curCoords`: r of all points, z of all points, then as many NaN for a routine that reads a third coordinate.
     pub coordinates: &'a [f64],
-    /// `velocity`: slabs of velocity, displacement and acceleration, each r of all points, then z of all points. The last
-    /// two hold values only if the routine asks for them ([`UserLoad::reads_motion`]).
+    /// `velocity`: velocity, displacement and acceleration, each r of all points, then z of all points. The last two hold
+    /// values only if [`UserLoad::reads_motion`].
     pub motion: &'a [f64],
-    /// `dirCos`: of each point the first vector is the normal, the second the tangent (the normal turned 90 degrees
-    /// counter-clockwise): slabs normal r, tangent r, normal z, tangent z, and behind
-    /// them NaN where a third direction would be. As the manual has it, the normal points out of
-    /// the loaded side of a surface element, and into a solid element.
+    /// `dirCos`: normal r, tangent r, normal z, tangent z of all points, then NaN for a third direction. The tangent is the
+    /// normal turned 90 degrees counter-clockwise; the normal points out of the loaded side of a surface element, and into
+    /// a solid element.
     pub directions: &'a [f64],
 }
 
-/// Why a user routine gave up.
+/// Failure of a user routine.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{reason}")]
 pub struct LoadFailure {
-    /// Index of the point in the block, where one is to blame.
+    /// Index in the block of the point that caused it, if known.
     pub point: Option<usize>,
-    /// In words.
+    /// Description.
     pub reason: String,
 }
 
@@ -90,8 +92,8 @@ impl LoadFailure {
     }
 }
 
-/// A load routine of the user: gives the pressure at each point. May keep state; is called once an increment, surface
-/// and block of at most [`MAX_BLOCK`] points.
+/// A user load: the pressure at each point. It may keep state; it is called once per increment, surface and block of at most
+/// [`MAX_BLOCK`] points.
 ///
 /// ```
 /// use revolve::job;
@@ -125,13 +127,13 @@ pub trait UserLoad: Send {
     /// Any reason; the run halts with the last good state written.
     fn pressure(&mut self, points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure>;
 
-    /// Whether it reads displacements and accelerations; if not, those slabs are not kept up.
+    /// Whether it reads displacements and accelerations; if not, they are not updated.
     fn reads_motion(&self) -> bool {
         false
     }
 }
 
-/// A user load by a function of the points and the index of one.
+/// A user load given as a function of the points and the index of one.
 struct ByPoint<F>(F);
 
 impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
@@ -141,35 +143,35 @@ impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
     }
 }
 
-/// What a user amplitude is told: VUAMP's arguments (ABAQUS 6.11 User Subroutines Reference, 1.2.7 "VUAMP").
+/// Arguments of a user amplitude (ABAQUS 6.11 User Subroutines Reference, 1.2.7 "VUAMP").
 #[derive(Debug)]
 pub struct AmplitudeCall<'a> {
     /// Name of the amplitude, upper case.
     pub name: &'a str,
-    /// Clock, step and increment: the instant at which the value is wanted.
+    /// The instant of the value.
     pub now: Instant,
-    /// Whether this is the call that begins a step.
+    /// Whether this is the first call of a step.
     pub begins: bool,
-    /// Length of the increment that led here; 0 at the start.
+    /// Length of the previous increment; 0 at the start.
     pub increment: f64,
-    /// Value of the call before; 0 at the start.
+    /// Value of the previous call; 0 at the start.
     pub old: f64,
     /// Constants on the data lines (`PROPERTIES=`).
     pub properties: &'a [f64],
-    /// Variables the routine may keep (`VARIABLES=`).
+    /// State variables of the routine (`VARIABLES=`).
     pub variables: &'a mut [f64],
     /// Names of the sensors, upper case.
     pub sensor_names: &'a [String],
-    /// Their values at the instant before.
+    /// Their values at the previous instant.
     pub sensor_values: &'a [f64],
 }
 
-/// What a user amplitude answers.
+/// Answer of a user amplitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AmplitudeAnswer {
     /// The value.
     pub value: f64,
-    /// Its derivative in time, where the routine gives one.
+    /// Its time derivative, if the routine sets it.
     pub derivative: Option<f64>,
     /// Stop the analysis (`iStopAnalysis`).
     pub stop: bool,
@@ -177,7 +179,7 @@ pub struct AmplitudeAnswer {
     pub conclude_step: bool,
 }
 
-/// An amplitude computed by the user (`*AMPLITUDE, DEFINITION=USER`).
+/// A user amplitude (`*AMPLITUDE, DEFINITION=USER`).
 pub trait UserAmplitude: Send {
     /// The value now.
     ///
@@ -186,8 +188,7 @@ pub trait UserAmplitude: Send {
     fn amplitude(&mut self, call: &mut AmplitudeCall<'_>) -> Result<AmplitudeAnswer, LoadFailure>;
 }
 
-/// What a prescribed motion of the user is told: VDISP's arguments for one node
-/// (ABAQUS 6.11 User Subroutines Reference, 1.2.1 "VDISP").
+/// Arguments of a user motion for one node (ABAQUS 6.11 User Subroutines Reference, 1.2.1 "VDISP").
 #[derive(Clone, Copy, Debug)]
 pub struct MotionCall<'a> {
     /// Name of the node set (`cbname`), upper case.
@@ -198,9 +199,9 @@ pub struct MotionCall<'a> {
     pub node: i32,
     /// Degree of freedom, 1 for r (deformable nodes), 2 for z.
     pub dof: usize,
-    /// Clock, step and increment: the instant at which the value is wanted.
+    /// The instant of the value.
     pub now: Instant,
-    /// Length of the increment that led here, and of the next if it is known (else the same).
+    /// Lengths of the previous increment and of the next (the same if unknown).
     pub increments: [f64; 2],
     /// Amplitude, 1 without one.
     pub amplitude: f64,
@@ -214,9 +215,9 @@ pub struct MotionCall<'a> {
     pub mass: f64,
 }
 
-/// A motion prescribed by the user (`*BOUNDARY, USER`).
+/// A user motion (`*BOUNDARY, USER`).
 pub trait UserMotion: Send {
-    /// The displacement, velocity or acceleration along the degree of freedom that the node shall have now.
+    /// The displacement, velocity or acceleration along the degree of freedom.
     ///
     /// # Errors
     /// Any reason; the run halts.
@@ -226,7 +227,7 @@ pub trait UserMotion: Send {
 /// Moments at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference, 1.2.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
-pub enum Moment {
+pub enum AnalysisMoment {
     /// Before the first increment of the first step.
     StartAnalysis = 0,
     /// Before a step.
@@ -243,10 +244,23 @@ pub enum Moment {
     EndAnalysis = 6,
 }
 
-/// What a routine wants after a moment of the analysis (`i_Array(i_int_iStatus)`).
+impl AnalysisMoment {
+    /// All of them, in the order of `lOp`.
+    pub const ALL: [AnalysisMoment; 7] = [
+        AnalysisMoment::StartAnalysis,
+        AnalysisMoment::StartStep,
+        AnalysisMoment::SetupIncrement,
+        AnalysisMoment::StartIncrement,
+        AnalysisMoment::EndIncrement,
+        AnalysisMoment::EndStep,
+        AnalysisMoment::EndAnalysis,
+    ];
+}
+
+/// What the run does after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Wish {
-    /// Go on.
+pub enum RunAction {
+    /// Continue.
     #[default]
     Continue,
     /// End the step.
@@ -255,31 +269,30 @@ pub enum Wish {
     EndAnalysis,
 }
 
-/// A routine that is told how the analysis goes: opens and closes files of its own.
+/// A routine called at the moments of the analysis, for example to open and close files of its own.
 pub trait UserEvents: Send {
     /// Called at each moment, with the length of the increment.
     ///
     /// # Errors
     /// Any reason; the run halts.
-    fn moment(&mut self, moment: Moment, now: &Instant, increment: f64) -> Result<Wish, LoadFailure>;
+    fn moment(&mut self, moment: AnalysisMoment, now: &Instant, increment: f64) -> Result<RunAction, LoadFailure>;
 
-    /// Called before an [`Moment::EndIncrement`] whose state will be kept (`lWriteRestart`): the time to keep one's own.
+    /// Called before an [`AnalysisMoment::EndIncrement`] whose state will be saved (`lWriteRestart`).
     fn restart_follows(&mut self) {}
 }
 
-/// Material points a routine is shown in one call at most.
+/// Largest number of material points of one call.
 pub const MAX_MATERIAL_BLOCK: usize = 136;
 
-/// What a user material is told, for a block of points: VUMAT's arguments (ABAQUS 6.14 User Subroutines Reference, 1.2.17
-/// "VUMAT"). Components follow each other, each with one entry a point: of symmetric tensors rr, zz, hoop, rz (tensor
-/// shear). Stresses and strains are in a frame that turns with the spin of the material, so that tensors among the state
-/// variables need no rotation.
+/// Arguments of a user material for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.17 "VUMAT"). Arrays hold
+/// one component of all points after the other: of symmetric tensors rr, zz, hoop, rz (tensor shear). Stresses and strains
+/// are in a frame that rotates with the material spin, so tensors among the state variables need no rotation.
 #[derive(Debug)]
 pub struct MaterialCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
-    /// Clock, step and increment at the end of the increment; step and total time are both 0 in the first call, whose
-    /// answer to small fictitious strains tells the elastic moduli.
+    /// End of the increment; step and total time are both 0 in the first call, with small fictitious strains, from which the
+    /// elastic moduli are found.
     pub now: Instant,
     /// Length of the increment.
     pub dt: f64,
@@ -289,15 +302,15 @@ pub struct MaterialCall<'a> {
     pub variables: usize,
     /// Constants of the material (`props`).
     pub properties: &'a [f64],
-    /// `coordMp`: r, z, and behind them NaN for a routine that reads a third coordinate.
+    /// `coordMp`: r, z, then NaN for a routine that reads a third coordinate.
     pub coordinates: &'a [f64],
-    /// `charLength`: root of the element's area in the (r, z) plane, or what VUCHARLENGTH gives; length.
+    /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
     pub length: &'a [f64],
-    /// Mass a volume at the middle of the increment.
+    /// Mass per volume at the middle of the increment.
     pub density: &'a [f64],
     /// `strainInc`.
     pub strain: &'a [f64],
-    /// `relSpinInc`: spin against the frame, zero.
+    /// `relSpinInc`: spin relative to the frame, zero.
     pub spin: &'a [f64],
     /// User's numbers of the elements.
     pub elements: &'a [i32],
@@ -315,13 +328,13 @@ pub struct MaterialCall<'a> {
     pub stress: &'a [f64],
     /// `stateOld`.
     pub state: &'a [f64],
-    /// `enerInternOld`, energy a mass.
+    /// `enerInternOld`, energy per mass.
     pub internal: &'a [f64],
-    /// `enerInelasOld`, energy a mass.
+    /// `enerInelasOld`, energy per mass.
     pub inelastic: &'a [f64],
 }
 
-/// What a user material answers; stresses are NaN on entry, state variables and energies those before.
+/// Answer of a user material; stresses are NaN on entry, state variables and energies the previous ones.
 #[derive(Debug)]
 pub struct MaterialAnswer<'a> {
     /// `stressNew`.
@@ -330,11 +343,11 @@ pub struct MaterialAnswer<'a> {
     pub state: &'a mut [f64],
     /// `enerInternNew`.
     pub internal: &'a mut [f64],
-    /// `enerInelasNew`: what is booked as plastic dissipation.
+    /// `enerInelasNew`: plastic dissipation.
     pub inelastic: &'a mut [f64],
 }
 
-/// A material of the user (`*USER MATERIAL`). May keep state of its own; is called from one thread, once an increment and
+/// A user material (`*USER MATERIAL`). It may keep state of its own; it is called from one thread, once per increment and
 /// block of at most [`MAX_MATERIAL_BLOCK`] points.
 pub trait UserMaterial: Send {
     /// Stresses and state variables at the end of the increment.
@@ -344,8 +357,7 @@ pub trait UserMaterial: Send {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
-/// What a hardening of the user is told, for a block of points: VUHARD's arguments (ABAQUS 6.14 User Subroutines Reference,
-/// 1.2.15 "VUHARD").
+/// Arguments of a user hardening for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.15 "VUHARD").
 #[derive(Debug)]
 pub struct HardeningCall<'a> {
     /// Name of the material, upper case (`cmname`).
@@ -364,7 +376,7 @@ pub struct HardeningCall<'a> {
     pub properties: &'a [f64],
     /// User's numbers of the elements (`jElem`).
     pub elements: &'a [i32],
-    /// `tempOld` and `tempNew`: both at the beginning of the increment, as laws that are built in take it.
+    /// `tempOld` and `tempNew`: both at the beginning of the increment, as for built-in laws.
     pub temperature: [&'a [f64]; 2],
     /// `fieldOld` and `fieldNew`.
     pub field: [&'a [f64]; 2],
@@ -376,22 +388,22 @@ pub struct HardeningCall<'a> {
     pub rate: &'a [f64],
 }
 
-/// What a hardening of the user answers; yield stresses are NaN on entry, slopes zero, state variables those before.
+/// Answer of a user hardening; yield stresses are NaN on entry, slopes zero, state variables the previous ones.
 #[derive(Debug)]
 pub struct HardeningAnswer<'a> {
     /// `yield`.
     pub stress: &'a mut [f64],
     /// `dyieldDtemp`.
     pub by_temperature: &'a mut [f64],
-    /// `dyieldDeqps`: derivatives by the plastic strain of all points, then by its rate.
+    /// `dyieldDeqps`: derivatives with respect to the plastic strain of all points, then to its rate.
     pub slopes: &'a mut [f64],
     /// `stateNew`.
     pub state: &'a mut [f64],
 }
 
-/// An isotropic hardening of the user (`*PLASTIC, HARDENING=USER`): yield stress over plastic strain, rate and temperature.
-/// Asked several times an increment and block, first of all for points that do not flow, then for those that do until their
-/// stress meets the yield stress; what the last question for a point gave as its state variables is kept.
+/// An isotropic user hardening (`*PLASTIC, HARDENING=USER`): yield stress over plastic strain, rate and temperature. It is
+/// called several times per increment and block: first for all points, then for those that yield until their stress equals
+/// the yield stress. The state variables of the last call for a point are kept.
 pub trait UserHardening: Send {
     /// Yield stresses and their slopes.
     ///
@@ -400,15 +412,14 @@ pub trait UserHardening: Send {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
-/// What material points hold at the beginning of an increment, by output variable: what `vgetvrm` gives.
+/// Values of material points at the beginning of an increment, by output variable (`vgetvrm`).
 pub trait PointValues {
-    /// Gives each component of each point: its component, point and value. How many components there are; `None` if the
-    /// points do not hold the variable.
+    /// Passes component, point and value of each component of each point on; returns the number of components, `None` if the
+    /// points do not have the variable.
     fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize>;
 }
 
-/// What a routine of user-defined fields is told, for a block of points: VUSDFLD's arguments (ABAQUS 6.14 User Subroutines
-/// Reference, 1.2.20 "VUSDFLD").
+/// Arguments of user-defined fields for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.20 "VUSDFLD").
 pub struct FieldCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -426,26 +437,26 @@ pub struct FieldCall<'a> {
     pub properties: &'a [f64],
     /// User's numbers of the elements (`jElem`).
     pub elements: &'a [i32],
-    /// `coordMp`: r, z, and behind them NaN for a routine that reads a third coordinate.
+    /// `coordMp`: r, z, then NaN for a routine that reads a third coordinate.
     pub coordinates: &'a [f64],
-    /// `charLength`: root of the element's area in the (r, z) plane, or what VUCHARLENGTH gives; length.
+    /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
     pub length: &'a [f64],
     /// `stateOld`.
     pub state: &'a [f64],
-    /// What the points hold (`vgetvrm`).
+    /// Values of the points (`vgetvrm`).
     pub values: &'a dyn PointValues,
 }
 
-/// What a routine of user-defined fields answers; both are those before on entry.
+/// Answer of user-defined fields; both are the previous ones on entry.
 #[derive(Debug)]
 pub struct FieldAnswer<'a> {
-    /// `stateNew`: what other routines are given as their old state.
+    /// `stateNew`: the old state of the other routines.
     pub state: &'a mut [f64],
     /// `field`.
     pub field: &'a mut [f64],
 }
 
-/// Fields of the user (`*USER DEFINED FIELD`), asked for at the beginning of each increment.
+/// User-defined fields (`*USER DEFINED FIELD`), called at the beginning of each increment.
 pub trait UserFields: Send {
     /// Field and state variables.
     ///
@@ -454,8 +465,8 @@ pub trait UserFields: Send {
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
-/// What a routine of characteristic lengths is told, for a block of points: VUCHARLENGTH's arguments (ABAQUS 2016 User
-/// Subroutines Reference, 1.2.11 "VUCHARLENGTH").
+/// Arguments of user characteristic lengths for a block of points (ABAQUS 2016 User Subroutines Reference, 1.2.11
+/// "VUCHARLENGTH").
 pub struct LengthCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -469,7 +480,7 @@ pub struct LengthCall<'a> {
     pub variables: usize,
     /// Field variables (`nfieldv`).
     pub fields: usize,
-    /// Corners of an element (`nnode`): 3 of triangles, 4 else; a triangle among quadrilaterals has its last node twice.
+    /// Corners of an element (`nnode`): 3 or 4; a triangle among quadrilaterals has its last node twice.
     pub corners: usize,
     /// Constants (`props`).
     pub properties: &'a [f64],
@@ -477,7 +488,7 @@ pub struct LengthCall<'a> {
     pub elements: &'a [i32],
     /// `coordMp`: r, and then z, of each point.
     pub coordinates: &'a [f64],
-    /// `coordNode`: r of the first corner of each element, then of the second, and so on; then z likewise.
+    /// `coordNode`: r of the first corner of each element, then of the second, and so on; then z.
     pub nodes: &'a [f64],
     /// `field`.
     pub field: &'a [f64],
@@ -485,56 +496,35 @@ pub struct LengthCall<'a> {
     pub state: &'a [f64],
 }
 
-/// Characteristic lengths of the user (`*CHARACTERISTIC LENGTH, DEFINITION=USER`).
+/// User characteristic lengths (`*CHARACTERISTIC LENGTH, DEFINITION=USER`).
 pub trait UserLengths: Send {
-    /// The length of each point; on entry the default, the root of the element's area in the (r, z) plane.
+    /// Sets the length of each point; on entry the square root of the element's area in the (r, z) plane.
     ///
     /// # Errors
     /// Any reason; the run halts.
     fn lengths(&mut self, call: &LengthCall<'_>, lengths: &mut [f64]) -> Result<(), LoadFailure>;
 }
 
-/// A routine shared by all that calls it, as one VDLOAD serves a whole ABAQUS job: its state is common to them. A run holds
-/// its routines from its beginning to its end; another run of the same routines waits until then.
-pub struct Shared<T: ?Sized>(Arc<Mutex<T>>);
+/// A routine with one state for all its callers, as one VDLOAD serves a whole ABAQUS job. A run locks its routines from its
+/// beginning to its end; another run of the same routines waits.
+pub struct SharedRoutine<T: ?Sized>(Arc<Mutex<T>>);
 
-impl<T: ?Sized> Clone for Shared<T> {
+impl<T: ?Sized> Clone for SharedRoutine<T> {
     fn clone(&self) -> Self {
-        Shared(Arc::clone(&self.0))
+        SharedRoutine(Arc::clone(&self.0))
     }
 }
 
-impl<T: ?Sized> Shared<T> {
-    /// Holds the routine. One that panicked in an earlier run is held as it is.
+impl<T: ?Sized> SharedRoutine<T> {
+    /// Locks the routine, also one that panicked in an earlier run.
     pub fn lock(&self) -> MutexGuard<'_, T> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A user load, shared.
-pub type SharedLoad = Shared<dyn UserLoad>;
-/// A user amplitude, shared.
-pub type SharedAmplitude = Shared<dyn UserAmplitude>;
-/// A user material, shared.
-pub type SharedMaterial = Shared<dyn UserMaterial>;
-/// A hardening of the user, shared.
-pub type SharedHardening = Shared<dyn UserHardening>;
-/// Fields of the user, shared.
-pub type SharedFields = Shared<dyn UserFields>;
-/// Characteristic lengths of the user, shared.
-pub type SharedLengths = Shared<dyn UserLengths>;
-/// A user motion, shared.
-pub type SharedMotion = Shared<dyn UserMotion>;
-/// A routine told of events, shared.
-pub type SharedEvents = Shared<dyn UserEvents>;
-
-/// Names of the routines that can be called.
-pub const ROUTINES: &[&str] =
-    &["vdload", "vuamp", "vdisp", "vumat", "vuhard", "vusdfld", "vucharlength", "vexternaldb"];
-
-/// A routine of the user's files that cannot be called as it is.
+/// A routine of the user's files that cannot be called.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Misfit {
+pub struct UncallableRoutine {
     /// Its name.
     pub routine: String,
     /// Code of the finding (`U…`).
@@ -543,55 +533,74 @@ pub struct Misfit {
     pub message: String,
 }
 
-/// The routines of a job; each at most once, as in ABAQUS.
-#[derive(Clone, Default)]
-pub struct Routines {
-    /// `PNU` and its kin (VDLOAD).
-    pub load: Option<SharedLoad>,
-    /// `*AMPLITUDE, DEFINITION=USER` (VUAMP).
-    pub amplitude: Option<SharedAmplitude>,
-    /// `*BOUNDARY, USER` (VDISP).
-    pub motion: Option<SharedMotion>,
-    /// `*USER MATERIAL` (VUMAT).
-    pub material: Option<SharedMaterial>,
-    /// `*PLASTIC, HARDENING=USER` (VUHARD).
-    pub hardening: Option<SharedHardening>,
-    /// `*USER DEFINED FIELD` (VUSDFLD).
-    pub fields: Option<SharedFields>,
-    /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
-    pub lengths: Option<SharedLengths>,
-    /// VEXTERNALDB.
-    pub events: Option<SharedEvents>,
-    /// What the user's files hold beside these: routines that cannot be called as they are.
-    pub misfits: Vec<Misfit>,
-    /// What they hold beside these: routines of ABAQUS that nothing here calls.
-    pub strangers: Vec<&'static str>,
-    /// What compiled routines keep to themselves.
-    pub(crate) memory: Option<Arc<dyn Recall>>,
+/// Declares the routines of a job: field, trait, name in ABAQUS and the method that adds one.
+macro_rules! routines {
+    ($($(#[$doc:meta])* $field:ident: $routine:ident, $name:literal, $with:ident;)*) => {
+        /// Names of the routines that can be called.
+        pub const ROUTINES: &[&str] = &[$($name),*];
+
+        /// The routines of a job; each at most once, as in ABAQUS.
+        #[derive(Clone, Default)]
+        pub struct Routines {
+            $($(#[$doc])* pub $field: Option<SharedRoutine<dyn $routine>>,)*
+            /// Routines of the user's files that cannot be called as they are.
+            pub uncallable: Vec<UncallableRoutine>,
+            /// Routines of ABAQUS in these files that nothing here calls.
+            pub unsupported: Vec<&'static str>,
+            /// What compiled routines keep to themselves.
+            pub(crate) memory: Option<Arc<dyn PersistentMemory>>,
+        }
+
+        /// The routines of a job while a run holds them; fields as in [`Routines`].
+        #[allow(missing_docs)]
+        pub struct Locked<'a> {
+            $(pub $field: Option<MutexGuard<'a, dyn $routine + 'static>>,)*
+        }
+
+        impl Routines {
+            /// Holds all of them for a run.
+            pub fn lock(&self) -> Locked<'_> {
+                Locked { $($field: self.$field.as_ref().map(SharedRoutine::lock),)* }
+            }
+
+            /// Names of those that there are.
+            pub fn names(&self) -> Vec<&'static str> {
+                [$(self.$field.is_some().then_some($name)),*].into_iter().flatten().collect()
+            }
+
+            $(
+                /// With a routine of this kind in place of another.
+                #[must_use]
+                pub fn $with(mut self, routine: impl $routine + 'static) -> Self {
+                    self.$field = Some(SharedRoutine(Arc::new(Mutex::new(routine))));
+                    self
+                }
+            )*
+        }
+    };
 }
 
-/// The routines of a job while a run holds them.
-pub struct Locked<'a> {
-    /// As [`Routines::load`].
-    pub load: Option<MutexGuard<'a, dyn UserLoad + 'static>>,
-    /// As [`Routines::amplitude`].
-    pub amplitude: Option<MutexGuard<'a, dyn UserAmplitude + 'static>>,
-    /// As [`Routines::motion`].
-    pub motion: Option<MutexGuard<'a, dyn UserMotion + 'static>>,
-    /// As [`Routines::material`].
-    pub material: Option<MutexGuard<'a, dyn UserMaterial + 'static>>,
-    /// As [`Routines::hardening`].
-    pub hardening: Option<MutexGuard<'a, dyn UserHardening + 'static>>,
-    /// As [`Routines::fields`].
-    pub fields: Option<MutexGuard<'a, dyn UserFields + 'static>>,
-    /// As [`Routines::lengths`].
-    pub lengths: Option<MutexGuard<'a, dyn UserLengths + 'static>>,
-    /// As [`Routines::events`].
-    pub events: Option<MutexGuard<'a, dyn UserEvents + 'static>>,
+routines! {
+    /// `PNU` and its kin (VDLOAD).
+    load: UserLoad, "vdload", with_load;
+    /// `*AMPLITUDE, DEFINITION=USER` (VUAMP).
+    amplitude: UserAmplitude, "vuamp", with_amplitude;
+    /// `*BOUNDARY, USER` (VDISP).
+    motion: UserMotion, "vdisp", with_motion;
+    /// `*USER MATERIAL` (VUMAT).
+    material: UserMaterial, "vumat", with_material;
+    /// `*PLASTIC, HARDENING=USER` (VUHARD).
+    hardening: UserHardening, "vuhard", with_hardening;
+    /// `*USER DEFINED FIELD` (VUSDFLD).
+    fields: UserFields, "vusdfld", with_fields;
+    /// `*CHARACTERISTIC LENGTH, DEFINITION=USER` (VUCHARLENGTH).
+    lengths: UserLengths, "vucharlength", with_lengths;
+    /// VEXTERNALDB.
+    events: UserEvents, "vexternaldb", with_events;
 }
 
 impl Locked<'_> {
-    /// Those that elements ask at their points.
+    /// Those that elements call at their points.
     pub fn at_points(&mut self) -> AtPoints<'_> {
         AtPoints {
             material: self.material.as_deref_mut(),
@@ -602,7 +611,7 @@ impl Locked<'_> {
     }
 }
 
-/// The routines that elements ask at their points, while a run holds them.
+/// The routines that elements call at their points, while a run holds them.
 #[derive(Default)]
 pub struct AtPoints<'a> {
     /// As [`Routines::material`].
@@ -616,7 +625,7 @@ pub struct AtPoints<'a> {
 }
 
 impl AtPoints<'_> {
-    /// The same for a shorter time.
+    /// The same with a shorter lifetime.
     pub fn lend(&mut self) -> AtPoints<'_> {
         AtPoints {
             material: self.material.as_deref_mut(),
@@ -633,99 +642,14 @@ impl Routines {
         Routines::default()
     }
 
-    /// Holds all of them for a run.
-    pub fn lock(&self) -> Locked<'_> {
-        Locked {
-            load: self.load.as_ref().map(Shared::lock),
-            amplitude: self.amplitude.as_ref().map(Shared::lock),
-            motion: self.motion.as_ref().map(Shared::lock),
-            material: self.material.as_ref().map(Shared::lock),
-            hardening: self.hardening.as_ref().map(Shared::lock),
-            fields: self.fields.as_ref().map(Shared::lock),
-            lengths: self.lengths.as_ref().map(Shared::lock),
-            events: self.events.as_ref().map(Shared::lock),
-        }
-    }
-
     /// Whether there is any.
     pub fn any(&self) -> bool {
         !self.names().is_empty()
-    }
-
-    /// Names of those that there are.
-    pub fn names(&self) -> Vec<&'static str> {
-        let there = [
-            self.load.is_some(),
-            self.amplitude.is_some(),
-            self.motion.is_some(),
-            self.material.is_some(),
-            self.hardening.is_some(),
-            self.fields.is_some(),
-            self.lengths.is_some(),
-            self.events.is_some(),
-        ];
-        ROUTINES.iter().zip(there).filter(|(_, there)| *there).map(|(name, _)| *name).collect()
-    }
-
-    /// With a load.
-    #[must_use]
-    pub fn with_load(mut self, routine: impl UserLoad + 'static) -> Self {
-        self.load = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
     }
 
     /// With a load that gives the pressure at one point after the other, by the index of the point.
     #[must_use]
     pub fn with_pressure(self, pressure: impl FnMut(&LoadPoints<'_>, usize) -> f64 + Send + 'static) -> Self {
         self.with_load(ByPoint(pressure))
-    }
-
-    /// With an amplitude.
-    #[must_use]
-    pub fn with_amplitude(mut self, routine: impl UserAmplitude + 'static) -> Self {
-        self.amplitude = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
-    }
-
-    /// With a prescribed motion.
-    #[must_use]
-    pub fn with_motion(mut self, routine: impl UserMotion + 'static) -> Self {
-        self.motion = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
-    }
-
-    /// With a material.
-    #[must_use]
-    pub fn with_material(mut self, routine: impl UserMaterial + 'static) -> Self {
-        self.material = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
-    }
-
-    /// With a hardening.
-    #[must_use]
-    pub fn with_hardening(mut self, routine: impl UserHardening + 'static) -> Self {
-        self.hardening = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
-    }
-
-    /// With fields.
-    #[must_use]
-    pub fn with_fields(mut self, routine: impl UserFields + 'static) -> Self {
-        self.fields = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
-    }
-
-    /// With characteristic lengths.
-    #[must_use]
-    pub fn with_lengths(mut self, routine: impl UserLengths + 'static) -> Self {
-        self.lengths = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
-    }
-
-    /// With a routine that is told of events.
-    #[must_use]
-    pub fn with_events(mut self, routine: impl UserEvents + 'static) -> Self {
-        self.events = Some(Shared(Arc::new(Mutex::new(routine))));
-        self
     }
 }

@@ -1,228 +1,8 @@
-//! The arguments that ABAQUS's subroutines have, and whether a user's routine has them.
+//! Whether a routine of the user has the arguments of its subroutine (`subroutines.rs`).
 //! Never here: calling the routine.
 
-/// Size and kind of an argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Integer,
-    Real,
-    Character,
-}
-
-use Kind::{Character, Integer, Real};
-
+use super::subroutines::{Kind, interface};
 use crate::deck::lists;
-
-/// A routine and its arguments in order.
-struct Interface {
-    name: &'static str,
-    arguments: &'static [(&'static str, Kind)],
-}
-
-/// ABAQUS User Subroutines Reference: 1.2.1 "VDLOAD" (6.6), "VUAMP", "VDISP" (6.11), "VUMAT", "VUHARD", "VUSDFLD",
-/// "VEXTERNALDB" (6.14), "VUCHARLENGTH" (2016).
-const INTERFACES: &[Interface] = &[
-    Interface {
-        name: "vdload",
-        arguments: &[
-            ("nblock", Integer),
-            ("ndim", Integer),
-            ("stepTime", Real),
-            ("totalTime", Real),
-            ("amplitude", Real),
-            ("curCoords", Real),
-            ("velocity", Real),
-            ("dirCos", Real),
-            ("jltyp", Integer),
-            ("sname", Character),
-            ("value", Real),
-        ],
-    },
-    Interface {
-        name: "vuamp",
-        arguments: &[
-            ("ampName", Character),
-            ("time", Real),
-            ("ampValueOld", Real),
-            ("dt", Real),
-            ("nprops", Integer),
-            ("props", Real),
-            ("nSvars", Integer),
-            ("svars", Real),
-            ("lFlagsInfo", Integer),
-            ("nSensor", Integer),
-            ("sensorValues", Real),
-            ("sensorNames", Character),
-            ("jSensorLookUpTable", Integer),
-            ("ampValueNew", Real),
-            ("lFlagsDefine", Integer),
-            ("ampDerivative", Real),
-            ("ampSecDerivative", Real),
-            ("ampIncIntegral", Real),
-        ],
-    },
-    Interface {
-        name: "vdisp",
-        arguments: &[
-            ("nblock", Integer),
-            ("nDof", Integer),
-            ("nCoord", Integer),
-            ("kstep", Integer),
-            ("kinc", Integer),
-            ("stepTime", Real),
-            ("totalTime", Real),
-            ("dtNext", Real),
-            ("dt", Real),
-            ("cbname", Character),
-            ("jBCType", Integer),
-            ("jDof", Integer),
-            ("jNodeUid", Integer),
-            ("amp", Real),
-            ("coordNp", Real),
-            ("u", Real),
-            ("v", Real),
-            ("a", Real),
-            ("rf", Real),
-            ("rmass", Real),
-            ("rotaryI", Real),
-            ("rval", Real),
-        ],
-    },
-    Interface {
-        name: "vumat",
-        arguments: &[
-            ("jblock", Integer),
-            ("ndir", Integer),
-            ("nshr", Integer),
-            ("nstatev", Integer),
-            ("nfieldv", Integer),
-            ("nprops", Integer),
-            ("jInfoArray", Integer),
-            ("stepTime", Real),
-            ("totalTime", Real),
-            ("dtArray", Real),
-            ("cmname", Character),
-            ("coordMp", Real),
-            ("charLength", Real),
-            ("props", Real),
-            ("density", Real),
-            ("strainInc", Real),
-            ("relSpinInc", Real),
-            ("tempOld", Real),
-            ("stretchOld", Real),
-            ("defgradOld", Real),
-            ("fieldOld", Real),
-            ("stressOld", Real),
-            ("stateOld", Real),
-            ("enerInternOld", Real),
-            ("enerInelasOld", Real),
-            ("tempNew", Real),
-            ("stretchNew", Real),
-            ("defgradNew", Real),
-            ("fieldNew", Real),
-            ("stressNew", Real),
-            ("stateNew", Real),
-            ("enerInternNew", Real),
-            ("enerInelasNew", Real),
-        ],
-    },
-    Interface {
-        name: "vuhard",
-        arguments: &[
-            ("nblock", Integer),
-            ("jElem", Integer),
-            ("kIntPt", Integer),
-            ("kLayer", Integer),
-            ("kSecPt", Integer),
-            ("lAnneal", Integer),
-            ("stepTime", Real),
-            ("totalTime", Real),
-            ("dt", Real),
-            ("cmname", Character),
-            ("nstatev", Integer),
-            ("nfieldv", Integer),
-            ("nprops", Integer),
-            ("props", Real),
-            ("tempOld", Real),
-            ("tempNew", Real),
-            ("fieldOld", Real),
-            ("fieldNew", Real),
-            ("stateOld", Real),
-            ("eqps", Real),
-            ("eqpsRate", Real),
-            ("yield", Real),
-            ("dyieldDtemp", Real),
-            ("dyieldDeqps", Real),
-            ("stateNew", Real),
-        ],
-    },
-    Interface {
-        name: "vusdfld",
-        arguments: &[
-            ("nblock", Integer),
-            ("nstatev", Integer),
-            ("nfieldv", Integer),
-            ("nprops", Integer),
-            ("ndir", Integer),
-            ("nshr", Integer),
-            ("jElem", Integer),
-            ("kIntPt", Integer),
-            ("kLayer", Integer),
-            ("kSecPt", Integer),
-            ("stepTime", Real),
-            ("totalTime", Real),
-            ("dt", Real),
-            ("cmname", Character),
-            ("coordMp", Real),
-            ("direct", Real),
-            ("T", Real),
-            ("charLength", Real),
-            ("props", Real),
-            ("stateOld", Real),
-            ("stateNew", Real),
-            ("field", Real),
-        ],
-    },
-    Interface {
-        name: "vucharlength",
-        arguments: &[
-            ("nblock", Integer),
-            ("nfieldv", Integer),
-            ("nprops", Integer),
-            ("ncomp", Integer),
-            ("ndim", Integer),
-            ("nnode", Integer),
-            ("nstatev", Integer),
-            ("kSecPt", Integer),
-            ("kLayer", Integer),
-            ("kIntPt", Integer),
-            ("jElType", Integer),
-            ("jElem", Integer),
-            ("totalTime", Real),
-            ("stepTime", Real),
-            ("dt", Real),
-            ("cmname", Character),
-            ("coordMp", Real),
-            ("coordNode", Real),
-            ("direct", Real),
-            ("T", Real),
-            ("props", Real),
-            ("field", Real),
-            ("stateOld", Real),
-            ("charLength", Real),
-        ],
-    },
-    Interface {
-        name: "vexternaldb",
-        arguments: &[
-            ("lOp", Integer),
-            ("i_Array", Integer),
-            ("niArray", Integer),
-            ("r_Array", Real),
-            ("nrArray", Integer),
-        ],
-    },
-];
 
 /// Checks the prototypes that `gfortran -fc-prototypes-external` prints; each routine that differs, and what is to be said.
 pub fn check(prototypes: &str) -> Vec<(String, String)> {
@@ -241,8 +21,7 @@ fn prototype(line: &str) -> Option<(String, Vec<String>)> {
 }
 
 fn check_one(name: &str, arguments: &[String]) -> Option<String> {
-    let interface = INTERFACES.iter().find(|i| i.name == name)?;
-    let expected = interface.arguments;
+    let expected = interface(name)?.arguments;
     if arguments.len() != expected.len() {
         let given: Vec<&str> = arguments.iter().map(|a| argument_name(a)).collect();
         let missing: Vec<&str> =
@@ -268,9 +47,9 @@ fn check_one(name: &str, arguments: &[String]) -> Option<String> {
         argument_name(given),
         describe(given),
         match kind {
-            Integer => "a default integer (4 bytes)",
-            Real => "double precision (real*8): include 'vaba_param.inc', or declare it so",
-            Character => "character*80",
+            Kind::Integer | Kind::IntegerResult => "a default integer (4 bytes)",
+            Kind::Real | Kind::RealResult => "double precision (real*8): include 'vaba_param.inc', or declare it so",
+            Kind::Character => "character*80",
         }
     ))
 }
@@ -286,7 +65,11 @@ fn type_of(argument: &str) -> &str {
 }
 
 fn fits(argument: &str, kind: Kind) -> bool {
-    matches!((kind, type_of(argument)), (Integer, "int" | "int32_t") | (Real, "double") | (Character, "char"))
+    match kind {
+        Kind::Integer | Kind::IntegerResult => matches!(type_of(argument), "int" | "int32_t"),
+        Kind::Real | Kind::RealResult => type_of(argument) == "double",
+        Kind::Character => type_of(argument) == "char",
+    }
 }
 
 fn describe(argument: &str) -> &'static str {

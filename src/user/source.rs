@@ -1,5 +1,5 @@
-//! User files as other Fortran compilers take them, made ready for gfortran: includes found whatever their case and folder,
-//! `#include '…'`, empty arguments of `xplb_abqerr`, logicals compared with `==`. Lines keep their numbers and files their names in messages.
+//! Prepares user files that other Fortran compilers accept for gfortran: includes with another case or folder, `#include '…'`,
+//! empty arguments of `xplb_abqerr`, logicals compared with `==`. Messages keep file names and line numbers.
 //! Never here: running a compiler.
 
 use std::collections::BTreeMap;
@@ -7,37 +7,37 @@ use std::path::{Path, PathBuf};
 
 use crate::deck::{files, printable};
 
-/// A user file and those that it includes, as they are to be compiled.
-pub struct Source {
-    /// Texts that differ from their files, by their place from the folder of the file; the file itself under an empty name.
+/// A user file and its includes, as they are compiled.
+pub struct PreparedSource {
+    /// Changed texts by path relative to the folder of the file; the file itself has an empty path.
     changed: BTreeMap<String, String>,
 }
 
-/// Where an include line stands, and what is known of the rest.
+/// Folders for the search of an include.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct IncludePlace<'a> {
     /// Folder of the file that is compiled.
     main: &'a Path,
-    /// Folder of the file in which the line stands.
+    /// Folder of the file with the include line.
     here: &'a Path,
-    /// Includes that the program brings along.
+    /// Includes that the program provides.
     known: &'a [String],
 }
 
-/// Where compilers look for an include: beside the file that includes it, then beside the file that is compiled.
+/// Places where compilers search an include: the folder of the including file, then of the compiled file.
 pub fn candidates(main: &Path, here: &Path, name: &str) -> [PathBuf; 2] {
     [here.join(name), main.join(name)]
 }
 
-impl Source {
-    /// Reads a file and what it includes; `known` are the includes that the program brings along.
-    pub fn read(file: &Path, known: &[String]) -> Source {
-        let mut source = Source { changed: BTreeMap::new() };
+impl PreparedSource {
+    /// Reads a file and its includes; `known` are the includes that the program provides.
+    pub fn read(file: &Path, known: &[String]) -> PreparedSource {
+        let mut source = PreparedSource { changed: BTreeMap::new() };
         source.take(file, "", folder_of(file), known, 0);
         source
     }
 
-    /// The texts that differ from their files.
+    /// The changed texts.
     pub fn texts(&self) -> impl Iterator<Item = &str> {
         self.changed.values().map(String::as_str)
     }
@@ -45,7 +45,7 @@ impl Source {
     fn take(&mut self, file: &Path, name: &str, main: &Path, known: &[String], depth: usize) {
         let Ok(bytes) = files::read(file) else { return };
         let text = String::from_utf8_lossy(&bytes);
-        let new = ready(&text, file, Place { main, here: folder_of(file), known });
+        let new = ready(&text, file, IncludePlace { main, here: folder_of(file), known });
         // Lines made ready name their files from the folder of the file that is compiled.
         for inner in new.lines().filter_map(included).filter(|_| depth < 9) {
             let path = main.join(inner);
@@ -58,10 +58,10 @@ impl Source {
         }
     }
 
-    /// The file to compile: the user's own, or one written into `folder` that stands for it.
+    /// The file to compile: the user's own, or a changed copy in `folder`.
     ///
     /// # Errors
-    /// Where the folder cannot be written.
+    /// If the folder cannot be written.
     pub fn write(&self, file: &Path, folder: &Path) -> std::io::Result<PathBuf> {
         if self.changed.is_empty() {
             return Ok(file.to_owned());
@@ -91,13 +91,13 @@ pub fn included(line: &str) -> Option<&str> {
     rest[1..].split(end).next()
 }
 
-/// The folder of a file, empty for that in which the program works.
+/// The folder of a file, empty for the working folder.
 fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
 }
 
-/// A text made ready.
-fn ready(text: &str, file: &Path, place: Place<'_>) -> String {
+/// The prepared text.
+fn ready(text: &str, file: &Path, place: IncludePlace<'_>) -> String {
     let mut lines: Vec<String> = text.lines().map(|line| logical(include_line(line, place))).collect();
     bring_header_inside(&mut lines, file);
     let mut new = lines.join("\n");
@@ -108,10 +108,10 @@ fn ready(text: &str, file: &Path, place: Place<'_>) -> String {
     fill_arguments(if same { text.to_owned() } else { new })
 }
 
-/// The name of the header that declares the functions of arrays and threads.
+/// Header with the functions for arrays and threads.
 pub const HEADER: &str = "SMAAspUserSubroutines.hdr";
 
-/// A header above the first subroutine declares nothing inside one: it goes behind the includes that each of them has.
+/// Moves a header from above the first subroutine, where it declares nothing, behind the includes of each subroutine.
 fn bring_header_inside(lines: &mut Vec<String>, file: &Path) {
     let lower = |line: &String| line.trim_start().to_lowercase();
     let begins = |line: &String| {
@@ -138,8 +138,8 @@ fn bring_header_inside(lines: &mut Vec<String>, file: &Path) {
     *lines = new;
 }
 
-/// An include line that names a file which is there; others as they are.
-fn include_line(line: &str, place: Place<'_>) -> String {
+/// The line with the name of an existing file, if it is an include line.
+fn include_line(line: &str, place: IncludePlace<'_>) -> String {
     let line = line.strip_suffix('\r').unwrap_or(line);
     let Some(name) = included(line) else { return line.to_owned() };
     let found = found(name, place).unwrap_or_else(|| name.to_owned());
@@ -152,7 +152,7 @@ fn include_line(line: &str, place: Place<'_>) -> String {
     line.replacen(name, &found, 1)
 }
 
-/// A line in which `==` beside `.true.` or `.false.` is `.eqv.`: gfortran compares logicals with nothing else.
+/// The line with `.eqv.` in place of `==` next to `.true.` or `.false.`, as gfortran requires.
 fn logical(line: String) -> String {
     let lower = line.to_ascii_lowercase();
     if !(lower.contains(".true.") || lower.contains(".false.")) || lower.starts_with(['c', '*', '!']) {
@@ -179,14 +179,14 @@ fn logical(line: String) -> String {
     new
 }
 
-/// What tells a compiler that the text below is that of a file.
+/// The directive that names the file of the text below.
 fn marker(file: &Path) -> String {
     format!("# 1 \"{}\"\n", printable(&file.to_string_lossy()).replace(['\\', '"', '\n'], "_"))
 }
 
-/// The name under which an include is found from the folder of the file that is compiled, where that is not the one written:
-/// as it is written, in another case, by its last part alone; beside the line or that file, or among the known ones.
-fn found(name: &str, Place { main, here, known }: Place<'_>) -> Option<String> {
+/// The path of an include relative to the compiled file, if it differs from the written one: as written, in another case, or
+/// by its last component; in the folder of the line, of that file, or among the known ones.
+fn found(name: &str, IncludePlace { main, here, known }: IncludePlace<'_>) -> Option<String> {
     let from_main = |path: PathBuf| {
         let short = path.strip_prefix(main).unwrap_or(&path).to_string_lossy().into_owned();
         (short != name).then_some(short)
@@ -210,10 +210,10 @@ fn found(name: &str, Place { main, here, known }: Place<'_>) -> Option<String> {
     known.iter().filter(|n| alike(n)).max().cloned()
 }
 
-/// What stands for each argument of `xplb_abqerr` that is left out.
+/// Values of omitted arguments of `xplb_abqerr`.
 const FILLERS: [&str; 5] = ["-1", "' '", "0", "0.d0", "' '"];
 
-/// `call xplb_abqerr(lop, text, , , )` with all its arguments: gfortran takes no empty ones.
+/// The text with all arguments of `call xplb_abqerr(lop, text, , , )`, which gfortran requires.
 fn fill_arguments(text: String) -> String {
     let lower = text.to_ascii_lowercase();
     let mut new = String::with_capacity(text.len());
@@ -234,7 +234,7 @@ fn fill_arguments(text: String) -> String {
     new + &text[from..]
 }
 
-/// Arguments up to the closing bracket, each there, and how many bytes they took.
+/// Complete arguments up to the closing bracket, and the length of the original ones.
 fn filled(text: &str) -> Option<(String, usize)> {
     let mut new = String::new();
     let (mut depth, mut quote, mut count, mut empty, mut column) = (0, None, 0, true, 0);
@@ -275,7 +275,7 @@ fn filled(text: &str) -> Option<(String, usize)> {
 mod tests {
     use std::path::Path;
 
-    use super::{Place, fill_arguments, include_line, included, logical, ready};
+    use super::{IncludePlace, fill_arguments, include_line, included, logical, ready};
 
     #[test]
     fn includes_are_found_in_both_styles() {
@@ -289,7 +289,7 @@ mod tests {
     fn includes_take_the_case_and_place_that_are_there() {
         let known = ["vaba_param.inc".to_owned(), "vaba_param_dp.inc".to_owned()];
         let nowhere = Path::new("/nowhere");
-        let line = |text: &str| include_line(text, Place { main: nowhere, here: nowhere, known: &known });
+        let line = |text: &str| include_line(text, IncludePlace { main: nowhere, here: nowhere, known: &known });
         assert_eq!(line("      INCLUDE '../vaba_param_dp.INC'"), "      INCLUDE 'vaba_param_dp.inc'");
         assert_eq!(line("#include 'Vaba_Param.inc'"), "#include \"vaba_param.inc\"");
         assert_eq!(line("      include 'vaba_param.inc'"), "      include 'vaba_param.inc'");
@@ -330,7 +330,7 @@ mod tests {
             "#include <SMAAspUserSubroutines.hdr>\n      subroutine a\n      include 'vaba_param.inc'\n      end\n";
         let known = ["vaba_param.inc".to_owned(), "SMAAspUserSubroutines.hdr".to_owned()];
         let nowhere = Path::new("/nowhere");
-        let new = ready(text, Path::new("a.f"), Place { main: nowhere, here: nowhere, known: &known });
+        let new = ready(text, Path::new("a.f"), IncludePlace { main: nowhere, here: nowhere, known: &known });
         let lines: Vec<&str> = new.lines().collect();
         assert_eq!(lines[0], "");
         assert_eq!(lines[3..5], ["#include \"SMAAspUserSubroutines.hdr\"", "# 4 \"a.f\""]);

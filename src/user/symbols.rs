@@ -1,28 +1,28 @@
-//! What a shared library says of itself in its file: the variables that it keeps, the functions that it takes from elsewhere,
-//! the libraries that it needs. Names are those of the linker, as Fortran and C spell them.
-//! Never here: memory of the process. ("Tool Interface Standard: Executable and Linking Format", version 1.2; 64 bits.)
+//! Symbols of a shared library, read from its file: variables, imported functions, needed libraries. Names are those of the
+//! linker. ("Tool Interface Standard: Executable and Linking Format", version 1.2; 64 bits.)
+//! Never here: memory of the process.
 
 /// A variable in the memory of a library.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Variable {
-    /// Where it begins, counted from where the library is loaded; of a thread's own from where these begin.
+pub struct LibraryVariable {
+    /// Offset from the base of the library, or from the start of the thread-local variables.
     pub at: usize,
-    /// Its bytes.
+    /// Size in bytes.
     pub size: usize,
-    /// Whether each thread has its own.
+    /// Whether it is thread-local.
     pub of_thread: bool,
-    /// As the linker has it.
+    /// Name of the linker.
     pub symbol: String,
 }
 
-/// What a file says.
+/// Symbols of a file.
 #[derive(Clone, Debug, Default)]
-pub struct Symbols {
-    /// In order.
-    pub variables: Vec<Variable>,
-    /// Functions and variables of others that it asks for.
+pub struct LibrarySymbols {
+    /// Variables, ascending.
+    pub variables: Vec<LibraryVariable>,
+    /// Imported functions and variables.
     pub taken: Vec<String>,
-    /// Libraries that are loaded with it.
+    /// Needed libraries.
     pub needed: Vec<String>,
 }
 
@@ -30,19 +30,19 @@ const SYMBOLS: u32 = 2;
 const DYNAMIC: u32 = 6;
 const DYNAMIC_SYMBOLS: u32 = 11;
 
-/// A section's type, offset, size and the section that it refers to.
+/// A section: type, offset, size, and the section to which it refers.
 #[derive(Clone, Copy)]
-struct Section {
+struct FileSection {
     kind: u32,
     offset: usize,
     size: usize,
     link: usize,
 }
 
-impl Symbols {
-    /// Reads a file; where it is none of 64 bits, or torn, nothing is known.
-    pub fn read(file: &[u8]) -> Symbols {
-        let mut symbols = Symbols::default();
+impl LibrarySymbols {
+    /// Reads a file; without symbols if it is not of 64 bits or incomplete.
+    pub fn read(file: &[u8]) -> LibrarySymbols {
+        let mut symbols = LibrarySymbols::default();
         let sections = sections(file).unwrap_or_default();
         for section in &sections {
             let Some(table) = part(file, section) else { continue };
@@ -71,20 +71,20 @@ impl Symbols {
         if section == UNDEFINED {
             self.taken.push(symbol);
         } else if matches!(kind, OBJECT | OF_THREAD) && size > 0 {
-            self.variables.push(Variable { at, size, of_thread: kind == OF_THREAD, symbol });
+            self.variables.push(LibraryVariable { at, size, of_thread: kind == OF_THREAD, symbol });
         }
     }
 
-    /// The variable that holds a byte, and how far into it that is.
-    pub fn variable(&self, at: usize, of_thread: bool) -> Option<(&Variable, usize)> {
-        let holds = |v: &&Variable| v.of_thread == of_thread && (v.at..v.at + v.size).contains(&at);
+    /// The variable that contains a byte, and the offset in it.
+    pub fn variable(&self, at: usize, of_thread: bool) -> Option<(&LibraryVariable, usize)> {
+        let holds = |v: &&LibraryVariable| v.of_thread == of_thread && (v.at..v.at + v.size).contains(&at);
         self.variables.iter().find(holds).map(|v| (v, at - v.at))
     }
 }
 
-impl Variable {
-    /// In the words of the language: gfortran writes `x.12` for a local variable with SAVE, `__m_MOD_x` for one of a module, a
-    /// blank line behind the name of a COMMON block, `__BLNK__` for the one without a name.
+impl LibraryVariable {
+    /// Name in the source: gfortran writes `x.12` for a local variable with SAVE, `__m_MOD_x` for one of a module, an underscore
+    /// after the name of a COMMON block, `__BLNK__` for blank COMMON.
     pub fn plain_name(&self) -> String {
         let symbol = self.symbol.as_str();
         if let Some((module, name)) = symbol.strip_prefix("__").and_then(|s| s.split_once("_MOD_")) {
@@ -105,36 +105,41 @@ impl Variable {
     }
 }
 
-fn sections(file: &[u8]) -> Option<Vec<Section>> {
+fn sections(file: &[u8]) -> Option<Vec<FileSection>> {
     let is_known = file.get(..6)? == b"\x7fELF\x02\x01";
     let (offset, count) = (number(file, 0x28, 8)?, number(file, 0x3c, 2)?);
     let table = file.get(offset..offset.checked_add(64 * count)?).filter(|_| is_known)?;
     let section = |entry: &[u8]| {
         let [kind, link] = [4, 40].map(|at| number(entry, at, 4));
-        Some(Section { kind: kind? as u32, link: link?, offset: number(entry, 24, 8)?, size: number(entry, 32, 8)? })
+        Some(FileSection {
+            kind: kind? as u32,
+            link: link?,
+            offset: number(entry, 24, 8)?,
+            size: number(entry, 32, 8)?,
+        })
     };
     table.chunks_exact(64).map(section).collect()
 }
 
-fn part<'a>(file: &'a [u8], section: &Section) -> Option<&'a [u8]> {
+fn part<'a>(file: &'a [u8], section: &FileSection) -> Option<&'a [u8]> {
     file.get(section.offset..section.offset.checked_add(section.size)?)
 }
 
-/// A number of so many bytes.
+/// A little-endian number of `count` bytes.
 fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
     let mut wide = [0; 8];
     wide[..count].copy_from_slice(bytes.get(at..at.checked_add(count)?)?);
     usize::try_from(u64::from_le_bytes(wide)).ok()
 }
 
-/// Text that ends with zero.
+/// Zero-terminated text.
 fn text(names: &[u8], at: usize) -> String {
     let rest = names.get(at..).unwrap_or_default();
     let end = rest.iter().position(|b| *b == 0).unwrap_or(rest.len());
     String::from_utf8_lossy(&rest[..end]).into_owned()
 }
 
-/// The name of a library that an entry of the dynamic section asks for.
+/// The needed library of an entry of the dynamic section.
 fn needed(entry: &[u8], names: &[u8]) -> Option<String> {
     const NEEDED: usize = 1;
     (number(entry, 0, 8)? == NEEDED).then(|| text(names, number(entry, 8, 8).unwrap_or(usize::MAX)))
@@ -142,11 +147,12 @@ fn needed(entry: &[u8], names: &[u8]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Symbols, Variable};
+    use super::{LibrarySymbols, LibraryVariable};
 
     #[test]
     fn variables_have_the_names_of_their_language() {
-        let name = |symbol: &str| Variable { at: 0, size: 8, of_thread: false, symbol: symbol.into() }.plain_name();
+        let name =
+            |symbol: &str| LibraryVariable { at: 0, size: 8, of_thread: false, symbol: symbol.into() }.plain_name();
         assert_eq!(name("calls.17"), "`calls`");
         assert_eq!(name("__law_MOD_table"), "`table` of module `law`");
         assert_eq!(name("state_"), "COMMON /state/");
@@ -158,12 +164,12 @@ mod tests {
     #[test]
     fn a_program_is_read_whole_and_torn() {
         let file = std::fs::read("/proc/self/exe").expect("this program");
-        let symbols = Symbols::read(&file);
+        let symbols = LibrarySymbols::read(&file);
         assert!(symbols.needed.iter().any(|name| name.starts_with("libc.")), "{:?}", symbols.needed);
         assert!(symbols.taken.iter().any(|name| name == "dl_iterate_phdr") && symbols.variables.len() > 10);
         for length in [0, 5, 63, 64, file.len() / 2, file.len() - 1] {
-            assert!(Symbols::read(&file[..length]).variables.len() <= symbols.variables.len());
+            assert!(LibrarySymbols::read(&file[..length]).variables.len() <= symbols.variables.len());
         }
-        assert!(Symbols::read(b"#!/bin/sh\n").needed.is_empty());
+        assert!(LibrarySymbols::read(b"#!/bin/sh\n").needed.is_empty());
     }
 }

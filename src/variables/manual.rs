@@ -1,7 +1,7 @@
 //! The page of output variables and what `revolve explain` says of one, written from the table.
 //! Never here: anything the table does not say.
 
-use super::asked::{Asked, FAMILIES, Family, Known, NOT_SIMULATED};
+use super::request::{FAMILIES, NOT_SIMULATED, UnsimulatedVariable, VariableFamily, VariableRequest};
 use super::{Place, Preselected, Variable};
 
 const HEAD: &str = "# Output variables\n\nWritten from the table of variables; do not edit by hand \
@@ -43,7 +43,7 @@ pub fn variable_manual() -> String {
     text += SETS;
     text += "\n## Names for several\n\n";
     text.extend(FAMILIES.iter().map(|f| format!("- `{}`: {} ({})\n", f.name, f.words, members(f))));
-    text += "\n## Known and not simulated\n\nA request for them is listed as unused.\n\n";
+    text += "\n## UnsimulatedVariable and not simulated\n\nA request for them is listed as unused.\n\n";
     text.extend(NOT_SIMULATED.iter().map(|k| format!("- `{}`: {}\n", k.name, k.words)));
     text
 }
@@ -77,7 +77,7 @@ fn by_default(variable: Variable) -> &'static str {
     }
 }
 
-fn members(family: &Family) -> String {
+fn members(family: &VariableFamily) -> String {
     family.members.iter().map(|v| v.name()).collect::<Vec<_>>().join(", ")
 }
 
@@ -88,14 +88,16 @@ pub fn variable_names() -> impl Iterator<Item = &'static str> {
 
 /// What is said of a variable, in any case; `None` where there is none of that name.
 pub fn explain_variable(word: &str) -> Option<String> {
-    match Asked::parse(&word.trim().to_ascii_uppercase())? {
-        Asked::Whole(variable) => Some(explain(variable, variable.name())),
-        Asked::One(part) => Some(explain(part.variable, &part.label())),
-        Asked::Family(family) => Some(format!("{}: {}.\nStands for {}.\n", family.name, family.words, members(family))),
-        Asked::NotSimulated(Known { name, words, .. }) => Some(format!(
+    match VariableRequest::parse(&word.trim().to_ascii_uppercase())? {
+        VariableRequest::Whole(variable) => Some(explain(variable, variable.name())),
+        VariableRequest::One(part) => Some(explain(part.variable, &part.label())),
+        VariableRequest::VariableFamily(family) => {
+            Some(format!("{}: {}.\nStands for {}.\n", family.name, family.words, members(family)))
+        }
+        VariableRequest::NotSimulated(UnsimulatedVariable { name, words, .. }) => Some(format!(
             "{name}: {words}.\nAn output variable of ABAQUS that is not simulated: a request is left unused.\n"
         )),
-        Asked::Preselect | Asked::All => None,
+        VariableRequest::Preselect | VariableRequest::All => None,
     }
 }
 

@@ -5,12 +5,13 @@
 //!
 //! Source of names and meanings: Abaqus Analysis User's Guide, "Abaqus/Explicit output variable identifiers".
 
-pub mod asked;
 pub mod dimension;
 pub mod manual;
+pub mod request;
 pub mod statistic;
 
 use crate::kernel::stress;
+use dimension::*;
 
 /// Where a variable lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,8 +80,10 @@ pub struct Row {
     pub extension: bool,
     /// How it follows from other variables of the element; `None` where its holder answers.
     pub formula: Option<Formula>,
-    /// What several loads on one facet come to: the value so far and the next one.
+    /// Combines the values of several loads on one facet: the value so far and the next one.
     pub combined: fn(f64, f64) -> f64,
+    /// Its dimension.
+    pub dimension: Powers,
 }
 
 /// A component of a variable by what else the element has; `None` where it lacks that.
@@ -112,44 +115,44 @@ macro_rules! variables {
 }
 
 variables! {
-    Displacement: node("U", &["U1", "U2"], "Displacement along r and z").preselected(Preselected::Always),
-    Velocity: node("V", &["V1", "V2"], "Velocity along r and z").preselected(Preselected::Always),
-    Acceleration: node("A", &["A1", "A2"], "Acceleration along r and z").preselected(Preselected::Always),
+    Displacement: node("U", &["U1", "U2"], "Displacement along r and z").preselected(Preselected::Always).dimension(LENGTH),
+    Velocity: node("V", &["V1", "V2"], "Velocity along r and z").preselected(Preselected::Always).dimension(VELOCITY),
+    Acceleration: node("A", &["A1", "A2"], "Acceleration along r and z").preselected(Preselected::Always).dimension(ACCELERATION),
     Reaction: node("RF", &["RF1", "RF2"], "Reaction force of what is prescribed; of a rigid body at its reference node")
-        .preselected(Preselected::Deforming),
-    Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these"),
-    NodalTemperature: node("NT", &["NT11"], "Temperature of a node, where it is solved for").conducting(),
-    ReactionFlux: node("RFL", &["RFL11"], "Heat a time that holding a temperature takes, positive into the body").conducting(),
+        .preselected(Preselected::Deforming).dimension(FORCE),
+    Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates; the points of a frame are these").dimension(LENGTH),
+    NodalTemperature: node("NT", &["NT11"], "Temperature of a node, where it is solved for").conducting().dimension(TEMPERATURE),
+    ReactionFlux: node("RFL", &["RFL11"], "Heat a time that holding a temperature takes, positive into the body").conducting().dimension(POWER),
     Rotation: node("UR", &["UR3"], "Rotation of nodes of shells in the r-z plane, counter-clockwise, radians")
         .preselected(Preselected::Always),
-    RotationalVelocity: node("VR", &["VR3"], "Rotational velocity of nodes of shells"),
-    RotationalAcceleration: node("AR", &["AR3"], "Rotational acceleration of nodes of shells"),
-    ReactionMoment: node("RM", &["RM3"], "Reaction moment of rotations of shells that are prescribed"),
-    ContactPressure: node("CPRESS", &[], "Contact pressure, at the nodes of the surface of a pair that carries it").meeting(),
-    ContactShear: node("CSHEAR", &["CSHEAR1"], "Frictional shear stress there, positive to the left of the way out of the surface").meeting(),
-    ContactOpening: node("COPEN", &[], "Gap there, below zero of an overlap, where something is near").meeting(),
-    ContactSlip: node("CSLIP", &["CSLIP1"], "Slip so far there while in contact").meeting(),
-    ThirdDisplacement: node("U3", &[], "Displacement of oblique bodies along 3").oblique(),
-    ThirdVelocity: node("V3", &[], "Velocity of oblique bodies along 3").oblique(),
-    ThirdAcceleration: node("A3", &[], "Acceleration of oblique bodies along 3").oblique(),
+    RotationalVelocity: node("VR", &["VR3"], "Rotational velocity of nodes of shells").dimension(PER_TIME),
+    RotationalAcceleration: node("AR", &["AR3"], "Rotational acceleration of nodes of shells").dimension([0, 0, -2, 0]),
+    ReactionMoment: node("RM", &["RM3"], "Reaction moment of rotations of shells that are prescribed").dimension(ENERGY),
+    ContactPressure: node("CPRESS", &[], "Contact pressure, at the nodes of the surface of a pair that carries it").meeting().dimension(STRESS),
+    ContactShear: node("CSHEAR", &["CSHEAR1"], "Frictional shear stress there, positive to the left of the way out of the surface").meeting().dimension(STRESS),
+    ContactOpening: node("COPEN", &[], "Gap there, below zero of an overlap, where something is near").meeting().dimension(LENGTH),
+    ContactSlip: node("CSLIP", &["CSLIP1"], "Slip so far there while in contact").meeting().dimension(LENGTH),
+    ThirdDisplacement: node("U3", &[], "Displacement of oblique bodies along 3").oblique().dimension(LENGTH),
+    ThirdVelocity: node("V3", &[], "Velocity of oblique bodies along 3").oblique().dimension(VELOCITY),
+    ThirdAcceleration: node("A3", &[], "Acceleration of oblique bodies along 3").oblique().dimension(ACCELERATION),
     OutwardRotation: node("UROUT", &["UR1", "UR2"], "Rotation of oblique bodies about 1 and 2: with UR3 the rotation vector, radians").oblique(),
-    OutwardRotationalVelocity: node("VROUT", &["VR1", "VR2"], "Rotational velocity of oblique bodies about 1 and 2").oblique(),
-    OutwardRotationalAcceleration: node("AROUT", &["AR1", "AR2"], "Rotational acceleration of oblique bodies about 1 and 2").oblique(),
+    OutwardRotationalVelocity: node("VROUT", &["VR1", "VR2"], "Rotational velocity of oblique bodies about 1 and 2").oblique().dimension(PER_TIME),
+    OutwardRotationalAcceleration: node("AROUT", &["AR1", "AR2"], "Rotational acceleration of oblique bodies about 1 and 2").oblique().dimension([0, 0, -2, 0]),
     Yaw: node("YAW", &[], "Angle between the axis of an oblique body and its velocity, degrees, 0 to 90").oblique(),
     Tilt: node("TILT", &[], "Angle between the axis of an oblique body and direction 2, degrees").oblique(),
-    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop").preselected(Preselected::Deforming),
+    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop").preselected(Preselected::Deforming).dimension(STRESS),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(Preselected::Deforming)
-        .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))),
+        .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))).dimension(STRESS),
     Pressure: point("PRESS", &[], "Equivalent pressure stress, positive in compression")
-        .preselected(Preselected::Deforming).by(|e, _| Some(stress::pressure(tensor(e, Variable::Stress)?))),
-    PrincipalStress: point("SP", &["SP1", "SP2", "SP3"], "Principal stresses, ascending").by(|e, i| Some(stress::principal(tensor(e, Variable::Stress)?)[i])),
+        .preselected(Preselected::Deforming).by(|e, _| Some(stress::pressure(tensor(e, Variable::Stress)?))).dimension(STRESS),
+    PrincipalStress: point("SP", &["SP1", "SP2", "SP3"], "Principal stresses, ascending").by(|e, i| Some(stress::principal(tensor(e, Variable::Stress)?)[i])).dimension(STRESS),
     Tresca: point("TRESC", &[], "Tresca equivalent stress: the difference of the outer principal stresses")
-        .by(|e, _| Some(stress::tresca(tensor(e, Variable::Stress)?))),
+        .by(|e, _| Some(stress::tresca(tensor(e, Variable::Stress)?))).dimension(STRESS),
     Triaxiality: point("TRIAX", &[], "Stress triaxiality: minus PRESS over MISES; 0 without stress")
         .by(|e, _| Some(stress::triaxiality(tensor(e, Variable::Stress)?))),
     PlasticStrain: point("PEEQ", &[], "Equivalent plastic strain").preselected(Preselected::Deforming),
-    Temperature: point("TEMP", &[], "Temperature, where the material follows it"),
-    HeatFlux: point("HFL", &["HFL1", "HFL2"], "Heat flux along r and z, where temperatures are solved for").conducting(),
+    Temperature: point("TEMP", &[], "Temperature, where the material follows it").dimension(TEMPERATURE),
+    HeatFlux: point("HFL", &["HFL1", "HFL2"], "Heat flux along r and z, where temperatures are solved for").conducting().dimension([0, 1, -3, 0]),
     LogarithmicStrain: point("LE", &["LE11", "LE22", "LE33", "LE12"], "Logarithmic strain; LE12 is the engineering shear")
         .preselected(Preselected::Deforming).followed(None),
     PrincipalStrain: point("LEP", &["LEP1", "LEP2", "LEP3"], "Principal logarithmic strains, ascending").followed(None)
@@ -161,23 +164,23 @@ variables! {
     PlasticMagnitude: point("PEMAG", &[], "Magnitude of the plastic strain: sqrt(2/3 PE:PE)").followed(Some(Variable::PlasticStrain))
         .by(|e, _| Some(stress::magnitude(strain(e, Variable::PlasticComponents)?))),
     StrainRate: point("ER", &["ER11", "ER22", "ER33", "ER12"], "Strain rate of the last increment; ER12 is the engineering shear")
-        .followed(None),
+        .followed(None).dimension(PER_TIME),
     PrincipalStrainRate: point("ERP", &["ERP1", "ERP2", "ERP3"], "Principal strain rates, ascending").followed(None)
-        .by(|e, i| Some(stress::principal(strain(e, Variable::StrainRate)?)[i])),
+        .by(|e, i| Some(stress::principal(strain(e, Variable::StrainRate)?)[i])).dimension(PER_TIME),
     VolumetricStrainRate: point("ERV", &[], "Volumetric strain rate").followed(None)
-        .by(|e, _| Some(-3.0 * stress::pressure(strain(e, Variable::StrainRate)?))),
+        .by(|e, _| Some(-3.0 * stress::pressure(strain(e, Variable::StrainRate)?))).dimension(PER_TIME),
     StrainEnergy: point("SENER", &[], "Elastic strain energy per unit of current volume").followed(None)
-        .by(|e, _| Some(e.held(Variable::ElementStrainEnergy, 0)? / volume(e))),
+        .by(|e, _| Some(e.held(Variable::ElementStrainEnergy, 0)? / volume(e))).dimension(STRESS),
     PlasticEnergy: point("PENER", &[], "Energy dissipated by plastic flow per unit of current volume").followed(None)
-        .by(|e, _| Some(e.held(Variable::ElementPlasticEnergy, 0)? / volume(e))),
+        .by(|e, _| Some(e.held(Variable::ElementPlasticEnergy, 0)? / volume(e))).dimension(STRESS),
     BottomStress: point("S_SNEG", &["S11_SNEG", "S22_SNEG"], "Stress of shells at section point 1, the side SNEG: meridian, hoop")
-        .preselected(Preselected::Deforming).ours(),
+        .preselected(Preselected::Deforming).ours().dimension(STRESS),
     TopStress: point("S_SPOS", &["S11_SPOS", "S22_SPOS"], "Stress of shells at the last section point, the side SPOS: meridian, hoop")
-        .preselected(Preselected::Deforming).ours(),
+        .preselected(Preselected::Deforming).ours().dimension(STRESS),
     BottomMises: point("MISES_SNEG", &[], "Mises equivalent stress of shells at the side SNEG").preselected(Preselected::Deforming)
-        .ours().by(|e, _| Some(stress::mises(tensor(e, Variable::BottomStress)?))),
+        .ours().by(|e, _| Some(stress::mises(tensor(e, Variable::BottomStress)?))).dimension(STRESS),
     TopMises: point("MISES_SPOS", &[], "Mises equivalent stress of shells at the side SPOS").preselected(Preselected::Deforming)
-        .ours().by(|e, _| Some(stress::mises(tensor(e, Variable::TopStress)?))),
+        .ours().by(|e, _| Some(stress::mises(tensor(e, Variable::TopStress)?))).dimension(STRESS),
     BottomPlasticStrain: point("PEEQ_SNEG", &[], "Equivalent plastic strain of shells at the side SNEG")
         .preselected(Preselected::Deforming).ours(),
     TopPlasticStrain: point("PEEQ_SPOS", &[], "Equivalent plastic strain of shells at the side SPOS")
@@ -186,39 +189,39 @@ variables! {
         .preselected(Preselected::Deforming).followed(Some(Variable::Thickness)).ours(),
     TopStrain: point("LE_SPOS", &["LE11_SPOS", "LE22_SPOS", "LE33_SPOS"], "Logarithmic strain of shells at the side SPOS: meridian, hoop, thickness")
         .preselected(Preselected::Deforming).followed(Some(Variable::Thickness)).ours(),
-    BottomTemperature: point("TEMP_SNEG", &[], "Temperature of shells at the side SNEG").ours(),
-    TopTemperature: point("TEMP_SPOS", &[], "Temperature of shells at the side SPOS").ours(),
-    Thickness: point("STH", &[], "Thickness of shells").preselected(Preselected::Deforming),
-    SectionForce: point("SF", &["SF1", "SF2", "SF4"], "Section force of shells a length: meridian, hoop, transverse shear"),
-    SectionMoment: point("SM", &["SM1", "SM2"], "Section moment of shells a length: meridian, hoop; positive stretches the side SPOS"),
+    BottomTemperature: point("TEMP_SNEG", &[], "Temperature of shells at the side SNEG").ours().dimension(TEMPERATURE),
+    TopTemperature: point("TEMP_SPOS", &[], "Temperature of shells at the side SPOS").ours().dimension(TEMPERATURE),
+    Thickness: point("STH", &[], "Thickness of shells").preselected(Preselected::Deforming).dimension(LENGTH),
+    SectionForce: point("SF", &["SF1", "SF2", "SF4"], "Section force of shells a length: meridian, hoop, transverse shear").dimension([0, 1, -2, 0]),
+    SectionMoment: point("SM", &["SM1", "SM2"], "Section moment of shells a length: meridian, hoop; positive stretches the side SPOS").dimension(FORCE),
     SectionStrain: point("SE", &["SE1", "SE2", "SE4"], "Section strain of shells: meridian, hoop, transverse shear")
         .followed(Some(Variable::Thickness)),
-    SectionCurvature: point("SK", &["SK1", "SK2"], "Change of curvature of shells: meridian, hoop").followed(Some(Variable::Thickness)),
+    SectionCurvature: point("SK", &["SK1", "SK2"], "Change of curvature of shells: meridian, hoop").followed(Some(Variable::Thickness)).dimension([-1, 0, 0, 0]),
     Status: element("STATUS", "1 where an element carries, 0 where it is deleted").preselected(Preselected::Deleting),
-    Volume: element("EVOL", "Current volume of an element").by(|e, _| Some(volume(e))),
-    Density: point("DENSITY", &[], "Mass per unit of current volume").by(|e, _| Some(e.held(Variable::Mass, 0)? / volume(e))),
-    ElementStrainEnergy: element("ELSE", "Elastic strain energy of an element").followed(None),
-    ElementPlasticEnergy: element("ELPD", "Energy dissipated by plastic flow in an element").followed(None),
-    Mass: element("MASS", "Mass of an element").ours(),
-    SpecificEnergy: point("SPECIFIC_ENERGY", &[], "Internal energy per unit of mass, where an equation of state follows it").ours(),
+    Volume: element("EVOL", "Current volume of an element").by(|e, _| Some(volume(e))).dimension(VOLUME),
+    Density: point("DENSITY", &[], "Mass per unit of current volume").by(|e, _| Some(e.held(Variable::Mass, 0)? / volume(e))).dimension([-3, 1, 0, 0]),
+    ElementStrainEnergy: element("ELSE", "Elastic strain energy of an element").followed(None).dimension(ENERGY),
+    ElementPlasticEnergy: element("ELPD", "Energy dissipated by plastic flow in an element").followed(None).dimension(ENERGY),
+    Mass: element("MASS", "Mass of an element").ours().dimension(MASS),
+    SpecificEnergy: point("SPECIFIC_ENERGY", &[], "Internal energy per unit of mass, where an equation of state follows it").ours().dimension([2, 0, -2, 0]),
     Degradation: point("SDEG", &[], "Scalar stiffness degradation: the share of the stress that damage has taken"),
     DamageInitiation: point("DMICRT", &[], "How far the criteria of the beginning of damage have come, the largest of them; 1 where it begins"),
     DuctileInitiation: point("DUCTCRT", &[], "How far the ductile criterion of the beginning of damage has come"),
     JohnsonCookInitiation: point("JCCRT", &[], "How far the Johnson-Cook criterion of the beginning of damage has come"),
     BurnFraction: point("BURNF", &[], "Share of an explosive that the detonation has burnt"),
     State: point("SDV", &[], "Solution-dependent state variables of a user's material; SDV1 is the first").numbered(),
-    FacetPressure: facet("PRESSURE", "Pressure of the loads on a facet", |sum, next| sum + next),
-    NormalVelocity: facet("NORMAL_VELOCITY", "Velocity of a facet along its outward normal", |_, last| last),
+    FacetPressure: facet("PRESSURE", "Pressure of the loads on a facet", |sum, next| sum + next).dimension(STRESS),
+    NormalVelocity: facet("NORMAL_VELOCITY", "Velocity of a facet along its outward normal", |_, last| last).dimension(VELOCITY),
     Layer: facet("LAYER", "Number (from 1) of the layer of a target that takes the largest part of a facet; 0 outside", f64::max),
-    SurfaceForce: section("SOF", &["SOF1", "SOF2"], "Force on a surface, of what deforms behind it: the reaction that holds it"),
-    SectionArea: section("SOAREA", &[], "Current area of a surface"),
-    NormalContactForce: pair("CFN", &["CFN1", "CFN2"], "Force of contact pressure on the first surface of a pair: radial, summed around, and axial"),
-    ShearContactForce: pair("CFS", &["CFS1", "CFS2"], "Force of friction on the first surface of a pair"),
-    ContactForce: pair("CFT", &["CFT1", "CFT2"], "Force of contact, CFN and CFS, on the first surface of a pair"),
-    NormalContactMagnitude: pair("CFNM", &[], "Magnitude of CFN"),
-    ShearContactMagnitude: pair("CFSM", &[], "Magnitude of CFS"),
-    ContactMagnitude: pair("CFTM", &[], "Magnitude of CFT"),
-    ContactArea: pair("CAREA", &[], "Area in contact"),
+    SurfaceForce: section("SOF", &["SOF1", "SOF2"], "Force on a surface, of what deforms behind it: the reaction that holds it").dimension(FORCE),
+    SectionArea: section("SOAREA", &[], "Current area of a surface").dimension(AREA),
+    NormalContactForce: pair("CFN", &["CFN1", "CFN2"], "Force of contact pressure on the first surface of a pair: radial, summed around, and axial").dimension(FORCE),
+    ShearContactForce: pair("CFS", &["CFS1", "CFS2"], "Force of friction on the first surface of a pair").dimension(FORCE),
+    ContactForce: pair("CFT", &["CFT1", "CFT2"], "Force of contact, CFN and CFS, on the first surface of a pair").dimension(FORCE),
+    NormalContactMagnitude: pair("CFNM", &[], "Magnitude of CFN").dimension(FORCE),
+    ShearContactMagnitude: pair("CFSM", &[], "Magnitude of CFS").dimension(FORCE),
+    ContactMagnitude: pair("CFTM", &[], "Magnitude of CFT").dimension(FORCE),
+    ContactArea: pair("CAREA", &[], "Area in contact").dimension(AREA),
     KineticEnergy: energy("ALLKE", "Kinetic energy"),
     Work: energy("ALLWK", "External work: of prescribed loads and motions"),
     FrictionEnergy: energy("ALLFD", "Energy dissipated by friction"),
@@ -233,13 +236,13 @@ variables! {
     DistortionEnergy: energy("ALLDC", "Energy dissipated by distortion control").only_deforming(),
     ExternalHeat: energy("ALLHF", "Heat from outside: through fluxes, films and temperatures that are held").conducting(),
     InternalHeat: energy("ALLIHE", "Heat taken up: ALLHF and what plastic work makes").conducting(),
-    RemovedMass: energy("EROMASS", "Mass of elements that were deleted").deleting(),
+    RemovedMass: energy("EROMASS", "Mass of elements that were deleted").deleting().dimension(MASS),
     RemovedEnergy: energy("EROIE", "Internal energy that deleted elements had taken up, part of ALLIE").deleting(),
-    PointMass: energy("EROPMASS", "Mass of nodes whose elements were all deleted, which fly on as points").deleting(),
+    PointMass: energy("EROPMASS", "Mass of nodes whose elements were all deleted, which fly on as points").deleting().dimension(MASS),
     PointKineticEnergy: energy("EROPKE", "Kinetic energy of those nodes, part of ALLKE").deleting(),
-    PointMomentum: energy("EROPMOM", "Momentum of those nodes along z").deleting(),
+    PointMomentum: energy("EROPMOM", "Momentum of those nodes along z").deleting().dimension([1, 1, -1, 0]),
     TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV - ALLWK"),
-    TimeIncrement: Row { place: Place::Increment, ..energy("DT", "Time increment") },
+    TimeIncrement: Row { place: Place::Increment, ..energy("DT", "Time increment") }.dimension(TIME),
 }
 
 const fn node(name: &'static str, labels: &'static [&'static str], words: &'static str) -> Row {
@@ -256,6 +259,7 @@ const fn node(name: &'static str, labels: &'static [&'static str], words: &'stat
         extension: false,
         formula: None,
         combined: |_, last| last,
+        dimension: NONE,
     }
 }
 
@@ -280,7 +284,7 @@ const fn pair(name: &'static str, labels: &'static [&'static str], words: &'stat
 }
 
 const fn energy(name: &'static str, words: &'static str) -> Row {
-    Row { place: Place::Energy, ..node(name, &[], words) }
+    Row { place: Place::Energy, dimension: ENERGY, ..node(name, &[], words) }
 }
 
 impl Row {
@@ -294,6 +298,10 @@ impl Row {
 
     const fn followed(self, needs: Option<Variable>) -> Row {
         Row { followed: true, needs, ..self }
+    }
+
+    const fn dimension(self, dimension: Powers) -> Row {
+        Row { dimension, ..self }
     }
 
     const fn numbered(self) -> Row {

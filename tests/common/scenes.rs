@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use revolve::job;
 use revolve::solve::{self, Instant, Outcome};
-use revolve::user::{LoadFailure, Moment, Routines, UserEvents, Wish};
+use revolve::user::{AnalysisMoment, LoadFailure, Routines, RunAction, UserEvents};
 
 use super::Memory;
 use super::bodies::{assembly, between, rigid_line};
@@ -71,8 +71,8 @@ type Dice<'a> = &'a mut dyn FnMut(f64, f64) -> f64;
 struct Enough;
 
 impl UserEvents for Enough {
-    fn moment(&mut self, _: Moment, now: &Instant, _: f64) -> Result<Wish, LoadFailure> {
-        Ok(if now.increment < MOST { Wish::Continue } else { Wish::EndAnalysis })
+    fn moment(&mut self, _: AnalysisMoment, now: &Instant, _: f64) -> Result<RunAction, LoadFailure> {
+        Ok(if now.increment < MOST { RunAction::Continue } else { RunAction::EndAnalysis })
     }
 }
 

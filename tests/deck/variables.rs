@@ -12,8 +12,8 @@ use revolve::explain::explain;
 use revolve::job;
 use revolve::output::{Field, Frame};
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
-use revolve::variables::asked::NOT_SIMULATED;
 use revolve::variables::manual::variable_manual;
+use revolve::variables::request::NOT_SIMULATED;
 use revolve::variables::{Part, Place, Preselected, Variable};
 
 /// A block of 2 by 2 elements that flies against its held foot, with sets ONE (an element) and TIP (a node).

@@ -1,7 +1,7 @@
 //! Guard rails: what cannot be answered halts with a place.
 
 use revolve::solve::Instant;
-use revolve::user::{LoadFailure, LoadPoints, Moment, Routines, UserEvents, UserLoad, Wish};
+use revolve::user::{AnalysisMoment, LoadFailure, LoadPoints, Routines, RunAction, UserEvents, UserLoad};
 
 use crate::common::solid::{grid, material};
 use crate::scene::{Scene, text, with};
@@ -147,8 +147,8 @@ fn a_closed_path_that_gives_energy() -> Verdict {
 struct Enough;
 
 impl UserEvents for Enough {
-    fn moment(&mut self, _: Moment, now: &Instant, _: f64) -> Result<Wish, LoadFailure> {
-        Ok(if now.increment < 4096 { Wish::Continue } else { Wish::EndAnalysis })
+    fn moment(&mut self, _: AnalysisMoment, now: &Instant, _: f64) -> Result<RunAction, LoadFailure> {
+        Ok(if now.increment < 4096 { RunAction::Continue } else { RunAction::EndAnalysis })
     }
 }
 

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use revolve::output::lock::Lock;
+use revolve::output::lock::FolderLock;
 
 use crate::common::{self, project};
 
@@ -91,7 +91,7 @@ fn a_second_job_in_a_folder_is_refused_by_name_and_process() {
     let scratch = tempfile::tempdir().expect("a folder");
     ogive(scratch.path());
     let words = ["run", "ogive.inp", "--out", "."];
-    let lock = Lock::take(scratch.path(), "first").expect("a lock");
+    let lock = FolderLock::take(scratch.path(), "first").expect("a lock");
     let refused = output(scratch.path(), &words);
     let holder = format!("job `first` of process {}", std::process::id());
     assert!(refused.status.code() == Some(2) && told(&refused).contains(&holder), "{}", told(&refused));
@@ -108,7 +108,7 @@ fn a_second_job_in_a_folder_is_refused_by_name_and_process() {
 fn sweeps_and_studies_have_their_folder_alone_too() {
     let scratch = tempfile::tempdir().expect("a folder");
     ogive(scratch.path());
-    let lock = Lock::take(scratch.path(), "first").expect("a lock");
+    let lock = FolderLock::take(scratch.path(), "first").expect("a lock");
     let commands: [&[&str]; 2] = [
         &["sweep", "ogive.inp", "--set", "V=500", "--quantity", "final(U2@REF)", "--out", "."],
         &["study", "ogive.inp", "--refine", "increment=1,0.5", "--quantity", "final(U2@REF)", "--out", "."],

@@ -14,8 +14,9 @@ use revolve::solve::{self, Control, Every, Outcome, Progress, Sink, SinkError};
 use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::compile::compile;
 use revolve::user::{
-    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LoadFailure, LoadPoints,
-    Moment, MotionCall, Routines, UserAmplitude, UserEvents, UserFields, UserHardening, UserLoad, UserMotion, Wish,
+    AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall,
+    LoadFailure, LoadPoints, MotionCall, Routines, RunAction, UserAmplitude, UserEvents, UserFields, UserHardening,
+    UserLoad, UserMotion,
 };
 
 use crate::common;
@@ -505,9 +506,9 @@ impl UserAmplitude for Peak {
 struct Diary(std::sync::Arc<std::sync::Mutex<Vec<String>>>);
 
 impl UserEvents for Diary {
-    fn moment(&mut self, moment: Moment, now: &Instant, _increment: f64) -> Result<Wish, LoadFailure> {
+    fn moment(&mut self, moment: AnalysisMoment, now: &Instant, _increment: f64) -> Result<RunAction, LoadFailure> {
         self.0.lock().expect("a diary").push(format!("{} {}", moment as i32, now.increment));
-        Ok(Wish::Continue)
+        Ok(RunAction::Continue)
     }
     fn restart_follows(&mut self) {
         self.0.lock().expect("a diary").push("R".into());

@@ -7,7 +7,9 @@
 use std::sync::{Arc, Mutex};
 
 use revolve::solve::Instant;
-use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Moment, Routines, UserEvents, UserMaterial, Wish};
+use revolve::user::{
+    AnalysisMoment, LoadFailure, MaterialAnswer, MaterialCall, Routines, RunAction, UserEvents, UserMaterial,
+};
 
 use crate::common;
 use crate::common::Memory;
@@ -160,9 +162,9 @@ impl Told {
 }
 
 impl UserEvents for Told {
-    fn moment(&mut self, moment: Moment, now: &Instant, _increment: f64) -> Result<Wish, LoadFailure> {
+    fn moment(&mut self, moment: AnalysisMoment, now: &Instant, _increment: f64) -> Result<RunAction, LoadFailure> {
         self.note(format!("{moment:?} of step {}", now.step));
-        Ok(Wish::Continue)
+        Ok(RunAction::Continue)
     }
 }
 

@@ -72,7 +72,7 @@ fn a_routine_that_goes_leaves_the_run() {
         ("ends", "if (calls == 9) exit(0);", "ended the process"),
         ("killed", "if (calls == 9) kill(getpid(), SIGKILL);", "signal 9 ended its process"),
         ("stops", "if (calls == 9) xplb_exit_();", "called xplb_exit"),
-        ("writes past", "if (calls == 9) value[count] = 1;", "wrote past the nblock"),
+        ("writes past", "if (calls == 9) value[count] = 1;", "wrote past the end of its argument value"),
         ("leaves out", "if (calls == 9) value[3] = NAN;", "at point 4"),
     ] {
         let desk = Desk::new();

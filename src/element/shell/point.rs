@@ -2,7 +2,7 @@
 //! Never here: elements.
 
 use super::section::Section;
-use crate::kernel::plane_stress::Returned;
+use crate::kernel::plane_stress::PlaneReturn;
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// What flows at a point keeps.
@@ -15,7 +15,7 @@ pub(super) struct Flow {
 
 /// What an increment made of a point.
 pub(super) struct Step {
-    pub returned: Returned,
+    pub returned: PlaneReturn,
     /// Strain through the thickness.
     pub thinning: f64,
 }
@@ -37,7 +37,7 @@ pub(super) fn advance(
             flow.temperature += flowing.heating.rise(flow.temperature, [returned.mises, returned.flow]);
             returned
         }
-        _ => Returned { stress: trial, ..Returned::default() },
+        _ => PlaneReturn { stress: trial, ..PlaneReturn::default() },
     };
     let change = [returned.stress[0] - stress[0], returned.stress[1] - stress[1]];
     let thinning = elastic.thinning(change) - (returned.plastic[0] + returned.plastic[1]);

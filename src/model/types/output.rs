@@ -5,7 +5,7 @@ use super::handle::{ElementSetId, NodeSetId, SurfaceId, TimePointsId};
 use super::{Sides, SurfaceContact};
 use crate::deck::Span;
 use crate::variables::Place;
-use crate::variables::asked::Asked;
+use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 
 /// What output requests of all steps refer to.
@@ -27,7 +27,7 @@ pub struct OutputRequest {
     /// The card that asks: `PRESELECT` and `ALL` mean what lives there.
     pub card: OutputCard,
     /// What is asked for.
-    pub variables: Vec<Asked>,
+    pub variables: Vec<VariableRequest>,
     /// Where fields of elements are shown.
     pub position: Position,
     /// What the variables are taken from.

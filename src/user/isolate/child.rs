@@ -1,32 +1,32 @@
-//! The process of the routines: opens them, answers calls, and does what is asked beside calls.
+//! The process of the routines: opens them, answers calls and requests.
 //! Never here: the run.
 #![allow(unsafe_code)]
 
 use std::os::unix::net::UnixStream;
 
 use super::super::host::{self, JobInfo};
-use super::super::{Kept, Routines, call, guard};
-use super::arena::{ASK, Arena, Purpose, Side};
-use super::served::Service;
-use super::words::{Opening, receive, send};
+use super::super::{Routines, SavedMemory, call, guard};
+use super::opening::{OpeningReport, receive, send};
+use super::server::Server;
+use super::shared_memory::{Purpose, REQUEST, SharedMemory, Side};
 use crate::deck::Diagnostic;
 use crate::state::archive::{Archive, Persist};
 
-/// Asked over the stream: a run begins, with its job,
+/// Requests over the stream: a run begins, with its job;
 pub const BEGIN: u8 = 1;
-/// what is to be kept, and the messages so far,
+/// save the memory, and return it with the messages so far;
 pub const KEEP: u8 = 2;
-/// to take up what was kept,
+/// restore a saved memory;
 pub const TAKE_UP: u8 = 3;
-/// and that the run is over: the messages since.
+/// the run is over, return the messages since.
 pub const END: u8 = 4;
 
 /// Stack of the routines, bytes: as the run's own threads have it.
 const STACK: usize = 64 << 20;
 
-/// What the process that has been made is until it ends.
+/// Runs the forked process until it ends.
 pub fn live(
-    arena: Arena,
+    memory: SharedMemory,
     stream: UnixStream,
     run: i32,
     open: impl FnOnce() -> Result<Routines, Diagnostic> + Send,
@@ -38,10 +38,10 @@ pub fn live(
         libc::signal(libc::SIGINT, libc::SIG_IGN);
         libc::signal(libc::SIGTERM, libc::SIG_IGN);
     }
-    call::leave_words_in(arena.words());
+    call::report_failure_in(memory.failure());
     std::thread::scope(|scope| {
         let served =
-            std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || serve(arena, stream, run, open));
+            std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || serve(memory, stream, run, open));
         served.map(|thread| thread.join().ok()).ok();
     });
     std::process::exit(0)
@@ -53,30 +53,30 @@ fn is_child_of(run: i32) -> bool {
 }
 
 fn serve(
-    arena: Arena,
+    memory: SharedMemory,
     mut stream: UnixStream,
     run: i32,
     open: impl FnOnce() -> Result<Routines, Diagnostic>,
 ) -> Option<()> {
     let opened = open();
-    send(&mut stream, 0, &mut Opening::of(&opened))?;
+    send(&mut stream, 0, &mut serde_json::to_string(&OpeningReport::of(&opened)).ok()?)?;
     let routines = opened.ok()?;
     let mut held = routines.lock();
-    let mut service = Service::default();
-    while arena.wait(Side::Routines, || is_child_of(run)) {
-        let turn = arena.with(|content| content.purpose);
+    let mut server = Server::default();
+    while memory.wait(Side::Routines, || is_child_of(run)) {
+        let turn = memory.with(|exchange| exchange.purpose);
         match Purpose::of(turn) {
-            Some(purpose) => arena.with(|content| service.answer(purpose, content, &mut held)),
-            None if turn == ASK => asked(&mut stream, &routines)?,
+            Some(purpose) => memory.with(|exchange| server.answer(purpose, exchange, &mut held)),
+            None if turn == REQUEST => answer_request(&mut stream, &routines)?,
             None => return Some(()),
         }
-        arena.hand_to(Side::Caller);
+        memory.hand_to(Side::Caller);
     }
     None
 }
 
-/// What is asked beside calls; `None` where nobody asks any more.
-fn asked(stream: &mut UnixStream, routines: &Routines) -> Option<()> {
+/// Answers a request; `None` if the run has ended.
+fn answer_request(stream: &mut UnixStream, routines: &Routines) -> Option<()> {
     let (what, bytes) = receive(stream)?;
     let memory = routines.memory.as_ref()?;
     match what {
@@ -89,7 +89,7 @@ fn asked(stream: &mut UnixStream, routines: &Routines) -> Option<()> {
         }
         KEEP => send(stream, 0, &mut (memory.keep(), host::take_messages())),
         TAKE_UP => {
-            let mut kept = Kept::default();
+            let mut kept = SavedMemory::default();
             kept.persist(&mut Archive::reader(&bytes));
             send(stream, 0, &mut memory.take_up(&kept).err().map(|why| why.reason))
         }

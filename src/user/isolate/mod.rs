@@ -1,38 +1,41 @@
-//! Routines in a process of their own: what they do to memory, and their end, are theirs alone. The run calls them over memory
-//! that both share; the bits are those of routines in the process of the run.
+//! Routines in a process of their own, whose crashes and memory errors do not affect the run. Calls go through memory that both
+//! processes share; results have the same bits as without isolation.
 //! Never here: compiling, opening libraries.
 
-mod arena;
-mod callers;
+mod calls;
+mod channel;
 mod child;
-mod door;
-mod served;
-mod tape;
-mod words;
+mod client;
+mod message;
+mod opening;
+mod server;
+mod shared_memory;
 
 use std::io;
 use std::sync::Arc;
 
-use super::{Misfit, Routines, library};
+use super::{Routines, library};
 use crate::deck::Diagnostic;
 use crate::state::archive::{Archive, Persist};
-use callers::Caller;
-use door::Door;
-use words::{Opening, receive};
+use channel::Channel;
+use client::Client;
+use opening::{OpeningReport, receive};
 
-/// Opens routines in a process of their own, which this one makes; it must have no other threads yet.
+/// Opens routines in a process forked from this one, which must have no other threads yet.
 ///
 /// # Errors
-/// As opening them here; routines that cannot be called over there are refused by their names (U012).
+/// Those of opening them here; U012 for routines that cannot be isolated.
 pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Result<Routines, Diagnostic> {
     let failed = |why: io::Error| Diagnostic::error("U012", format!("no process can be made for the routines: {why}"));
-    let door = Door::make(open).map_err(failed)?;
-    let mut opening = Opening::default();
-    let told = receive(&mut door.stream());
-    let Some((_, bytes)) = told else {
-        return Err(Diagnostic::error("U005", format!("the routines cannot be opened: {}", door.last_words())));
+    let channel = Channel::make(open).map_err(failed)?;
+    let received = receive(&mut channel.stream()).and_then(|(_, bytes)| {
+        let mut text = String::new();
+        text.persist(&mut Archive::reader(&bytes));
+        serde_json::from_str::<OpeningReport>(&text).ok()
+    });
+    let Some(opening) = received else {
+        return Err(Diagnostic::error("U005", format!("the routines cannot be opened: {}", channel.last_words())));
     };
-    opening.persist(&mut Archive::reader(&bytes));
     if let Some(fault) = opening.refused() {
         return Err(fault);
     }
@@ -42,24 +45,23 @@ pub fn open(open: impl FnOnce() -> Result<Routines, Diagnostic> + Send) -> Resul
             finding.help("it asks the run for what points hold: run without --isolate, or without that routine")
         );
     }
-    let door = Arc::new(door);
-    let misfit = |(routine, (code, message)): (String, (String, String))| Misfit { routine, code, message };
+    let channel = Arc::new(channel);
     let mut routines = Routines {
-        misfits: opening.misfits.into_iter().map(misfit).collect(),
-        strangers: opening.strangers.iter().filter_map(|name| library::stranger(name)).collect(),
-        memory: Some(door.clone()),
+        uncallable: opening.uncallable,
+        unsupported: opening.unsupported.iter().filter_map(|name| library::unsupported(name)).collect(),
+        memory: Some(channel.clone()),
         ..Routines::none()
     };
     for name in &opening.routines {
-        let caller = Caller::new(&door);
+        let client = Client::new(&channel);
         routines = match name.as_str() {
-            "vdload" => routines.with_load(caller),
-            "vuamp" => routines.with_amplitude(caller),
-            "vdisp" => routines.with_motion(caller),
-            "vumat" => routines.with_material(caller),
-            "vuhard" => routines.with_hardening(caller),
-            "vucharlength" => routines.with_lengths(caller),
-            _ => routines.with_events(caller),
+            "vdload" => routines.with_load(client),
+            "vuamp" => routines.with_amplitude(client),
+            "vdisp" => routines.with_motion(client),
+            "vumat" => routines.with_material(client),
+            "vuhard" => routines.with_hardening(client),
+            "vucharlength" => routines.with_lengths(client),
+            _ => routines.with_events(client),
         };
     }
     Ok(routines)

@@ -1,14 +1,16 @@
-//! What goes over the stream between the two processes beside calls, as bytes.
-//! Never here: who asks, and who answers.
+//! Requests between the two processes as bytes, and the report about opening the routines.
+//! Never here: sending requests, answering them.
 
 use std::io::{Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 
-use super::super::{Misfit, Routines};
-use crate::deck::Diagnostic;
-use crate::state::archive::{Archive, Persist, persist_fields};
+use serde::{Deserialize, Serialize};
 
-/// Sends what something consists of, behind a number that says what it is; `None` where nobody reads.
+use super::super::{Routines, UncallableRoutine};
+use crate::deck::Diagnostic;
+use crate::state::archive::{Archive, Persist};
+
+/// Sends a value after a number that identifies it; `None` if the other process has ended.
 pub fn send(stream: &mut UnixStream, what: u8, value: &mut impl Persist) -> Option<()> {
     let mut bytes = vec![0; 9];
     value.persist(&mut Archive::writer(&mut bytes));
@@ -18,7 +20,7 @@ pub fn send(stream: &mut UnixStream, what: u8, value: &mut impl Persist) -> Opti
     stream.write_all(&bytes).ok()
 }
 
-/// What has come; `None` where nobody sends.
+/// Receives a number and bytes; `None` if the other process has ended.
 pub fn receive(stream: &mut UnixStream) -> Option<(u8, Vec<u8>)> {
     let mut head = [0; 9];
     stream.read_exact(&mut head).ok()?;
@@ -28,46 +30,41 @@ pub fn receive(stream: &mut UnixStream) -> Option<(u8, Vec<u8>)> {
     Some((what, bytes))
 }
 
-/// What opening came to in the process of the routines.
-#[derive(Clone, Debug, Default)]
-pub struct Opening {
-    /// Code, message and help where it failed.
+/// Result of opening the routines in their process.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct OpeningReport {
+    /// Code, message and help if it failed.
     pub fault: Option<[String; 3]>,
     /// Routines that can be called.
     pub routines: Vec<String>,
-    /// As [`Routines::misfits`]: routine, code, message.
-    pub misfits: Vec<(String, (String, String))>,
-    /// As [`Routines::strangers`].
-    pub strangers: Vec<String>,
+    /// As [`Routines::uncallable`].
+    pub uncallable: Vec<UncallableRoutine>,
+    /// As [`Routines::unsupported`].
+    pub unsupported: Vec<String>,
 }
 
-impl Persist for Opening {
-    fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Opening { fault, routines, misfits, strangers } = self;
-        persist_fields!(archive; fault, routines, misfits, strangers);
-    }
-}
-
-impl Opening {
-    /// In words that can be sent.
-    pub fn of(opened: &Result<Routines, Diagnostic>) -> Opening {
+impl OpeningReport {
+    /// The report of a result.
+    pub fn of(opened: &Result<Routines, Diagnostic>) -> OpeningReport {
         let routines = match opened {
             Ok(routines) => routines,
             Err(fault) => {
                 let help = fault.help.clone().unwrap_or_default();
-                return Opening { fault: Some([fault.code.into(), fault.message.clone(), help]), ..Opening::default() };
+                return OpeningReport {
+                    fault: Some([fault.code.into(), fault.message.clone(), help]),
+                    ..OpeningReport::default()
+                };
             }
         };
-        let misfit = |misfit: &Misfit| (misfit.routine.clone(), (misfit.code.clone(), misfit.message.clone()));
-        Opening {
+        OpeningReport {
             fault: None,
             routines: routines.names().into_iter().map(str::to_owned).collect(),
-            misfits: routines.misfits.iter().map(misfit).collect(),
-            strangers: routines.strangers.iter().map(|name| (*name).to_owned()).collect(),
+            uncallable: routines.uncallable.clone(),
+            unsupported: routines.unsupported.iter().map(|name| (*name).to_owned()).collect(),
         }
     }
 
-    /// The fault, of one of the codes that there are.
+    /// The error, if opening failed.
     pub fn refused(&self) -> Option<Diagnostic> {
         let [code, message, help] = self.fault.as_ref()?;
         let code = super::super::codes::CODES.iter().map(|known| known.code).find(|known| known == code);

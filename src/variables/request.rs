@@ -7,7 +7,7 @@ use crate::deck::names::nearest;
 
 /// The meaning of a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
+pub enum VariableRequest {
     /// `PRESELECT`: what is shown by default.
     Preselect,
     /// `ALL`: whatever the scene has.
@@ -17,9 +17,9 @@ pub enum Asked {
     /// A component, or a numbered variable.
     One(Part),
     /// Several variables under one name.
-    Family(&'static Family),
+    VariableFamily(&'static VariableFamily),
     /// A variable of ABAQUS that is not simulated.
-    NotSimulated(&'static Known),
+    NotSimulated(&'static UnsimulatedVariable),
 }
 
 /// A section point of a shell that output knows.
@@ -33,9 +33,9 @@ pub enum SectionPoint {
     Top,
 }
 
-impl Asked {
+impl VariableRequest {
     /// The same at a section point; `None` of a component that is zero there. What is not one of section points stays.
-    pub fn at(self, point: SectionPoint) -> Option<Asked> {
+    pub fn at(self, point: SectionPoint) -> Option<VariableRequest> {
         let there = |variable| {
             Some(match (variable, point) {
                 (_, SectionPoint::Middle) => return None,
@@ -53,12 +53,12 @@ impl Asked {
             })
         };
         match self {
-            Asked::Whole(variable) => Some(there(variable).map_or(self, Asked::Whole)),
-            Asked::One(part) => match there(part.variable) {
+            VariableRequest::Whole(variable) => Some(there(variable).map_or(self, VariableRequest::Whole)),
+            VariableRequest::One(part) => match there(part.variable) {
                 None => Some(self),
                 Some(variable) => {
                     let count = variable.row().labels.len().max(1);
-                    (part.component < count).then_some(Asked::One(Part { variable, ..part }))
+                    (part.component < count).then_some(VariableRequest::One(Part { variable, ..part }))
                 }
             },
             _ => Some(self),
@@ -68,7 +68,7 @@ impl Asked {
 
 /// A name that stands for several variables.
 #[derive(Debug, PartialEq)]
-pub struct Family {
+pub struct VariableFamily {
     /// Name.
     pub name: &'static str,
     /// What it stands for.
@@ -78,38 +78,38 @@ pub struct Family {
 }
 
 /// Names that stand for other variables.
-pub const FAMILIES: &[Family] = &[
-    Family {
+pub const FAMILIES: &[VariableFamily] = &[
+    VariableFamily {
         name: "ENER",
         members: &[Variable::StrainEnergy, Variable::PlasticEnergy],
         words: "Energies per unit of current volume",
     },
-    Family {
+    VariableFamily {
         name: "ELEN",
         members: &[Variable::ElementStrainEnergy, Variable::ElementPlasticEnergy],
         words: "Energies of an element",
     },
-    Family {
+    VariableFamily {
         name: "CSTRESS",
         members: &[Variable::ContactPressure, Variable::ContactShear],
         words: "Contact pressure and shear stress",
     },
-    Family {
+    VariableFamily {
         name: "CDISP",
         members: &[Variable::ContactOpening, Variable::ContactSlip],
         words: "Contact opening and slip",
     },
-    Family {
+    VariableFamily {
         name: "CFORCE",
         members: &[Variable::NormalContactForce, Variable::ShearContactForce],
         words: "Contact forces of a pair",
     },
-    Family { name: "P", members: &[Variable::FacetPressure], words: "Pressure load on faces" },
+    VariableFamily { name: "P", members: &[Variable::FacetPressure], words: "Pressure load on faces" },
 ];
 
 /// A variable of ABAQUS that is not simulated.
 #[derive(Debug, PartialEq)]
-pub struct Known {
+pub struct UnsimulatedVariable {
     /// Name.
     pub name: &'static str,
     /// Where it lives.
@@ -118,12 +118,12 @@ pub struct Known {
     pub words: &'static str,
 }
 
-const fn known(name: &'static str, place: Place, words: &'static str) -> Known {
-    Known { name, place, words }
+const fn known(name: &'static str, place: Place, words: &'static str) -> UnsimulatedVariable {
+    UnsimulatedVariable { name, place, words }
 }
 
 /// What decks for ABAQUS/Explicit ask for and nothing here has.
-pub const NOT_SIMULATED: &[Known] = &[
+pub const NOT_SIMULATED: &[UnsimulatedVariable] = &[
     known("CF", Place::Node, "concentrated forces"),
     known("UT", Place::Node, "translations apart from rotations"),
     known("VT", Place::Node, "translational velocities apart from rotations"),
@@ -342,39 +342,39 @@ pub const NOT_SIMULATED: &[Known] = &[
     known("STEPTIME", Place::Increment, "time of the step"),
 ];
 
-impl Asked {
+impl VariableRequest {
     /// The meaning of an upper-case word; `None` where it names no variable.
-    pub fn parse(word: &str) -> Option<Asked> {
+    pub fn parse(word: &str) -> Option<VariableRequest> {
         match word {
-            "PRESELECT" => return Some(Asked::Preselect),
-            "ALL" => return Some(Asked::All),
+            "PRESELECT" => return Some(VariableRequest::Preselect),
+            "ALL" => return Some(VariableRequest::All),
             _ => {}
         }
-        let whole = Variable::ALL.iter().find(|v| v.name() == word).map(|v| Asked::Whole(*v));
+        let whole = Variable::ALL.iter().find(|v| v.name() == word).map(|v| VariableRequest::Whole(*v));
         whole
-            .or_else(|| Part::parse(word).map(Asked::One))
-            .or_else(|| FAMILIES.iter().find(|f| f.name == word).map(Asked::Family))
-            .or_else(|| NOT_SIMULATED.iter().find(|k| is_name(word, k.name)).map(Asked::NotSimulated))
+            .or_else(|| Part::parse(word).map(VariableRequest::One))
+            .or_else(|| FAMILIES.iter().find(|f| f.name == word).map(VariableRequest::VariableFamily))
+            .or_else(|| NOT_SIMULATED.iter().find(|k| is_name(word, k.name)).map(VariableRequest::NotSimulated))
     }
 
     /// The word.
     pub fn name(self) -> String {
         match self {
-            Asked::Preselect => "PRESELECT".into(),
-            Asked::All => "ALL".into(),
-            Asked::Whole(variable) => variable.name().into(),
-            Asked::One(part) => part.label(),
-            Asked::Family(family) => family.name.into(),
-            Asked::NotSimulated(known) => known.name.into(),
+            VariableRequest::Preselect => "PRESELECT".into(),
+            VariableRequest::All => "ALL".into(),
+            VariableRequest::Whole(variable) => variable.name().into(),
+            VariableRequest::One(part) => part.label(),
+            VariableRequest::VariableFamily(family) => family.name.into(),
+            VariableRequest::NotSimulated(known) => known.name.into(),
         }
     }
 
     /// Variables it names.
     pub fn variables(self) -> Vec<Variable> {
         match self {
-            Asked::Whole(variable) => vec![variable],
-            Asked::One(part) => vec![part.variable],
-            Asked::Family(family) => family.members.to_vec(),
+            VariableRequest::Whole(variable) => vec![variable],
+            VariableRequest::One(part) => vec![part.variable],
+            VariableRequest::VariableFamily(family) => family.members.to_vec(),
             _ => Vec::new(),
         }
     }
@@ -436,18 +436,18 @@ mod tests {
 
     #[test]
     fn words_as_decks_have_them() {
-        let part = |variable, component| Some(Asked::One(Part { variable, component }));
-        assert_eq!(Asked::parse("U"), Some(Asked::Whole(Variable::Displacement)));
-        assert_eq!(Asked::parse("U2"), part(Variable::Displacement, 1));
-        assert_eq!(Asked::parse("COOR1"), part(Variable::Coordinate, 0));
-        assert_eq!(Asked::parse("S33"), part(Variable::Stress, 2));
-        assert_eq!(Asked::parse("SDV12"), part(Variable::State, 11));
-        assert_eq!(Asked::parse("PEEQ"), Some(Asked::Whole(Variable::PlasticStrain)));
+        let part = |variable, component| Some(VariableRequest::One(Part { variable, component }));
+        assert_eq!(VariableRequest::parse("U"), Some(VariableRequest::Whole(Variable::Displacement)));
+        assert_eq!(VariableRequest::parse("U2"), part(Variable::Displacement, 1));
+        assert_eq!(VariableRequest::parse("COOR1"), part(Variable::Coordinate, 0));
+        assert_eq!(VariableRequest::parse("S33"), part(Variable::Stress, 2));
+        assert_eq!(VariableRequest::parse("SDV12"), part(Variable::State, 11));
+        assert_eq!(VariableRequest::parse("PEEQ"), Some(VariableRequest::Whole(Variable::PlasticStrain)));
         for word in ["U4", "S13", "SDV0", "MISES1", "NOSUCH", ""] {
-            assert_eq!(Asked::parse(word), None, "{word}");
+            assert_eq!(VariableRequest::parse(word), None, "{word}");
         }
         for word in ["CF", "CF2", "EMSF"] {
-            assert!(matches!(Asked::parse(word), Some(Asked::NotSimulated(_))), "{word}");
+            assert!(matches!(VariableRequest::parse(word), Some(VariableRequest::NotSimulated(_))), "{word}");
         }
         assert_eq!(help("S13", &[]), "S has the components S11, S22, S33, S12");
         assert_eq!(like("MAXPRINCIPAL"), Some("SP"));

@@ -1,0 +1,496 @@
+//! Host routines: what user subroutines call in the program that calls them, under the names that the dynamic linker finds.
+//! Never here: what they answer (`host.rs`), calling user subroutines.
+#![allow(unsafe_code)]
+
+use std::any::Any;
+use std::ffi::{CStr, c_char, c_int};
+use std::fmt::Write as _;
+use std::panic::resume_unwind;
+
+use super::call::{self, ActiveCall, current};
+use super::host::{self, Level};
+use super::{LoadFailure, guard};
+
+/// Payload of the panic by which a routine ends the analysis.
+struct Ended(String);
+
+/// The failure of a call that a routine has ended; another panic goes on.
+#[cold]
+#[inline(never)] // A reference from outside keeps this file's symbols in the executable.
+pub fn ended(call: &ActiveCall<'_>, payload: Box<dyn Any + Send>) -> LoadFailure {
+    match payload.downcast::<Ended>() {
+        Ok(ended) => LoadFailure::new(format!("{} ended the analysis: {}", call.routine, ended.0)),
+        Err(other) => resume_unwind(other),
+    }
+}
+
+/// Ends the analysis from inside a routine.
+fn end(why: String) -> ! {
+    if !call::inside() {
+        // Not inside a routine that was called from here: nobody could catch it.
+        eprintln!("error: {why}");
+        std::process::exit(1);
+    }
+    resume_unwind(Box::new(Ended(why)))
+}
+
+/// A jump in assembly, because link-time optimisation hides the symbol of a Rust function.
+#[cfg(target_arch = "x86_64")]
+macro_rules! jump {
+    () => {
+        "jmp {f}"
+    };
+}
+#[cfg(target_arch = "aarch64")]
+macro_rules! jump {
+    () => {
+        "b {f}"
+    };
+}
+macro_rules! symbols {
+    ($($name:expr => $function:path),+ $(,)?) => {
+        $(core::arch::global_asm!(
+            concat!(".globl ", $name),
+            concat!(".type ", $name, ",@function"),
+            concat!($name, ":"),
+            ".cfi_startproc",
+            jump!(),
+            ".cfi_endproc",
+            concat!(".size ", $name, ", .-", $name),
+            f = sym $function,
+        );)+
+    };
+}
+
+/// The same in a shared library, which shows what Rust functions are called and hides all other symbols.
+#[cfg(feature = "shared")]
+macro_rules! host_symbols {
+    ($($name:expr => $function:path),+ $(,)?) => {
+        $(const _: () = {
+            #[unsafe(naked)]
+            #[unsafe(export_name = $name)]
+            extern "C" fn forward() {
+                core::arch::naked_asm!(jump!(), f = sym $function)
+            }
+        };)+
+    };
+}
+#[cfg(not(feature = "shared"))]
+macro_rules! host_symbols {
+    ($($name:expr => $function:path),+ $(,)?) => {
+        symbols! { $($name => $function),+ }
+    };
+}
+
+symbols! {
+    "chdir" => guard::chdir,
+    "fchdir" => guard::fchdir,
+    "sigaction" => guard::sigaction,
+    "signal" => guard::signal,
+    "bsd_signal" => guard::signal,
+    "sysv_signal" => guard::sysv_signal,
+    "__sysv_signal" => guard::sysv_signal,
+    "pthread_create" => guard::pthread_create,
+    "_exit" => guard::leave,
+    "_Exit" => guard::leave,
+}
+
+/// Fortran text of a length, without the blanks behind.
+///
+/// # Safety
+/// `text` is null or holds `length` bytes.
+unsafe fn words(text: *const c_char, length: usize) -> String {
+    if text.is_null() {
+        return String::new();
+    }
+    // SAFETY: as this function's own.
+    let bytes = unsafe { std::slice::from_raw_parts(text.cast::<u8>(), length) };
+    String::from_utf8_lossy(bytes).trim_end_matches([' ', '\0']).to_owned()
+}
+
+/// Writes text into a Fortran variable, with blanks behind, and its length beside.
+///
+/// # Safety
+/// `to` holds `room` bytes; `length` is null or holds an integer.
+unsafe fn give(text: &str, to: *mut c_char, length: *mut i32, room: usize) {
+    let count = text.len().min(room);
+    // SAFETY: as this function's own.
+    unsafe {
+        let bytes = std::slice::from_raw_parts_mut(to.cast::<u8>(), room);
+        bytes.fill(b' ');
+        bytes[..count].copy_from_slice(&text.as_bytes()[..count]);
+        if !length.is_null() {
+            *length = count as i32;
+        }
+    }
+}
+
+/// Declares host routines: their symbols, arguments and what they do.
+macro_rules! host_routines {
+    ($($(#[$doc:meta])* $($symbol:literal),+ => fn $name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? $body:block)*) => {$(
+        $(#[$doc])*
+        #[allow(unused_unsafe, clippy::too_many_arguments)] // As the manual and MPI have them.
+        unsafe extern "C-unwind" fn $name($($argument: $type),*) $(-> $result)? {
+            // SAFETY: the caller passes what the manual declares: places of numbers, lists as long as the counts say, texts
+            // of the length that its compiler adds, null for what is left out.
+            unsafe { $body }
+        }
+        host_symbols! { $($symbol => $name),+ }
+    )*};
+}
+
+host_routines! {
+    /// `call xplb_exit`: ends the analysis (ABAQUS User Subroutines Reference, 2.1.15 "Terminating an analysis").
+    "xplb_exit_" => fn xplb_exit() -> ! { end("it called xplb_exit".into()) }
+
+    /// `call xit`, as in ABAQUS/Standard.
+    "xit_", "mpi_abort_" => fn xit() -> ! { end("it called xit".into()) }
+
+    /// A routine that nothing defines.
+    "rvmissing_" => fn missing_symbol(name: *const c_char, length: usize) -> ! {
+        end(format!("it calls `{}`, which nothing defines", words(name, length)))
+    }
+
+    /// Number of threads.
+    "getnumthreads_" => fn thread_count() -> i32 { 1 }
+
+    /// Number of the thread, and of the communicator.
+    "get_thread_id_", "getcommunicator_" => fn zero() -> i32 { 0 }
+
+    /// Locks: one thread calls all routines.
+    "mutexinit_", "mutexlock_", "mutexunlock_", "mutexdestroy_" => fn nothing() {}
+
+    /// `call mpi_init(ierr)`, `call mpi_finalize(ierr)`: one process, the first.
+    "mpi_init_", "mpi_finalize_" => fn mpi_init(error: *mut i32) { *error = 0 }
+
+    "mpi_barrier_" => fn mpi_barrier(_world: *const i32, error: *mut i32) { *error = 0 }
+
+    "mpi_initialized_" => fn mpi_initialized(flag: *mut i32, error: *mut i32) { (*flag, *error) = (1, 0) }
+
+    "mpi_comm_rank_" => fn mpi_rank(_world: *const i32, rank: *mut i32, error: *mut i32) { (*rank, *error) = (0, 0) }
+
+    "mpi_comm_size_" => fn mpi_size(_world: *const i32, size: *mut i32, error: *mut i32) { (*size, *error) = (1, 0) }
+
+    "mpi_bcast_" => fn mpi_bcast(
+        _buffer: *mut u8, _count: *const i32, _kind: *const i32, _root: *const i32, _world: *const i32, error: *mut i32
+    ) { *error = 0 }
+
+    /// Any reduction over one process is its own value.
+    "mpi_allreduce_" => fn mpi_allreduce(
+        from: *const u8, to: *mut u8, count: *const i32, kind: *const i32, _operation: *const i32, _world: *const i32,
+        error: *mut i32
+    ) { copy_values(from, to, count, kind, error) }
+
+    "mpi_reduce_" => fn mpi_reduce(
+        from: *const u8, to: *mut u8, count: *const i32, kind: *const i32, _operation: *const i32, _root: *const i32,
+        _world: *const i32, error: *mut i32
+    ) { copy_values(from, to, count, kind, error) }
+
+    "mpi_allgather_" => fn mpi_allgather(
+        from: *const u8, count: *const i32, kind: *const i32, to: *mut u8, _to_count: *const i32, _to_kind: *const i32,
+        _world: *const i32, error: *mut i32
+    ) { copy_values(from, to, count, kind, error) }
+
+    "mpi_gather_" => fn mpi_gather(
+        from: *const u8, count: *const i32, kind: *const i32, to: *mut u8, _to_count: *const i32, _to_kind: *const i32,
+        _root: *const i32, _world: *const i32, error: *mut i32
+    ) { copy_values(from, to, count, kind, error) }
+
+    "mpi_wtime_" => fn mpi_wtime() -> f64 {
+        std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
+    }
+
+    /// `call xplb_abqerr(lop, string, intv, realv, charv)` (ABAQUS User Subroutines Reference, "Printing messages to the
+    /// message or status file"): as many values as the text asks for, each string of 8 characters.
+    "xplb_abqerr_", "stdb_abqerr_" => fn xplb_abqerr(
+        lop: *const i32, text: *const c_char, integers: *const i32, reals: *const f64, strings: *const c_char,
+        text_length: usize, _string_length: usize
+    ) {
+        let value = |i: usize| (!integers.is_null()).then(|| *integers.add(i));
+        let real = |i: usize| (!reals.is_null()).then(|| *reals.add(i));
+        let word = |i: usize| (!strings.is_null()).then(|| words(strings.add(8 * i), 8));
+        let text = host::fill_in(&words(text, text_length), value, real, word);
+        let level = match *lop {
+            1 => Level::Note,
+            -1 => Level::Warning,
+            _ => Level::Error,
+        };
+        host::tell(level, text.clone());
+        if *lop == -3 {
+            end(text);
+        }
+    }
+
+    /// `call vgetjobname(jobname, lenjobname)`.
+    "vgetjobname_", "getjobname_" => fn vgetjobname(name: *mut c_char, length: *mut i32, room: usize) {
+        host::with_job(|job| give(&job.name, name, length, room));
+    }
+
+    /// `call vgetoutdir(outdir, lenoutdir)`.
+    "vgetoutdir_", "getoutdir_" => fn vgetoutdir(folder: *mut c_char, length: *mut i32, room: usize) {
+        host::with_job(|job| give(&job.folder, folder, length, room));
+    }
+
+    /// `call vgetnumcpus(numprocesses)`: one process.
+    "vgetnumcpus_", "getnumcpus_" => fn vgetnumcpus(count: *mut i32) { *count = 1 }
+
+    /// `call vgetrank(kprocessnum)`: the first.
+    "vgetrank_", "getrank_" => fn vgetrank(rank: *mut i32) { *rank = 0 }
+
+    /// `call vgetinternal(cpname, locnum, jtyp, intnum, jrcd)`: jtyp 0 nodes, 1 elements; jrcd 0 if found.
+    "vgetinternal_" => fn vgetinternal(
+        part: *const c_char, local: *const i32, kind: *const i32, internal: *mut i32, code: *mut i32, length: usize
+    ) {
+        *internal = host::with_job(|job| host::internal_number(job.names(*kind), &words(part, length), *local));
+        *code = i32::from(*internal == 0);
+    }
+
+    /// `call vgetpartinfo(intnum, jtyp, cpname, locnum, jrcd)`.
+    "vgetpartinfo_" => fn vgetpartinfo(
+        internal: *const i32, kind: *const i32, part: *mut c_char, local: *mut i32, code: *mut i32, room: usize
+    ) {
+        host::with_job(|job| {
+            let found = host::part_of(job.names(*kind), *internal);
+            *code = i32::from(found.is_none());
+            if let Some((name, number)) = found {
+                give(name, part, std::ptr::null_mut(), room);
+                *local = number;
+            }
+        });
+    }
+
+    /// `call vgetvrm(var, rData, jData, cData, jStatus)`: what the points of a VUSDFLD hold at the beginning of the increment
+    /// (ABAQUS User Subroutines Reference, 2.1.7 "Obtaining material point information in an Abaqus/Explicit analysis"):
+    /// components one after the other, each with one value a point; jStatus is 0 if the variable is there.
+    "vgetvrm_" => fn vgetvrm(
+        variable: *const c_char, reals: *mut f64, integers: *mut i32, flags: *mut c_char, status: *mut i32, length: usize,
+        flag: usize
+    ) {
+        let variable = words(variable, length).to_uppercase();
+        let given = current(|call| {
+            let (count, values) = call?.points?;
+            values.give(&variable, &mut |component, point, value| {
+                let at = component * count + point;
+                *reals.add(at) = value;
+                if !integers.is_null() {
+                    *integers.add(at) = 0;
+                }
+                if !flags.is_null() {
+                    give("YES", flags.add(flag * at), std::ptr::null_mut(), flag);
+                }
+            })
+        });
+        *status = i32::from(given.is_none());
+        if given.is_none() {
+            let known = "S, LE, PE, ER, PEEQ, TEMP and SDV are";
+            host::tell(Level::Warning, format!("vgetvrm: `{variable}` is not there; {known}, where the material has them"));
+        }
+    }
+
+    /// `call vsprinc(nblock, s, ps, ndi, nshr)`: principal values (ABAQUS User Subroutines Reference, 2.1.11 "Obtaining
+    /// principal stress values and directions in an Abaqus/Explicit analysis").
+    "vsprinc_" => fn vsprinc(
+        count: *const i32, tensors: *const f64, values: *mut f64, direct: *const i32, shear: *const i32
+    ) {
+        vsprind(count, tensors, values, std::ptr::null_mut(), direct, shear);
+    }
+
+    /// `call vsprind(nblock, s, ps, an, ndi, nshr)`: with their directions, `an(k, i, :)` of the i-th.
+    "vsprind_" => fn vsprind(
+        count: *const i32, tensors: *const f64, values: *mut f64, directions: *mut f64, direct: *const i32,
+        shear: *const i32
+    ) {
+        let (n, direct, shear) = (*count as usize, *direct as usize, *shear as usize);
+        for k in 0..n {
+            let component = |c: usize| *tensors.add(c * n + k);
+            let part = |c: usize| if c < direct { component(c) } else { 0.0 };
+            let sheared = |c: usize| if c < shear { component(direct + c) } else { 0.0 };
+            let (list, axes) = host::principal([0, 1, 2].map(part), [0, 1, 2].map(sheared));
+            for (i, (value, axis)) in list.into_iter().zip(axes).enumerate() {
+                *values.add(i * n + k) = value;
+                if !directions.is_null() {
+                    axis.into_iter().enumerate().for_each(|(j, x)| *directions.add((j * 3 + i) * n + k) = x);
+                }
+            }
+        }
+    }
+
+    /// `ivGetSensorID(sensorName, jSensorLookUpTable)`: place of the sensor from 1, 0 if there is none.
+    "ivgetsensorid_", "igetsensorid_" => fn sensor_id(name: *const c_char, _table: *const i32, length: usize) -> i32 {
+        let name = words(name, length);
+        current(|call| {
+            let names = call.map_or(&[][..], |c| c.sensors.0);
+            names.iter().position(|n| n.eq_ignore_ascii_case(&name)).map_or(0, |i| i as i32 + 1)
+        })
+    }
+
+    /// `vGetSensorValue(sensorName, jSensorLookUpTable, sensorValues)`.
+    "vgetsensorvalue_", "getsensorvalue_" => fn sensor_value(
+        name: *const c_char, table: *const i32, _values: *const f64, length: usize
+    ) -> f64 {
+        let id = sensor_id(name, table, length);
+        if id == 0 {
+            end(format!("it asked for the sensor `{}`, which the deck does not have", words(name, length)));
+        }
+        current(|call| call.map_or(f64::NAN, |c| c.sensors.1[id as usize - 1]))
+    }
+
+    "_gfortran_stop_string" => fn stop_string(text: *const c_char, length: usize, _quiet: bool) -> ! {
+        end(format!("it ran into STOP {}", words(text, length)).trim_end().to_owned())
+    }
+
+    "_gfortran_error_stop_string" => fn error_stop_string(text: *const c_char, length: usize, _quiet: bool) -> ! {
+        end(format!("it ran into ERROR STOP {}", words(text, length)).trim_end().to_owned())
+    }
+
+    "_gfortran_stop_numeric" => fn stop_numeric(code: c_int, _quiet: bool) -> ! {
+        end(format!("it ran into STOP {code}"))
+    }
+
+    "_gfortran_error_stop_numeric" => fn error_stop_numeric(code: c_int, _quiet: bool) -> ! {
+        end(format!("it ran into ERROR STOP {code}"))
+    }
+
+    "_gfortran_exit_i4" => fn exit_i4(status: *const i32) -> ! {
+        end(format!("it called exit({})", status.as_ref().copied().unwrap_or(0)))
+    }
+
+    "_gfortran_exit_i8" => fn exit_i8(status: *const i64) -> ! {
+        end(format!("it called exit({})", status.as_ref().copied().unwrap_or(0)))
+    }
+
+    "_gfortran_abort" => fn fortran_abort() -> ! { end("it called abort".into()) }
+
+    /// Checks of the Fortran runtime. These functions take values as C's `printf` does; the first few come in registers.
+    "_gfortran_runtime_error" => fn runtime_error(format: *const c_char, a: usize, b: usize, c: usize, d: usize) -> ! {
+        end(printed(format, [a, b, c, d]))
+    }
+
+    "_gfortran_runtime_error_at", "_gfortran_os_error_at" => fn runtime_error_at(
+        place: *const c_char, format: *const c_char, a: usize, b: usize, c: usize, d: usize
+    ) -> ! {
+        end(format!("{}: {}", CStr::from_ptr(place).to_string_lossy(), printed(format, [a, b, c, d])))
+    }
+}
+
+/// What an exchange among processes comes to where there is one: its own values, and no error. The last two digits of a type
+/// are its bytes.
+///
+/// # Safety
+/// Both places hold so many values of the type, and may be one; the other pointers are to integers.
+unsafe fn copy_values(from: *const u8, to: *mut u8, count: *const i32, kind: *const i32, error: *mut i32) {
+    // SAFETY: as this function's own.
+    unsafe {
+        let bytes = usize::try_from(*count).unwrap_or(0) * (*kind % 100) as usize;
+        std::ptr::copy(from, to, bytes);
+        *error = 0;
+    }
+}
+
+/// Functions that make an array of a kind, each entry of one value.
+macro_rules! array_constructors {
+    ($($name:ident($value:ident: $type:ty) => $bytes:expr,)*) => {$(
+        unsafe extern "C-unwind" fn $name<const KIND: u8>(id: *const i32, count: *const i32, value: *const $type) -> i64 {
+            // SAFETY: numbers of the caller.
+            let (id, count, $value) = unsafe { (*id, *count, *value) };
+            let bytes = $bytes.to_ne_bytes();
+            host::new_array((KIND, id), count, bytes.len(), &bytes) as i64
+        }
+    )*};
+}
+
+array_constructors! {
+    new_integers(value: i32) => value,
+    new_singles(value: f32) => value,
+    new_reals(value: f64) => value,
+    new_reals_from_single(value: f32) => f64::from(value),
+}
+
+/// Arrays that outlive a call (ABAQUS 6.14 User Subroutines Reference, 2.1.23 "Allocatable arrays"), of zeros.
+unsafe extern "C-unwind" fn new_zeros<const KIND: u8>(id: *const i32, count: *const i32) -> i64 {
+    // SAFETY: integers of the caller.
+    let (id, count) = unsafe { (*id, *count) };
+    let width = if KIND < 2 { 4 } else { 8 };
+    host::new_array((KIND, id), count, width, &[0; 8][..width]) as i64
+}
+
+/// Where an array is; a routine that asks for one that nobody made ends the analysis.
+unsafe extern "C-unwind" fn array_place<const KIND: u8>(id: *const i32) -> i64 {
+    // SAFETY: an integer of the caller.
+    let id = unsafe { *id };
+    match host::array((KIND, id)) {
+        Some((place, _)) => place as i64,
+        None => end(format!("it asked for the array {id}, which nobody has created")),
+    }
+}
+
+/// How many entries an array has; 0 if it is not there.
+unsafe extern "C-unwind" fn array_size<const KIND: u8>(id: *const i32) -> i32 {
+    // SAFETY: an integer of the caller.
+    host::array((KIND, unsafe { *id })).map_or(0, |array| array.1)
+}
+
+unsafe extern "C-unwind" fn delete_array<const KIND: u8>(id: *const i32) {
+    // SAFETY: an integer of the caller.
+    host::delete_array((KIND, unsafe { *id }));
+}
+
+/// Symbols of the arrays of each kind: what the header of `compile.rs` calls, and what C calls.
+macro_rules! array_symbols {
+    ($($create:ident: $($kind:literal $name:literal),+;)+) => {$($(
+        host_symbols! {
+            concat!("rvsma", $kind, "n_") => new_zeros::<$kind>,
+            concat!($name, "arrayaccess_") => array_place::<$kind>,
+            concat!($name, "arraysize_") => array_size::<$kind>,
+            concat!($name, "arraydelete_") => delete_array::<$kind>,
+            concat!($name, "arraycreate_") => $create::<$kind>,
+        }
+    )+)+};
+}
+macro_rules! real_array_symbols {
+    ($($kind:literal $name:literal),+) => {$(
+        host_symbols! {
+            concat!("rvsma", $kind, "r_") => new_reals_from_single::<$kind>,
+            concat!("rvsma", $kind, "d_") => new_reals::<$kind>,
+            concat!("rvsma", $kind, "e_") => new_reals::<$kind>,
+            concat!("rvsma", $kind, "s_") => new_singles::<$kind>,
+            concat!($name, "arraycreatedp_") => new_reals::<$kind>,
+            concat!($name, "arraycreatesp_") => new_singles::<$kind>,
+        }
+    )+};
+}
+
+array_symbols! {
+    new_integers: 0 "smaint", 1 "smalocalint";
+    new_reals: 2 "smafloat", 3 "smalocalfloat", 4 "smareal", 5 "smalocalreal";
+}
+real_array_symbols! { 2 "smafloat", 3 "smalocalfloat", 4 "smareal", 5 "smalocalreal" }
+host_symbols! { "rvsma0i_" => new_integers::<0>, "rvsma1i_" => new_integers::<1> }
+
+/// The few formats that the Fortran runtime uses: integers and text.
+///
+/// # Safety
+/// `format` ends with zero and asks for `values` alone, of which `%s` are text that ends with zero.
+unsafe fn printed(format: *const c_char, values: [usize; 4]) -> String {
+    // SAFETY: as this function's own.
+    let format = unsafe { CStr::from_ptr(format) }.to_string_lossy().into_owned();
+    let mut values = values.into_iter();
+    let mut text = String::new();
+    let mut rest = format.as_str();
+    while let Some(at) = rest.find('%') {
+        text += &rest[..at];
+        let tail = &rest[at + 1..];
+        let Some(end) = tail.find(|c: char| c.is_alphabetic() && c != 'l' && c != 'z' || c == '%') else { break };
+        match (tail.as_bytes()[end], values.next()) {
+            // SAFETY: as this function's own.
+            (b's', Some(value)) => text += &unsafe { CStr::from_ptr(value as *const c_char) }.to_string_lossy(),
+            (b'd' | b'i' | b'u', Some(value)) => {
+                let wide = tail[..end].contains(['l', 'z']);
+                let _ = write!(text, "{}", if wide { value as i64 } else { i64::from(value as i32) });
+            }
+            _ => text.push('%'),
+        }
+        rest = &tail[end + 1..];
+    }
+    text + rest
+}

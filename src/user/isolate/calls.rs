@@ -1,0 +1,64 @@
+//! Arguments of calls as messages: one list of fields for writing and reading.
+//! Never here: answers, processes.
+
+use super::super::{HardeningCall, LengthCall, LoadPoints, MaterialCall, MotionCall};
+use super::message::{Field, Reader, Writer, get, put};
+
+/// Calls whose fields are all sent.
+macro_rules! calls {
+    ($($call:ident { $($field:ident),* })*) => {$(
+        impl<'m> Field<'m> for $call<'m> {
+            fn put(&self, to: &mut Writer<'_>) {
+                put!(to; $(self.$field),*);
+            }
+
+            fn get(from: &mut Reader<'m>) -> Self {
+                get!(from; $($field),*);
+                $call { $($field),* }
+            }
+        }
+    )*};
+}
+
+calls! {
+    MotionCall { set, kind, node, dof, now, increments, amplitude, coordinates, state, across, mass }
+    MaterialCall {
+        name, now, dt, count, variables, properties, coordinates, length, density, strain, spin, elements, temperature,
+        fields, field, stretch, gradient, stress, state, internal, inelastic
+    }
+    HardeningCall {
+        name, now, dt, count, variables, fields, properties, elements, temperature, field, state, strain, rate
+    }
+    LengthCall {
+        name, now, dt, count, variables, fields, corners, properties, elements, coordinates, nodes, field, state
+    }
+}
+
+impl<'m> Field<'m> for LoadPoints<'m> {
+    fn put(&self, to: &mut Writer<'_>) {
+        put!(to; self.surface, self.load_type, self.now, self.amplitude, self.magnitude, self.r.len());
+        put!(to; self.coordinates, self.motion, self.directions);
+    }
+
+    fn get(from: &mut Reader<'m>) -> Self {
+        get!(from; surface, load_type, now, amplitude, magnitude, n);
+        let [coordinates, motion, directions]: [&[f64]; 3] = Field::get(from);
+        LoadPoints {
+            surface,
+            load_type,
+            now,
+            amplitude,
+            magnitude,
+            r: &coordinates[..n],
+            z: &coordinates[n..2 * n],
+            velocity_r: &motion[..n],
+            velocity_z: &motion[n..2 * n],
+            // A compiled routine has them in `directions`.
+            normal_r: &directions[..n],
+            normal_z: &directions[2 * n..3 * n],
+            coordinates,
+            motion,
+            directions,
+        }
+    }
+}
