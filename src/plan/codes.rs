@@ -264,7 +264,7 @@ pub const CODES: &[Code] = &[
     Code {
         code: "P132",
         title: "what an oblique body cannot have",
-        text: "A rigid body that is turned (*ATTITUDE), meets a tilted target (*TARGET, OBLIQUITY) or starts across its axis has six degrees of freedom. It takes the resistance of targets, gravity and *CLOAD along 2. Pressures, user loads, prescribed motions, contact, springs, equations and deformable elements on it are refused, and what deforms cannot meet a tilted target.",
+        text: "A rigid body that is turned (*ATTITUDE), meets a tilted target (*TARGET, OBLIQUITY) or starts across its axis has six degrees of freedom. It takes the resistance of targets, pressures (P, PNU), gravity, *CLOAD, and hard contact with an analytical surface whose rigid body is held. Prescribed motions, other contact, body forces of a user routine, springs, equations and deformable elements on it are unsupported: deformable bodies are bodies of revolution, which a turned body would not leave them. A deformable body cannot meet a tilted target for the same reason.",
     },
     Code {
         code: "R201",
