@@ -141,7 +141,7 @@ pub fn set(model: &mut Model, Revisable { place, allowed }: Revisable, value: f6
             let mut given = false;
             for load in loads {
                 let constant = matches!(load.kind, LoadKind::Pressure(_) | LoadKind::Concentrated { .. })
-                    || matches!(load.kind, LoadKind::Gravity { direction: [r, _], .. } if r == 0.0);
+                    || matches!(load.kind, LoadKind::Gravity { direction: [r, _, third], .. } if r == 0.0 && third == 0.0);
                 if !constant || load.amplitude.is_some() {
                     return false;
                 }
