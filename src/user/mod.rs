@@ -9,6 +9,7 @@ pub mod compile;
 mod guard;
 pub mod host;
 mod isolate;
+pub mod law;
 pub mod library;
 mod memory;
 mod prototype;
@@ -20,6 +21,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::state::Instant;
 use crate::state::halt::Halt;
 pub use address::show_symbols;
+pub use law::{MaterialLaw, MaterialPoint, Moduli};
 pub(crate) use memory::{Kept, Recall};
 
 /// Points a routine is shown in one call at most: `maxblk` of `vaba_param.inc`. Larger surfaces come in blocks.
@@ -28,6 +30,7 @@ pub const MAX_BLOCK: usize = 512;
 /// What a user load is told, for one surface and a block of points: VDLOAD's arguments, structure of arrays
 /// (ABAQUS 6.6 User Subroutines Reference, 1.2.1 "VDLOAD"). Slices have one entry a point unless said otherwise.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct LoadPoints<'a> {
     /// Surface or element-set name, upper case (`sname` of a surface load; VDLOAD gets blanks for an element load).
     pub surface: &'a str,
@@ -143,6 +146,7 @@ impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
 
 /// What a user amplitude is told: VUAMP's arguments (ABAQUS 6.11 User Subroutines Reference, 1.2.7 "VUAMP").
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct AmplitudeCall<'a> {
     /// Name of the amplitude, upper case.
     pub name: &'a str,
@@ -189,6 +193,7 @@ pub trait UserAmplitude: Send {
 /// What a prescribed motion of the user is told: VDISP's arguments for one node
 /// (ABAQUS 6.11 User Subroutines Reference, 1.2.1 "VDISP").
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct MotionCall<'a> {
     /// Name of the node set (`cbname`), upper case.
     pub set: &'a str,
@@ -226,6 +231,7 @@ pub trait UserMotion: Send {
 /// Moments at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference, 1.2.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
+#[non_exhaustive]
 pub enum Moment {
     /// Before the first increment of the first step.
     StartAnalysis = 0,
@@ -245,6 +251,7 @@ pub enum Moment {
 
 /// What a routine wants after a moment of the analysis (`i_Array(i_int_iStatus)`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Wish {
     /// Go on.
     #[default]
@@ -275,6 +282,7 @@ pub const MAX_MATERIAL_BLOCK: usize = 136;
 /// shear). Stresses and strains are in a frame that turns with the spin of the material, so that tensors among the state
 /// variables need no rotation.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct MaterialCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -323,6 +331,7 @@ pub struct MaterialCall<'a> {
 
 /// What a user material answers; stresses are NaN on entry, state variables and energies those before.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct MaterialAnswer<'a> {
     /// `stressNew`.
     pub stress: &'a mut [f64],
@@ -347,6 +356,7 @@ pub trait UserMaterial: Send {
 /// What a hardening of the user is told, for a block of points: VUHARD's arguments (ABAQUS 6.14 User Subroutines Reference,
 /// 1.2.15 "VUHARD").
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct HardeningCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -378,6 +388,7 @@ pub struct HardeningCall<'a> {
 
 /// What a hardening of the user answers; yield stresses are NaN on entry, slopes zero, state variables those before.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct HardeningAnswer<'a> {
     /// `yield`.
     pub stress: &'a mut [f64],
@@ -409,6 +420,7 @@ pub trait PointValues {
 
 /// What a routine of user-defined fields is told, for a block of points: VUSDFLD's arguments (ABAQUS 6.14 User Subroutines
 /// Reference, 1.2.20 "VUSDFLD").
+#[non_exhaustive]
 pub struct FieldCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -438,6 +450,7 @@ pub struct FieldCall<'a> {
 
 /// What a routine of user-defined fields answers; both are those before on entry.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct FieldAnswer<'a> {
     /// `stateNew`: what other routines are given as their old state.
     pub state: &'a mut [f64],
@@ -456,6 +469,7 @@ pub trait UserFields: Send {
 
 /// What a routine of characteristic lengths is told, for a block of points: VUCHARLENGTH's arguments (ABAQUS 2016 User
 /// Subroutines Reference, 1.2.11 "VUCHARLENGTH").
+#[non_exhaustive]
 pub struct LengthCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -545,6 +559,7 @@ pub struct Misfit {
 
 /// The routines of a job; each at most once, as in ABAQUS.
 #[derive(Clone, Default)]
+#[non_exhaustive]
 pub struct Routines {
     /// `PNU` and its kin (VDLOAD).
     pub load: Option<SharedLoad>,
@@ -562,6 +577,8 @@ pub struct Routines {
     pub lengths: Option<SharedLengths>,
     /// VEXTERNALDB.
     pub events: Option<SharedEvents>,
+    /// Material laws of Rust programs, by the name of their material in upper case.
+    pub laws: Vec<(String, Arc<dyn MaterialLaw>)>,
     /// What the user's files hold beside these: routines that cannot be called as they are.
     pub misfits: Vec<Misfit>,
     /// What they hold beside these: routines of ABAQUS that nothing here calls.
@@ -699,6 +716,18 @@ impl Routines {
     pub fn with_material(mut self, routine: impl UserMaterial + 'static) -> Self {
         self.material = Some(Shared(Arc::new(Mutex::new(routine))));
         self
+    }
+
+    /// With a material law in Rust for the `*USER MATERIAL` of this name.
+    #[must_use]
+    pub fn with_law(mut self, material: &str, law: impl MaterialLaw + 'static) -> Self {
+        self.laws.push((material.to_uppercase(), Arc::new(law)));
+        self
+    }
+
+    /// Returns the material law in Rust of a material.
+    pub fn law(&self, material: &str) -> Option<&Arc<dyn MaterialLaw>> {
+        self.laws.iter().find(|(name, _)| name == material).map(|(_, law)| law)
     }
 
     /// With a hardening.
