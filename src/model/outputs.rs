@@ -273,7 +273,10 @@ impl Builder<'_> {
 
     /// What `VARIABLE=` asks for.
     fn default_variables(&self, card: &Card) -> Vec<VariableRequest> {
-        card.read::<Option<usize>>("VARIABLE").map(|place| [VariableRequest::Preselect, VariableRequest::All][place]).into_iter().collect()
+        card.read::<Option<usize>>("VARIABLE")
+            .map(|place| [VariableRequest::Preselect, VariableRequest::All][place])
+            .into_iter()
+            .collect()
     }
 
     /// A surface under a name, for integrals (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
