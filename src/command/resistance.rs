@@ -16,7 +16,7 @@ use crate::resistance::rate::{Factor, Rate};
 use crate::resistance::similarity::Expansion;
 use crate::resistance::{Curve, Material, Request, ResistanceError, Target, derive};
 use crate::study::expansion;
-use crate::study::law::Record;
+use crate::study::law::ResistanceRecord;
 use crate::{deck, model};
 
 /// Derive the resistance of a target, A, B and C of *CAVITY EXPANSION, from its stress-strain curve.
@@ -114,7 +114,7 @@ struct MaterialArguments {
 }
 
 /// Pressure over the yield stress at a velocity, by similarity.
-type Similar<'a> = dyn Fn(f64) -> Option<f64> + 'a;
+type PressureAt<'a> = dyn Fn(f64) -> Option<f64> + 'a;
 
 /// Steps in which a curve is drawn.
 const DRAWN: u32 = 120;
@@ -137,7 +137,7 @@ impl Resistance {
             }
             None => Vec::new(),
         };
-        let record = Record::new(&target, &self.request(), &derived, measured, seconds);
+        let record = ResistanceRecord::new(&target, &self.request(), &derived, measured, seconds);
         let expansion = Expansion::new(&target).map_err(|fault| fault.to_string())?;
         let similar = |v: f64| expansion.pressure(v).ok().map(|p| p.stress);
         self.write(&record, format, &target, &similar)?;
@@ -187,10 +187,10 @@ impl Resistance {
 
     fn write(
         &self,
-        record: &Record,
+        record: &ResistanceRecord,
         format: Option<PictureFormat>,
         target: &Target,
-        similar: &Similar<'_>,
+        similar: &PressureAt<'_>,
     ) -> Result<(), Box<dyn Error>> {
         if let (Some(path), Some(format)) = (&self.chart, format) {
             let at = |i: u32| self.from + (self.to - self.from) * f64::from(i) / f64::from(DRAWN);
@@ -204,7 +204,7 @@ impl Resistance {
         Ok(())
     }
 
-    fn print(&self, record: &Record, similar: &Similar<'_>) -> Result<(), Box<dyn Error>> {
+    fn print(&self, record: &ResistanceRecord, similar: &PressureAt<'_>) -> Result<(), Box<dyn Error>> {
         if self.json {
             say!("{}", serde_json::to_string_pretty(record)?);
             return Ok(());

@@ -8,7 +8,7 @@ use crate::study::StudyError;
 use crate::study::convergence;
 use crate::study::effects::{self, Effects};
 use crate::study::quantity::Quantity;
-use crate::study::record::{self, Timing};
+use crate::study::record::{self, StudyTiming};
 use crate::study::refinement::{Study as Results, StudyRow};
 use crate::study::runner::StudyRunner;
 use crate::study::settings::{self, Axis};
@@ -141,7 +141,7 @@ fn write(
     exact: Option<f64>,
     results: &Results,
     met: Option<TargetResult>,
-    timing: Timing,
+    timing: StudyTiming,
 ) -> Result<String, Box<dyn Error>> {
     let record = record_text(&record::record(&quantity.text, exact, results, met, timing))?;
     let title = format!("{}: {}", job.name, quantity.text);
@@ -161,7 +161,7 @@ fn record_file(text: String) -> File {
     ("_study.json".into(), text.into_bytes())
 }
 
-fn print(results: &Results, met: Option<&TargetResult>, timing: Timing, job: &Job) {
+fn print(results: &Results, met: Option<&TargetResult>, timing: StudyTiming, job: &Job) {
     print_table(&record::table(results, false));
     for line in record::conclusions(results, met) {
         say!("{line}");

@@ -11,11 +11,11 @@ pub const TITLE: &str = "Increment";
 const NAMES: usize = 7;
 
 /// A span: time, shortest increment, what limited it.
-type Span = (f64, f64, String);
+type LimitSpan = (f64, f64, String);
 
 /// The chart of what a summary tells of each step; `None` where a summary tells nothing.
 pub fn chart(limits: &Value, units: &UnitNames) -> Option<Chart> {
-    let spans: Vec<Span> = limits.as_array()?.iter().flat_map(spans).collect();
+    let spans: Vec<LimitSpan> = limits.as_array()?.iter().flat_map(spans).collect();
     if spans.len() < 2 {
         return None;
     }
@@ -39,7 +39,7 @@ pub fn chart(limits: &Value, units: &UnitNames) -> Option<Chart> {
     Some(Chart { units: units.over_time(TITLE), words, ..Chart::new(TITLE, ["time", "increment"], series) })
 }
 
-fn points<'a>(name: &str, form: Form, spans: impl Iterator<Item = &'a Span>) -> Series {
+fn points<'a>(name: &str, form: Form, spans: impl Iterator<Item = &'a LimitSpan>) -> Series {
     let mut series = Series::new(name, form, Vec::new());
     for (time, increment, by) in spans {
         series.points.push((shorten(*time), shorten(*increment)));
@@ -50,7 +50,7 @@ fn points<'a>(name: &str, form: Form, spans: impl Iterator<Item = &'a Span>) -> 
     series
 }
 
-fn spans(step: &Value) -> Vec<Span> {
+fn spans(step: &Value) -> Vec<LimitSpan> {
     let list = |key: &str| step.get(key)?.as_array();
     let (Some(times), Some(increments), Some(by)) = (list("time"), list("increment"), list("by")) else {
         return Vec::new();

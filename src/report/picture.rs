@@ -129,18 +129,18 @@ pub fn meridian(folder: &Path, number: Option<usize>, field: &str) -> Result<Str
     let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
     let at = names.iter().position(|n| n.eq_ignore_ascii_case(field)).ok_or_else(|| missing("field", field, &names))?;
     let title = format!("{name}: {} at time {time:.6e}, frame {number} of {}", names[at], series.len());
-    Ok(Picture::of(&frame, at, &find::scene(folder, &name, &sums)?).svg(&title))
+    Ok(MeridianPicture::of(&frame, at, &find::scene(folder, &name, &sums)?).svg(&title))
 }
 
 /// A cell to draw: corners `[r, z]` and the value, if it has one.
-struct Cell {
+struct DrawnCell {
     corners: Vec<[f64; 2]>,
     value: Option<f64>,
 }
 
 /// What is drawn and where it lies.
-struct Picture {
-    cells: Vec<Cell>,
+struct MeridianPicture {
+    cells: Vec<DrawnCell>,
     range: [f64; 2],
     /// z from, z to, largest r.
     view: [f64; 3],
@@ -152,8 +152,8 @@ struct Picture {
     layers: Vec<(f64, f64, String)>,
 }
 
-impl Picture {
-    fn of(frame: &FrameData, field: usize, scene: &Value) -> Picture {
+impl MeridianPicture {
+    fn of(frame: &FrameData, field: usize, scene: &Value) -> MeridianPicture {
         let (_, on_cells, values) = &frame.scalars[field];
         let mesh = drawn(&frame.points, &frame.cells, CELLS);
         let there = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
@@ -167,9 +167,9 @@ impl Picture {
             let value = if *on_cells { values[index] } else { corner_mean(index) };
             let belongs = !*on_cells || (corners.len() == 2) == of_facets;
             let corners = corners.iter().map(|&p| frame.points[mesh.points[p]]).collect();
-            Cell { corners, value: Some(value).filter(|v| belongs && v.is_finite()) }
+            DrawnCell { corners, value: Some(value).filter(|v| belongs && v.is_finite()) }
         };
-        let cells: Vec<Cell> = mesh.corners.iter().zip(&mesh.cells).filter(|c| there(*c.1)).map(cell).collect();
+        let cells: Vec<DrawnCell> = mesh.corners.iter().zip(&mesh.cells).filter(|c| there(*c.1)).map(cell).collect();
         let values = || cells.iter().filter_map(|c| c.value);
         let range = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
         let points: Vec<[f64; 2]> = cells.iter().flat_map(|c| c.corners.iter().copied()).collect();
@@ -180,7 +180,7 @@ impl Picture {
         let lying = along > across;
         let (wide, high) = if lying { (along, across) } else { (across, along) };
         let unit = f64::min((WIDTH - MARGIN[0] - MARGIN[1]) / wide, HEIGHT / high);
-        Picture { cells, range, view, lying, unit, layers: layers(scene) }
+        MeridianPicture { cells, range, view, lying, unit, layers: layers(scene) }
     }
 
     /// Place on the paper.
@@ -230,7 +230,7 @@ impl Picture {
     }
 
     /// Both halves of a cell.
-    fn draw_cell(&self, svg: &mut Svg, cell: &Cell) {
+    fn draw_cell(&self, svg: &mut Svg, cell: &DrawnCell) {
         let colour = cell.value.map_or("#9aa0a6".into(), |v| colour(share(v, self.range)));
         for side in [1.0, -1.0] {
             let path = polyline(cell.corners.iter().map(|[r, z]| self.place([side * r, *z])));

@@ -28,7 +28,7 @@ pub fn table(name: &str, text: &str) -> Result<Table, String> {
     Ok(Table { name: name.to_owned(), header, rows, charts, facts, notes })
 }
 
-struct Columns {
+struct ColumnRoles {
     /// How many parameters come first.
     parameters: usize,
     quantities: Vec<usize>,
@@ -36,14 +36,14 @@ struct Columns {
 }
 
 /// Quantities have parentheses in their names; a reference is followed by the difference from it.
-fn columns(header: &[String]) -> Columns {
+fn columns(header: &[String]) -> ColumnRoles {
     let is_difference = |i: usize| header.get(i).is_some_and(|h| h.starts_with("difference from "));
     let is_reference =
         |i: usize| header.get(i + 1).is_some_and(|h| h.strip_prefix("difference from ") == Some(header[i].as_str()));
     let parameters = header.iter().position(|h| h.contains('(')).unwrap_or(1).max(1);
     let (references, others): (Vec<usize>, Vec<usize>) =
         (parameters..header.len()).filter(|&i| !is_difference(i)).partition(|&i| is_reference(i));
-    Columns { parameters, quantities: others, references }
+    ColumnRoles { parameters, quantities: others, references }
 }
 
 /// One chart for each quantity over the first parameter, a line for each combination of the others.

@@ -1,7 +1,7 @@
 //! A target that cracks along rays where the tension around the cavity passes what it bears: between the elastic and the plastic
 //! zone columns carry radial stress alone (Forrestal and Tzou 1997, Int. J. Solids Struct. 34, 4127).
 
-use super::front::{Elastic, Front};
+use super::front::{ElasticZone, PlasticFront};
 use super::root;
 use super::target::Target;
 
@@ -11,8 +11,8 @@ use super::target::Target;
 /// x = eta; in the columns E (u'' + 2 u'/r) = rho u'', solved by N (1/x + m x / e) + L, e = E/Y. Displacement passes the cracks'
 /// front without a jump, stress and velocity with that of the balance of momentum. The columns are crushed at their strength
 /// without pressure around; there the cracks close, and mass and momentum are kept.
-pub fn front(target: &Target, m: f64, tension: f64) -> Option<Front> {
-    let elastic = Elastic::new(target, m)?;
+pub fn front(target: &Target, m: f64, tension: f64) -> Option<PlasticFront> {
+    let elastic = ElasticZone::new(target, m)?;
     let strength = 1.0 / (1.0 - target.pressure_slope / 3.0);
     let e = target.young;
     let excess = |eta: f64| columns(target, &elastic, m, tension, eta).map(|c| c.amplitude * (e - m) - strength);
@@ -27,7 +27,7 @@ pub fn front(target: &Target, m: f64, tension: f64) -> Option<Front> {
         return None;
     }
     let crushed = crush(target, m, strength, displacement, columns.shift + 2.0 * columns.amplitude)?;
-    Some(Front { crack: Some(eta), ..crushed })
+    Some(PlasticFront { crack: Some(eta), ..crushed })
 }
 
 /// Displacement of the columns, N (1/x + m x / e) + L.
@@ -37,7 +37,7 @@ struct CrackedColumns {
 }
 
 /// The columns behind cracks that run at eta c; `None` where no tension can open cracks there.
-fn columns(target: &Target, elastic: &Elastic, m: f64, tension: f64, eta: f64) -> Option<CrackedColumns> {
+fn columns(target: &Target, elastic: &ElasticZone, m: f64, tension: f64, eta: f64) -> Option<CrackedColumns> {
     let (mach, e, g) = (elastic.mach, target.young, target.shear);
     let cube = mach * mach * mach;
     // By the amplitude A: Mises stress, pressure, strains.
@@ -59,7 +59,7 @@ fn columns(target: &Target, elastic: &Elastic, m: f64, tension: f64, eta: f64) -
 
 /// The crushed target behind its front: all mass that was inside a shell stays inside, so 1 - u/r to the third power is both what
 /// flows through the front and exp(-D) times the density.
-fn crush(target: &Target, m: f64, strength: f64, displacement: f64, velocity: f64) -> Option<Front> {
+fn crush(target: &Target, m: f64, strength: f64, displacement: f64, velocity: f64) -> Option<PlasticFront> {
     let flux = libm::pow(1.0 - displacement, 3.0);
     let grows = 1.0 + 2.0 / 3.0 * target.pressure_slope;
     let mut stress = strength;
@@ -77,5 +77,5 @@ fn crush(target: &Target, m: f64, strength: f64, displacement: f64, velocity: f6
         }
     }
     let shear_strain = libm::log(density) - 3.0 * libm::log1p(-displacement);
-    (density > 0.0 && shear_strain > 0.0).then_some(Front { stress, shear_strain, strain: 1.0, crack: None })
+    (density > 0.0 && shear_strain > 0.0).then_some(PlasticFront { stress, shear_strain, strain: 1.0, crack: None })
 }

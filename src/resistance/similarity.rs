@@ -10,7 +10,7 @@
 //! met exactly, and neither the cavity, a cavity at rest nor incompressibility is singular.
 
 use super::ResistanceError;
-use super::front::{Front, front};
+use super::front::{PlasticFront, front};
 use super::integrate::{WALL, integrate};
 use super::overstress;
 use super::root;
@@ -35,8 +35,8 @@ pub struct Point {
 
 /// A solution at a speed of the plastic front.
 #[derive(Clone, Copy, Debug)]
-struct Zones {
-    front: Front,
+struct SimilarityZones {
+    front: PlasticFront,
     /// Radius of the cavity over that of the plastic front.
     cavity: f64,
     /// Radial stress on its wall over Y.
@@ -46,7 +46,7 @@ struct Zones {
 /// A target around a cavity.
 pub struct Expansion<'a> {
     target: &'a Target,
-    still: Zones,
+    still: SimilarityZones,
 }
 
 impl<'a> Expansion<'a> {
@@ -70,7 +70,7 @@ impl<'a> Expansion<'a> {
 
     /// The zones of a cavity that opens at a velocity. The front is faster than the cavity and, but for the jump where cracks end,
     /// slower than in proportion to a cavity at rest; and the cavity that belongs to that front is larger than its own.
-    fn opened(&self, velocity: f64) -> Result<Zones, ResistanceError> {
+    fn opened(&self, velocity: f64) -> Result<SimilarityZones, ResistanceError> {
         let target = self.target;
         let v = velocity / target.velocity;
         let mut last = Err(ResistanceError::Lost("there are no zones".into()));
@@ -112,11 +112,11 @@ fn fastest(target: &Target, c: f64) -> Result<f64, ResistanceError> {
 }
 
 /// The zones at m = rho c^2 / Y.
-fn zones(target: &Target, m: f64) -> Result<Zones, ResistanceError> {
+fn zones(target: &Target, m: f64) -> Result<SimilarityZones, ResistanceError> {
     let too_fast = || ResistanceError::Fast { velocity: m.sqrt() * target.velocity, fastest: 0.0 };
     let front = front(target, m).ok_or_else(too_fast)?;
     let offset = front.shear_strain - target.shear_strain(front.strain)[0];
-    let plastic = Plastic { target, m, offset };
+    let plastic = PlasticZone { target, m, offset };
     // A front that is faster than the plastic wave is a shock.
     if plastic.stiffness(&plastic.state(front.strain, [0.0, front.stress])) <= 0.0 {
         return Err(too_fast());
@@ -124,11 +124,11 @@ fn zones(target: &Target, m: f64) -> Result<Zones, ResistanceError> {
     let wall = target.strain_at(WALL - offset);
     let slope = |q: f64, y: &[f64; 2]| plastic.slope(q, *y);
     let [log_x, stress] = integrate(&slope, [front.strain, wall], target, [0.0, front.stress])?;
-    Ok(Zones { front, cavity: libm::exp(log_x), stress })
+    Ok(SimilarityZones { front, cavity: libm::exp(log_x), stress })
 }
 
 /// The plastic zone.
-struct Plastic<'a> {
+struct PlasticZone<'a> {
     target: &'a Target,
     m: f64,
     /// D at the front beyond what the curve makes of the strain there: cracks that have closed.
@@ -136,7 +136,7 @@ struct Plastic<'a> {
 }
 
 /// What is known at a strain.
-struct State {
+struct PlasticState {
     /// exp(-D), which is w/x.
     closes: f64,
     /// u/x.
@@ -153,15 +153,15 @@ struct State {
     straining: f64,
 }
 
-impl Plastic<'_> {
-    fn state(&self, q: f64, [log_x, stress]: [f64; 2]) -> State {
+impl PlasticZone<'_> {
+    fn state(&self, q: f64, [log_x, stress]: [f64; 2]) -> PlasticState {
         let target = self.target;
         let [flow, slope] = target.flow(q);
         let [strain, strain_slope] = target.shear_strain_of(q, [flow, slope]);
         let strain = strain + self.offset;
         let pressure = (stress - 2.0 / 3.0 * flow) / self.grows();
         let (closes, x) = (libm::exp(-strain), libm::exp(log_x));
-        State {
+        PlasticState {
             closes,
             opens: -libm::expm1(-strain),
             square: (x * closes) * (x * closes),
@@ -178,7 +178,7 @@ impl Plastic<'_> {
     }
 
     /// What the pressure's slope along the label is divided by.
-    fn stiffness(&self, at: &State) -> f64 {
+    fn stiffness(&self, at: &PlasticState) -> f64 {
         let k = at.density * self.target.compressibility;
         self.grows() + 2.0 / 3.0 * at.hardening * k - at.density * self.m * at.square * k
     }

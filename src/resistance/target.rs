@@ -64,12 +64,12 @@ pub struct Target {
     pub rate: Option<Rate>,
     /// (1 - 2 nu) / 3.
     lateral: f64,
-    flow: Flow,
+    flow: FlowCurve,
 }
 
 /// Yield stress over Y as a function of q.
 #[derive(Clone, Debug)]
-enum Flow {
+enum FlowCurve {
     Power(f64),
     /// `[stress, q]`, and the slope beyond the last.
     Table(Vec<[f64; 2]>, f64),
@@ -84,8 +84,8 @@ impl Target {
         check(material)?;
         let (young, y, nu) = (material.young, material.yield_stress, material.poisson);
         let flow = match &material.curve {
-            Curve::Perfect => Flow::Power(0.0),
-            Curve::Power(n) => Flow::Power(*n),
+            Curve::Perfect => FlowCurve::Power(0.0),
+            Curve::Power(n) => FlowCurve::Power(*n),
             Curve::Table { rows, extrapolates } => table(rows, *extrapolates, young, y)?,
         };
         Ok(Target {
@@ -106,12 +106,12 @@ impl Target {
     /// Yield stress without pressure over Y, and its slope in q.
     pub fn flow(&self, q: f64) -> [f64; 2] {
         match &self.flow {
-            Flow::Power(0.0) => [1.0, 0.0],
-            Flow::Power(n) => {
+            FlowCurve::Power(0.0) => [1.0, 0.0],
+            FlowCurve::Power(n) => {
                 let stress = libm::exp(n * libm::log(q));
                 [stress, n * stress / q]
             }
-            Flow::Table(rows, beyond) => {
+            FlowCurve::Table(rows, beyond) => {
                 let after = rows.partition_point(|r| r[1] <= q).max(1);
                 let from = rows[after - 1];
                 let slope = rows.get(after).map_or(*beyond, |to| (to[0] - from[0]) / (to[1] - from[1]));
@@ -142,12 +142,12 @@ impl Target {
 
     /// Values of q between two at which the slope of the curve jumps.
     pub fn kinks(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
-        let rows: &[[f64; 2]] = if let Flow::Table(rows, _) = &self.flow { rows } else { &[] };
+        let rows: &[[f64; 2]] = if let FlowCurve::Table(rows, _) = &self.flow { rows } else { &[] };
         rows.iter().map(|r| r[1]).filter(move |q| *q > from && *q < to)
     }
 }
 
-fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<Flow, ResistanceError> {
+fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<FlowCurve, ResistanceError> {
     let wrong = |what: String| Err(ResistanceError::Target(format!("the stress-strain curve {what}")));
     match rows.first() {
         None => return wrong("has no rows".into()),
@@ -176,7 +176,7 @@ fn table(rows: &[[f64; 2]], extrapolates: bool, young: f64, y: f64) -> Result<Fl
     if beyond < 0.0 {
         return wrong("falls, and would fall below zero beyond its last row".into());
     }
-    Ok(Flow::Table(scaled, beyond))
+    Ok(FlowCurve::Table(scaled, beyond))
 }
 
 fn check(material: &Material) -> Result<(), ResistanceError> {

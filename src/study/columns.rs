@@ -9,10 +9,10 @@ use crate::output::{Whole, csv};
 /// A table that is being written: it is there when it is finished, and not at all before.
 pub struct TableWriter {
     names: Vec<String>,
-    form: Form,
+    form: TableFormat,
 }
 
-enum Form {
+enum TableFormat {
     Csv(BufWriter<Whole>),
     #[cfg(feature = "parquet")]
     Parquet(Box<parquet_file::Writer>),
@@ -27,10 +27,10 @@ impl TableWriter {
             Some("csv") => {
                 let mut file = BufWriter::new(file()?);
                 file.write_all(csv::line(&names).as_bytes()).map_err(failed)?;
-                Form::Csv(file)
+                TableFormat::Csv(file)
             }
             #[cfg(feature = "parquet")]
-            Some("parquet") => Form::Parquet(Box::new(parquet_file::begin(file()?, &names).map_err(failed)?)),
+            Some("parquet") => TableFormat::Parquet(Box::new(parquet_file::begin(file()?, &names).map_err(failed)?)),
             #[cfg(not(feature = "parquet"))]
             Some("parquet") => {
                 return Err(wrong("this program was built without Parquet: its feature `parquet` is off; write .csv"));
@@ -44,18 +44,18 @@ impl TableWriter {
     pub fn append(&mut self, rows: &[f64]) -> Result<(), StudyError> {
         let width = self.names.len();
         match &mut self.form {
-            Form::Csv(file) => rows.chunks_exact(width).try_for_each(|row| line(file, row)).map_err(failed),
+            TableFormat::Csv(file) => rows.chunks_exact(width).try_for_each(|row| line(file, row)).map_err(failed),
             #[cfg(feature = "parquet")]
-            Form::Parquet(writer) => parquet_file::append(writer, rows, width).map_err(failed),
+            TableFormat::Parquet(writer) => parquet_file::append(writer, rows, width).map_err(failed),
         }
     }
 
     /// Gives the file its name.
     pub fn finish(self) -> Result<(), StudyError> {
         let file = match self.form {
-            Form::Csv(file) => file.into_inner().map_err(io::IntoInnerError::into_error),
+            TableFormat::Csv(file) => file.into_inner().map_err(io::IntoInnerError::into_error),
             #[cfg(feature = "parquet")]
-            Form::Parquet(writer) => parquet_file::end(*writer),
+            TableFormat::Parquet(writer) => parquet_file::end(*writer),
         };
         file.and_then(Whole::finish).map_err(failed)
     }

@@ -4,7 +4,7 @@ use std::time::Instant as Stopwatch;
 
 use super::StudyError;
 use super::quantity::Quantity;
-use super::record::Timing;
+use super::record::StudyTiming;
 use super::refinement::{self, Study};
 use super::runner::StudyRunner;
 use super::settings::Axis;
@@ -30,7 +30,7 @@ pub fn refine(
     axes: &[Axis],
     exact: Option<f64>,
     target: Option<Target>,
-) -> Result<(Study, Option<TargetResult>, Timing), StudyError> {
+) -> Result<(Study, Option<TargetResult>, StudyTiming), StudyError> {
     let begin = Stopwatch::now();
     let (results, met) = match target {
         Some(target) => {
@@ -39,6 +39,6 @@ pub fn refine(
         }
         None => (refinement::grid(bench, axes, exact)?, None),
     };
-    let timing = Timing { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
+    let timing = StudyTiming { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
     Ok((results, met, timing))
 }

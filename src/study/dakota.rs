@@ -13,12 +13,12 @@ use super::sweep::Results;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct DakotaRequest {
-    form: Form,
+    form: FileFormat,
     evaluations: Vec<Evaluation>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+enum FileFormat {
     /// Values and tags, one pair a line.
     Text,
     Json,
@@ -108,10 +108,13 @@ impl DakotaRequest {
     /// The results file: values in the order in which they were asked for, with all their digits; FAIL where there are none.
     pub fn answer(&self, results: &Results) -> String {
         let all = self.evaluations.iter().zip(&results.values);
-        if self.form != Form::Text {
+        if self.form != FileFormat::Text {
             let objects: Vec<Value> = all.map(|(asked, values)| asked.object(values.as_deref().ok())).collect();
-            let value =
-                if self.form == Form::Json { objects.into_iter().next().unwrap_or_default() } else { objects.into() };
+            let value = if self.form == FileFormat::Json {
+                objects.into_iter().next().unwrap_or_default()
+            } else {
+                objects.into()
+            };
             return format!("{value:#}\n");
         }
         // Of a batch each evaluation begins with a line of its own.
@@ -147,7 +150,7 @@ impl Evaluation {
 
 fn from_json(text: &str, batch: bool) -> Result<DakotaRequest, String> {
     let read = if batch { serde_json::from_str(text) } else { serde_json::from_str(text).map(|one| vec![one]) };
-    let form = if batch { Form::JsonBatch } else { Form::Json };
+    let form = if batch { FileFormat::JsonBatch } else { FileFormat::Json };
     Ok(DakotaRequest { form, evaluations: read.map_err(|e| e.to_string())? })
 }
 
@@ -158,14 +161,14 @@ fn number_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, 
 }
 
 /// A pair of a value and its tag, with its line.
-struct Pair {
+struct TaggedValue {
     at: usize,
     value: String,
     tag: String,
 }
 
 /// The pair of a line: `value tag`, or `{ tag = value }`.
-fn pair(at: usize, line: &str) -> Result<Pair, String> {
+fn pair(at: usize, line: &str) -> Result<TaggedValue, String> {
     let line = line.trim();
     let wrong = || format!("line {at}: `{line}` is no value with its tag");
     let (tag, value) = match line.strip_prefix('{').and_then(|inner| inner.strip_suffix('}')) {
@@ -173,17 +176,17 @@ fn pair(at: usize, line: &str) -> Result<Pair, String> {
         None => line.rsplit_once(char::is_whitespace).map(|(value, tag)| (tag, value)).ok_or_else(wrong)?,
     };
     let value = value.trim().trim_matches('"').to_owned();
-    Ok(Pair { at, value, tag: tag.trim().to_owned() })
+    Ok(TaggedValue { at, value, tag: tag.trim().to_owned() })
 }
 
 /// Pairs that are taken one after the other.
-struct Pairs<'a> {
-    rest: &'a [Pair],
+struct PairReader<'a> {
+    rest: &'a [TaggedValue],
 }
 
-impl<'a> Pairs<'a> {
+impl<'a> PairReader<'a> {
     /// The next pair, which has one of two tags.
-    fn expect(&mut self, tags: [&str; 2]) -> Result<&'a Pair, String> {
+    fn expect(&mut self, tags: [&str; 2]) -> Result<&'a TaggedValue, String> {
         let [next, rest @ ..] = self.rest else { return Err(format!("it ends before `{}`", tags[0])) };
         if !tags.contains(&next.tag.as_str()) {
             return Err(format!("line {}: `{}` where `{}` belongs", next.at, next.tag, tags[0]));
@@ -193,7 +196,7 @@ impl<'a> Pairs<'a> {
     }
 
     /// A number of pairs, told by a pair ahead with one of two tags.
-    fn block(&mut self, tags: [&str; 2]) -> Result<&'a [Pair], String> {
+    fn block(&mut self, tags: [&str; 2]) -> Result<&'a [TaggedValue], String> {
         let head = self.expect(tags)?;
         let count: usize =
             head.value.parse().map_err(|_| format!("line {}: `{}` is no number", head.at, head.value))?;
@@ -208,16 +211,16 @@ impl<'a> Pairs<'a> {
 
 fn from_lines(text: &str) -> Result<DakotaRequest, String> {
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let pairs: Vec<Pair> = lines.map(|(i, line)| pair(i + 1, line)).collect::<Result<_, _>>()?;
-    let mut pairs = Pairs { rest: &pairs };
+    let pairs: Vec<TaggedValue> = lines.map(|(i, line)| pair(i + 1, line)).collect::<Result<_, _>>()?;
+    let mut pairs = PairReader { rest: &pairs };
     let mut evaluations = Vec::new();
     while !pairs.rest.is_empty() {
         evaluations.push(evaluation(&mut pairs)?);
     }
-    Ok(DakotaRequest { form: Form::Text, evaluations })
+    Ok(DakotaRequest { form: FileFormat::Text, evaluations })
 }
 
-fn evaluation(pairs: &mut Pairs<'_>) -> Result<Evaluation, String> {
+fn evaluation(pairs: &mut PairReader<'_>) -> Result<Evaluation, String> {
     let variables = pairs.block(["variables", "DAKOTA_VARS"])?;
     let mut responses = Vec::new();
     for pair in pairs.block(["functions", "DAKOTA_FNS"])? {
@@ -230,7 +233,7 @@ fn evaluation(pairs: &mut Pairs<'_>) -> Result<Evaluation, String> {
     pairs.block(["analysis_components", "DAKOTA_AN_COMPS"])?;
     // Versions before 6.16 have no metadata, the oldest no number either.
     let begins =
-        |tags: [&str; 2], pairs: &Pairs<'_>| pairs.rest.first().is_some_and(|p| tags.contains(&p.tag.as_str()));
+        |tags: [&str; 2], pairs: &PairReader<'_>| pairs.rest.first().is_some_and(|p| tags.contains(&p.tag.as_str()));
     let (own, more) = (["eval_id", "DAKOTA_EVAL_ID"], ["metadata", "DAKOTA_METADATA"]);
     let id = if begins(own, pairs) { pairs.expect(own)?.value.clone() } else { String::new() };
     let metadata = if begins(more, pairs) { pairs.block(more)? } else { &[] };
@@ -244,7 +247,7 @@ fn evaluation(pairs: &mut Pairs<'_>) -> Result<Evaluation, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{DakotaRequest, Form};
+    use super::{DakotaRequest, FileFormat};
     use crate::study::StudyError;
     use crate::study::quantity::Quantity;
     use crate::study::sweep::Results;
@@ -286,7 +289,7 @@ mod tests {
         let object = r#"{"variables": [{"label": "V", "value": 821.5}, {"label": "mu", "value": "0.1"}], "eval_id": "1",
             "responses": [{"label": "depth", "active_set": 1}], "derivative_variables": [1], "analysis_components": []}"#;
         let asked = read(object, 1).expect("JSON");
-        assert_eq!((asked.form, values(&asked)), (Form::Json, vec!["821.5 0.1 20".to_owned()]));
+        assert_eq!((asked.form, values(&asked)), (FileFormat::Json, vec!["821.5 0.1 20".to_owned()]));
         let answered: serde_json::Value = serde_json::from_str(&answer(&asked)).expect("JSON");
         assert_eq!(answered["functions"]["depth"], 0.1);
         let batch = read(&format!("[{object}, {object}]"), 1).expect("JSON");

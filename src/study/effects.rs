@@ -7,7 +7,7 @@ use super::ablation::{self, Omission};
 use super::quantity::QuantityValue;
 use super::refinement::{self, Study};
 use super::runner::{StudyRun, StudyRunner, TimeSpread};
-use super::settings::{Axis, Edit, StudyParameter};
+use super::settings::{Axis, ModelEdit, StudyParameter};
 use super::table::{Table, cell, digits, duration, short};
 use crate::model::Model;
 
@@ -69,7 +69,7 @@ pub fn leave_out(bench: &mut StudyRunner<'_>, axes: &[Axis], model: &Model) -> R
     let values = study.rows[row].values.clone();
     let mut effects = Vec::new();
     for Omission { name, instead, edit } in ablation::omissions(model) {
-        let change: Edit = Box::new(move |model| {
+        let change: ModelEdit = Box::new(move |model| {
             edit(model);
             Ok(())
         });

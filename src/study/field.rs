@@ -31,7 +31,7 @@ fn has_norm(variable: Variable) -> bool {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct FieldPoint {
     /// Place at the start (of an element its middle), `[r, z]`.
     pub start: [f64; 2],
     pub now: [f64; 2],
@@ -44,7 +44,7 @@ pub struct Point {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
     /// Nodes, or the quadrilaterals that elements consist of.
-    pub points: Vec<Point>,
+    pub points: Vec<FieldPoint>,
     pub on_elements: bool,
     /// Corners of the quadrilaterals of all elements at the start.
     pub cells: Vec<[[f64; 2]; 4]>,
@@ -81,7 +81,10 @@ impl Field {
 
     /// Relative L2 norm of the difference from what `exact` gives at each point: root of the sum of volume times square,
     /// over that of `exact` itself. Dimensionless.
-    pub(super) fn relative_norm(&self, mut exact: impl FnMut(&Point) -> Result<f64, String>) -> Result<f64, String> {
+    pub(super) fn relative_norm(
+        &self,
+        mut exact: impl FnMut(&FieldPoint) -> Result<f64, String>,
+    ) -> Result<f64, String> {
         let (mut difference, mut size) = (0.0, 0.0);
         // Nodes of no element, as rotations of shells are, stand for nothing.
         for point in self.points.iter().filter(|p| p.weight != 0.0) {
@@ -98,7 +101,7 @@ impl Field {
 
     /// The same against a finer field: nodes by shape functions, elements by the mean of the finer elements inside.
     pub(super) fn relative_norm_against(&self, fine: &Field) -> Result<f64, String> {
-        let buckets = Buckets::new(fine);
+        let buckets = ElementBuckets::new(fine);
         let mut cells = self.cells.iter();
         self.relative_norm(|point| {
             let found = match (self.on_elements, cells.next()) {
@@ -134,10 +137,10 @@ fn of_elements(
     elements: &[(usize, usize)],
     corners: &[[u32; 4]],
     cells: &[[[f64; 2]; 4]],
-) -> Vec<Point> {
+) -> Vec<FieldPoint> {
     let (groups, nodes) = (&state.elements.groups, &state.dofs.nodes);
     let all = elements.iter().zip(cells.iter().zip(corners));
-    all.map(|(&(g, e), (cell, corners))| Point {
+    all.map(|(&(g, e), (cell, corners))| FieldPoint {
         start: middle(cell),
         now: middle(&corners.map(|n| nodes[n as usize].place())),
         weight: quad::volume(*cell),
@@ -146,7 +149,7 @@ fn of_elements(
     .collect()
 }
 
-fn of_nodes(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<Point> {
+fn of_nodes(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<FieldPoint> {
     let nodes = &state.dofs.nodes;
     let mut volume = vec![0.0; nodes.len()];
     for (corner, cell) in corners.iter().zip(cells) {
@@ -155,7 +158,8 @@ fn of_nodes(state: &State, part: Part, corners: &[[u32; 4]], cells: &[[[f64; 2];
         }
     }
     let value = |n: usize| node_value(&state.dofs, &state.constraints, n, part);
-    let point = |n: usize| Point { start: nodes.start[n], now: nodes[n].place(), weight: volume[n], value: value(n) };
+    let point =
+        |n: usize| FieldPoint { start: nodes.start[n], now: nodes[n].place(), weight: volume[n], value: value(n) };
     (0..nodes.len()).map(point).collect()
 }
 
@@ -164,7 +168,7 @@ fn middle(corners: &[[f64; 2]; 4]) -> [f64; 2] {
 }
 
 /// The elements of a field by place, so that few are looked at.
-struct Buckets<'a> {
+struct ElementBuckets<'a> {
     field: &'a Field,
     low: [f64; 2],
     width: [f64; 2],
@@ -175,14 +179,14 @@ struct Buckets<'a> {
     middles: Vec<Vec<u32>>,
 }
 
-impl<'a> Buckets<'a> {
+impl<'a> ElementBuckets<'a> {
     fn new(field: &'a Field) -> Self {
         let all = || field.cells.iter().flatten();
         let low = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::INFINITY, f64::min));
         let high = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max));
         let count = (field.cells.len() as f64).sqrt().ceil().clamp(1.0, 1000.0) as usize;
         let width = [0, 1].map(|axis| ((high[axis] - low[axis]) / count as f64).max(f64::MIN_POSITIVE));
-        let mut buckets = Buckets {
+        let mut buckets = ElementBuckets {
             field,
             low,
             width,
@@ -313,7 +317,7 @@ mod tests {
         } else {
             (0..=n).flat_map(|j| (0..=n).map(move |i| at(i, j))).collect()
         };
-        field.points = places.iter().map(|&p| Point { start: p, now: p, weight: 1.0, value: law(p) }).collect();
+        field.points = places.iter().map(|&p| FieldPoint { start: p, now: p, weight: 1.0, value: law(p) }).collect();
         field
     }
 

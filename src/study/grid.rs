@@ -16,12 +16,12 @@ const MOST: usize = 10_000_000;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
     axes: Vec<(String, Vec<String>)>,
-    order: Order,
+    order: CaseOrder,
 }
 
 /// How values of several parameters meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Order {
+enum CaseOrder {
     /// Each with each; the last parameter varies fastest.
     #[default]
     Product,
@@ -88,7 +88,7 @@ impl Grid {
         match axes[0].1.len() {
             0 => Err("there are no rows under the header".into()),
             count if count > MOST => Err(format!("more than {MOST} rows")),
-            _ => Ok(Grid { axes, order: Order::Rows }),
+            _ => Ok(Grid { axes, order: CaseOrder::Rows }),
         }
     }
 
@@ -98,12 +98,12 @@ impl Grid {
         for row in rows {
             axes.iter_mut().zip(row).for_each(|(axis, value)| axis.1.push(value));
         }
-        Grid { axes, order: Order::Rows }
+        Grid { axes, order: CaseOrder::Rows }
     }
 
     /// So many draws from `NAME=DISTRIBUTION`; other parameters have one value each.
     pub fn random(settings: &[String], count: usize, seed: u64) -> Result<Grid, StudyError> {
-        let mut grid = Grid { axes: Vec::new(), order: Order::Random { count, seed } };
+        let mut grid = Grid { axes: Vec::new(), order: CaseOrder::Random { count, seed } };
         for setting in settings {
             let wrong = |why: String| StudyError::Setting(format!("--set {setting}: {why}"));
             let (name, text) = setting.split_once('=').ok_or_else(|| wrong("NAME=value is the form".into()))?;
@@ -157,7 +157,7 @@ impl Grid {
 
     /// Whether cases stand beside each other in no order of their parameters.
     pub fn is_scattered(&self) -> bool {
-        self.order != Order::Product
+        self.order != CaseOrder::Product
     }
 
     /// Parameters with their values, as given.
@@ -168,18 +168,18 @@ impl Grid {
     /// How many combinations there are.
     pub fn count(&self) -> usize {
         match self.order {
-            Order::Product => self.axes.iter().map(|a| a.1.len()).product(),
-            Order::Rows => self.axes.first().map_or(0, |a| a.1.len()),
-            Order::Random { count, .. } => count,
+            CaseOrder::Product => self.axes.iter().map(|a| a.1.len()).product(),
+            CaseOrder::Rows => self.axes.first().map_or(0, |a| a.1.len()),
+            CaseOrder::Random { count, .. } => count,
         }
     }
 
     /// The combination with that index as `--set` pairs.
     pub fn combination(&self, index: usize) -> Vec<(String, String)> {
-        if self.order == Order::Rows {
+        if self.order == CaseOrder::Rows {
             return self.axes.iter().map(|(name, values)| (name.clone(), values[index].clone())).collect();
         }
-        if let Order::Random { seed, .. } = self.order {
+        if let CaseOrder::Random { seed, .. } = self.order {
             let mut draws = draws(seed, index as u64);
             let value = |of: &Vec<String>| match Distribution::parse(&of[0]) {
                 Ok(distribution) => distribution.quantile(unit(draws.next_u64())).to_string(),

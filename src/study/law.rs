@@ -10,7 +10,7 @@ use crate::resistance::{Derived, Request, Target};
 
 /// What `revolve resistance --json` prints. The keys are stable; velocities are those of the material's units, pressures over Y.
 #[derive(Clone, Debug, Serialize)]
-pub struct Record {
+pub struct ResistanceRecord {
     pub yield_stress: f64,
     pub density: f64,
     /// A, B, C as the card has them.
@@ -47,7 +47,7 @@ pub struct Row {
     pub cracked: Option<f64>,
 }
 
-impl Record {
+impl ResistanceRecord {
     /// Of what was derived, and measured.
     pub fn new(
         target: &Target,
@@ -55,7 +55,7 @@ impl Record {
         derived: &Derived,
         measured: Vec<MeasuredPressure>,
         seconds: f64,
-    ) -> Record {
+    ) -> ResistanceRecord {
         let row = |p: &crate::resistance::similarity::Point| Row {
             velocity: p.velocity,
             pressure: p.stress,
@@ -63,7 +63,7 @@ impl Record {
             plastic: p.plastic,
             cracked: p.cracked,
         };
-        Record {
+        ResistanceRecord {
             yield_stress: target.yield_stress,
             density: target.density,
             constants: derived.constants,

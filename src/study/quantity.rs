@@ -21,13 +21,13 @@ const NO_NORM: &str = "a norm is taken by sweep and study";
 pub struct Quantity {
     /// As written.
     pub text: String,
-    kind: Kind,
+    kind: QuantityKind,
     /// Whether rows are looked at, and not only what they came to.
     rows: bool,
 }
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum QuantityKind {
     /// A number of each run.
     Number(Expression),
     /// `norm(VARIABLE)` alone: a field of each run, compared with the finest.
@@ -53,23 +53,23 @@ impl Quantity {
         let alone = text.trim().strip_prefix("norm(").and_then(|t| t.strip_suffix(')'));
         if let Some(variable) = alone.filter(|a| !a.contains([',', '('])) {
             let field = FieldName::parse(variable).map_err(|e| StudyError::quantity(text, e))?;
-            return Ok(Quantity { text: text.to_owned(), kind: Kind::Field(field), rows: false });
+            return Ok(Quantity { text: text.to_owned(), kind: QuantityKind::Field(field), rows: false });
         }
         for (function, argument) in expression.raw_arguments() {
             check(function, argument).map_err(|e| StudyError::quantity(text, e))?;
         }
         let rows = expression.raw_arguments().any(|(f, _)| f == "at" || f == "mean");
-        Ok(Quantity { text: text.to_owned(), kind: Kind::Number(expression), rows })
+        Ok(Quantity { text: text.to_owned(), kind: QuantityKind::Number(expression), rows })
     }
 
     /// Whether it compares fields with the finest level.
     pub fn compares_fields(&self) -> bool {
-        matches!(self.kind, Kind::Field(_))
+        matches!(self.kind, QuantityKind::Field(_))
     }
 
     /// Whether it is a relative error already: a norm, and nothing else.
     pub fn is_norm(&self) -> bool {
-        let Kind::Number(expression) = &self.kind else { return true };
+        let QuantityKind::Number(expression) = &self.kind else { return true };
         let mut arguments = expression.raw_arguments();
         let alone = format!("norm({})", arguments.next().map_or("", |a| a.1));
         arguments.next().is_none() && self.text.split_whitespace().eq(alone.split_whitespace())
@@ -77,7 +77,7 @@ impl Quantity {
 
     /// Whether of histories the last row alone counts.
     pub fn looks_at_end_alone(&self) -> bool {
-        let Kind::Number(expression) = &self.kind else { return true };
+        let QuantityKind::Number(expression) = &self.kind else { return true };
         expression.raw_arguments().all(|(function, _)| function == "final" || function == "norm")
     }
 
@@ -96,7 +96,7 @@ impl Quantity {
     pub fn check(&self, plan: &Plan) -> Result<(), StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         let nothing = "a norm is taken over what deforms, and nothing here does";
-        let Kind::Number(expression) = &self.kind else {
+        let QuantityKind::Number(expression) = &self.kind else {
             return if !plan.places.elements.is_empty() { Ok(()) } else { Err(wrong(nothing.into())) };
         };
         let mut empty = self.history(plan);
@@ -119,11 +119,11 @@ impl Quantity {
     pub fn evaluate(&self, run: FinishedRun<'_>) -> Result<QuantityValue, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         match &self.kind {
-            Kind::Field(name) => {
+            QuantityKind::Field(name) => {
                 let (time, state) = run.end.ok_or_else(|| wrong(NO_NORM.into()))?;
                 Field::of(state, *name, time).map(|f| QuantityValue::Field(Box::new(f))).map_err(wrong)
             }
-            Kind::Number(_) => self.number(run).map(QuantityValue::Number),
+            QuantityKind::Number(_) => self.number(run).map(QuantityValue::Number),
         }
     }
 
@@ -131,7 +131,7 @@ impl Quantity {
     pub fn number(&self, run: FinishedRun<'_>) -> Result<f64, StudyError> {
         let wrong = |message: String| StudyError::quantity(&self.text, message);
         self.stands_alone()?;
-        let Kind::Number(expression) = &self.kind else { return Err(wrong("it is no number".into())) };
+        let QuantityKind::Number(expression) = &self.kind else { return Err(wrong("it is no number".into())) };
         let call = |function: &str, arguments: &[Argument]| {
             let [Argument::Raw(argument)] = arguments else { return None };
             Some(match function {

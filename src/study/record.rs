@@ -14,7 +14,7 @@ use super::target::{BEYOND, MOST_CYCLES, TargetResult};
 
 /// What `<job>_study.json` holds. The keys are stable.
 #[derive(Clone, Debug, Serialize)]
-pub struct Record<'a> {
+pub struct StudyRecord<'a> {
     /// The quantity as written.
     pub quantity: &'a str,
     /// The exact value, if one was given.
@@ -40,7 +40,7 @@ pub struct Record<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetResult>,
     /// What the study took.
-    pub timing: Timing,
+    pub timing: StudyTiming,
     /// The program's version.
     pub version: &'static str,
 }
@@ -95,7 +95,7 @@ pub fn ablation<'a>(quantity: &'a str, effects: &'a Effects) -> AblationRecord<'
 
 /// What a study took.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Timing {
+pub struct StudyTiming {
     /// Seconds in all runs, deck to last increment.
     pub runs: f64,
     /// Seconds of the study from its first run to its results, files aside.
@@ -146,9 +146,9 @@ pub fn record<'a>(
     exact: Option<f64>,
     study: &'a Study,
     target: Option<TargetResult>,
-    timing: Timing,
-) -> Record<'a> {
-    Record {
+    timing: StudyTiming,
+) -> StudyRecord<'a> {
+    StudyRecord {
         quantity,
         exact,
         reference: study.reference,

@@ -8,17 +8,17 @@ use serde::Serialize;
 use super::StudyError;
 use super::error::accepted;
 use super::quantity::{FinishedRun, Quantity, QuantityValue};
-use super::settings::{Axis, Edit, StudyParameter, edit};
+use super::settings::{Axis, ModelEdit, StudyParameter, edit};
 use crate::deck::{Deck, Diagnostics};
 use crate::job::{self, Overrides};
 use crate::user::compile::Compiled;
 
 /// Gives the deck for values of its parameters.
-pub type Source<'a> = dyn Fn(&Overrides) -> (Deck, Diagnostics) + 'a;
+pub type DeckReader<'a> = dyn Fn(&Overrides) -> (Deck, Diagnostics) + 'a;
 
 /// What settings have in common.
 pub struct StudyRunner<'a> {
-    source: &'a Source<'a>,
+    source: &'a DeckReader<'a>,
     overrides: Vec<(String, String)>,
     user: Option<&'a Compiled>,
     measure: &'a Quantity,
@@ -75,7 +75,7 @@ impl TimeSpread {
 impl<'a> StudyRunner<'a> {
     /// Runs of a deck with these overrides; each setting `repeat` times, `done` after each run.
     pub fn new(
-        source: &'a Source<'a>,
+        source: &'a DeckReader<'a>,
         overrides: &Overrides,
         user: Option<&'a Compiled>,
         measure: &'a Quantity,
@@ -115,9 +115,9 @@ impl<'a> StudyRunner<'a> {
     }
 
     /// Runs with one value for each axis, and a change of the model after those that the values ask for.
-    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<Edit>) -> Result<StudyRun, StudyError> {
+    pub fn at(&mut self, axes: &[Axis], values: &[String], change: Option<ModelEdit>) -> Result<StudyRun, StudyError> {
         let mut overrides = self.overrides.clone();
-        let mut edits: Vec<Edit> = Vec::new();
+        let mut edits: Vec<ModelEdit> = Vec::new();
         for (axis, value) in axes.iter().zip(values) {
             match &axis.parameter {
                 StudyParameter::Parameter(name) => overrides.push((name.clone(), value.clone())),
@@ -128,7 +128,7 @@ impl<'a> StudyRunner<'a> {
         self.edited(&overrides, &edits)
     }
 
-    fn edited(&mut self, overrides: &Overrides, edits: &[Edit]) -> Result<StudyRun, StudyError> {
+    fn edited(&mut self, overrides: &Overrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
         let (mut whole, mut inside) = (Vec::new(), Vec::new());
         let mut first = None;
         for _ in 0..self.repeat {
@@ -146,7 +146,7 @@ impl<'a> StudyRunner<'a> {
         Ok(StudyRun { seconds: TimeSpread::of(&mut whole), loop_seconds: TimeSpread::of(&mut inside), ..run })
     }
 
-    fn once(&self, overrides: &Overrides, edits: &[Edit]) -> Result<StudyRun, StudyError> {
+    fn once(&self, overrides: &Overrides, edits: &[ModelEdit]) -> Result<StudyRun, StudyError> {
         let routines = Compiled::open_any(self.user)?;
         let mut fault = Ok(());
         let mut change = |model: &mut _| fault = edits.iter().try_for_each(|edit| edit(model));

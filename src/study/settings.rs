@@ -139,10 +139,10 @@ fn refuse(why: &str) -> Result<(), StudyError> {
 }
 
 /// A change of the model, or why it cannot be made.
-pub type Edit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
+pub type ModelEdit = Box<dyn Fn(&mut Model) -> Result<(), StudyError>>;
 
 /// The change of the model that a value of a parameter asks for; none for a parameter of the deck.
-pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<Edit>, String> {
+pub(super) fn edit(parameter: &StudyParameter, value: &str) -> Result<Option<ModelEdit>, String> {
     match parameter {
         StudyParameter::Parameter(_) => Ok(None),
         StudyParameter::Increment => increment(value).map(Some),
@@ -165,7 +165,7 @@ pub fn check(axes: &[Axis], model: &Model) -> Result<(), StudyError> {
     Ok(())
 }
 
-fn increment(value: &str) -> Result<Edit, String> {
+fn increment(value: &str) -> Result<ModelEdit, String> {
     let factor = value.parse::<f64>().ok().filter(|f| *f > 0.0 && f.is_finite());
     let factor = factor.ok_or_else(|| format!("--refine increment={value}: a factor above zero is needed"))?;
     Ok(Box::new(move |model| {
@@ -208,7 +208,7 @@ pub fn deforms(model: &Model) -> bool {
     model.made_of().any(|(_, elements)| elements.iter().any(|e| !rigid(e)))
 }
 
-fn load_velocity(value: &str) -> Result<Edit, String> {
+fn load_velocity(value: &str) -> Result<ModelEdit, String> {
     let scheme = match value {
         "predicted" => LoadVelocity::Predicted,
         "lagged" => LoadVelocity::Lagged,
@@ -223,7 +223,7 @@ fn load_velocity(value: &str) -> Result<Edit, String> {
     }))
 }
 
-fn hourglass(value: &str) -> Result<Edit, String> {
+fn hourglass(value: &str) -> Result<ModelEdit, String> {
     let kind = match value {
         "relax-stiffness" => Hourglass::RelaxStiffness,
         "stiffness" => Hourglass::Stiffness,
@@ -255,7 +255,7 @@ pub fn control(model: &mut Model, change: impl Fn(&mut SectionControls)) {
     model.sections.iter_mut().for_each(|section| change(&mut section.controls));
 }
 
-fn stable_estimate(value: &str) -> Result<Edit, String> {
+fn stable_estimate(value: &str) -> Result<ModelEdit, String> {
     let each = match value {
         "element" => true,
         "global" => false,
@@ -277,7 +277,7 @@ fn stable_estimate(value: &str) -> Result<Edit, String> {
     }))
 }
 
-fn precision(value: &str) -> Result<Edit, String> {
+fn precision(value: &str) -> Result<ModelEdit, String> {
     let precision: Precision = value.parse().map_err(|known| format!("--refine precision={value}: {known}"))?;
     Ok(Box::new(move |model| {
         if !deforms(model) {

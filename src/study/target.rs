@@ -54,12 +54,12 @@ pub struct TargetResult {
 }
 
 /// Levels that go together over all refinements.
-struct Ladder<'a> {
+struct LevelLadder<'a> {
     axes: &'a [Axis],
     family: Vec<(usize, String)>,
 }
 
-impl Ladder<'_> {
+impl LevelLadder<'_> {
     /// Levels that were given.
     fn given(&self) -> usize {
         self.axes.iter().filter(|a| a.is_refinement()).map(|a| a.sizes.len()).min().unwrap_or(0)
@@ -117,7 +117,7 @@ pub fn reach(
     }
     let mut whole = Study { axes: axes.iter().map(|a| a.name.clone()).collect(), ..Study::default() };
     for (index, family) in families(axes).into_iter().enumerate() {
-        let climbed = climb(bench, &Ladder { axes, family }, exact, target, index);
+        let climbed = climb(bench, &LevelLadder { axes, family }, exact, target, index);
         let before = whole.rows.len();
         whole.rows.extend(climbed.rows);
         whole.series.extend(climbed.series.into_iter().map(|mut s| {
@@ -131,7 +131,13 @@ pub fn reach(
 }
 
 /// One family: up the ladder, then a look between its levels.
-fn climb(bench: &mut StudyRunner<'_>, ladder: &Ladder<'_>, exact: Option<f64>, target: Target, family: usize) -> Study {
+fn climb(
+    bench: &mut StudyRunner<'_>,
+    ladder: &LevelLadder<'_>,
+    exact: Option<f64>,
+    target: Target,
+    family: usize,
+) -> Study {
     let along: Vec<&str> = ladder.axes.iter().filter(|a| a.is_refinement()).map(|a| a.name.as_str()).collect();
     let series = RefinementSeries { along: along.join(" and "), rows: Vec::new(), sizes: Vec::new(), estimate: None };
     let mut study = Study { series: vec![series], ..Study::default() };
@@ -172,7 +178,7 @@ fn next_cycles(study: &Study) -> Option<f64> {
 /// The coarsest setting that the observed power lets hold the target, tried where it is coarser than the level that does.
 fn look_between(
     bench: &mut StudyRunner<'_>,
-    ladder: &Ladder<'_>,
+    ladder: &LevelLadder<'_>,
     exact: Option<f64>,
     target: Target,
     study: &mut Study,

@@ -65,11 +65,11 @@ pub struct Design {
     /// The next point, and the first of its set.
     next: usize,
     first: usize,
-    set: Set,
+    set: SetState,
 }
 
 /// What the set of the next point needs.
-enum Set {
+enum SetState {
     None,
     /// A permutation of strata for each number of a point.
     Latin(Vec<Vec<u32>>),
@@ -90,7 +90,7 @@ impl Design {
             return Err("more than 4 294 967 295 points".into());
         }
         let sets = Design::sets(sampling, count);
-        Ok(Design { sampling, dimensions, seed, sets, next: 0, first: 0, set: Set::None })
+        Ok(Design { sampling, dimensions, seed, sets, next: 0, first: 0, set: SetState::None })
     }
 
     /// Where sets begin, and the end of the last.
@@ -117,14 +117,14 @@ impl Design {
         }
     }
 
-    fn begin(&self, set: usize, size: usize) -> Set {
+    fn begin(&self, set: usize, size: usize) -> SetState {
         let keys = (0..self.dimensions).map(|i| draws(self.seed, SHUFFLES + (set * self.dimensions + i) as u64));
         match self.sampling {
-            Sampling::Random => Set::None,
-            Sampling::Latin => Set::Latin(keys.map(|mut draws| permutation(size, &mut draws)).collect()),
+            Sampling::Random => SetState::None,
+            Sampling::Latin => SetState::Latin(keys.map(|mut draws| permutation(size, &mut draws)).collect()),
             Sampling::Sobol => {
                 let sequence = Sobol::new(self.dimensions, &JoeKuoD6::minimal());
-                Set::Sobol(Box::new(sequence), keys.map(|mut draws| draws.next_u64()).collect())
+                SetState::Sobol(Box::new(sequence), keys.map(|mut draws| draws.next_u64()).collect())
             }
         }
     }
@@ -132,14 +132,14 @@ impl Design {
     fn point(&mut self, point: &mut [f64]) {
         let mut draws = draws(self.seed, self.next as u64);
         match &mut self.set {
-            Set::None => point.iter_mut().for_each(|u| *u = unit(draws.next_u64())),
-            Set::Latin(strata) => {
+            SetState::None => point.iter_mut().for_each(|u| *u = unit(draws.next_u64())),
+            SetState::Latin(strata) => {
                 let at = self.next - self.first;
                 for (u, strata) in point.iter_mut().zip(strata) {
                     *u = (f64::from(strata[at]) + unit(draws.next_u64())) / strata.len() as f64;
                 }
             }
-            Set::Sobol(sequence, keys) => {
+            SetState::Sobol(sequence, keys) => {
                 let digits = sequence.next().unwrap_or_default();
                 for ((u, digits), key) in point.iter_mut().zip(digits).zip(keys) {
                     *u = unit(scrambled(digits, *key));

@@ -19,7 +19,7 @@ pub struct Indices {
 const RESAMPLED: usize = 1000;
 
 /// What a row adds to: variance and mean, and for each input the two numerators.
-struct Sums(Vec<f64>);
+struct IndexSums(Vec<f64>);
 
 /// From rows f(A), f(B), f(A with input 1 of B), f(A with input 2 of B), …, without those that hold what is not a number; `None` where
 /// nothing varies or there are fewer than two rows.
@@ -42,7 +42,7 @@ pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<Indices> {
             let of = &terms[row * sums.len()..(row + 1) * sums.len()];
             sums.iter_mut().zip(of).for_each(|(sum, term)| *sum += term);
         }
-        Sums(sums)
+        IndexSums(sums)
     };
     let found = sums(&mut (0..count)).indices(count)?;
     let mut resampled = vec![Vec::with_capacity(RESAMPLED); 2 * inputs];
@@ -70,7 +70,7 @@ fn terms(row: &[f64], mean: f64) -> impl Iterator<Item = f64> {
     [a + b, a * a + b * b].into_iter().chain(first).chain(total)
 }
 
-impl Sums {
+impl IndexSums {
     /// First orders, then totals; `None` where nothing varies.
     fn indices(&self, count: usize) -> Option<Vec<f64>> {
         let [mean, square] = [0, 1].map(|i| self.0[i] / (2 * count) as f64);

@@ -57,12 +57,12 @@ impl Fit {
 }
 
 /// A point with its residuals.
-struct Point {
+struct EvaluatedPoint {
     at: Vec<f64>,
     residuals: Vec<f64>,
 }
 
-impl Point {
+impl EvaluatedPoint {
     fn cost(&self) -> f64 {
         square(&self.residuals)
     }
@@ -121,20 +121,20 @@ fn square(residuals: &[f64]) -> f64 {
 }
 
 /// The best of some points, where the model has a value at any.
-fn best<E>(model: &mut Residuals<'_, E>, points: Vec<Vec<f64>>) -> Result<Option<Point>, E> {
+fn best<E>(model: &mut Residuals<'_, E>, points: Vec<Vec<f64>>) -> Result<Option<EvaluatedPoint>, E> {
     let residuals = model(&points)?;
-    let all = points.into_iter().zip(residuals).map(|(at, residuals)| Point { at, residuals });
+    let all = points.into_iter().zip(residuals).map(|(at, residuals)| EvaluatedPoint { at, residuals });
     Ok(all.filter(|p| p.cost().is_finite()).min_by(|a, b| a.cost().total_cmp(&b.cost())))
 }
 
 /// Derivatives of all residuals by each parameter, and parameters beside which one side has no value.
-struct Slopes {
+struct Jacobian {
     columns: Vec<Vec<f64>>,
     edges: Vec<usize>,
 }
 
 /// Derivatives of all residuals, a column a parameter: central, or one-sided where one side has no value, which is told.
-fn jacobian<E>(here: &Point, steps: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Slopes, E> {
+fn jacobian<E>(here: &EvaluatedPoint, steps: &[f64], part: f64, model: &mut Residuals<'_, E>) -> Result<Jacobian, E> {
     let step = |i: usize| steps[i].max(part * here.at[i].abs());
     let beside = |i: usize, side: f64| {
         let mut at = here.at.clone();
@@ -156,7 +156,7 @@ fn jacobian<E>(here: &Point, steps: &[f64], part: f64, model: &mut Residuals<'_,
         above.iter().zip(below).map(slope).collect()
     };
     let columns = (0..steps.len()).map(&mut column).collect();
-    Ok(Slopes { columns, edges })
+    Ok(Jacobian { columns, edges })
 }
 
 /// The matrix of the normal equations over columns of length 1, and the lengths.
@@ -179,12 +179,12 @@ fn normal(columns: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
 
 /// The next point, where the sum of squares is less; `None` where none is found.
 fn step<E>(
-    here: &Point,
+    here: &EvaluatedPoint,
     columns: &[Vec<f64>],
     damping: &mut f64,
     steps: &[f64],
     model: &mut Residuals<'_, E>,
-) -> Result<Option<Point>, E> {
+) -> Result<Option<EvaluatedPoint>, E> {
     let (normal, norms) = normal(columns);
     let size = steps.len();
     let downhill: Vec<f64> = columns

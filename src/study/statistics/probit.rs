@@ -21,7 +21,7 @@ const NARROWEST: f64 = 1e-4;
 ///
 /// Intervals by the matrix of second derivatives at the most likely values; that of the deviation in its logarithm.
 pub fn fit(members: &[(f64, f64)]) -> Option<NormalFit> {
-    let mut here = Point::of(members, start(members)?);
+    let mut here = LikelihoodPoint::of(members, start(members)?);
     for _ in 0..MOST_ITERATIONS {
         let Some(next) = here.uphill(members) else { break };
         let gained = next.likelihood - here.likelihood;
@@ -59,16 +59,16 @@ fn start(members: &[(f64, f64)]) -> Option<[f64; 2]> {
 
 /// Mean and logarithm of the deviation, how likely the members are with them, and derivatives of that: by the mean in units of the
 /// deviation, and by the logarithm.
-struct Point {
+struct LikelihoodPoint {
     at: [f64; 2],
     likelihood: f64,
     slopes: [f64; 2],
     curvatures: [f64; 3],
 }
 
-impl Point {
-    fn of(members: &[(f64, f64)], at: [f64; 2]) -> Point {
-        let mut sum = Point { at, likelihood: 0.0, slopes: [0.0; 2], curvatures: [0.0; 3] };
+impl LikelihoodPoint {
+    fn of(members: &[(f64, f64)], at: [f64; 2]) -> LikelihoodPoint {
+        let mut sum = LikelihoodPoint { at, likelihood: 0.0, slopes: [0.0; 2], curvatures: [0.0; 3] };
         let scale = libm::exp(at[1]);
         for (low, high) in members {
             let (mut a, mut b) = ((low - at[0]) / scale, (high - at[0]) / scale);
@@ -106,7 +106,7 @@ impl Point {
     }
 
     /// A point that is more likely, by Newton's method, damped where that overshoots; `None` where there is none.
-    fn uphill(&self, members: &[(f64, f64)]) -> Option<Point> {
+    fn uphill(&self, members: &[(f64, f64)]) -> Option<LikelihoodPoint> {
         let [u, s] = self.slopes;
         let mut damping = 0.0;
         for _ in 0..60 {
@@ -115,7 +115,7 @@ impl Point {
             if uu > 0.0 && determinant > 0.0 {
                 let step = [(ss * u - us * s) / determinant, (uu * s - us * u) / determinant];
                 let at = [self.at[0] + libm::exp(self.at[1]) * step[0], self.at[1] + step[1]];
-                let next = Point::of(members, at);
+                let next = LikelihoodPoint::of(members, at);
                 if step[1].abs() < 2.0 && next.likelihood > self.likelihood {
                     return Some(next);
                 }
