@@ -92,7 +92,7 @@ pub use command::{Status, line::command_line, threads::default as default_thread
 pub mod internals {
     pub use crate::element::{constants, group, values};
     pub use crate::kernel::{lanes, quad, rotation};
-    pub use crate::material::{failure, plasticity, volumetric};
+    pub use crate::material::{plasticity, volumetric, von_mises};
     pub use crate::mesh::corner_forces;
     pub use crate::state::nodes;
 }

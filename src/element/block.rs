@@ -11,15 +11,15 @@ use super::control::{Control, Lane, Seen, Spring};
 use super::eroded::Eroded;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use super::subzonal::Subzones;
-use crate::element::record::{Flows, Following, Record};
+use crate::element::record::{Following, Record};
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
+use crate::kernel::moduli::Moduli;
 use crate::kernel::quad::{Operators, UNIT, at_corners, dot3, squares, sums};
 use crate::kernel::real::Real;
 use crate::kernel::rotation::{SpinOver, turned, turned_by};
 use crate::kernel::stress::mises;
-use crate::material::failure::Failure;
-use crate::material::plasticity::{Flow, Hardening};
-use crate::material::volumetric::Volumetric;
+use crate::material::increment::{StrainIncrement, StressUpdate};
+use crate::material::{Material, PlasticFlow};
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::{Accelerated, Node};
 
@@ -30,7 +30,7 @@ const SLOW: f64 = 0.25;
 /// Elements side by side, each quantity an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct Block<S, Q, X, T = f64> {
+pub struct ElementBlock<S, T = f64> {
     /// Nodes at the corners, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
     /// Cauchy stress: rr, zz, hoop, rz.
@@ -39,12 +39,8 @@ pub struct Block<S, Q, X, T = f64> {
     pub mass: Lanes<T>,
     /// One over the masses of the corners, as [`sums`].
     pub inverse_mass: [Lanes<T>; 4],
-    /// What hardening keeps.
+    /// State of the material.
     pub state: S,
-    /// What the volumetric law keeps.
-    pub volumetric: Q,
-    /// What failure keeps.
-    pub failure: X,
 }
 
 /// Sums over blocks in one increment, lane by lane: energies that were added, and the largest rate.
@@ -138,16 +134,13 @@ impl<T: Real> Nodes<T> {
     }
 }
 
-/// What a block keeps from one increment to the next besides its stress, as it is while the block is at hand.
+/// Hourglass and viscous stresses of the current block, which the next increment starts from.
 #[repr(C, align(64))]
-pub(super) struct Kept<T = f64> {
+pub(super) struct HourglassState<T = f64> {
     /// Generalised hourglass stresses along r and z.
     hourglass: [Lanes<T>; 2],
     /// Stress of the bulk viscosity.
     viscous: Lanes<T>,
-    /// Part of the stress that the return to the yield surface leaves, where hourglass stresses return with it; 1 elsewhere. Of
-    /// one increment.
-    pub(super) returned: Lanes<T>,
 }
 
 /// Elements of a block where they are: their [`Operators`], and what follows from them.
@@ -191,58 +184,24 @@ pub struct Workspace<T = f64> {
     pub(super) z: [Lanes<T>; 4],
     pub(super) v_r: [Lanes<T>; 4],
     pub(super) v_z: [Lanes<T>; 4],
-    /// Strain increments rr, zz, hoop, rz.
-    pub(super) strain: [Lanes<T>; 4],
     /// Volume at the middle of the increment in the unit [`UNIT`], and what one division of a phase came to.
     middle: Lanes<T>,
     inverse: Lanes<T>,
     /// The elements where they are now.
     now: Geometry<T>,
-    /// Part of the elastic trial that the return to the yield surface left; in single precision the part that it took.
-    left: Lanes<T>,
-    /// Stress before the increment, carried along by the rotation.
-    pub(super) carried: [Lanes<T>; 4],
-    /// Mean stress (in single precision what the increment adds to it) and deviator of the trial.
-    pub(super) mean: Lanes<T>,
-    pub(super) deviator: [Lanes<T>; 4],
-    /// At the middle of the increment, 0 for lanes without element.
-    pub(super) volume: Lanes<T>,
-    pub(super) trial: Lanes<T>,
-    pub(super) flow: Lanes<T>,
+    /// 0 for lanes without element.
     pub(super) weight: Lanes<T>,
-    /// Spin increment, and of a yield surface that moves the back stress that it carried along; of foam, the plastic strain
-    /// increments, while `flow` holds what they dissipate a volume.
-    pub(super) spin: Lanes<T>,
-    pub(super) back: [Lanes<T>; 4],
-    /// Of a bulk modulus that varies: its value, and the heat that the bulk viscosity made.
-    pub(super) bulk: Lanes<T>,
-    pub(super) heat: Lanes<T>,
-    /// Of a shear modulus that varies: its value.
-    pub(super) shear: Lanes<T>,
+    /// Kinematics of the block, and the stress update that its material makes of them.
+    pub(super) strain: StrainIncrement<T>,
+    pub(super) stress: StressUpdate<T>,
     /// Of the task so far.
     pub(super) sums: Sums<T>,
     block: T,
     /// Place of the block in the task.
     pub(super) at: usize,
-    pub(super) count: usize,
-    /// Of the task's blocks, generalised hourglass stresses along r and z; empty without hourglass stiffness.
-    pub(super) hourglass: Vec<[Lanes<T>; 2]>,
-    /// Of the task's blocks, stresses of assumed strains; empty without ENHANCED.
-    pub(super) enhanced: Vec<Assumed>,
-    /// Of the task's blocks, stresses of the bulk viscosity; empty without any.
-    pub(super) viscous: Vec<Lanes<T>>,
-    /// Of the task's blocks, their quarters; empty without subzonal pressures.
-    pub(super) subzones: Vec<Subzones>,
-    /// Of the task's blocks, what outputs ask for; empty if none does.
-    pub(super) records: Vec<Record>,
-    /// Elements that failure deleted in this pass.
-    pub(super) deaths: usize,
-    /// Of the task's blocks, elements that were deleted from outside; empty where none can be.
-    pub(super) eroded: Vec<Eroded>,
-    /// Of the task's blocks, two over the stable increments of their elements; empty unless elements are judged by them and no
-    /// constant says them.
-    pub(super) own_rates: Vec<Lanes<T>>,
-    /// The same of the block at hand.
+    /// State of the task's blocks.
+    pub(super) task: TaskState<T>,
+    /// Two over the stable increments of the elements of the block.
     own_rate: Lanes<T>,
     /// Unit of lengths and times, in those of the scene; velocities, stresses and densities have the same in both.
     pub(super) length: f64,
@@ -251,12 +210,28 @@ pub struct Workspace<T = f64> {
     /// Squares of the largest strain increment of the pass and of the largest change of volume, lane by lane; followed only
     /// under a cap.
     pub(super) deformed: [Lanes<T>; 2],
-    /// What the volumetric strain increments lack to be averaged ones; `None` where each element has its own. Behind all other
-    /// numbers, which would no longer begin with a cache line.
-    pub(super) lacking: Option<Lanes>,
 }
 
-impl<S, Q, X, T: Real> Block<S, Q, X, T> {
+/// State of the blocks of a task beside stress and material: what options of the deck request.
+#[derive(Clone, Debug, Default)]
+pub struct TaskState<T = f64> {
+    /// Generalised hourglass stresses along r and z; empty without hourglass stiffness.
+    pub(super) hourglass: Vec<[Lanes<T>; 2]>,
+    /// Stresses of assumed strains; empty without ENHANCED.
+    pub(super) enhanced: Vec<Assumed>,
+    /// Stresses of the bulk viscosity; empty without any.
+    pub(super) viscous: Vec<Lanes<T>>,
+    /// Quarters of elements; empty without subzonal pressures.
+    pub(super) subzones: Vec<Subzones>,
+    /// Strains and energies that outputs request; empty if none does.
+    pub(super) records: Vec<Record>,
+    /// Elements that were deleted from outside; empty where none can be.
+    pub(super) eroded: Vec<Eroded>,
+    /// Two over the stable increments of elements; empty unless elements are judged by them and no constant gives them.
+    pub(super) own_rates: Vec<Lanes<T>>,
+}
+
+impl<S, T: Real> ElementBlock<S, T> {
     /// Masses of the corners of a lane, in the units of the block.
     pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
         at_corners(column(&self.inverse_mass, lane).map(T::wide)).map(|inverse| 4.0 / inverse)
@@ -272,94 +247,137 @@ impl<S, Q, X, T: Real> Block<S, Q, X, T> {
     }
 }
 
-impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
+impl<S: Clone> ElementBlock<S> {
     /// One increment: stresses at its end, corner forces, and what is added to the sums.
     #[inline(always)]
-    pub fn update<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>, const AREA: bool>(
+    pub fn update<M: Material<State = S>, const AREA: bool>(
         &mut self,
-        (hardening, volumetric, failure): (&H, &V, &F),
+        material: &M,
         constants: &Constants,
         (dt, before): (f64, Accelerated<'_>),
         nodes: &mut Nodes,
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
-        if F::FAILS {
-            self.mask_deleted(failure, nodes, scratch);
-        }
-        let eroded = scratch.eroded.get(scratch.at).filter(|e| e.any()).copied();
-        if let Some(eroded) = &eroded {
-            self.mask_eroded(eroded, nodes, scratch);
-        }
-        let owed =
-            if V::EOS && !V::TOTAL { Some(scratch.owe(corners, &self.nodes, (nodes, dt), before)) } else { None };
+        let eroded = self.mask::<M>(material, nodes, scratch);
+        let owed = M::EQUATION_OF_STATE.then(|| scratch.owe(corners, &self.nodes, (nodes, dt), before));
         let mut kept = scratch.kept();
-        self.strain::<H, V, AREA>(constants, dt, nodes, scratch);
-        if let Some(lacking) = &scratch.lacking
-            && !V::EOS
-        {
-            // The stress answers to the averaged strain; its work is done on the element's own.
-            for l in 0..LANES {
-                scratch.mean[l] += constants.bulk * lacking[l];
-            }
+        self.measure_strain::<M, AREA>(constants, dt, nodes, scratch);
+        if M::EQUATION_OF_STATE {
+            self.measure_volume::<AREA>(scratch);
         }
-        if scratch.cap < f64::INFINITY {
-            scratch.measure();
-        }
-        if H::BACKSTRESS {
-            scratch.back = hardening.back_stress(&self.state);
-            scratch.shift();
-        }
-        if H::PLASTIC {
-            let (shear3, count) = (3.0 * constants.shear, scratch.count);
-            let flow = &mut Flow { trial: &scratch.trial, shear3, dt, count, increment: &mut scratch.flow };
-            hardening.flow(&mut self.state, flow);
-        }
-        if H::BACKSTRESS {
-            hardening.follow(&mut self.state, &scratch.back, &scratch.deviator, &scratch.trial, &scratch.flow);
-        }
-        if V::EOS {
-            self.respond::<H, V, AREA>(volumetric, (3.0 * constants.shear, dt), scratch);
-        }
-        self.stress::<H>(constants, &mut kept, scratch);
-        let shares = if scratch.enhanced.is_empty() { [1.0; LANES] } else { self.shares(failure) };
-        if F::FAILS {
-            self.fail((hardening, volumetric, failure), constants, dt, scratch);
-        }
-        if scratch.enhanced.is_empty() {
-            self.forces::<V, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut Spring);
-        } else {
+        let enhanced = !scratch.task.enhanced.is_empty();
+        let shares = if enhanced { self.shares(material) } else { [1.0; LANES] };
+        self.update_stress(material, constants, scratch);
+        if enhanced {
             let mut seen = Seen::default();
-            self.forces::<V, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut seen);
-            let laws = (hardening, failure, shares);
-            self.enhance::<H, V, F, AREA>(laws, (constants, dt), (&seen, nodes), &mut kept, scratch, corners);
+            self.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut seen);
+            self.enhance::<M, AREA>((material, shares), (constants, dt), (&seen, nodes), scratch, corners);
+        } else {
+            self.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut Spring);
         }
         scratch.keep(kept);
-        if V::EOS && !V::TOTAL {
+        if M::EQUATION_OF_STATE {
             scratch.resist_patterns((dt, constants.hourglass.viscosity), nodes, &self.inverse_mass, corners);
         }
-        if F::FAILS {
-            self.clear_deleted(failure, corners);
-        }
-        if let Some(eroded) = &eroded {
-            self.clear_eroded(eroded, corners);
-        }
-        if V::EOS {
+        self.clear::<M>(material, eroded.as_ref(), corners);
+        if M::MODULI_VARY {
             scratch.keep_own_rates();
         }
         if let Some(owed) = owed {
             scratch.pay(&owed, corners, nodes, dt);
+            material.add_heat(&mut self.state, &scratch.stress.heat, &self.mass);
         }
-        if V::EOS {
-            volumetric.settle(&mut self.volumetric, &scratch.heat, &self.mass);
+    }
+
+    /// Current volumes, masses and viscous stresses, which an equation of state uses.
+    #[inline(always)]
+    fn measure_volume<const AREA: bool>(&self, scratch: &mut Workspace) {
+        for l in 0..LANES {
+            let volume = Operators::of::<AREA>(column(&scratch.r, l), column(&scratch.z, l)).volume;
+            scratch.strain.current_volume[l] = UNIT * volume;
         }
+        scratch.strain.mass = self.mass;
+        scratch.strain.viscous = scratch.task.viscous.get(scratch.at).copied().unwrap_or_default();
     }
 }
 
-impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
+impl<S: Clone, T: Real> ElementBlock<S, T> {
+    /// Before an increment: masks deleted elements. Returns those that were deleted from outside.
+    #[inline(always)]
+    pub(super) fn mask<M: Material<T, State = S>>(
+        &mut self,
+        material: &M,
+        nodes: &mut Nodes<T>,
+        scratch: &mut Workspace<T>,
+    ) -> Option<Eroded> {
+        if M::FAILS {
+            self.mask_deleted(material, nodes, scratch);
+        }
+        let eroded = scratch.task.eroded.get(scratch.at).filter(|e| e.any()).copied();
+        if let Some(eroded) = &eroded {
+            self.mask_eroded(eroded, nodes, scratch);
+        }
+        eroded
+    }
+
+    /// After the increment: clears the forces of deleted elements.
+    #[inline(always)]
+    pub(super) fn clear<M: Material<T, State = S>>(
+        &mut self,
+        material: &M,
+        eroded: Option<&Eroded>,
+        corners: &mut Corners<T>,
+    ) {
+        if M::FAILS {
+            self.clear_deleted(material, corners);
+        }
+        if let Some(eroded) = eroded {
+            self.clear_eroded(eroded, corners);
+        }
+    }
+
+    /// Strain increments and elastic trial, with averaged dilation where elements have it.
+    #[inline(always)]
+    pub(super) fn measure_strain<M: Material<T, State = S>, const AREA: bool>(
+        &mut self,
+        constants: &Constants,
+        dt: T,
+        nodes: &Nodes<T>,
+        scratch: &mut Workspace<T>,
+    ) {
+        self.strain::<M, AREA>(constants, dt, nodes, scratch);
+        if let Some(averaging) = &scratch.strain.averaging
+            && !M::MODULI_VARY
+        {
+            // The stress answers to the averaged strain; its work is done on the element's own.
+            let bulk = T::of(constants.bulk);
+            for l in 0..LANES {
+                scratch.stress.mean[l] += bulk * T::of(averaging[l]);
+            }
+        }
+        if scratch.cap < T::of(f64::INFINITY) {
+            scratch.measure();
+        }
+    }
+
+    /// Lets the material update the stress.
+    #[inline(always)]
+    pub(super) fn update_stress<M: Material<T, State = S>>(
+        &mut self,
+        material: &M,
+        constants: &Constants,
+        scratch: &mut Workspace<T>,
+    ) {
+        material.update(&mut self.state, &mut self.stress, &scratch.strain, &mut scratch.stress);
+        if !matches!(M::FLOW, PlasticFlow::None) && !constants.hourglass.relaxes {
+            scratch.stress.returned = [T::ONE; LANES];
+        }
+    }
+
     /// Strain increments at the middle of the increment, the rotation of the stress, the elastic trial.
     #[inline(always)]
-    pub(super) fn strain<H: Hardening, V: Volumetric, const AREA: bool>(
+    pub(super) fn strain<M: Material<T>, const AREA: bool>(
         &mut self,
         constants: &Constants,
         dt: T,
@@ -367,23 +385,23 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
         scratch: &mut Workspace<T>,
     ) {
         scratch.velocity_gradient::<AREA>(dt, nodes);
-        self.trial::<H, V>(constants, dt, scratch);
+        self.trial::<M>(constants, dt, scratch);
     }
 
     /// The stress turned with the material, and the elastic trial of its mean and deviator.
     #[inline(always)]
-    fn trial<H: Hardening, V: Volumetric>(&mut self, constants: &Constants, dt: T, scratch: &mut Workspace<T>) {
+    fn trial<M: Material<T>>(&mut self, constants: &Constants, dt: T, scratch: &mut Workspace<T>) {
         let (bulk, shear2) = (T::of(constants.bulk), T::of(2.0 * constants.shear));
         let (half, third, unit) = (T::of(0.5), T::of(1.0 / 3.0), T::of(UNIT));
         for l in 0..LANES {
-            let ([rr, zz, around, both], difference) = (column(&scratch.strain, l), scratch.spin[l]);
+            let ([rr, zz, around, both], difference) = (column(&scratch.strain.strain, l), scratch.strain.spin[l]);
             let spin = SpinOver { dividend: difference, divisor: scratch.middle[l], inverse: scratch.inverse[l] };
             let per = dt * spin.per();
             let (d_rr, d_zz, d_hoop, d_rz) = (per * rr, per * zz, per * around, half * (per * both));
             let stress = column(&self.stress, l);
             let carried = if T::SINGLE { turned_by(stress, spin.turn_by()) } else { turned(stress, spin.turn()) };
-            if H::BACKSTRESS || V::TOTAL || T::SINGLE {
-                scratch.spin[l] = difference * spin.per();
+            if M::USES_SPIN || T::SINGLE {
+                scratch.strain.spin[l] = difference * spin.per();
             }
             let dilation = d_rr + d_zz + d_hoop;
             let mean = (carried[0] + carried[1] + carried[2]) * third;
@@ -395,99 +413,31 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 carried[3] + shear2 * d_rz,
             ];
             for (i, d) in [d_rr, d_zz, d_hoop, d_rz].into_iter().enumerate() {
-                scratch.strain[i][l] = d;
-                scratch.carried[i][l] = carried[i];
-                scratch.deviator[i][l] = deviator[i];
+                scratch.strain.strain[i][l] = d;
+                scratch.strain.carried[i][l] = carried[i];
+                scratch.stress.deviator[i][l] = deviator[i];
             }
-            scratch.mean[l] = if T::SINGLE { bulk * dilation } else { mean + bulk * dilation };
-            scratch.volume[l] = unit * scratch.weight[l] * scratch.middle[l];
-            if H::PLASTIC {
+            scratch.stress.mean[l] = if T::SINGLE { bulk * dilation } else { mean + bulk * dilation };
+            scratch.strain.volume[l] = unit * scratch.weight[l] * scratch.middle[l];
+            if matches!(M::FLOW, PlasticFlow::Deviatoric | PlasticFlow::Unknown) {
                 let [a, b, c, d] = deviator.map(|s| s * s);
-                scratch.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
+                scratch.stress.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
             }
         }
-        if !(H::BACKSTRESS || V::TOTAL || T::SINGLE || scratch.records.is_empty()) {
+        if !(M::USES_SPIN || T::SINGLE || scratch.task.records.is_empty()) {
             scratch.divide_spins();
         }
-    }
-
-    /// The stress on the yield surface, and the work done on the way.
-    #[inline(always)]
-    pub(super) fn stress<H: Hardening>(
-        &mut self,
-        constants: &Constants,
-        kept: &mut Kept<T>,
-        scratch: &mut Workspace<T>,
-    ) {
-        let [shear2, shear3] = [2.0, 3.0].map(|times| T::of(times * constants.shear));
-        let relaxes = constants.hourglass.relaxes;
-        if H::PLASTIC {
-            for l in 0..LANES {
-                let (trial, flow) = (scratch.trial[l], scratch.flow[l]);
-                let returned = trial - shear3 * flow;
-                let (factor, left) = if T::SINGLE {
-                    let taken = if flow > T::ZERO { shear3 * flow / trial } else { T::ZERO };
-                    (T::ONE - taken, taken)
-                } else {
-                    let factor = if flow > T::ZERO { returned / trial } else { T::ONE };
-                    (factor, factor)
-                };
-                scratch.left[l] = left;
-                kept.returned[l] = if relaxes { factor } else { T::ONE };
-                scratch.sums.plastic[l] += scratch.volume[l] * returned * flow;
-            }
-        }
-        for l in 0..LANES {
-            let (factor, mean) = (if H::PLASTIC { scratch.left[l] } else { T::ONE }, scratch.mean[l]);
-            let mut s = [
-                mean + factor * scratch.deviator[0][l],
-                mean + factor * scratch.deviator[1][l],
-                mean + factor * scratch.deviator[2][l],
-                factor * scratch.deviator[3][l],
-            ];
-            if T::SINGLE {
-                s = self.added::<H>(shear2, scratch, l);
-            }
-            if H::BACKSTRESS {
-                scratch.sums.plastic[l] += scratch.work_against_back(l);
-                if !T::SINGLE {
-                    for i in 0..4 {
-                        s[i] += scratch.back[i][l];
-                    }
-                }
-            }
-            let double = |i: usize| scratch.strain[i][l] * (scratch.carried[i][l] + s[i]);
-            scratch.sums.internal[l] +=
-                T::of(0.5) * scratch.volume[l] * ((double(0) + double(1)) + (double(2) + T::of(2.0) * double(3)));
-            for i in 0..4 {
-                self.stress[i][l] = s[i];
-            }
-        }
-    }
-
-    /// The stress of a lane by what the increment adds to it and the return takes: where nothing is added or taken no digit
-    /// changes, so that rounding of what stays does not add up over increments.
-    #[inline(always)]
-    fn added<H: Hardening>(&self, shear2: T, scratch: &Workspace<T>, l: usize) -> [T; 4] {
-        let (carried, strain) = (column(&scratch.carried, l), column(&scratch.strain, l));
-        let dilation = strain[0] + strain[1] + strain[2];
-        let even = scratch.mean[l] - shear2 * T::of(1.0 / 3.0) * dilation;
-        [0, 1, 2, 3].map(|i| {
-            let more = if i < 3 { shear2 * strain[i] + even } else { shear2 * strain[i] };
-            let trial = carried[i] + more;
-            if H::PLASTIC { trial - scratch.left[l] * scratch.deviator[i][l] } else { trial }
-        })
     }
 
     /// The elements where they are now: operators, the bound of their highest frequencies, the hourglass pattern. What takes long
     /// ends a loop, so that the lanes behind need not wait for it.
     #[inline(always)]
-    fn measure_now<V: Volumetric, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace<T>) {
+    fn measure_now<M: Material<T>, const AREA: bool>(&self, constants: &Constants, scratch: &mut Workspace<T>) {
         let [shear43, modulus] = wave(constants);
         let unit = T::of(UNIT);
-        let Workspace { r, z, now, bulk, inverse, .. } = scratch;
+        let Workspace { r, z, now, stress: StressUpdate { bulk, .. }, inverse, .. } = scratch;
         for l in 0..LANES {
-            let modulus = if V::EOS { bulk[l] + shear43 } else { modulus };
+            let modulus = if M::MODULI_VARY { bulk[l] + shear43 } else { modulus };
             let (r, z, inverse_mass) = (column(r, l), column(z, l), column(&self.inverse_mass, l));
             let g = Operators::of::<AREA>(r, z);
             // omega^2 <= c_d^2 rho V sum (b_r^2 + b_z^2 + b_theta^2)/m, of which this is the sum.
@@ -516,10 +466,10 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
 
     /// Corner forces of stress, bulk viscosity and hourglass control, and the stable increment.
     #[inline(always)]
-    pub(super) fn forces<V: Volumetric, C: Control<T>, const AREA: bool>(
+    pub(super) fn forces<M: Material<T>, C: Control<T>, const AREA: bool>(
         &mut self,
         (constants, dt): (&Constants, T),
-        kept: &mut Kept<T>,
+        kept: &mut HourglassState<T>,
         scratch: &mut Workspace<T>,
         corners: &mut Corners<T>,
         control: &mut C,
@@ -539,12 +489,12 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
         // it from becoming one of vectors.
         let cap = scratch.cap;
         // Without an increment behind, the velocities say how fast the volume changes.
-        let starts = V::EOS && per_dt == zero;
-        let shocks = V::EOS && !V::TOTAL;
+        let starts = M::MODULI_VARY && per_dt == zero;
+        let shocks = M::EQUATION_OF_STATE;
         let directed = T::of(if constants.shear == 0.0 { 2.0 * BY_DIRECTION } else { 0.0 });
-        self.measure_now::<V, AREA>(constants, scratch);
+        self.measure_now::<M, AREA>(constants, scratch);
         for l in 0..LANES {
-            let modulus = if V::EOS { scratch.bulk[l] + shear43 } else { modulus };
+            let modulus = if M::MODULI_VARY { scratch.stress.bulk[l] + shear43 } else { modulus };
             let ([v0, v1, v2, v3], [_, w1, w2, w3]) = (column(&scratch.v_r, l), column(&scratch.v_z, l));
             let (along_r, along_z, ring) = ([v1, v2, v3], [w1, w2, w3], [v0, v1, v2]);
             let now = &scratch.now;
@@ -563,7 +513,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 // Of the section alone: the ring would show in what is spherical.
                 period = g.volume / (modulus * unit * square * inverse_mass[0] * g.volume).root();
             }
-            let dilation = scratch.strain[0][l] + scratch.strain[1][l] + scratch.strain[2][l];
+            let dilation = scratch.strain.strain[0][l] + scratch.strain.strain[1][l] + scratch.strain.strain[2][l];
             let mut dilation_rate = dilation * per_dt;
             if starts {
                 dilation_rate = (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, ring)) / g.volume;
@@ -576,7 +526,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                     let shear = half * (dot3(g.z, along_r) + dot3(g.r, along_z));
                     [dot3(g.r, along_r), dot3(g.z, along_z), shear].map(|sum| sum / g.volume)
                 } else {
-                    [0, 1, 3].map(|i: usize| scratch.strain[i][l] * per_dt)
+                    [0, 1, 3].map(|i: usize| scratch.strain.strain[i][l] * per_dt)
                 };
                 // The section is a quarter of the hoop operators' first part.
                 let length = half * (T::of(0.25) * g.hoop[0] * (self.mass[l] * all)).root() / g.volume;
@@ -586,10 +536,10 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 sided = by_direction(rates, dilation_rate, viscosity);
             }
             let damping = two * modulus * period * dilation_rate * fraction;
-            let work = scratch.volume[l] * half * (kept.viscous[l] + damping) * dilation;
+            let work = scratch.strain.volume[l] * half * (kept.viscous[l] + damping) * dilation;
             scratch.sums.viscous[l] += work;
-            if V::EOS {
-                scratch.heat[l] = work - scratch.heat[l];
+            if M::EQUATION_OF_STATE {
+                scratch.stress.heat[l] = work - scratch.stress.heat[l];
             }
             kept.viscous[l] = damping;
             // Hourglass control (Flanagan and Belytschko 1981, eqs. 25 to 45) on the pattern free of linear fields. Its spring
@@ -607,7 +557,7 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
                 let spring = if wanted < most { wanted } else { most };
                 let dashpot = viscosity2 * moved;
                 let (old_r, old_z) = (kept.hourglass[0][l], kept.hourglass[1][l]);
-                let left = kept.returned[l];
+                let left = scratch.stress.returned[l];
                 let (new_r, new_z) = (left * (old_r + spring * q_r), left * (old_z + spring * q_z));
                 kept.hourglass[0][l] = new_r;
                 kept.hourglass[1][l] = new_z;
@@ -651,11 +601,11 @@ impl<S: Clone, Q: Clone, X: Clone, T: Real> Block<S, Q, X, T> {
             let capped = share < T::ONE;
             let xi = if capped { fraction * share * pressing } else { fraction };
             // In a cold gas, where xi has no bound, the root itself.
-            let damped = if V::EOS { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
+            let damped = if M::MODULI_VARY { xi + (T::ONE + xi * xi).root() } else { damped(xi) };
             let highest = if capped { cap } else { omega };
             // Two over the increment in which the element would lose or gain as much of its volume as it may.
             let (stable, changing) = (highest * damped, dilation_rate.size() * T::of(2.0 / CHANGE));
-            if V::EOS {
+            if M::MODULI_VARY {
                 scratch.own_rate[l] = stable;
             }
             let rate = scratch.weight[l] * if changing > stable { changing } else { stable };
@@ -694,12 +644,12 @@ impl<T: Real> Workspace<T> {
             let g = Operators::of::<AREA>(middle(r, v_r), middle(z, v_z));
             let (along_r, along_z) = ([v_r[1], v_r[2], v_r[3]], [v_z[1], v_z[2], v_z[3]]);
             let (rz, zr) = (dot3(g.z, along_r), dot3(g.r, along_z));
-            self.strain[0][l] = dot3(g.r, along_r);
-            self.strain[1][l] = dot3(g.z, along_z);
-            self.strain[2][l] = dot3(g.hoop, [v_r[0], v_r[1], v_r[2]]);
-            self.strain[3][l] = rz + zr;
+            self.strain.strain[0][l] = dot3(g.r, along_r);
+            self.strain.strain[1][l] = dot3(g.z, along_z);
+            self.strain.strain[2][l] = dot3(g.hoop, [v_r[0], v_r[1], v_r[2]]);
+            self.strain.strain[3][l] = rz + zr;
             let spin = SpinOver::new(half * (rz - zr), g.volume);
-            self.spin[l] = spin.dividend;
+            self.strain.spin[l] = spin.dividend;
             self.middle[l] = spin.divisor;
             self.inverse[l] = spin.inverse;
         }
@@ -714,34 +664,42 @@ impl<T: Real> Workspace<T> {
         Workspace {
             cap: T::of(f64::INFINITY),
             length,
-            hourglass: if stiff { vec![[[T::ZERO; LANES]; 2]; blocks] } else { Vec::new() },
-            enhanced: if enhanced { vec![Assumed::default(); blocks] } else { Vec::new() },
-            viscous: if viscous { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() },
+            task: TaskState {
+                hourglass: if stiff { vec![[[T::ZERO; LANES]; 2]; blocks] } else { Vec::new() },
+                enhanced: if enhanced { vec![Assumed::default(); blocks] } else { Vec::new() },
+                viscous: if viscous { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() },
+                ..TaskState::default()
+            },
+            strain: StrainIncrement {
+                moduli: Moduli { bulk: constants.bulk, shear: constants.shear },
+                ..StrainIncrement::default()
+            },
             ..Workspace::default()
         }
     }
 
     /// Bytes of its lists.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<[Lanes<T>; 2]>() * self.hourglass.capacity()
-            + size_of::<Assumed>() * self.enhanced.capacity()
-            + size_of::<Lanes<T>>() * self.viscous.capacity()
-            + size_of::<Subzones>() * self.subzones.capacity()
-            + size_of::<Record>() * self.records.capacity()
-            + size_of::<Eroded>() * self.eroded.capacity()
-            + size_of::<Lanes<T>>() * self.own_rates.capacity()
+        let TaskState { hourglass, enhanced, viscous, subzones, records, eroded, own_rates } = &self.task;
+        size_of::<[Lanes<T>; 2]>() * hourglass.capacity()
+            + size_of::<Assumed>() * enhanced.capacity()
+            + size_of::<Lanes<T>>() * viscous.capacity()
+            + size_of::<Subzones>() * subzones.capacity()
+            + size_of::<Record>() * records.capacity()
+            + size_of::<Eroded>() * eroded.capacity()
+            + size_of::<Lanes<T>>() * own_rates.capacity()
     }
 
     /// Makes room for elements of so many blocks that are deleted from outside, and for their rates where they are kept.
     pub(super) fn make_erodible(&mut self, blocks: usize, rates: bool) {
-        self.eroded = vec![Eroded::default(); blocks];
-        self.own_rates = if rates { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() };
+        self.task.eroded = vec![Eroded::default(); blocks];
+        self.task.own_rates = if rates { vec![[T::ZERO; LANES]; blocks] } else { Vec::new() };
     }
 
     /// Keeps the rates of the block at hand, where anything asks for them.
     #[inline(always)]
     fn keep_own_rates(&mut self) {
-        if let Some(rates) = self.own_rates.get_mut(self.at) {
+        if let Some(rates) = self.task.own_rates.get_mut(self.at) {
             *rates = self.own_rate;
         }
     }
@@ -763,35 +721,37 @@ impl<T: Real> Workspace<T> {
 
     /// What the block at hand keeps; zero where nothing is kept.
     #[inline(always)]
-    pub(super) fn kept(&self) -> Kept<T> {
-        Kept {
-            hourglass: self.hourglass.get(self.at).copied().unwrap_or_default(),
-            viscous: self.viscous.get(self.at).copied().unwrap_or_default(),
-            returned: [T::ONE; LANES],
+    pub(super) fn kept(&self) -> HourglassState<T> {
+        HourglassState {
+            hourglass: self.task.hourglass.get(self.at).copied().unwrap_or_default(),
+            viscous: self.task.viscous.get(self.at).copied().unwrap_or_default(),
         }
     }
 
     /// Keeps it until the next increment.
     #[inline(always)]
-    pub(super) fn keep(&mut self, kept: Kept<T>) {
-        if let Some(place) = self.hourglass.get_mut(self.at) {
+    pub(super) fn keep(&mut self, kept: HourglassState<T>) {
+        if let Some(place) = self.task.hourglass.get_mut(self.at) {
             *place = kept.hourglass;
         }
-        if let Some(place) = self.viscous.get_mut(self.at) {
+        if let Some(place) = self.task.viscous.get_mut(self.at) {
             *place = kept.viscous;
         }
     }
 
     /// Sums of the pass, and what deformed in it.
     pub(super) fn parts(&self) -> (Sums, [Lanes; 2]) {
-        (self.sums.wide(self.length), self.deformed.map(|list| list.map(T::wide)))
+        let StressUpdate { internal, dissipated, .. } = self.stress;
+        let sums = Sums { internal, plastic: dissipated, ..self.sums };
+        (sums.wide(self.length), self.deformed.map(|list| list.map(T::wide)))
     }
 
     /// Begins a pass under a bound of frequencies.
     #[inline(always)]
-    pub(super) fn begin(&mut self, cap: f64) {
+    pub(super) fn begin(&mut self, cap: f64, dt: f64) {
         self.sums = Sums::default();
-        self.deaths = 0;
+        self.stress.begin();
+        self.strain.dt = dt;
         (self.cap, self.deformed) = (T::of(cap * self.length), [[T::ZERO; LANES]; 2]);
     }
 
@@ -802,35 +762,20 @@ impl<T: Real> Workspace<T> {
         arch: Arch,
         index: usize,
         stress: &[Lanes<T>; 4],
-        flows: Flows,
+        flow: PlasticFlow,
         (spins, dt): (Lanes, f64),
     ) {
         let unit = self.length * self.length * self.length;
-        let Workspace { records, strain, carried, deviator, back, volume, flow, trial, .. } = self;
-        let (record, plastic) = (&mut records[index], &*back);
-        arch.dispatch(Following {
-            record,
-            stress,
-            flows,
-            spins,
-            dt,
-            unit,
-            strain,
-            carried,
-            deviator,
-            plastic,
-            volume,
-            flow,
-            trial,
-        });
+        let (increment, update, record) = (&self.strain, &self.stress, &mut self.task.records[index]);
+        arch.dispatch(Following { record, stress, flow, spins, dt, unit, increment, update });
     }
 
     /// Spin increments, where nothing but records asks for them.
     #[inline(always)]
     fn divide_spins(&mut self) {
         for l in 0..LANES {
-            let (dividend, divisor, inverse) = (self.spin[l], self.middle[l], self.inverse[l]);
-            self.spin[l] = dividend * SpinOver { dividend, divisor, inverse }.per();
+            let (dividend, divisor, inverse) = (self.strain.spin[l], self.middle[l], self.inverse[l]);
+            self.strain.spin[l] = dividend * SpinOver { dividend, divisor, inverse }.per();
         }
     }
 
@@ -838,7 +783,7 @@ impl<T: Real> Workspace<T> {
     #[inline(always)]
     pub(super) fn measure(&mut self) {
         for l in 0..LANES {
-            let [rr, zz, hoop, rz] = column(&self.strain, l);
+            let [rr, zz, hoop, rz] = column(&self.strain.strain, l);
             let square = self.weight[l] * ((rr * rr + zz * zz) + (hoop * hoop + T::of(2.0) * rz * rz));
             let dilation = self.weight[l] * (rr + zz + hoop);
             self.deformed[0][l] = larger(square, self.deformed[0][l]);
@@ -852,12 +797,10 @@ impl<T: Real> Workspace<T> {
     pub fn prepare(&mut self, block: usize, at: usize, count: usize) {
         self.block = T::of(block as f64);
         self.at = at;
-        self.count = count.min(LANES);
+        self.strain.count = count.min(LANES);
         self.weight = [T::ONE; LANES];
         if count < LANES {
             self.weight[count..].fill(T::ZERO);
-            // Laws are asked for lanes with elements only: what another block left would stay.
-            self.flow[count..].fill(T::ZERO);
         }
     }
 }
@@ -865,7 +808,7 @@ impl<T: Real> Workspace<T> {
 impl Workspace {
     /// Part of the elastic trial's von Mises stress that a law left whose flow is not known: 1 but for rounding is 1.
     pub(super) fn returned(&self, stress: [f64; 4], l: usize) -> f64 {
-        let (left, trial) = (mises(stress), mises(column(&self.deviator, l)));
+        let (left, trial) = (mises(stress), mises(column(&self.stress.deviator, l)));
         let part = left / trial;
         if part < 1.0 - 1e-12 { part } else { 1.0 }
     }
@@ -928,10 +871,10 @@ pub fn across(list: &Lanes) -> f64 {
     sums[0]
 }
 
-impl<S: Persist, Q: Persist, X: Persist, T: Persist> Persist for Block<S, Q, X, T> {
+impl<S: Persist, T: Persist> Persist for ElementBlock<S, T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Block { nodes: _, stress, mass, inverse_mass, state, volumetric, failure } = self;
-        persist_fields!(archive; stress, mass, inverse_mass, state, volumetric, failure);
+        let ElementBlock { nodes: _, stress, mass, inverse_mass, state } = self;
+        persist_fields!(archive; stress, mass, inverse_mass, state);
     }
 }
 
@@ -942,12 +885,19 @@ impl<T: Persist> Persist for Sums<T> {
     }
 }
 
+impl<T: Persist> Persist for TaskState<T> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let TaskState { hourglass, enhanced, viscous, subzones, records, eroded, own_rates } = self;
+        persist_fields!(archive; eroded.as_mut_slice(), own_rates.as_mut_slice());
+        persist_fields!(archive; records.as_mut_slice(), hourglass.as_mut_slice(), enhanced.as_mut_slice());
+        persist_fields!(archive; viscous.as_mut_slice(), subzones.as_mut_slice());
+    }
+}
+
 impl<T: Persist> Persist for Workspace<T> {
     /// The rest of it is scratch memory of one pass; the sums hold while a task is quiescent.
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Workspace { sums, records, hourglass, enhanced, viscous, subzones, eroded, own_rates, .. } = self;
-        persist_fields!(archive; eroded.as_mut_slice(), own_rates.as_mut_slice());
-        persist_fields!(archive; sums, records.as_mut_slice(), hourglass.as_mut_slice(), enhanced.as_mut_slice());
-        persist_fields!(archive; viscous.as_mut_slice(), subzones.as_mut_slice());
+        let Workspace { sums, stress, task, .. } = self;
+        persist_fields!(archive; sums, &mut stress.internal, &mut stress.dissipated, task);
     }
 }

@@ -9,7 +9,7 @@ use crate::kernel::lanes::{Corners, LANES, Lanes};
 use crate::state::nodes::Accelerated;
 
 /// Sums before a block's increment, and the energy that its elements lose to the forces of the increment's begin.
-pub(super) struct Owed {
+pub(super) struct EnergyCorrection {
     sums: [Lanes; 3],
     lost: Lanes,
 }
@@ -24,7 +24,7 @@ impl Workspace {
         of: &[[u32; LANES]; 4],
         (nodes, dt): (&Nodes, f64),
         before: Accelerated<'_>,
-    ) -> Owed {
+    ) -> EnergyCorrection {
         let share = 0.5 * before.half * (dt - before.half);
         let half = 0.5 * dt;
         let mut lost = [0.0; LANES];
@@ -36,13 +36,13 @@ impl Workspace {
                 lost[l] += f_r * (half * v_r - share * a_r) + f_z * (half * v_z - share * a_z);
             }
         }
-        Owed { sums: [self.sums.internal, self.sums.viscous, self.sums.artificial], lost }
+        EnergyCorrection { sums: [self.stress.internal, self.sums.viscous, self.sums.artificial], lost }
     }
 
     /// After the increment, with the corner forces of its end: books what is missing of the work, and counts it and the work of
     /// hourglass control as heat.
     #[inline(always)]
-    pub(super) fn pay(&mut self, owed: &Owed, corners: &Corners, nodes: &Nodes, dt: f64) {
+    pub(super) fn pay(&mut self, owed: &EnergyCorrection, corners: &Corners, nodes: &Nodes, dt: f64) {
         let half = 0.5 * dt;
         let mut lost = owed.lost;
         for i in 0..4 {
@@ -55,10 +55,10 @@ impl Workspace {
         let [internal, viscous, artificial] = &owed.sums;
         for l in 0..LANES {
             let controls = self.sums.artificial[l] - artificial[l];
-            let booked = (self.sums.internal[l] - internal[l]) + (self.sums.viscous[l] - viscous[l]) + controls;
+            let booked = (self.stress.internal[l] - internal[l]) + (self.sums.viscous[l] - viscous[l]) + controls;
             let missing = if self.weight[l] > 0.0 { -lost[l] - booked } else { 0.0 };
-            self.sums.internal[l] += missing;
-            self.heat[l] += missing + controls;
+            self.stress.internal[l] += missing;
+            self.stress.heat[l] += missing + controls;
         }
     }
 }

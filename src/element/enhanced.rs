@@ -3,7 +3,7 @@
 //! Never here: the geometry of the strains, how edges flow, uniform stress.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{Block, Kept, Nodes, Workspace};
+use super::block::{ElementBlock, Nodes, Workspace};
 use super::constants::Constants;
 use super::control::Seen;
 use super::edges::{Yields, largest};
@@ -11,86 +11,64 @@ use super::middle::Middle;
 use crate::kernel::assumed::Directions;
 use crate::kernel::lanes::{Corners, LANES, Lanes, column};
 use crate::kernel::quad::{UNIT, at_corners};
-use crate::material::failure::Failure;
-use crate::material::plasticity::{Flow, Hardening};
-use crate::material::volumetric::Volumetric;
-
-/// What of laws decides over the arithmetic here.
-pub(super) trait Laws {
-    /// Whether something flows.
-    const FLOWS: bool;
-    /// Whether something fails.
-    const FAILS: bool;
-}
-
-impl<H: Hardening, V: Volumetric, F: Failure> Laws for (H, V, F) {
-    const FLOWS: bool = H::PLASTIC || V::FLOWS;
-    const FAILS: bool = F::FAILS;
-}
-
-/// A routine of the user, which may let its material flow.
-pub(super) struct Routine;
-
-impl Laws for Routine {
-    const FLOWS: bool = true;
-    const FAILS: bool = false;
-}
+use crate::material::{Material, PlasticFlow};
 
 /// What damage leaves of the stress of each lane.
 #[inline(always)]
-fn shares<F: Failure>(failure: &F, state: &F::State) -> Lanes {
-    if F::FAILS { std::array::from_fn(|l| failure.share(state, l)) } else { [1.0; LANES] }
+fn shares<M: Material>(material: &M, state: &M::State) -> Lanes {
+    if M::FAILS { std::array::from_fn(|l| material.share(state, l)) } else { [1.0; LANES] }
 }
 
-impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
+impl<S: Clone> ElementBlock<S> {
     /// What damage leaves, before it goes on.
     #[inline(always)]
-    pub(super) fn shares<F: Failure<State = X>>(&self, failure: &F) -> Lanes {
-        shares(failure, &self.failure)
+    pub(super) fn shares<M: Material<State = S>>(&self, material: &M) -> Lanes {
+        shares(material, &self.state)
     }
 
-    /// The patterns' share of an increment of laws that are built in, by what damage left before it.
+    /// The patterns' share of an increment, by what damage left before it.
     #[inline(always)]
-    pub(super) fn enhance<H: Hardening<State = S>, V: Volumetric, F: Failure<State = X>, const AREA: bool>(
+    pub(super) fn enhance<M: Material<State = S>, const AREA: bool>(
         &self,
-        (hardening, failure, before): (&H, &F, Lanes),
+        (material, before): (&M, Lanes),
         (constants, dt): (&Constants, f64),
         (seen, nodes): (&Seen, &Nodes),
-        kept: &mut Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
         let mut middle = Middle::of(constants, scratch);
-        if F::FAILS {
-            middle.fail(&before, &shares(failure, &self.failure));
+        if M::FAILS {
+            middle.fail(&before, &shares(material, &self.state));
         }
-        if V::EOS {
-            middle.vary::<V>(constants, scratch);
+        if M::MODULI_VARY {
+            middle.vary::<M>(constants, scratch);
         }
-        if V::FLOWS {
-            middle.unflow(kept, scratch);
+        if matches!(M::FLOW, PlasticFlow::Coupled) {
+            middle.undo_flow(&mut scratch.stress);
         }
-        if H::PLASTIC && scratch.enhanced[scratch.at].limit[0] == 0.0 {
-            scratch.enhanced[scratch.at].limit = first_yield(hardening, &self.state, constants.shear, scratch.count);
+        let at = scratch.at;
+        if scratch.task.enhanced[at].limit[0] == 0.0
+            && let Some(limit) = material.yield_stress(&self.state, constants.shear, scratch.strain.count)
+        {
+            scratch.task.enhanced[at].limit = limit;
         }
         let increment = (constants.hourglass.enhanced, dt);
-        self.resist::<(H, V, F), AREA>(increment, (seen, &middle, nodes), kept, scratch, corners);
+        self.resist::<M, AREA>(increment, (seen, &middle, nodes), scratch, corners);
     }
 
     /// Stresses of the patterns at the end of the increment, and their corner forces: free of branches, and what is divided
     /// shares divisions.
     #[inline(always)]
-    pub(super) fn resist<L: Laws, const AREA: bool>(
+    pub(super) fn resist<M: Material, const AREA: bool>(
         &self,
         (factor, dt): (f64, f64),
         (seen, middle, nodes): (&Seen, &Middle, &Nodes),
-        kept: &Kept,
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
         // A value of its own: what the loop reads and writes in the scratch memory could be one, and would keep it from
         // becoming one of vectors.
-        let mut assumed = scratch.enhanced[scratch.at];
+        let mut assumed = scratch.task.enhanced[scratch.at];
         for l in 0..LANES {
             let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
             let (directions, operators) = (Directions::of(r, z, seen.ring[l]), seen.operators(l));
@@ -104,7 +82,7 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let (of_r, of_z) = (nodes.of(l, 0), nodes.of(l, 1));
             let triangle = (of_r[2] == of_r[3]) & (of_z[2] == of_z[3]);
             let mut grows = if triangle { 0.0 } else { dt * slowed };
-            if L::FAILS {
+            if M::FAILS {
                 grows *= middle.share[l];
             }
             let [along, beside] = [grows * modulus[0], grows * modulus[1]];
@@ -114,19 +92,19 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
             let mut stress = [[0.0; 2]; 2];
             for p in 0..2 {
                 stress[p] = [assumed.stress[p][0][l], assumed.stress[p][1][l]];
-                if L::FAILS {
+                if M::FAILS {
                     stress[p] = [middle.remains[l] * stress[p][0], middle.remains[l] * stress[p][1]];
                 }
                 stress[p][0] += along * strained[p] + beside * turned[p];
                 stress[p][1] += along * turned[p] + beside * strained[p];
             }
-            if L::FLOWS {
-                let (left, known) = (kept.returned[l], assumed.limit[l]);
+            if !matches!(M::FLOW, PlasticFlow::None) {
+                let (left, known) = (scratch.stress.returned[l], assumed.limit[l]);
                 let mises = left * middle.trial[l];
                 let unflown = if known > 0.0 { known } else { f64::INFINITY };
                 let limit = if left < 1.0 { mises } else { unflown };
                 let mut bound = largest(mises, limit);
-                if L::FAILS {
+                if M::FAILS {
                     bound *= middle.share[l];
                 }
                 // What melts flows at no stress, which is not the same as a stress that is not known.
@@ -169,35 +147,6 @@ impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X> {
                 corners.0[i][l] = [r - along_r[i], z - along_z[i]];
             }
         }
-        scratch.enhanced[scratch.at] = assumed;
+        scratch.task.enhanced[scratch.at] = assumed;
     }
-}
-
-/// Von Mises stress at which each lane begins to flow at rest, as its law is now: found by asking it.
-#[cold]
-#[inline(never)]
-fn first_yield<H: Hardening>(hardening: &H, state: &H::State, shear: f64, count: usize) -> Lanes {
-    let shear3 = 3.0 * shear;
-    let flows = |trial: &Lanes| {
-        let (mut state, mut increment) = (state.clone(), [0.0; LANES]);
-        let flow = &mut Flow { trial, shear3, dt: f64::MAX, count, increment: &mut increment };
-        hardening.flow(&mut state, flow);
-        increment.map(|dp| dp > 0.0)
-    };
-    let (mut low, mut high) = ([0.0; LANES], [1e-12 * shear; LANES]);
-    // Up to what no material bears.
-    for _ in 0..60 {
-        for (l, flown) in flows(&high).into_iter().enumerate() {
-            if !flown {
-                (low[l], high[l]) = (high[l], 2.0 * high[l]);
-            }
-        }
-    }
-    for _ in 0..30 {
-        let between: Lanes = std::array::from_fn(|l| 0.5 * (low[l] + high[l]));
-        for (l, flown) in flows(&between).into_iter().enumerate() {
-            *(if flown { &mut high[l] } else { &mut low[l] }) = between[l];
-        }
-    }
-    high
 }

@@ -370,9 +370,9 @@ mod tests {
     use crate::element::elements::Elements;
     use crate::element::group::Quads;
     use crate::kernel::quad;
-    use crate::material::failure::NoDamage;
     use crate::material::plasticity::Elastic;
     use crate::material::volumetric::Linear;
+    use crate::material::von_mises::VonMises;
     use crate::mesh::gather::Gather;
     use crate::state::nodes::Node;
     use crate::state::nodes::Nodes;
@@ -403,7 +403,7 @@ mod tests {
                 mass[*n as usize] += m;
             }
         }
-        let quads = Quads::new((Elastic, Linear, NoDamage), CONSTANTS, 1.0, &elements, &nodes);
+        let quads = Quads::new(VonMises::new(Elastic, Linear), CONSTANTS, 1.0, &elements, &nodes);
         let gather = Gather::new(count, &[(1, elements.iter().map(|e| (*e).into()).collect())]);
         (Elements::new(vec![Box::new(quads)], vec![0], gather, count), Nodes::new(nodes, mass))
     }

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::element::block::{Block, Nodes, Sums, Workspace, across, is_larger};
+use crate::element::block::{ElementBlock, Nodes, Sums, Workspace, across, is_larger};
 use crate::element::constants::{Constants, damped};
-use crate::element::numbers::{Behind, Forces, Lawful, Numbers, widen};
+use crate::element::numbers::{Forces, IncrementInput, Numbers, widen};
 use crate::element::quiescent::Quiescence;
-use crate::element::record::{Flows, Followed, Record};
+use crate::element::record::{Followed, Record};
 use crate::element::subzonal::Subzones;
 use crate::kernel::lanes::Corners;
 use crate::kernel::lanes::LANES;
@@ -19,9 +19,7 @@ use crate::kernel::quad;
 use crate::kernel::real::Real;
 use crate::kernel::shell::Frame;
 use crate::kernel::topology::{ElementNodes, MOST_NODES, PerNode, Topology};
-use crate::material::failure::{Failure, Initiation};
-use crate::material::plasticity::Hardening;
-use crate::material::volumetric::Volumetric;
+use crate::material::{BlockStart, InitialValue, Material, PlasticFlow};
 use crate::mesh::corner_forces::Slots;
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
@@ -289,13 +287,12 @@ impl Clone for Box<dyn ElementGroup> {
 /// Elements of a group from which on it pays to wake other threads every increment.
 pub(super) const PARALLEL: usize = 1000;
 
-/// Quadrilaterals with a hardening law, a volumetric law, and what fails, weighted by volume or by area, in double precision or
-/// in single.
-pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = false, T: Numbers = f64> {
-    laws: Arc<(H, V, F)>,
+/// Quadrilaterals of one material, weighted by volume or by area, in double precision or in single.
+pub struct Quads<M: Material<T>, const AREA: bool = false, T: Numbers = f64> {
+    material: Arc<M>,
     constants: Constants,
     count: usize,
-    blocks: Vec<Lawful<H, V, F, T>>,
+    blocks: Vec<ElementBlock<M::State, T>>,
     tasks: Vec<Workspace<T>>,
     /// Unit of lengths and times of both.
     length: f64,
@@ -309,14 +306,14 @@ pub struct Quads<H: Hardening, V: Volumetric, F: Failure, const AREA: bool = fal
     cap: f64,
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure> Quads<H, V, F> {
+impl<M: Material> Quads<M> {
     /// Elements by their corner nodes, at their places now.
-    pub fn new(laws: (H, V, F), constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
-        Quads::weighted(laws, constants, density, elements, nodes)
+    pub fn new(material: M, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
+        Quads::weighted(material, constants, density, elements, nodes)
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     /// The same on another instruction set, which gives the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -328,29 +325,17 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quad
     #[must_use]
     pub fn with_subzones(mut self, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
         for (scratch, part) in self.tasks.iter_mut().zip(elements.chunks(TASK * LANES)) {
-            scratch.subzones = part.chunks(LANES).map(|block| Subzones::of(block, nodes)).collect();
+            scratch.task.subzones = part.chunks(LANES).map(|block| Subzones::of(block, nodes)).collect();
         }
         self
     }
 
     /// The same, weighted by volume or by area.
-    pub fn weighted(
-        (hardening, volumetric, failure): (H, V, F),
-        constants: Constants,
-        density: f64,
-        elements: &[[u32; 4]],
-        nodes: &[Node],
-    ) -> Self {
+    pub fn weighted(material: M, constants: Constants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
         let length = T::length(extremes(elements, nodes));
         let fresh = |part: &[_]| {
-            let [area, volume] = sizes(part, nodes);
-            let states = (hardening.fresh(), volumetric.fresh(), failure.fresh(&area, &volume));
-            let mut block = block(states, (density, length), part, nodes);
-            for (l, corners) in part.iter().enumerate() {
-                let [a, b, c, d] = corners.map(|n| nodes[n as usize].place());
-                let middle = [0, 1].map(|i| 0.25 * ((a[i] + b[i]) + (c[i] + d[i])));
-                volumetric.place(&mut block.volumetric, l, middle, area[l].sqrt());
-            }
+            let state = material.initial_state(&block_start(part, nodes));
+            let mut block = block(state, (density, length), part, nodes);
             if AREA {
                 block.inverse_mass =
                     [block.mass.map(|mass| T::of(16.0) / mass), [T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]];
@@ -359,7 +344,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quad
         };
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         Quads {
-            laws: Arc::new((hardening, volumetric, failure)),
+            material: Arc::new(material),
             constants,
             count: elements.len(),
             tasks: blocks.chunks(TASK).map(|part| Workspace::new(&constants, length, part.len())).collect(),
@@ -368,16 +353,16 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quad
             sound: T::sound((constants.bulk + 4.0 / 3.0 * constants.shear) / density),
             arch: Arch::new(),
             quiescence: Quiescence::of_tasks(elements),
-            told: if F::FAILS { vec![false; elements.len()] } else { Vec::new() },
+            told: if M::FAILS { vec![false; elements.len()] } else { Vec::new() },
             cap: f64::INFINITY,
         }
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Clone for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Clone for Quads<M, AREA, T> {
     fn clone(&self) -> Self {
         Quads {
-            laws: Arc::clone(&self.laws),
+            material: Arc::clone(&self.material),
             constants: self.constants,
             count: self.count,
             blocks: self.blocks.clone(),
@@ -392,15 +377,20 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Clon
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     /// What is followed of an element; `None` if nothing is.
     fn followed(&self, element: usize) -> Option<Followed> {
         let block = element / LANES;
-        Some(self.tasks[block / TASK].records.get(block % TASK)?.of(element % LANES))
+        Some(self.tasks[block / TASK].task.records.get(block % TASK)?.of(element % LANES))
     }
 
     /// Whether the pressure, and with it the mass, is part of the state.
-    const HOLDS_PRESSURE: bool = V::EOS && !V::FLOWS;
+    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+
+    /// Sets a value of an element; whether its material uses it.
+    fn set_value(&mut self, element: usize, value: InitialValue) -> bool {
+        self.material.set(&mut self.blocks[element / LANES].state, element % LANES, value)
+    }
 
     /// Corner nodes of an element.
     fn corners(&self, element: usize) -> [u32; 4] {
@@ -414,8 +404,8 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quad
 
     /// Whether an element is deleted.
     fn is_deleted(&self, element: usize) -> bool {
-        let alive = self.laws.2.alive(&self.blocks[element / LANES].failure, element % LANES).unwrap_or(true);
-        !alive || self.is_eroded(element)
+        let status = self.material.value(&self.blocks[element / LANES].state, element % LANES, Variable::Status.into());
+        status == Some(0.0) || self.is_eroded(element)
     }
 
     /// Unit of energies and masses of the blocks.
@@ -426,28 +416,32 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quad
     /// Whether an element was deleted from outside.
     fn is_eroded(&self, element: usize) -> bool {
         let block = element / LANES;
-        self.tasks[block / TASK].eroded.get(block % TASK).is_some_and(|e| e.has(element % LANES))
+        self.tasks[block / TASK].task.eroded.get(block % TASK).is_some_and(|e| e.has(element % LANES))
     }
 }
 
 #[cfg(test)]
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Quads<M, AREA, T> {
     /// Lets no task become quiescent, by counting a node that never rests.
     pub fn keep_awake(&mut self, node: u32) {
         self.quiescence.iter_mut().for_each(|resting| resting.nodes.push(node));
     }
 }
 
-/// Areas of the sections of a block's elements, and their volumes.
-fn sizes(elements: &[[u32; 4]], nodes: &[Node]) -> [Lanes; 2] {
-    let mut sizes = [[1.0; LANES]; 2];
+/// Elements of a block at their places at the start. Lanes behind the last element repeat it.
+fn block_start(elements: &[[u32; 4]], nodes: &[Node]) -> BlockStart {
+    let (area, volume, centre) = ([1.0; LANES], [1.0; LANES], [[0.0; LANES]; 2]);
+    let mut start = BlockStart { count: elements.len(), area, volume, centre };
     for l in 0..LANES {
-        // Lanes behind the last element repeat it.
         let corners = elements[l.min(elements.len() - 1)].map(|n| nodes[n as usize].place());
-        sizes[0][l] = quad::section(corners.map(|c| c[0]), corners.map(|c| c[1]));
-        sizes[1][l] = quad::volume(corners);
+        let [a, b, c, d] = corners;
+        start.area[l] = quad::section(corners.map(|c| c[0]), corners.map(|c| c[1]));
+        start.volume[l] = quad::volume(corners);
+        for i in 0..2 {
+            start.centre[i][l] = 0.25 * ((a[i] + b[i]) + (c[i] + d[i]));
+        }
     }
-    sizes
+    start
 }
 
 /// The least and the largest volume of elements.
@@ -457,21 +451,19 @@ fn extremes(elements: &[[u32; 4]], nodes: &[Node]) -> [f64; 2] {
 }
 
 /// A block of at most eight elements at rest, in units of a length.
-pub(super) fn block<S, Q, X, T: Real>(
-    (state, volumetric, failure): (S, Q, X),
+pub(super) fn block<S, T: Real>(
+    state: S,
     (density, length): (f64, f64),
     elements: &[[u32; 4]],
     nodes: &[Node],
-) -> Block<S, Q, X, T> {
+) -> ElementBlock<S, T> {
     let unit = length * length * length;
-    let mut block = Block {
+    let mut block = ElementBlock {
         nodes: [[0; LANES]; 4],
         stress: [[T::ZERO; LANES]; 4],
         mass: [T::ZERO; LANES],
         inverse_mass: [[T::ZERO; LANES]; 4],
         state,
-        volumetric,
-        failure,
     };
     for l in 0..LANES {
         // Lanes behind the last element repeat it; nothing reads their answers.
@@ -487,7 +479,7 @@ pub(super) fn block<S, Q, X, T: Real>(
     block
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> ElementGroup for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> ElementGroup for Quads<M, AREA, T> {
     fn len(&self) -> usize {
         self.count
     }
@@ -496,7 +488,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
         GroupProperties {
             topology: Topology::Quadrilateral,
             single: T::SINGLE,
-            deletable: self.laws.2.deletes() || self.tasks.iter().any(|scratch| !scratch.eroded.is_empty()),
+            deletable: self.material.can_delete() || self.tasks.iter().any(|scratch| !scratch.task.eroded.is_empty()),
             damped: self.constants.damps(),
             holds_pressure: Self::HOLDS_PRESSURE,
             fields: 0,
@@ -514,11 +506,11 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
     fn update(&mut self, pass: Pass<'_>) -> Totals {
         let Pass { nodes, dt, before, now, threads, corners, lacking, .. } = pass;
         let pass = Common {
-            laws: &self.laws,
+            material: &*self.material,
             constants: &self.constants,
             count: self.count,
             nodes,
-            behind: Behind { dt, before },
+            increment: IncrementInput { dt, before },
             sound: self.sound,
             time: now.total_time,
             cap: self.cap,
@@ -526,27 +518,21 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
         };
         let arch = self.arch;
         let run = |index,
-                   blocks: &mut [Lawful<H, V, F, T>],
+                   blocks: &mut [ElementBlock<M::State, T>],
                    mut corners: Forces<'_, T>,
                    scratch: &mut Workspace<T>,
                    resting: &mut Quiescence| {
             if resting.quiescent && lacking.is_none() && resting.is_still(nodes) {
                 return;
             }
-            let task = Task::<H, V, F, AREA, T> {
-                pass: &pass,
-                arch,
-                index,
-                blocks: &mut *blocks,
-                corners: &mut corners,
-                scratch,
-            };
+            let task =
+                Task::<M, AREA, T> { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut corners, scratch };
             arch.dispatch(task);
             // Without an increment behind nothing has been added to the sums, so they hold while the task is quiescent. The
             // pressure of an equation of state is not in the state looked at here.
             resting.quiescent = dt == 0.0
                 && lacking.is_none()
-                && !V::EOS
+                && !M::MODULI_VARY
                 && corners.are_zero()
                 && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == T::ZERO))
                 && resting.is_still(nodes);
@@ -582,22 +568,13 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
         let (block, lane) = (&self.blocks[element / LANES], element % LANES);
         match part.variable {
             Variable::Stress => Some(block.stress.get(part.component)?[lane].wide()),
-            Variable::PlasticStrain if V::FLOWS => self.laws.1.plastic_strain(&block.volumetric, lane),
-            Variable::PlasticStrain => H::PLASTIC.then(|| self.laws.0.plastic_strain(&block.state, lane)),
-            Variable::Degradation => self.laws.2.damage(&block.failure, lane),
-            Variable::DamageInitiation => self.laws.2.initiation(&block.failure, lane, Initiation::Any),
-            Variable::DuctileInitiation => self.laws.2.initiation(&block.failure, lane, Initiation::Ductile),
-            Variable::JohnsonCookInitiation => self.laws.2.initiation(&block.failure, lane, Initiation::JohnsonCook),
-            Variable::BurnFraction => self.laws.1.burnt(&block.volumetric, lane),
-            Variable::Temperature => {
-                let by_energy = self.laws.1.temperature(&block.volumetric, lane);
-                by_energy.or_else(|| self.laws.0.temperature(&block.state, lane))
-            }
-            Variable::SpecificEnergy => self.laws.1.energy(&block.volumetric, lane),
             Variable::Mass => Some(self.unit() * block.mass[lane].wide()),
             Variable::Status => Some(f64::from(u8::from(!self.is_deleted(element)))),
-            Variable::PlasticComponents if !H::PLASTIC && !V::FLOWS => None,
-            _ => self.followed(element)?.value(part),
+            Variable::PlasticComponents if matches!(M::FLOW, PlasticFlow::None | PlasticFlow::Unknown) => None,
+            _ => {
+                let own = self.material.value(&block.state, lane, part);
+                own.or_else(|| self.followed(element)?.value(part))
+            }
         }
     }
 
@@ -607,7 +584,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
             // Where the pressure follows from density or energy a mass, the mass is part of the state.
             Some(_) if Self::HOLDS_PRESSURE || AREA => return None,
             None if Self::HOLDS_PRESSURE => {
-                let rates = self.tasks[block / TASK].own_rates.get(block % TASK);
+                let rates = self.tasks[block / TASK].task.own_rates.get(block % TASK);
                 return Some(rates.map_or(0.0, |rates| 0.5 * rates[lane].wide()));
             }
             Some(masses) => *masses.first_chunk()?,
@@ -644,7 +621,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Elem
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Extensions for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Extensions for Quads<M, AREA, T> {
     fn settings(&mut self) -> &mut dyn Settings {
         self
     }
@@ -662,7 +639,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Exte
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Settings for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Settings for Quads<M, AREA, T> {
     fn set_masses(&mut self, element: usize, masses: &[f64]) {
         let Some(masses) = masses.first_chunk::<4>() else { return };
         // The increment that a quiescent task allows is no longer what it was.
@@ -673,7 +650,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Sett
 
     fn follow(&mut self) {
         for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            scratch.records = vec![Record::default(); blocks.len()];
+            scratch.task.records = vec![Record::default(); blocks.len()];
         }
     }
 
@@ -686,7 +663,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Sett
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Deletion for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Deletion for Quads<M, AREA, T> {
     fn make_erodible(&mut self) {
         for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
             scratch.make_erodible(blocks.len(), Self::HOLDS_PRESSURE);
@@ -698,14 +675,14 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Dele
         self.quiescence[block / TASK].quiescent = false;
         // Lanes behind the last element repeat it.
         let behind = if element + 1 == self.count { LANES } else { lane + 1 };
-        (lane..behind).for_each(|l| self.tasks[block / TASK].eroded[block % TASK].take(l, volume));
+        (lane..behind).for_each(|l| self.tasks[block / TASK].task.eroded[block % TASK].take(l, volume));
         if let Some(told) = self.told.get_mut(element) {
             *told = true;
         }
     }
 
     fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
-        if !F::FAILS || self.tasks.iter().all(|scratch| scratch.deaths == 0) {
+        if !M::FAILS || self.tasks.iter().all(|scratch| scratch.stress.deleted == 0) {
             return;
         }
         let mut told = std::mem::take(&mut self.told);
@@ -714,42 +691,45 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Dele
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> InitialState for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> InitialState for Quads<M, AREA, T> {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
         for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
             list[lane] = T::of(value);
         }
         if let Some(temperature) = temperature {
-            self.laws.0.heat(&mut block.state, lane, temperature);
-            self.laws.1.heat(&mut block.volumetric, lane, temperature);
+            self.set_value(element, InitialValue::Temperature(temperature));
         }
     }
 
+    fn set_state(&mut self, element: usize, variable: usize, value: f64) -> bool {
+        self.set_value(element, InitialValue::StateVariable(variable, value))
+    }
+
     fn set_plastic_strain(&mut self, element: usize, strain: f64) -> bool {
-        let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
-        self.laws.0.harden(&mut block.state, lane, strain)
+        self.set_value(element, InitialValue::PlasticStrain(strain))
     }
 
     fn set_energy(&mut self, element: usize, energy: f64) {
-        self.laws.1.set_energy(&mut self.blocks[element / LANES].volumetric, element % LANES, energy);
+        self.set_value(element, InitialValue::SpecificEnergy(energy));
     }
 
     fn set_length(&mut self, element: usize, length: f64) {
-        self.laws.2.set_length(&mut self.blocks[element / LANES].failure, element % LANES, length);
+        self.set_value(element, InitialValue::Length(length));
     }
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Temperatures for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Temperatures for Quads<M, AREA, T> {
     fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (e, temperature) in temperatures.iter().enumerate() {
-            self.laws.0.heat(&mut self.blocks[e / LANES].state, e % LANES, *temperature);
+            self.set_value(e, InitialValue::Temperature(*temperature));
         }
     }
 
     fn temperatures(&self, out: &mut [f64]) {
         for (e, out) in out.iter_mut().enumerate() {
-            *out = self.laws.0.temperature(&self.blocks[e / LANES].state, e % LANES).unwrap_or(*out);
+            let held = self.material.value(&self.blocks[e / LANES].state, e % LANES, Variable::Temperature.into());
+            *out = held.unwrap_or(*out);
         }
     }
 
@@ -764,7 +744,7 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Temp
             }
             self.quiescence[e / (TASK * LANES)].quiescent = false;
             let (block, lane) = (&mut self.blocks[e / LANES], e % LANES);
-            let share = self.laws.2.share(&block.failure, lane);
+            let share = self.material.share(&block.state, lane);
             let pressure = share * 3.0 * self.constants.bulk * strain;
             block.stress[..3].iter_mut().for_each(|list| list[lane] = T::of(list[lane].wide() - pressure));
             let corners = [0, 1, 2, 3].map(|c| nodes[block.nodes[c][lane] as usize]);
@@ -775,12 +755,12 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Temp
 }
 
 /// What all blocks of one pass share.
-struct Common<'a, H, V, F> {
-    laws: &'a (H, V, F),
+struct Common<'a, M> {
+    material: &'a M,
     constants: &'a Constants,
     count: usize,
     nodes: &'a [Node],
-    behind: Behind<'a>,
+    increment: IncrementInput<'a>,
     /// Speed of sound; 0 in double precision, where nothing asks for it.
     sound: f64,
     time: f64,
@@ -789,18 +769,16 @@ struct Common<'a, H, V, F> {
 }
 
 /// The blocks that a thread takes at once.
-struct Task<'a, 'c, H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> {
-    pass: &'a Common<'a, H, V, F>,
+struct Task<'a, 'c, M: Material<T>, const AREA: bool, T: Numbers> {
+    pass: &'a Common<'a, M>,
     arch: Arch,
     index: usize,
-    blocks: &'a mut [Lawful<H, V, F, T>],
+    blocks: &'a mut [ElementBlock<M::State, T>],
     corners: &'a mut Forces<'c, T>,
     scratch: &'a mut Workspace<T>,
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> NullaryFnOnce
-    for Task<'_, '_, H, V, F, AREA, T>
-{
+impl<M: Material<T>, const AREA: bool, T: Numbers> NullaryFnOnce for Task<'_, '_, M, AREA, T> {
     type Output = ();
 
     /// Inlined into a function of the machine's instruction set.
@@ -808,29 +786,27 @@ impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Null
     fn call(self) {
         let scratch = self.scratch;
         let pass = self.pass;
-        let laws = (&pass.laws.0, &pass.laws.1, &pass.laws.2);
-        scratch.begin(pass.cap);
+        scratch.begin(pass.cap, pass.increment.dt);
         let mut places = Nodes::default();
         let mut own = Corners::default();
         for (i, block) in self.blocks.iter_mut().enumerate() {
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes, pass.sound);
-            scratch.lacking = pass.lacking.map(|list| list[index]);
-            if V::TIMED {
-                pass.laws.1.begin(&mut block.volumetric, pass.time);
-            }
+            scratch.strain.averaging = pass.lacking.map(|list| list[index]);
+            pass.material.begin(&mut block.state, pass.time);
             let corners = match self.corners {
                 Forces::Own(list) => &mut list[i],
                 Forces::Wider(_) => &mut own,
             };
-            T::update::<H, V, F, AREA>(block, laws, pass.constants, &pass.behind, &mut places, scratch, corners);
+            let increment = &pass.increment;
+            T::update::<M, AREA>(block, pass.material, pass.constants, increment, &mut places, scratch, corners);
             if let Forces::Wider(list) = self.corners {
                 widen(&own, &mut list[i]);
             }
-            if !scratch.records.is_empty() {
-                let increment = (wide(&scratch.spin), pass.behind.dt);
-                scratch.follow(self.arch, i, &block.stress, const { Flows::of::<H, V>() }, increment);
+            if !scratch.task.records.is_empty() {
+                let increment = (wide(&scratch.strain.spin), increment.dt);
+                scratch.follow(self.arch, i, &block.stress, M::FLOW, increment);
             }
         }
     }
@@ -870,10 +846,10 @@ pub(super) fn totals(tasks: impl Iterator<Item = (Sums, [Lanes; 2])>, most: impl
     totals
 }
 
-impl<H: Hardening, V: Volumetric, F: Failure, const AREA: bool, T: Numbers> Persist for Quads<H, V, F, AREA, T> {
+impl<M: Material<T>, const AREA: bool, T: Numbers> Persist for Quads<M, AREA, T> {
     fn persist(&mut self, archive: &mut Archive<'_>) {
         let Quads {
-            laws: _,
+            material: _,
             constants: _,
             count: _,
             blocks,
@@ -904,9 +880,9 @@ mod tests {
     use crate::element::constants::{Constants, HourglassControl};
     use crate::kernel::lanes::Corners;
     use crate::kernel::lanes::LANES;
-    use crate::material::failure::NoDamage;
-    use crate::material::plasticity::Lines;
+    use crate::material::plasticity::PiecewiseLinearHardening;
     use crate::material::volumetric::Linear;
+    use crate::material::von_mises::VonMises;
     use crate::mesh::corner_forces::Slots;
     use crate::state::Instant;
     use crate::state::nodes::Node;
@@ -934,8 +910,8 @@ mod tests {
             bulk_viscosity: [0.06, 1.2],
         };
         let run = |arch: Arch| {
-            let lines = Lines::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
-            let mut quads = Quads::new((lines, Linear, NoDamage), constants, 2.0, &elements, &nodes).on(arch);
+            let lines = PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");
+            let mut quads = Quads::new(VonMises::new(lines, Linear), constants, 2.0, &elements, &nodes).on(arch);
             let mut corners = vec![Corners::default(); elements.len().div_ceil(LANES)];
             let totals = (0..3).map(|_| {
                 let now = &Instant::default();

@@ -2,12 +2,13 @@
 //! Never here: strains of the patterns.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use super::block::{Kept, Workspace};
+use super::block::Workspace;
 use super::constants::Constants;
 use crate::kernel::assumed::moduli;
 use crate::kernel::lanes::{LANES, Lanes, column};
 use crate::kernel::stress::mises;
-use crate::material::volumetric::Volumetric;
+use crate::material::Material;
+use crate::material::increment::StressUpdate;
 
 /// The largest trace of the squares of the patterns' frequencies over the square of that of the strains' bound: a folded
 /// element, whose patterns move next to no mass, has no more stiffness than that.
@@ -59,8 +60,8 @@ impl Middle {
         let Constants { bulk, shear, .. } = *constants;
         let Elastic { along, beside, ratio, slow, compliance } = Elastic::of(bulk, shear);
         Middle {
-            deviator: scratch.deviator,
-            trial: scratch.trial,
+            deviator: scratch.stress.deviator,
+            trial: scratch.stress.trial,
             along: [along; LANES],
             beside: [beside; LANES],
             ratio: [ratio; LANES],
@@ -73,11 +74,11 @@ impl Middle {
 
     /// Moduli of now where they vary.
     #[inline(always)]
-    pub fn vary<V: Volumetric>(&mut self, constants: &Constants, scratch: &Workspace) {
+    pub fn vary<M: Material>(&mut self, constants: &Constants, scratch: &Workspace) {
         for l in 0..LANES {
-            let (mut bulk, mut shear) = (scratch.bulk[l], constants.shear);
-            if V::TOTAL {
-                shear = scratch.shear[l];
+            let (mut bulk, mut shear) = (scratch.stress.bulk[l], constants.shear);
+            if !M::EQUATION_OF_STATE {
+                shear = scratch.stress.shear[l];
                 bulk += 4.0 / 3.0 * (constants.shear - shear);
                 bulk = if bulk > shear { bulk } else { shear };
             }
@@ -100,11 +101,11 @@ impl Middle {
         }
     }
 
-    /// Of what flows without a hardening law: the trial from the plastic strain, and the part of it that is left.
+    /// Of coupled plastic flow: the trial from the plastic strain, and the part of it that is left.
     #[inline(always)]
-    pub fn unflow(&mut self, kept: &mut Kept, scratch: &Workspace) {
+    pub fn undo_flow(&mut self, update: &mut StressUpdate) {
         for l in 0..LANES {
-            let plastic = column(&scratch.back, l);
+            let plastic = column(&update.plastic, l);
             let mean = (plastic[0] + plastic[1] + plastic[2]) * (1.0 / 3.0);
             let end = column(&self.deviator, l);
             let twice = 1.0 / self.compliance[l];
@@ -114,8 +115,8 @@ impl Middle {
                 self.deviator[i][l] = trial[i];
             }
             self.trial[l] = mises(trial);
-            let flows = scratch.flow[l] > 0.0;
-            kept.returned[l] = if flows { mises(end) / self.trial[l] } else { 1.0 };
+            let flows = update.flow[l] > 0.0;
+            update.returned[l] = if flows { mises(end) / self.trial[l] } else { 1.0 };
         }
     }
 }

@@ -3,7 +3,6 @@
 
 mod assumed;
 pub mod averaging;
-mod back_stress;
 pub mod block;
 pub mod compatible;
 pub mod connector;
@@ -23,7 +22,6 @@ pub mod group;
 pub mod instructions;
 pub mod lengths;
 pub mod mass_scaling;
-mod mean_stress;
 mod middle;
 pub mod numbers;
 pub mod pattern;

@@ -1,23 +1,19 @@
 //! The precision of a group's numbers: what a block does in an increment, in which units, where its corner forces go.
 //! Never here: arithmetic that both precisions share.
 
-use super::block::{Block, Nodes, Workspace};
+use super::block::{ElementBlock, Nodes, Workspace};
 use super::constants::Constants;
-use crate::kernel::lanes::{Corners, near, wide};
+use super::control::Spring;
+use crate::kernel::lanes::Corners;
 use crate::kernel::quad::UNIT;
 use crate::kernel::real::Real;
-use crate::material::failure::Failure;
-use crate::material::plasticity::{Flow, Hardening};
-use crate::material::volumetric::Volumetric;
+use crate::material::Material;
 use crate::mesh::corner_forces::Slots;
 use crate::state::archive::Persist;
 use crate::state::nodes::Accelerated;
 
-/// A block of elements with these laws.
-pub type Lawful<H, V, F, T> = Block<<H as Hardening>::State, <V as Volumetric>::State, <F as Failure>::State, T>;
-
-/// What one increment of a block is given, beside its corner nodes.
-pub struct Behind<'a> {
+/// The increment that a block is updated over.
+pub struct IncrementInput<'a> {
     /// Length of the increment.
     pub dt: f64,
     /// What carried nodes over it.
@@ -44,11 +40,11 @@ pub trait Numbers: Real + Persist {
     fn forces(slots: Slots<'_>) -> Forces<'_, Self>;
 
     /// One increment of a block.
-    fn update<H: Hardening, V: Volumetric, F: Failure, const AREA: bool>(
-        block: &mut Lawful<H, V, F, Self>,
-        laws: (&H, &V, &F),
+    fn update<M: Material<Self>, const AREA: bool>(
+        block: &mut ElementBlock<M::State, Self>,
+        material: &M,
         constants: &Constants,
-        behind: &Behind<'_>,
+        increment: &IncrementInput<'_>,
         nodes: &mut Nodes<Self>,
         scratch: &mut Workspace<Self>,
         corners: &mut Corners<Self>,
@@ -72,16 +68,16 @@ impl Numbers for f64 {
     }
 
     #[inline(always)]
-    fn update<H: Hardening, V: Volumetric, F: Failure, const AREA: bool>(
-        block: &mut Lawful<H, V, F, f64>,
-        laws: (&H, &V, &F),
+    fn update<M: Material, const AREA: bool>(
+        block: &mut ElementBlock<M::State>,
+        material: &M,
         constants: &Constants,
-        behind: &Behind<'_>,
+        increment: &IncrementInput<'_>,
         nodes: &mut Nodes,
         scratch: &mut Workspace,
         corners: &mut Corners,
     ) {
-        block.update::<H, V, F, AREA>(laws, constants, (behind.dt, behind.before), nodes, scratch, corners);
+        block.update::<M, AREA>(material, constants, (increment.dt, increment.before), nodes, scratch, corners);
     }
 }
 
@@ -109,76 +105,24 @@ impl Numbers for f32 {
     }
 
     #[inline(always)]
-    fn update<H: Hardening, V: Volumetric, F: Failure, const AREA: bool>(
-        block: &mut Lawful<H, V, F, f32>,
-        laws: (&H, &V, &F),
+    fn update<M: Material<f32>, const AREA: bool>(
+        block: &mut ElementBlock<M::State, f32>,
+        material: &M,
         constants: &Constants,
-        behind: &Behind<'_>,
+        increment: &IncrementInput<'_>,
         nodes: &mut Nodes<f32>,
         scratch: &mut Workspace<f32>,
         corners: &mut Corners<f32>,
     ) {
-        const { assert!(!V::EOS) };
-        block.update_single::<H, V, F, AREA>(laws, constants, behind.dt, nodes, scratch, corners);
-    }
-}
-
-impl<S: Clone, Q: Clone, X: Clone> Block<S, Q, X, f32> {
-    /// One increment in single precision: stresses at its end, corner forces, and what is added to the sums. The plastic strain,
-    /// a sum of many small increments, is in double precision.
-    #[inline(always)]
-    fn update_single<H: Hardening<State = S>, V: Volumetric<State = Q>, F: Failure<State = X>, const AREA: bool>(
-        &mut self,
-        (hardening, volumetric, failure): (&H, &V, &F),
-        constants: &Constants,
-        dt: f64,
-        nodes: &mut Nodes<f32>,
-        scratch: &mut Workspace<f32>,
-        corners: &mut Corners<f32>,
-    ) {
-        if F::FAILS {
-            self.mask_deleted(failure, nodes, scratch);
-        }
-        let eroded = scratch.eroded.get(scratch.at).filter(|e| e.any()).copied();
-        if let Some(eroded) = &eroded {
-            self.mask_eroded(eroded, nodes, scratch);
-        }
-        let own_dt = f32::of(dt / scratch.length);
+        const { assert!(!M::MODULI_VARY) };
+        let dt = f32::of(increment.dt / scratch.length);
+        let eroded = block.mask(material, nodes, scratch);
         let mut kept = scratch.kept();
-        self.strain::<H, V, AREA>(constants, own_dt, nodes, scratch);
-        if let Some(lacking) = &scratch.lacking {
-            let bulk = f32::of(constants.bulk);
-            scratch.mean.iter_mut().zip(lacking).for_each(|(mean, lacks)| *mean += bulk * f32::of(*lacks));
-        }
-        if scratch.cap < f32::INFINITY {
-            scratch.measure();
-        }
-        if H::BACKSTRESS {
-            scratch.back = hardening.back_stress(&self.state).each_ref().map(near);
-            scratch.shift();
-        }
-        if H::PLASTIC {
-            let (trial, mut increment) = (wide(&scratch.trial), wide(&scratch.flow));
-            let (shear3, count) = (3.0 * constants.shear, scratch.count);
-            hardening.flow(&mut self.state, &mut Flow { trial: &trial, shear3, dt, count, increment: &mut increment });
-            scratch.flow = near(&increment);
-            if H::BACKSTRESS {
-                let [back, deviator] = [&scratch.back, &scratch.deviator].map(|list| list.each_ref().map(wide));
-                hardening.follow(&mut self.state, &back, &deviator, &trial, &increment);
-            }
-        }
-        self.stress::<H>(constants, &mut kept, scratch);
-        if F::FAILS {
-            self.fail((hardening, volumetric, failure), constants, dt, scratch);
-        }
-        self.forces::<V, _, AREA>((constants, own_dt), &mut kept, scratch, corners, &mut super::control::Spring);
+        block.measure_strain::<M, AREA>(constants, dt, nodes, scratch);
+        block.update_stress(material, constants, scratch);
+        block.forces::<M, _, AREA>((constants, dt), &mut kept, scratch, corners, &mut Spring);
         scratch.keep(kept);
-        if F::FAILS {
-            self.clear_deleted(failure, corners);
-        }
-        if let Some(eroded) = &eroded {
-            self.clear_eroded(eroded, corners);
-        }
+        block.clear(material, eroded.as_ref(), corners);
     }
 }
 

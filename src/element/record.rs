@@ -12,8 +12,8 @@ use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::real::Real;
 use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
-use crate::material::plasticity::Hardening;
-use crate::material::volumetric::Volumetric;
+use crate::material::PlasticFlow;
+use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::variables::{Part, Variable};
 
@@ -28,30 +28,6 @@ pub struct Record {
     rate: [Lanes; 4],
     /// Work of the stress, and the part of it that flow has dissipated.
     work: [Lanes; 2],
-}
-
-/// What flows in a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Flows {
-    /// Nothing.
-    Not,
-    /// The deviator, along itself.
-    Deviator,
-    /// Pressure and deviator: the law tells the plastic strain.
-    Coupled,
-}
-
-impl Flows {
-    /// Of a hardening and a volumetric law.
-    pub(super) const fn of<H: Hardening, V: Volumetric>() -> Flows {
-        if V::FLOWS {
-            Flows::Coupled
-        } else if H::PLASTIC {
-            Flows::Deviator
-        } else {
-            Flows::Not
-        }
-    }
 }
 
 /// What a record tells of one element. Tensors as rr, zz, hoop, rz with tensor shear.
@@ -110,20 +86,13 @@ pub(super) fn spins(nodes: &Nodes, dt: f64) -> Lanes {
 pub(super) struct Following<'a, T> {
     pub record: &'a mut Record,
     pub stress: &'a [Lanes<T>; 4],
-    pub flows: Flows,
+    pub flow: PlasticFlow,
     pub spins: Lanes,
     pub dt: f64,
     /// Unit of volumes.
     pub unit: f64,
-    /// Strain increment, stress before it carried along, deviator of the trial.
-    pub strain: &'a [Lanes<T>; 4],
-    pub carried: &'a [Lanes<T>; 4],
-    pub deviator: &'a [Lanes<T>; 4],
-    /// Plastic strain increment, where the law tells it.
-    pub plastic: &'a [Lanes<T>; 4],
-    pub volume: &'a Lanes<T>,
-    pub flow: &'a Lanes<T>,
-    pub trial: &'a Lanes<T>,
+    pub increment: &'a StrainIncrement<T>,
+    pub update: &'a StressUpdate<T>,
 }
 
 impl<T: Real> NullaryFnOnce for Following<'_, T> {
@@ -134,10 +103,10 @@ impl<T: Real> NullaryFnOnce for Following<'_, T> {
         // Values of their own: of numbers behind a reference compilers do not know that writing one leaves the others.
         let mut record = *self.record;
         self.follow(&mut record);
-        match self.flows {
-            Flows::Not => {}
-            Flows::Coupled => self.flow_as_told(&mut record),
-            Flows::Deviator => self.flow_along_deviator(&mut record),
+        match self.flow {
+            PlasticFlow::None | PlasticFlow::Unknown => {}
+            PlasticFlow::Coupled => self.flow_as_told(&mut record),
+            PlasticFlow::Deviatoric => self.flow_along_deviator(&mut record),
         }
         *self.record = record;
     }
@@ -151,9 +120,9 @@ impl<T: Real> Following<'_, T> {
             let turn = of_spin(self.spins[l]);
             let (strain, plastic) = (turned(column(&record.strain, l), turn), turned(column(&record.plastic, l), turn));
             let [increment, carried, stress] =
-                [self.strain, self.carried, self.stress].map(|list| column(list, l).map(T::wide));
+                [&self.increment.strain, &self.increment.carried, self.stress].map(|list| column(list, l).map(T::wide));
             let doubled = [0, 1, 2, 3].map(|i| increment[i] * (carried[i] + stress[i]));
-            let volume = self.unit * self.volume[l].wide();
+            let volume = self.unit * self.increment.volume[l].wide();
             record.work[0][l] += 0.5 * volume * ((doubled[0] + doubled[1]) + (doubled[2] + 2.0 * doubled[3]));
             for i in 0..4 {
                 record.strain[i][l] = strain[i] + increment[i];
@@ -166,9 +135,9 @@ impl<T: Real> Following<'_, T> {
     #[inline(always)]
     fn flow_as_told(&self, record: &mut Record) {
         for l in 0..LANES {
-            record.work[1][l] += self.unit * self.volume[l].wide() * self.flow[l].wide();
+            record.work[1][l] += self.unit * self.increment.volume[l].wide() * self.update.flow[l].wide();
             for i in 0..4 {
-                record.plastic[i][l] += self.plastic[i][l].wide();
+                record.plastic[i][l] += self.update.plastic[i][l].wide();
             }
         }
     }
@@ -177,13 +146,13 @@ impl<T: Real> Following<'_, T> {
     #[inline(always)]
     fn flow_along_deviator(&self, record: &mut Record) {
         for l in 0..LANES {
-            let (flow, trial) = (self.flow[l].wide(), self.trial[l].wide());
+            let (flow, trial) = (self.update.flow[l].wide(), self.update.trial[l].wide());
             let (flows, per) = (flow > 0.0, 1.5 * flow / trial);
-            let work = self.unit * self.volume[l].wide() * mises(column(self.stress, l).map(T::wide)) * flow;
+            let work = self.unit * self.increment.volume[l].wide() * mises(column(self.stress, l).map(T::wide)) * flow;
             let before = record.work[1][l];
             record.work[1][l] = if flows { before + work } else { before };
             for i in 0..4 {
-                let (before, along) = (record.plastic[i][l], self.deviator[i][l].wide());
+                let (before, along) = (record.plastic[i][l], self.update.deviator[i][l].wide());
                 record.plastic[i][l] = if flows { before + per * along } else { before };
             }
         }

@@ -94,7 +94,7 @@ impl Workspace {
         inverse_mass: &[Lanes; 4],
         corners: &mut Corners,
     ) {
-        let Some(mut zones) = self.subzones.get(self.at).copied() else { return };
+        let Some(mut zones) = self.task.subzones.get(self.at).copied() else { return };
         let inverse_mass = &by_corner(inverse_mass);
         let mut whole = [0.0; LANES];
         let mut answers = Answers { forces: [[[0.0; 2]; LANES]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
@@ -118,14 +118,14 @@ impl Workspace {
         let (block, damped) = (self.number(), damping + (1.0 + damping * damping).sqrt());
         for l in 0..LANES {
             self.sums.artificial[l] += dt * UNIT * self.weight[l] * answers.power[l];
-            let square = UNIT * self.bulk[l] * answers.stiff[l];
+            let square = UNIT * self.stress.bulk[l] * answers.stiff[l];
             let rate = self.weight[l] * (if square > 0.0 { square } else { 0.0 }).sqrt() * damped;
             let (best, limiting) = (self.sums.rate[l], self.sums.limiting[l]);
             let larger = is_larger(rate, best);
             self.sums.rate[l] = if larger { rate } else { best };
             self.sums.limiting[l] = if larger { block } else { limiting };
         }
-        if let Some(place) = self.subzones.get_mut(self.at) {
+        if let Some(place) = self.task.subzones.get_mut(self.at) {
             *place = zones;
         }
     }
@@ -144,7 +144,7 @@ impl Workspace {
             let (v_r, v_z) = (nodes.of(l, 2), nodes.of(l, 3));
             let due = zones.share[CORNER][l] * whole[l];
             let room = if volume > LEAST * due { volume } else { LEAST * due };
-            let pressure = self.bulk[l] * (due / room - 1.0);
+            let pressure = self.stress.bulk[l] * (due / room - 1.0);
             let mean = 0.5 * (zones.pressure[CORNER][l] + pressure);
             zones.pressure[CORNER][l] = pressure;
             let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];

@@ -5,21 +5,20 @@
 use pulp::Arch;
 
 use super::group::block;
-use crate::element::block::{Block, Nodes, Sums, Workspace, larger};
+use crate::element::block::{ElementBlock, Nodes, Sums, Workspace, larger};
 use crate::element::constants::Constants;
 use crate::element::control::{Seen, Spring};
-use crate::element::enhanced::Routine;
 use crate::element::middle::Middle;
 use crate::element::points::{Points, Tells};
-use crate::element::record::{Flows, Followed, spin, spins};
+use crate::element::record::{Followed, spin, spins};
 use crate::element::user_flow::{Returning, Under};
 use crate::element::user_law::Description;
 use crate::kernel::lanes::{Corners, LANES, Lanes, column, dot};
 use crate::kernel::quad::{Gradient, gradient};
 use crate::kernel::rotation::{of_spin, turned};
 use crate::kernel::stress::mises;
-use crate::material::plasticity::Elastic;
-use crate::material::volumetric::Linear;
+use crate::material::increment::{StrainIncrement, StressUpdate};
+use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::Instant;
 use crate::state::archive::{Archive, Persist, persist_fields};
 use crate::state::nodes::Node;
@@ -30,10 +29,22 @@ use crate::variables::{Part, Variable};
 pub(super) const BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 pub(super) const ELEMENTS: usize = BLOCKS * LANES;
 
+/// The stress of a user subroutine, which is called for all elements of a chunk between two phases.
+struct Routine;
+
+impl Material for Routine {
+    type State = ();
+    const FLOW: PlasticFlow = PlasticFlow::Unknown;
+
+    fn initial_state(&self, _start: &BlockStart) {}
+
+    fn update(&self, (): &mut (), _: &mut [Lanes; 4], _: &StrainIncrement, _: &mut StressUpdate) {}
+}
+
 /// The elements of one call.
 #[derive(Clone)]
 pub(super) struct Chunk {
-    pub blocks: Vec<Block<(), (), ()>>,
+    pub blocks: Vec<ElementBlock<()>>,
     pub points: Points,
     /// Masses by density, which no mass scaling changes: the routine's density and energies a mass are those of its material.
     pub mass: Vec<f64>,
@@ -94,7 +105,7 @@ pub(super) struct Place {
 impl Chunk {
     /// Elements by their corner nodes, at their places now, with the user's numbers.
     pub fn new(description: &Description, elements: &[[u32; 4]], nodes: &[Node], numbers: Vec<i32>) -> Self {
-        let fresh = |part: &[[u32; 4]]| block(((), (), ()), (description.density, 1.0), part, nodes);
+        let fresh = |part: &[[u32; 4]]| block((), (description.density, 1.0), part, nodes);
         let blocks: Vec<_> = elements.chunks(LANES).map(fresh).collect();
         Chunk {
             points: Points::new(description, elements, numbers),
@@ -112,7 +123,7 @@ impl Chunk {
         let first = place.chunk * BLOCKS;
         for (s, block) in self.blocks.iter_mut().enumerate() {
             let (workspace, corners) = (&mut scratch.workspaces[s], &mut scratch.nodes[s]);
-            workspace.begin(common.cap);
+            workspace.begin(common.cap, common.dt);
             workspace.prepare(first + s, place.turn, common.count - (first + s) * LANES);
             corners.collect(common.nodes, &block.nodes, 0.0);
             for l in 0..LANES {
@@ -121,7 +132,7 @@ impl Chunk {
                     workspace.mask(l);
                 }
             }
-            block.strain::<Elastic, Linear, false>(common.constants, common.dt, corners, workspace);
+            block.strain::<Routine, false>(common.constants, common.dt, corners, workspace);
             if workspace.cap < f64::INFINITY {
                 workspace.measure();
             }
@@ -133,7 +144,7 @@ impl Chunk {
     fn show(&mut self, i: usize, dt: f64, scratch: &Scratch) {
         let (workspace, corners, l) = (&scratch.workspaces[i / LANES], &scratch.nodes[i / LANES], i % LANES);
         self.turn[i] = spun(self.turn[i], spin(corners, l, dt));
-        let mut increment = [0, 1, 2, 3].map(|k| workspace.strain[k][l]);
+        let mut increment = [0, 1, 2, 3].map(|k| workspace.strain.strain[k][l]);
         if let Some(thermal) = self.thermal.get_mut(i) {
             let thermal = std::mem::take(thermal);
             increment[..3].iter_mut().for_each(|strain| *strain -= thermal);
@@ -142,7 +153,7 @@ impl Chunk {
         self.points.set_strain(i, components(increment, [cosine, -sine]));
         if !self.deleted[i] {
             let (r, z) = (corners.of(l, 0), corners.of(l, 1));
-            self.points.set_place(i, r, z, self.mass[i] / workspace.volume[l]);
+            self.points.set_place(i, r, z, self.mass[i] / workspace.strain.volume[l]);
             self.points.set_gradient(i, deformation(&self.start[i], r, z));
         }
     }
@@ -225,31 +236,31 @@ impl Chunk {
             let workspace = &mut scratch.workspaces[s];
             let mut kept = workspace.kept();
             if common.constants.hourglass.relaxes {
-                kept.returned = std::array::from_fn(|l| workspace.returned(column(&block.stress, l), l));
+                workspace.stress.returned = std::array::from_fn(|l| workspace.returned(column(&block.stress, l), l));
             }
             let increment = (common.constants, common.dt);
-            if workspace.enhanced.is_empty() {
-                block.forces::<Linear, _, false>(increment, &mut kept, workspace, forces, &mut Spring);
+            if workspace.task.enhanced.is_empty() {
+                block.forces::<Routine, _, false>(increment, &mut kept, workspace, forces, &mut Spring);
             } else {
-                workspace.trial = std::array::from_fn(|l| mises(column(&workspace.deviator, l)));
+                workspace.stress.trial = std::array::from_fn(|l| mises(column(&workspace.stress.deviator, l)));
                 let mut seen = Seen::default();
-                block.forces::<Linear, _, false>(increment, &mut kept, workspace, forces, &mut seen);
+                block.forces::<Routine, _, false>(increment, &mut kept, workspace, forces, &mut seen);
                 let (factor, middle) = (common.constants.hourglass.enhanced, Middle::of(common.constants, workspace));
                 let seen = (&seen, &middle, &scratch.nodes[s]);
-                block.resist::<Routine, false>((factor, common.dt), seen, &kept, workspace, forces);
+                block.resist::<Routine, false>((factor, common.dt), seen, workspace, forces);
             }
             workspace.keep(kept);
             for l in (0..LANES).filter(|l| self.deleted.get(s * LANES + l).copied().unwrap_or(true)) {
                 forces.clear(l);
-                if let Some(hourglass) = workspace.hourglass.get_mut(place.turn) {
+                if let Some(hourglass) = workspace.task.hourglass.get_mut(place.turn) {
                     hourglass.iter_mut().for_each(|list| list[l] = 0.0);
                 }
-                if let Some(assumed) = workspace.enhanced.get_mut(place.turn) {
+                if let Some(assumed) = workspace.task.enhanced.get_mut(place.turn) {
                     assumed.clear(l);
                 }
             }
-            if !workspace.records.is_empty() {
-                let flows = if flows { Flows::Deviator } else { Flows::Not };
+            if !workspace.task.records.is_empty() {
+                let flows = if flows { PlasticFlow::Deviatoric } else { PlasticFlow::None };
                 let increment = (spins(&scratch.nodes[s], common.dt), common.dt);
                 workspace.follow(Arch::new(), place.turn, &block.stress, flows, increment);
             }
@@ -263,11 +274,11 @@ impl Chunk {
             self.points.delete(i, delete);
         }
         let stress = components(self.points.stress(i), self.turn[i]);
-        let double = |k: usize| workspace.strain[k][l] * (workspace.carried[k][l] + stress[k]);
-        let work = 0.5 * workspace.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+        let double = |k: usize| workspace.strain.strain[k][l] * (workspace.strain.carried[k][l] + stress[k]);
+        let work = 0.5 * workspace.strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
         if workspace.weighs(l) {
-            workspace.sums.internal[l] += work;
-            workspace.sums.plastic[l] += self.mass[i] * self.points.dissipated(i);
+            workspace.stress.internal[l] += work;
+            workspace.stress.dissipated[l] += self.mass[i] * self.points.dissipated(i);
         }
         for (list, value) in block.stress.iter_mut().zip(stress) {
             list[l] = value;
@@ -279,7 +290,7 @@ impl Chunk {
         let (block, workspace, l) = (&self.blocks[i / LANES], &mut scratch.workspaces[i / LANES], i % LANES);
         let stress = [0, 1, 2, 3].map(|k| block.stress[k][l]);
         let mean = (stress[0] + stress[1] + stress[2]) * (1.0 / 3.0);
-        for (k, (list, stress)) in workspace.deviator.iter_mut().zip(stress).enumerate() {
+        for (k, (list, stress)) in workspace.stress.deviator.iter_mut().zip(stress).enumerate() {
             list[l] = if k < 3 { stress - mean } else { stress };
         }
     }
@@ -287,9 +298,9 @@ impl Chunk {
     /// The plastic strain of the increment and the trial that it came from, for what outputs follow.
     fn take_flow(&self, i: usize, scratch: &mut Scratch) {
         let (workspace, l) = (&mut scratch.workspaces[i / LANES], i % LANES);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| workspace.deviator[k][l] * workspace.deviator[k][l]);
-        workspace.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
-        workspace.flow[l] = if self.deleted[i] { 0.0 } else { self.points.flowed(i) };
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| workspace.stress.deviator[k][l] * workspace.stress.deviator[k][l]);
+        workspace.stress.trial[l] = (1.5 * (a + b + c) + 3.0 * d).sqrt();
+        workspace.stress.flow[l] = if self.deleted[i] { 0.0 } else { self.points.flowed(i) };
     }
 
     /// Stress and temperature of an element at the start.
@@ -315,7 +326,7 @@ impl Chunk {
 
 /// What elements of a chunk know of their points: stresses, and what outputs follow.
 struct Told<'a> {
-    blocks: &'a [Block<(), (), ()>],
+    blocks: &'a [ElementBlock<()>],
     workspaces: &'a [Workspace],
     /// Place of the chunk among those that share the workspaces.
     turn: usize,
@@ -323,7 +334,7 @@ struct Told<'a> {
 
 impl Told<'_> {
     fn followed(&self, point: usize) -> Option<Followed> {
-        Some(self.workspaces[point / LANES].records.get(self.turn)?.of(point % LANES))
+        Some(self.workspaces[point / LANES].task.records.get(self.turn)?.of(point % LANES))
     }
 }
 

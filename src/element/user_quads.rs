@@ -142,7 +142,7 @@ impl UserQuads {
     fn followed(&self, element: usize) -> Option<Followed> {
         let (index, i) = (element / ELEMENTS, element % ELEMENTS);
         let (slot, turn) = (index % self.scratch.len(), index / self.scratch.len());
-        let followed = self.scratch[slot].workspaces[i / LANES].records.get(turn)?.of(i % LANES);
+        let followed = self.scratch[slot].workspaces[i / LANES].task.records.get(turn)?.of(i % LANES);
         let chunk = &self.chunks[index];
         if self.description.flow.is_some() {
             return Some(followed);
@@ -298,7 +298,7 @@ impl Settings for UserQuads {
         let (chunks, batch) = (self.chunks.len(), self.scratch.len());
         for (slot, scratch) in self.scratch.iter_mut().enumerate() {
             let turns = (chunks - slot).div_ceil(batch);
-            scratch.workspaces.iter_mut().for_each(|s| s.records = vec![Record::default(); turns]);
+            scratch.workspaces.iter_mut().for_each(|s| s.task.records = vec![Record::default(); turns]);
         }
     }
 

@@ -39,10 +39,12 @@ pub trait Real:
     fn size(self) -> Self;
     /// Whether it is not a number.
     fn is_none(self) -> bool;
+    /// Calls a function with a list in double precision: the list itself, or a copy of one in single precision.
+    fn with_wide<R, const N: usize>(list: &[Self; N], call: impl FnOnce(&[f64; N]) -> R) -> R;
 }
 
 macro_rules! real {
-    ($number:ty, $single:literal) => {
+    ($number:ty, $single:literal, |$list:ident| $wide:expr) => {
         impl Real for $number {
             const SINGLE: bool = $single;
             const ZERO: Self = 0.0;
@@ -72,8 +74,13 @@ macro_rules! real {
             fn is_none(self) -> bool {
                 self.is_nan()
             }
+
+            #[inline(always)]
+            fn with_wide<R, const N: usize>($list: &[Self; N], call: impl FnOnce(&[f64; N]) -> R) -> R {
+                call($wide)
+            }
         }
     };
 }
-real!(f64, false);
-real!(f32, true);
+real!(f64, false, |list| list);
+real!(f32, true, |list| &list.map(f64::from));

@@ -4,7 +4,8 @@
 
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::material::volumetric::{Squeeze, Volumetric};
+use crate::material::BlockStart;
+use crate::material::volumetric::{PressureUpdate, Volumetric};
 use crate::state::archive::{Archive, Persist};
 
 /// Pressure at one density, linear in the energy a mass: p = cold + per_energy e.
@@ -170,7 +171,13 @@ pub struct Heat {
 /// m de = -(p + p') / 2 dV + deviatoric and viscous work, with p' = a + b e' at the end: linear in e', solved in closed
 /// form. The work of the bulk viscosity is expected with its stress of the increment before. Returns the energy a mass.
 #[inline(always)]
-pub(super) fn advance(ask: &mut Squeeze<'_>, l: usize, curve: Curve, before: f64, [ambient, floor]: [f64; 2]) -> f64 {
+pub(super) fn advance(
+    ask: &mut PressureUpdate<'_>,
+    l: usize,
+    curve: Curve,
+    before: f64,
+    [ambient, floor]: [f64; 2],
+) -> f64 {
     let Curve { cold, per_energy, cold_slope, energy_slope } = curve;
     let inverse = 1.0 / ask.mass[l];
     let density = ask.mass[l] / ask.volume[l];
@@ -192,12 +199,12 @@ impl<P: Pressure> Volumetric for Eos<P> {
     type State = Heat;
     const EOS: bool = true;
 
-    fn fresh(&self) -> Heat {
+    fn fresh(&self, _start: &BlockStart) -> Heat {
         Heat { energy: [0.0; LANES] }
     }
 
     #[inline(always)]
-    fn squeeze(&self, state: &mut Heat, mut ask: Squeeze<'_>) {
+    fn update_pressure(&self, state: &mut Heat, mut ask: PressureUpdate<'_>) {
         let (ambient, floor) = (self.law.ambient(), self.law.floor());
         for l in 0..LANES {
             let curve = self.law.curve(ask.mass[l] / ask.volume[l]);
@@ -206,7 +213,7 @@ impl<P: Pressure> Volumetric for Eos<P> {
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut Heat, heat: &Lanes, mass: &Lanes) {
+    fn add_heat(&self, state: &mut Heat, heat: &Lanes, mass: &Lanes) {
         for l in 0..LANES {
             state.energy[l] += heat[l] / mass[l];
         }

@@ -5,7 +5,8 @@
 
 use super::eos::{Curve, Pressure, advance};
 use crate::kernel::lanes::{LANES, Lanes};
-use crate::material::volumetric::{Squeeze, Volumetric};
+use crate::material::BlockStart;
+use crate::material::volumetric::{PressureUpdate, Volumetric};
 use crate::state::archive::{Archive, Persist, persist_fields};
 
 /// Elements over which the burn is spread (the same section).
@@ -51,7 +52,7 @@ impl Pressure for Jwl {
 
 /// A point from which the detonation spreads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lit {
+pub struct DetonationPoint {
     /// `[r, z]`.
     pub place: [f64; 2],
     /// Total time at which it is lit.
@@ -70,7 +71,7 @@ pub struct Explosive {
     /// Bulk modulus before the detonation.
     pub unburnt: f64,
     /// Where it begins.
-    pub points: Vec<Lit>,
+    pub points: Vec<DetonationPoint>,
 }
 
 /// What a block of explosive keeps.
@@ -87,17 +88,18 @@ pub struct Burning {
 impl Volumetric for Explosive {
     type State = Burning;
     const EOS: bool = true;
-    const TIMED: bool = true;
-
-    fn fresh(&self) -> Burning {
-        Burning { energy: [self.energy; LANES], burnt: [0.0; LANES], lit: [f64::INFINITY; LANES], pace: [0.0; LANES] }
-    }
 
     /// The detonation comes from the point from which it arrives first.
-    fn place(&self, state: &mut Burning, lane: usize, [r, z]: [f64; 2], length: f64) {
-        let arrival = |point: &Lit| point.time + libm::hypot(r - point.place[0], z - point.place[1]) / self.speed;
-        state.lit[lane] = self.points.iter().map(arrival).fold(f64::INFINITY, f64::min);
-        state.pace[lane] = self.speed / (WIDTH * length);
+    fn fresh(&self, start: &BlockStart) -> Burning {
+        let (mut lit, mut pace) = ([f64::INFINITY; LANES], [0.0; LANES]);
+        for l in 0..start.count {
+            let [r, z] = [0, 1].map(|i: usize| start.centre[i][l]);
+            let arrival =
+                |point: &DetonationPoint| point.time + libm::hypot(r - point.place[0], z - point.place[1]) / self.speed;
+            lit[l] = self.points.iter().map(arrival).fold(f64::INFINITY, f64::min);
+            pace[l] = self.speed / (WIDTH * start.area[l].sqrt());
+        }
+        Burning { energy: [self.energy; LANES], burnt: [0.0; LANES], lit, pace }
     }
 
     #[inline(always)]
@@ -112,7 +114,7 @@ impl Volumetric for Explosive {
     /// The share that has burnt has the pressure of the products, the rest that of the explosive. Until all has burnt the
     /// increment follows the detonation.
     #[inline(always)]
-    fn squeeze(&self, state: &mut Burning, mut ask: Squeeze<'_>) {
+    fn update_pressure(&self, state: &mut Burning, mut ask: PressureUpdate<'_>) {
         let strong = self.products.density * self.speed * self.speed;
         for l in 0..LANES {
             let density = ask.mass[l] / ask.volume[l];
@@ -131,7 +133,7 @@ impl Volumetric for Explosive {
     }
 
     #[inline(always)]
-    fn settle(&self, state: &mut Burning, heat: &Lanes, mass: &Lanes) {
+    fn add_heat(&self, state: &mut Burning, heat: &Lanes, mass: &Lanes) {
         for l in 0..LANES {
             state.energy[l] += heat[l] / mass[l];
         }

@@ -5,8 +5,10 @@
 
 use crate::kernel::hardening::{RateFactor, Table};
 use crate::kernel::lanes::{LANES, Lanes};
-use crate::material::volumetric::{Squeeze, Stretch, Volumetric};
+use crate::material::increment::{StrainIncrement, StressUpdate};
+use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::variables::{Part, Variable};
 
 /// How the surface grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,47 +162,51 @@ impl Foam {
     }
 }
 
-impl Volumetric for Foam {
+impl Material for Foam {
     type State = Crushed;
-    const EOS: bool = true;
-    const TOTAL: bool = true;
-    const FLOWS: bool = true;
+    const FLOW: PlasticFlow = PlasticFlow::Coupled;
+    const MODULI_VARY: bool = true;
 
-    fn fresh(&self) -> Crushed {
+    fn initial_state(&self, _start: &BlockStart) -> Crushed {
         Crushed { strain: [0.0; LANES] }
     }
 
     #[inline(always)]
-    fn squeeze(&self, _state: &mut Crushed, _ask: Squeeze<'_>) {}
-
-    /// Mean stress and deviator hold the elastic trial.
-    #[inline(always)]
-    fn stretch(&self, state: &mut Crushed, ask: Stretch<'_>) {
+    fn update(
+        &self,
+        state: &mut Crushed,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+    ) {
         let [beta2, _] = self.shapes();
         for l in 0..LANES {
-            let s = [0, 1, 2, 3].map(|i| ask.deviator[i][l]);
+            let s = [0, 1, 2, 3].map(|i| update.deviator[i][l]);
             let mises = (1.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 3.0 * s[3] * s[3]).sqrt();
-            let trial = [-ask.mean[l], mises];
-            let flown = self.flow(trial, state.strain[l], ask.dt);
+            let trial = [-update.mean[l], mises];
+            let flown = self.flow(trial, state.strain[l], strain.dt);
             let Flown { pressure, mises: q, flow, hardening } =
                 flown.unwrap_or(Flown { pressure: trial[0], mises, flow: 0.0, hardening: 0.0 });
             let factor = if q < mises { q / mises } else { 1.0 };
             for i in 0..4 {
-                ask.deviator[i][l] = factor * s[i];
+                update.deviator[i][l] = factor * s[i];
                 let along = if i < 3 { beta2 / 3.0 * -pressure } else { 0.0 };
-                ask.plastic[i][l] = flow * (1.5 * ask.deviator[i][l] + along);
+                update.plastic[i][l] = flow * (1.5 * update.deviator[i][l] + along);
             }
-            ask.mean[l] = -pressure;
-            ask.dissipated[l] = flow * (q * q + beta2 * pressure * pressure);
+            update.mean[l] = -pressure;
+            update.flow[l] = flow * (q * q + beta2 * pressure * pressure);
             state.strain[l] += hardening;
-            ask.bulk[l] = self.moduli[0];
-            ask.shear[l] = self.moduli[1];
-            ask.heat[l] = 0.0;
+            update.bulk[l] = self.moduli[0];
+            update.shear[l] = self.moduli[1];
         }
+        for l in 0..LANES {
+            update.dissipated[l] += strain.volume[l] * update.flow[l];
+        }
+        update.set_stress::<false, false>(stress, strain);
     }
 
-    fn plastic_strain(&self, state: &Crushed, lane: usize) -> Option<f64> {
-        Some(state.strain[lane])
+    fn value(&self, state: &Crushed, lane: usize, part: Part) -> Option<f64> {
+        (part.variable == Variable::PlasticStrain).then(|| state.strain[lane])
     }
 }
 

@@ -5,8 +5,9 @@
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::transcendental::{exp, ln};
+use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{Compression, Principal, StrainEnergy};
-use crate::material::volumetric::{Squeeze, Stretch, Volumetric};
+use crate::material::{BlockStart, Material};
 use crate::state::archive::{Archive, Persist};
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)^2 / D1, so the Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
@@ -35,9 +36,11 @@ impl Deformed {
     /// With h, the gradient of the displacement increment in the middle of the increment, the deformation gradient becomes
     /// (1 + h/2)(1 - h/2)^-1 F: exact, since the middle lies halfway.
     #[inline(always)]
-    fn advance(&mut self, ask: &Stretch<'_>) {
+    fn advance(&mut self, increment: &StrainIncrement) {
+        let mut room = [[0.0; LANES]; 4];
+        let strain = increment.averaged(&mut room);
         for l in 0..LANES {
-            let now = self.advanced(ask, l);
+            let now = self.advanced(strain, &increment.spin, l);
             for i in 0..5 {
                 self.gradient[i][l] = now[i];
             }
@@ -50,9 +53,9 @@ impl Deformed {
     }
 
     #[inline(always)]
-    fn advanced(&self, ask: &Stretch<'_>, l: usize) -> [f64; 5] {
-        let (a, d) = (0.5 * ask.strain[0][l], 0.5 * ask.strain[1][l]);
-        let (b, c) = (0.5 * (ask.strain[3][l] + ask.spin[l]), 0.5 * (ask.strain[3][l] - ask.spin[l]));
+    fn advanced(&self, strain: &[Lanes; 4], spin: &Lanes, l: usize) -> [f64; 5] {
+        let (a, d) = (0.5 * strain[0][l], 0.5 * strain[1][l]);
+        let (b, c) = (0.5 * (strain[3][l] + spin[l]), 0.5 * (strain[3][l] - spin[l]));
         let [rr, rz, zr, zz, hoop] = self.of(l);
         // (1 - h/2)^-1 F, then (1 + h/2) times it.
         let per = 1.0 / ((1.0 - a) * (1.0 - d) - b * c);
@@ -63,27 +66,30 @@ impl Deformed {
             (1.0 + a) * m_rz + b * m_zz,
             c * m_rr + (1.0 + d) * m_zr,
             c * m_rz + (1.0 + d) * m_zz,
-            hoop * (1.0 + 0.5 * ask.strain[2][l]) / (1.0 - 0.5 * ask.strain[2][l]),
+            hoop * (1.0 + 0.5 * strain[2][l]) / (1.0 - 0.5 * strain[2][l]),
         ]
     }
 }
 
-impl Volumetric for NeoHooke {
+impl Material for NeoHooke {
     type State = Deformed;
-    const EOS: bool = true;
-    const TOTAL: bool = true;
+    const MODULI_VARY: bool = true;
+    const USES_SPIN: bool = true;
 
-    fn fresh(&self) -> Deformed {
+    fn initial_state(&self, _start: &BlockStart) -> Deformed {
         Deformed::fresh()
     }
 
     #[inline(always)]
-    fn squeeze(&self, _state: &mut Deformed, _ask: Squeeze<'_>) {}
-
-    #[inline(always)]
-    fn stretch(&self, state: &mut Deformed, ask: Stretch<'_>) {
+    fn update(
+        &self,
+        state: &mut Deformed,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+    ) {
         let (shear, bulk) = (2.0 * self.c10, 2.0 / self.d1);
-        state.advance(&ask);
+        state.advance(strain);
         let mut volume = [0.0; LANES];
         for l in 0..LANES {
             let [rr, rz, zr, zz, hoop] = state.of(l);
@@ -98,18 +104,18 @@ impl Volumetric for NeoHooke {
             // J^(-5/3); a volume that is not above zero gives not a number, and is found.
             let scale = if j > 0.0 { shear / (j * third * third) } else { f64::NAN };
             for i in 0..3 {
-                ask.deviator[i][l] = scale * (left[i] - trace * (1.0 / 3.0));
+                update.deviator[i][l] = scale * (left[i] - trace * (1.0 / 3.0));
             }
-            ask.deviator[3][l] = scale * left[3];
-            ask.mean[l] = bulk * (j - 1.0);
-            ask.shear[l] = scale * trace * (1.0 / 3.0);
+            update.deviator[3][l] = scale * left[3];
+            update.mean[l] = bulk * (j - 1.0);
+            update.shear[l] = scale * trace * (1.0 / 3.0);
             // The stiffness along the greatest stretch is below bulk J + 4/3 scale tr B; the constants hold 4/3 of the
             // initial shear modulus.
             let stiffer = 4.0 / 3.0 * (scale * trace - shear);
-            ask.bulk[l] =
+            update.bulk[l] =
                 bulk * (if j > 1.0 { 2.0 * j - 1.0 } else { 1.0 }) + if stiffer < 0.0 { 0.0 } else { stiffer };
-            ask.heat[l] = 0.0;
         }
+        update.set_stress::<false, false>(stress, strain);
     }
 }
 
@@ -124,22 +130,25 @@ pub struct Rubber<E> {
     pub shear: f64,
 }
 
-impl<E: StrainEnergy> Volumetric for Rubber<E> {
+impl<E: StrainEnergy> Material for Rubber<E> {
     type State = Deformed;
-    const EOS: bool = true;
-    const TOTAL: bool = true;
+    const MODULI_VARY: bool = true;
+    const USES_SPIN: bool = true;
 
-    fn fresh(&self) -> Deformed {
+    fn initial_state(&self, _start: &BlockStart) -> Deformed {
         Deformed::fresh()
     }
 
-    #[inline(always)]
-    fn squeeze(&self, _state: &mut Deformed, _ask: Squeeze<'_>) {}
-
     /// The principal directions are those of B: two in the plane, which turn, and the hoop.
     #[inline(always)]
-    fn stretch(&self, state: &mut Deformed, ask: Stretch<'_>) {
-        state.advance(&ask);
+    fn update(
+        &self,
+        state: &mut Deformed,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+    ) {
+        state.advance(strain);
         let (mut volume, mut squares, mut turn) = ([0.0; LANES], [[0.0; LANES]; 3], [[0.0; LANES]; 2]);
         for l in 0..LANES {
             let [rr, rz, zr, zz, hoop] = state.of(l);
@@ -160,13 +169,14 @@ impl<E: StrainEnergy> Volumetric for Rubber<E> {
             }
         }
         let shape = self.shape.respond(&squares);
-        self.answer(&volume, &shape, &turn, ask);
+        self.answer(&volume, &shape, &turn, update);
+        update.set_stress::<false, false>(stress, strain);
     }
 }
 
 impl<E: StrainEnergy> Rubber<E> {
     #[inline(always)]
-    fn answer(&self, volume: &Lanes, shape: &Principal, turn: &[Lanes; 2], ask: Stretch<'_>) {
+    fn answer(&self, volume: &Lanes, shape: &Principal, turn: &[Lanes; 2], update: &mut StressUpdate) {
         let known = 4.0 / 3.0 * self.shear;
         let (least, softest) = (LEAST * (known + self.volume.initial()), LEAST * self.shear);
         let [pressing, slope] = self.volume.respond(volume);
@@ -177,11 +187,11 @@ impl<E: StrainEnergy> Rubber<E> {
             let [one, two, three] = [0, 1, 2].map(|k| per * shape.stress[k][l]);
             let stiffness = [0, 1, 2].map(|k| shape.stiffness[k][l]);
             let (middle, apart) = (0.5 * (one + two), 0.5 * (one - two));
-            ask.deviator[0][l] = middle + apart * turn[0][l];
-            ask.deviator[1][l] = middle - apart * turn[0][l];
-            ask.deviator[2][l] = three;
-            ask.deviator[3][l] = apart * turn[1][l];
-            ask.mean[l] = pressing;
+            update.deviator[0][l] = middle + apart * turn[0][l];
+            update.deviator[1][l] = middle - apart * turn[0][l];
+            update.deviator[2][l] = three;
+            update.deviator[3][l] = apart * turn[1][l];
+            update.mean[l] = pressing;
             // Along a principal direction a wave has the modulus (dtau/de - tau)/J, tau the Kirchhoff stress and e the
             // logarithmic stretch; a tension is not counted, which makes it no less.
             let mut modulus = least;
@@ -190,10 +200,9 @@ impl<E: StrainEnergy> Rubber<E> {
                 let along = per * stiffness + pressing + j * slope[l] - if stress < 0.0 { stress } else { 0.0 };
                 modulus = if along <= modulus { modulus } else { along };
             }
-            ask.bulk[l] = modulus - known;
+            update.bulk[l] = modulus - known;
             let mean = 0.25 * per * (stiffness[0] + stiffness[1] + stiffness[2]);
-            ask.shear[l] = if mean > softest { mean } else { softest };
-            ask.heat[l] = 0.0;
+            update.shear[l] = if mean > softest { mean } else { softest };
         }
     }
 }

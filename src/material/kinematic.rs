@@ -19,24 +19,24 @@ pub struct Kinematic {
 
 /// What a block keeps under kinematic hardening.
 #[derive(Clone, Debug)]
-pub struct Shifted {
+pub struct BackStress {
     strain: Lanes,
     /// Back stress: rr, zz, hoop, rz; its trace is zero.
     back: [Lanes; 4],
 }
 
 impl Hardening for Kinematic {
-    type State = Shifted;
+    type State = BackStress;
     const PLASTIC: bool = true;
     const BACKSTRESS: bool = true;
 
-    fn fresh(&self) -> Shifted {
-        Shifted { strain: [0.0; LANES], back: [[0.0; LANES]; 4] }
+    fn fresh(&self) -> BackStress {
+        BackStress { strain: [0.0; LANES], back: [[0.0; LANES]; 4] }
     }
 
     /// Radial return: the trial stress, reckoned from the back stress, less (3 G + C) dp is the yield stress.
     #[inline(always)]
-    fn flow(&self, state: &mut Shifted, flow: &mut Flow<'_>) {
+    fn flow(&self, state: &mut BackStress, flow: &mut Flow<'_>) {
         let per = 1.0 / (flow.shear3 + self.slope);
         for l in 0..LANES {
             let asked = (flow.trial[l] - self.yield_stress) * per;
@@ -47,13 +47,13 @@ impl Hardening for Kinematic {
     }
 
     #[inline(always)]
-    fn back_stress(&self, state: &Shifted) -> [Lanes; 4] {
+    fn back_stress(&self, state: &BackStress) -> [Lanes; 4] {
         state.back
     }
 
     /// The plastic strain increment is 3/2 dp times the direction of the relative stress.
     #[inline(always)]
-    fn follow(&self, state: &mut Shifted, carried: &[Lanes; 4], relative: &[Lanes; 4], trial: &Lanes, flow: &Lanes) {
+    fn follow(&self, state: &mut BackStress, carried: &[Lanes; 4], relative: &[Lanes; 4], trial: &Lanes, flow: &Lanes) {
         for l in 0..LANES {
             let part = if flow[l] > 0.0 { self.slope * flow[l] / trial[l] } else { 0.0 };
             for i in 0..4 {
@@ -62,14 +62,14 @@ impl Hardening for Kinematic {
         }
     }
 
-    fn plastic_strain(&self, state: &Shifted, lane: usize) -> f64 {
+    fn plastic_strain(&self, state: &BackStress, lane: usize) -> f64 {
         state.strain[lane]
     }
 }
 
-impl Persist for Shifted {
+impl Persist for BackStress {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Shifted { strain, back } = self;
+        let BackStress { strain, back } = self;
         persist_fields!(archive; strain, back);
     }
 }

@@ -11,7 +11,7 @@ use crate::state::archive::{Archive, Persist, persist_fields};
 /// Linear kinematic hardening over rate and temperature (ABAQUS Analysis User's Guide, "Models for metals subjected to cyclic
 /// loading"): the yield surface has the size that rate and temperature give it; the back stress grows by 2/3 C times the
 /// plastic strain, and where C changes with the temperature it changes in proportion.
-pub struct Moving {
+pub struct RateKinematic {
     /// Radius of the yield surface, over rate and temperature.
     pub size: FlowStress,
     /// C, slope of the stress over the plastic strain, over temperature.
@@ -22,7 +22,7 @@ pub struct Moving {
 
 /// What a block keeps.
 #[derive(Clone, Debug)]
-pub struct Moved {
+pub struct RateBackStress {
     strain: Lanes,
     temperature: Lanes,
     /// C at the temperature before the increment.
@@ -31,18 +31,18 @@ pub struct Moved {
     back: [Lanes; 4],
 }
 
-impl Hardening for Moving {
-    type State = Moved;
+impl Hardening for RateKinematic {
+    type State = RateBackStress;
     const PLASTIC: bool = true;
     const BACKSTRESS: bool = true;
 
-    fn fresh(&self) -> Moved {
+    fn fresh(&self) -> RateBackStress {
         let zero = [0.0; LANES];
-        Moved { strain: zero, temperature: zero, slope: zero, back: [zero; 4] }
+        RateBackStress { strain: zero, temperature: zero, slope: zero, back: [zero; 4] }
     }
 
     /// The trial stress, reckoned from the back stress, less (3 G + C) dp is the yield stress at the rate of dp.
-    fn flow(&self, state: &mut Moved, flow: &mut Flow<'_>) {
+    fn flow(&self, state: &mut RateBackStress, flow: &mut Flow<'_>) {
         for l in 0..flow.count {
             let temperature = state.temperature[l];
             let slope = self.slope.value(temperature);
@@ -55,13 +55,20 @@ impl Hardening for Moving {
         }
     }
 
-    fn back_stress(&self, state: &Moved) -> [Lanes; 4] {
+    fn back_stress(&self, state: &RateBackStress) -> [Lanes; 4] {
         state.back
     }
 
     /// The plastic strain increment is 3/2 dp times the direction of the relative stress; the work against the back stress
     /// heats as well.
-    fn follow(&self, state: &mut Moved, carried: &[Lanes; 4], relative: &[Lanes; 4], trial: &Lanes, flow: &Lanes) {
+    fn follow(
+        &self,
+        state: &mut RateBackStress,
+        carried: &[Lanes; 4],
+        relative: &[Lanes; 4],
+        trial: &Lanes,
+        flow: &Lanes,
+    ) {
         for l in 0..LANES {
             let per = if flow[l] > 0.0 { flow[l] / trial[l] } else { 0.0 };
             let part = |i: usize| carried[i][l] * relative[i][l];
@@ -76,22 +83,22 @@ impl Hardening for Moving {
         }
     }
 
-    fn plastic_strain(&self, state: &Moved, lane: usize) -> f64 {
+    fn plastic_strain(&self, state: &RateBackStress, lane: usize) -> f64 {
         state.strain[lane]
     }
 
-    fn temperature(&self, state: &Moved, lane: usize) -> Option<f64> {
+    fn temperature(&self, state: &RateBackStress, lane: usize) -> Option<f64> {
         Some(state.temperature[lane])
     }
 
-    fn heat(&self, state: &mut Moved, lane: usize, temperature: f64) {
+    fn heat(&self, state: &mut RateBackStress, lane: usize, temperature: f64) {
         state.temperature[lane] = temperature;
     }
 }
 
-impl Persist for Moved {
+impl Persist for RateBackStress {
     fn persist(&mut self, archive: &mut Archive<'_>) {
-        let Moved { strain, temperature, slope, back } = self;
+        let RateBackStress { strain, temperature, slope, back } = self;
         persist_fields!(archive; strain, temperature, slope, back);
     }
 }

@@ -1,4 +1,4 @@
-//! Materials: hardening, volumetric law, failure, one file a law.
+//! Materials: one interface for all laws, one file a law.
 //! Never here: elements, meshes.
 
 pub mod eos;
@@ -6,8 +6,130 @@ pub mod explosive;
 pub mod failure;
 pub mod foam;
 pub mod hyperelastic;
+pub mod increment;
 pub mod kinematic;
 pub mod kinematic_rate;
 pub mod plasticity;
+pub mod point_law;
 pub mod strain_energy;
 pub mod volumetric;
+pub mod von_mises;
+
+use crate::kernel::lanes::Lanes;
+use crate::kernel::real::Real;
+use crate::state::archive::Persist;
+use crate::variables::Part;
+use increment::{StrainIncrement, StressUpdate};
+
+/// The direction of plastic flow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlasticFlow {
+    /// No plastic flow.
+    None,
+    /// Along the deviator of the trial stress, by [`StressUpdate::flow`].
+    Deviatoric,
+    /// With a volumetric part: [`StressUpdate::plastic`] has the plastic strain increments.
+    Coupled,
+    /// Known to a law of the user alone.
+    Unknown,
+}
+
+/// Elements of a block at the start of the analysis. Lanes without element repeat the last one.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockStart {
+    /// Elements of the block.
+    pub count: usize,
+    /// Areas of the sections.
+    pub area: Lanes,
+    /// Volumes.
+    pub volume: Lanes,
+    /// Centres, `[r, z]`.
+    pub centre: [Lanes; 2],
+}
+
+/// A value that a deck or a user subroutine gives a material at the start of the analysis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum InitialValue {
+    /// Temperature.
+    Temperature(f64),
+    /// Energy per mass.
+    SpecificEnergy(f64),
+    /// Equivalent plastic strain.
+    PlasticStrain(f64),
+    /// Characteristic length.
+    Length(f64),
+    /// State variable of the user, by its index.
+    StateVariable(usize, f64),
+    /// Field variable, by its index.
+    Field(usize, f64),
+}
+
+/// A material law, which gives the stress of a block of elements. The associated constants decide what an element compiles:
+/// what a material does not use costs nothing.
+pub trait Material<T: Real = f64>: Send + Sync + 'static {
+    /// State variables of a block of elements.
+    type State: Clone + Send + Sync + Persist;
+
+    /// Direction of plastic flow. [`PlasticFlow::Deviatoric`] and [`PlasticFlow::Unknown`] laws are given the von Mises stress of
+    /// the trial.
+    const FLOW: PlasticFlow = PlasticFlow::None;
+    /// Whether [`Material::update`] gives the moduli ([`StressUpdate::bulk`], [`StressUpdate::shear`]) in every increment.
+    const MODULI_VARY: bool = false;
+    /// Whether the pressure follows from density and energy. The element then closes its energy balance with
+    /// [`Material::add_heat`].
+    const EQUATION_OF_STATE: bool = false;
+    /// Whether [`Material::share`] can fall below 1.
+    const FAILS: bool = false;
+    /// Whether [`StrainIncrement::spin`] is used.
+    const USES_SPIN: bool = false;
+
+    /// Returns the state of a block at the start of the analysis.
+    fn initial_state(&self, start: &BlockStart) -> Self::State;
+
+    /// Begins an increment that ends at this total time.
+    fn begin(&self, _state: &mut Self::State, _total_time: f64) {}
+
+    /// Updates state and stress (rr, zz, hoop, rz) over an increment. `update` holds the elastic trial on entry.
+    fn update(
+        &self,
+        state: &mut Self::State,
+        stress: &mut [Lanes<T>; 4],
+        strain: &StrainIncrement<T>,
+        update: &mut StressUpdate<T>,
+    );
+
+    /// Adds heat (energy) that the element found after [`Material::update`].
+    fn add_heat(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
+
+    /// Returns the share of the stress that damage leaves, 0 for a deleted element.
+    fn share(&self, _state: &Self::State, _lane: usize) -> f64 {
+        1.0
+    }
+
+    /// Whether the material deletes elements.
+    fn can_delete(&self) -> bool {
+        Self::FAILS
+    }
+
+    /// Returns the volume of an element at the start of the analysis, where the material fails.
+    fn initial_volume(&self, _state: &Self::State, _lane: usize) -> f64 {
+        1.0
+    }
+
+    /// Returns the von Mises stress at which each of the first `count` elements begins to yield at rest; `None` without a
+    /// hardening law.
+    fn yield_stress(&self, _state: &Self::State, _shear: f64, _count: usize) -> Option<Lanes> {
+        None
+    }
+
+    /// Returns an output variable of an element; `None` where the material does not have it.
+    fn value(&self, _state: &Self::State, _lane: usize, _part: Part) -> Option<f64> {
+        None
+    }
+
+    /// Sets a value of an element at the start of the analysis. Returns whether the material uses it.
+    fn set(&self, _state: &mut Self::State, _lane: usize, _value: InitialValue) -> bool {
+        false
+    }
+}

@@ -94,7 +94,7 @@ impl Hardening for Elastic {
 /// Yield stress that is the least of some lines over plastic strain: perfect plasticity, linear hardening, and every table
 /// whose slopes fall.
 #[derive(Clone, Debug)]
-pub struct Lines {
+pub struct PiecewiseLinearHardening {
     lines: Vec<Line>,
 }
 
@@ -107,10 +107,10 @@ struct Line {
     per: f64,
 }
 
-impl Lines {
+impl PiecewiseLinearHardening {
     /// The lines of a table of yield stress and plastic strain, constant behind its last row; `None` if its slopes do not
     /// fall, or fall below zero.
-    pub fn new(rows: &[[f64; 2]], shear: f64) -> Option<Lines> {
+    pub fn new(rows: &[[f64; 2]], shear: f64) -> Option<PiecewiseLinearHardening> {
         let last = rows.last()?;
         let line = |start, slope| Line { start, slope, per: 1.0 / (3.0 * shear + slope) };
         let between = rows.windows(2).map(|w| {
@@ -121,11 +121,11 @@ impl Lines {
         // Rows on one line are one line.
         lines.dedup_by(|b, a| (b.slope - a.slope).abs() <= 1e-9 * a.slope.abs());
         lines.push(line(last[0], 0.0));
-        lines.windows(2).all(|w| w[1].slope <= w[0].slope).then_some(Lines { lines })
+        lines.windows(2).all(|w| w[1].slope <= w[0].slope).then_some(PiecewiseLinearHardening { lines })
     }
 }
 
-impl Hardening for Lines {
+impl Hardening for PiecewiseLinearHardening {
     type State = Lanes;
     const PLASTIC: bool = true;
 
@@ -161,7 +161,7 @@ impl Hardening for Lines {
 }
 
 /// Any yield stress over plastic strain, rate and temperature; plastic work may heat.
-pub struct General {
+pub struct RateDependentHardening {
     /// The yield stress.
     pub law: FlowStress,
     /// Rise of temperature by plastic work.
@@ -177,7 +177,7 @@ pub struct PlasticState {
     rate: Lanes,
 }
 
-impl Hardening for General {
+impl Hardening for RateDependentHardening {
     type State = PlasticState;
     const PLASTIC: bool = true;
 
@@ -231,14 +231,14 @@ impl Persist for PlasticState {
 
 #[cfg(test)]
 mod tests {
-    use super::{Flow, Hardening, LANES, Lines};
+    use super::{Flow, Hardening, LANES, PiecewiseLinearHardening};
     use crate::kernel::hardening::{Table, plastic_increment};
 
     #[test]
     fn lines_return_as_the_table_does() {
         let rows = [[400.0, 0.0], [450.0, 0.1], [500.0, 0.2], [540.0, 0.4]];
         let (shear, table) = (45.0, Table { rows: rows.to_vec() });
-        let lines = Lines::new(&rows, shear).expect("slopes fall");
+        let lines = PiecewiseLinearHardening::new(&rows, shear).expect("slopes fall");
         assert_eq!(lines.lines.len(), 3, "two rows are on one line");
         for (trial, strain) in [(399.0, 0.0), (401.0, 0.0), (460.0, 0.0), (700.0, 0.15), (900.0, 0.39), (600.0, 0.9)] {
             let mut state = [strain; LANES];
@@ -254,6 +254,6 @@ mod tests {
             let expected = plastic_increment(&table, trial, strain, 0.0, 3.0 * shear, 1.0);
             assert!((increment[0] - expected).abs() < 1e-10, "{trial} {strain}: {} {expected}", increment[0]);
         }
-        assert!(Lines::new(&[[400.0, 0.0], [410.0, 0.1], [500.0, 0.2]], shear).is_none());
+        assert!(PiecewiseLinearHardening::new(&[[400.0, 0.0], [410.0, 0.1], [500.0, 0.2]], shear).is_none());
     }
 }

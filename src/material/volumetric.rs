@@ -1,6 +1,7 @@
-//! How the mean stress answers to a change of volume.
+//! Pressure laws: the mean stress over the change of volume.
 //! Never here: deviators, forces.
 
+use super::BlockStart;
 use crate::kernel::lanes::Lanes;
 use crate::state::archive::Persist;
 
@@ -12,44 +13,22 @@ pub trait Volumetric: Send + Sync + 'static {
     /// Whether the pressure is other than a constant bulk modulus times the dilation.
     const EOS: bool;
 
-    /// Whether the deviator, too, follows from the whole deformation: [`Volumetric::stretch`] takes the place of
-    /// [`Volumetric::squeeze`].
-    const TOTAL: bool = false;
+    /// Returns the state of a block at the start.
+    fn fresh(&self, start: &BlockStart) -> Self::State;
 
-    /// Whether something flows: the trial is elastic with the moduli of the group, which stay the upper bounds, and
-    /// [`Volumetric::stretch`] brings it back.
-    const FLOWS: bool = false;
+    /// Updates mean stress and tangent bulk modulus over an increment.
+    fn update_pressure(&self, state: &mut Self::State, update: PressureUpdate<'_>);
 
-    /// Whether the answer depends on the time: [`Volumetric::begin`] is told it.
-    const TIMED: bool = false;
-
-    /// State of a block at the start.
-    fn fresh(&self) -> Self::State;
-
-    /// Mean stress and tangent bulk modulus at the end of an increment.
-    fn squeeze(&self, state: &mut Self::State, ask: Squeeze<'_>);
-
-    /// Mean stress, deviator and modulus at the end of an increment, by the whole deformation.
-    fn stretch(&self, _state: &mut Self::State, _ask: Stretch<'_>) {}
-
-    /// An increment that ends at this total time begins.
+    /// Begins an increment that ends at this total time.
     fn begin(&self, _state: &mut Self::State, _now: f64) {}
-
-    /// Where an element lies at the start, `[r, z]` of its middle, and its length.
-    fn place(&self, _state: &mut Self::State, _lane: usize, _middle: [f64; 2], _length: f64) {}
-
-    /// Plastic strain of a lane, where something flows.
-    fn plastic_strain(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
-        None
-    }
 
     /// Share of an explosive that has burnt, where it is one.
     fn burnt(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
 
-    /// Takes up heat beyond what [`Volumetric::squeeze`] expected (energy).
-    fn settle(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
+    /// Adds heat (energy) beyond what [`Volumetric::update_pressure`] expected.
+    fn add_heat(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
 
     /// Energy a mass of a lane, where it is followed.
     fn energy(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
@@ -68,8 +47,8 @@ pub trait Volumetric: Send + Sync + 'static {
     fn heat(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 }
 
-/// One block's question to its volumetric law.
-pub struct Squeeze<'a> {
+/// Pressure update of a block.
+pub struct PressureUpdate<'a> {
     /// Mean stress: before the increment; the answer after it.
     pub mean: &'a mut Lanes,
     /// Answer: isentropic bulk modulus.
@@ -90,30 +69,6 @@ pub struct Squeeze<'a> {
     pub mass: &'a Lanes,
 }
 
-/// One block's question to a law of the whole deformation.
-pub struct Stretch<'a> {
-    /// Strain increments rr, zz, hoop, rz in the middle of the increment.
-    pub strain: &'a [Lanes; 4],
-    /// Spin increments.
-    pub spin: &'a Lanes,
-    /// Length of the increment.
-    pub dt: f64,
-    /// Mean stress of the elastic trial; the answer.
-    pub mean: &'a mut Lanes,
-    /// Deviator of the elastic trial; the answer.
-    pub deviator: &'a mut [Lanes; 4],
-    /// Answer of what flows: plastic strain increments rr, zz, hoop, rz, and the energy dissipated a volume.
-    pub plastic: &'a mut [Lanes; 4],
-    /// See [`Stretch::plastic`].
-    pub dissipated: &'a mut Lanes,
-    /// Answer: modulus of a wave less 4/3 of the shear modulus at the start.
-    pub bulk: &'a mut Lanes,
-    /// Answer: shear modulus now, the mean over all directions.
-    pub shear: &'a mut Lanes,
-    /// Answer: zero.
-    pub heat: &'a mut Lanes,
-}
-
 /// A constant bulk modulus.
 #[derive(Clone, Copy, Debug)]
 pub struct Linear;
@@ -122,8 +77,8 @@ impl Volumetric for Linear {
     type State = ();
     const EOS: bool = false;
 
-    fn fresh(&self) {}
+    fn fresh(&self, _start: &BlockStart) {}
 
     #[inline(always)]
-    fn squeeze(&self, (): &mut (), _ask: Squeeze<'_>) {}
+    fn update_pressure(&self, (): &mut (), _update: PressureUpdate<'_>) {}
 }

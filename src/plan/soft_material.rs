@@ -2,14 +2,14 @@
 //! Never here: their arithmetic.
 
 use super::Compiler;
-use super::solid_material::{Equation, Make, Moduli, rate_factor};
+use super::solid_material::{GroupBuilder, rate_factor};
 use crate::deck::{Diagnostic, Span};
+use crate::element::constants::Constants;
 use crate::element::group::ElementGroup;
 use crate::kernel::hardening::Table;
-use crate::material::explosive::{Explosive, Jwl, Lit};
+use crate::material::explosive::{DetonationPoint, Explosive, Jwl};
 use crate::material::foam::{Foam, Growth};
 use crate::material::hyperelastic::{NeoHooke, Rubber};
-use crate::material::plasticity::Elastic;
 use crate::material::strain_energy::{Compression, Ogden, Polynomial};
 use crate::model::{FoamShape, Hyperelastic, Material, RateDependence, RubberShape};
 
@@ -18,8 +18,14 @@ use crate::model::{FoamShape, Hyperelastic, Material, RateDependence, RubberShap
 const BULK_OVER_SHEAR: f64 = 20.0;
 
 impl Compiler<'_> {
-    pub(super) fn rubber(&mut self, rubber: &Hyperelastic, make: Make<'_, false>) -> Box<dyn ElementGroup> {
-        let Hyperelastic { shape, compressibility, span } = rubber;
+    /// The group of rubber.
+    pub(super) fn rubber(
+        &mut self,
+        material: &Material,
+        _span: Span,
+        builder: GroupBuilder<'_, false>,
+    ) -> Option<Box<dyn ElementGroup>> {
+        let Hyperelastic { shape, compressibility, span } = material.hyperelastic.as_ref()?;
         let shear = shape.shear();
         let given = compressibility.first().is_some_and(|d1| *d1 > 0.0);
         let standard = vec![0.5 * BULK_OVER_SHEAR * shear];
@@ -33,29 +39,31 @@ impl Compiler<'_> {
         let how = if given { "" } else { ", by default 20 times the shear modulus" };
         let detail = format!("{name}, shear modulus {shear}, bulk modulus {}{how}", volume.initial());
         self.cause(*span, "rubber elasticity", 1, "material", detail);
-        match shape {
+        Some(match shape {
             RubberShape::NeoHooke(c10) => {
                 let d1 = if given { compressibility[0] } else { 2.0 / (BULK_OVER_SHEAR * shear) };
-                make.quads(Elastic, NeoHooke { c10: *c10, d1 })
+                builder.group(NeoHooke { c10: *c10, d1 })
             }
             RubberShape::Polynomial(terms) => {
                 let terms = terms.iter().copied().filter(|t| t.0 != 0.0).collect();
-                make.quads(Elastic, Rubber { shape: Polynomial { terms }, volume, shear })
+                builder.group(Rubber { shape: Polynomial { terms }, volume, shear })
             }
             RubberShape::Ogden(terms) => {
                 let terms = terms.iter().copied().filter(|t| t[0] != 0.0).collect();
-                make.quads(Elastic, Rubber { shape: Ogden { terms }, volume, shear })
+                builder.group(Rubber { shape: Ogden { terms }, volume, shear })
             }
-        }
+        })
     }
 
-    /// The law of a foam; `Some(None)` where the material is none.
-    pub(super) fn foam(&mut self, material: &Material, span: Span, moduli: Moduli) -> Option<Option<Foam>> {
+    /// The group of a foam.
+    pub(super) fn foam(
+        &mut self,
+        material: &Material,
+        span: Span,
+        builder: GroupBuilder<'_, false>,
+    ) -> Option<Box<dyn ElementGroup>> {
         let name = &material.name;
         let Some((shape, card)) = material.foam.shape else {
-            if material.foam.hardening.is_empty() {
-                return Some(None);
-            }
             return self.no_material(span, format!("material `{name}` has *CRUSHABLE FOAM HARDENING alone"));
         };
         if material.foam.hardening.is_empty() {
@@ -88,7 +96,8 @@ impl Compiler<'_> {
         let rates = if rate.is_some() { ", rate dependent" } else { "" };
         self.cause(card, "crushable foam", 1, "material", format!("{how}{rates}"));
         let hardening = Table { rows: material.foam.hardening.clone() };
-        Some(Some(Foam { growth, hardening, rate, moduli: [moduli.bulk, moduli.shear] }))
+        let Constants { bulk, shear, .. } = builder.constants;
+        Some(builder.group(Foam { growth, hardening, rate, moduli: [bulk, shear] }))
     }
 
     pub(super) fn explosive(
@@ -97,7 +106,7 @@ impl Compiler<'_> {
         card: Span,
         values: &[f64; 8],
         span: Span,
-    ) -> Option<Equation> {
+    ) -> Option<Explosive> {
         let [speed, a, b, omega, r1, r2, energy, unburnt] = *values;
         if material.detonation.is_empty() {
             let message = format!("material `{}` is an explosive without *DETONATION POINT", material.name);
@@ -107,8 +116,9 @@ impl Compiler<'_> {
         self.cause(card, "equation of state", 1, "material", detail);
         let density = material.density.unwrap_or(0.0);
         let products = Jwl { density, pressures: [a, b], exponents: [r1, r2], omega };
-        let points = material.detonation.iter().map(|[r, z, time]| Lit { place: [*r, *z], time: *time }).collect();
-        Some(Equation::Explosive(Explosive { products, speed, energy, unburnt, points }))
+        let points =
+            material.detonation.iter().map(|[r, z, time]| DetonationPoint { place: [*r, *z], time: *time }).collect();
+        Some(Explosive { products, speed, energy, unburnt, points })
     }
 
     fn no_material<T>(&mut self, span: Span, message: String) -> Option<T> {

@@ -2,6 +2,7 @@
 //! Never here: nodes, loads, arithmetic of elements.
 
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use super::Compiler;
 use super::solid::add_masses;
@@ -13,13 +14,15 @@ use crate::element::numbers::Numbers;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, RateFactor, StaticYield, Table, TableOverTemperature};
 use crate::kernel::heating::Heating;
 use crate::kernel::levels::NestedTable;
+use crate::kernel::moduli::Moduli;
+use crate::material::Material as Law;
 use crate::material::eos::{Eos, IdealGas, Tabulated, UsUp};
-use crate::material::explosive::Explosive;
-use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, Failure, FailureStrain, NoDamage};
+use crate::material::failure::{CRITERIA, Criterion, Cutoff, Evolution, Failing, FailureStrain};
 use crate::material::kinematic::Kinematic;
-use crate::material::kinematic_rate::Moving;
-use crate::material::plasticity::{Elastic, General, Hardening, Lines};
+use crate::material::kinematic_rate::RateKinematic;
+use crate::material::plasticity::{Elastic, PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::volumetric::{Linear, Volumetric};
+use crate::material::von_mises::VonMises;
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, Hourglass, Material, Plastic, RateDependence, SectionControls,
     SolidSection, StrainAtFailure,
@@ -33,25 +36,27 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 /// The same of what has no shear modulus: with 0.05 Noh's sphere on squares overshoots behind its shock (docs/verification.md).
 const FLUID_VISCOSITY: f64 = 0.15;
 
-/// Moduli of an isotropic material; without bulk modulus where an equation of state takes its place.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Moduli {
-    pub(super) bulk: f64,
-    pub(super) shear: f64,
+/// Family of materials: which cards ask for it, and the group of its elements.
+struct MaterialRow {
+    applies: fn(&Material) -> bool,
+    group: fn(&mut Compiler<'_>, &Material, Span, GroupBuilder<'_, false>) -> Option<Box<dyn ElementGroup>>,
 }
 
-/// An equation of state with all its constants.
-pub(super) enum Equation {
-    Gas(IdealGas),
-    UsUp(UsUp),
-    Tabulated(Tabulated),
-    Explosive(Explosive),
-}
+/// Materials by their cards; the first row that applies. A new material is a file in `material` and a row here.
+const MATERIALS: &[MaterialRow] = &[
+    MaterialRow { applies: |m| m.hyperelastic.is_some(), group: |c, m, span, builder| c.rubber(m, span, builder) },
+    MaterialRow {
+        applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(),
+        group: |c, m, span, builder| c.foam(m, span, builder),
+    },
+    MaterialRow { applies: |m| m.eos.is_some(), group: |c, m, span, builder| c.equation_of_state(m, span, builder) },
+    MaterialRow { applies: |_| true, group: |c, m, span, builder| c.with_volumetric(m, span, Linear, builder) },
+];
 
-/// What every group needs beside its laws.
+/// Everything but the material that a group of elements is made of.
 #[derive(Clone, Copy)]
-pub(super) struct Make<'a, const AREA: bool, T = f64> {
-    constants: Constants,
+pub(super) struct GroupBuilder<'a, const AREA: bool, T = f64> {
+    pub(super) constants: Constants,
     density: f64,
     corners: &'a [[u32; 4]],
     nodes: &'a [Node],
@@ -67,27 +72,18 @@ pub(super) struct Make<'a, const AREA: bool, T = f64> {
     numbers: PhantomData<T>,
 }
 
-impl<'a, const AREA: bool, T: Numbers> Make<'a, AREA, T> {
-    pub(super) fn quads<H: Hardening, V: Volumetric>(self, hardening: H, volumetric: V) -> Box<dyn ElementGroup> {
-        self.failing(hardening, volumetric, NoDamage)
-    }
-
-    fn failing<H: Hardening, V: Volumetric, F: Failure>(
-        self,
-        hardening: H,
-        volumetric: V,
-        failure: F,
-    ) -> Box<dyn ElementGroup> {
-        let laws = (hardening, volumetric, failure);
-        let Make { constants, density, corners, nodes, subzonal, .. } = self;
-        let quads = Quads::<_, _, _, AREA, T>::weighted(laws, constants, density, corners, nodes);
+impl<'a, const AREA: bool, T: Numbers> GroupBuilder<'a, AREA, T> {
+    /// The group of a material.
+    pub(super) fn group(self, material: impl Law<T>) -> Box<dyn ElementGroup> {
+        let GroupBuilder { constants, density, corners, nodes, subzonal, .. } = self;
+        let quads = Quads::<_, AREA, T>::weighted(material, constants, density, corners, nodes);
         Box::new(if subzonal { quads.with_subzones(corners, nodes) } else { quads })
     }
 
     /// The same with other weights and numbers.
-    fn turned<const BY_AREA: bool, U>(self) -> Make<'a, BY_AREA, U> {
-        let Make { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: _ } = self;
-        Make { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: PhantomData }
+    fn turned<const BY_AREA: bool, U>(self) -> GroupBuilder<'a, BY_AREA, U> {
+        let GroupBuilder { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: _ } = self;
+        GroupBuilder { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: PhantomData }
     }
 }
 
@@ -101,6 +97,12 @@ impl Compiler<'_> {
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
         let material = &self.model.materials[section.material];
+        if let Some(constants) = &material.user.material
+            && let Some(law) = self.routines.law(&material.name)
+        {
+            let law = Arc::clone(law);
+            return self.law_group(section, (material, constants, law), (corners, nodes), mass);
+        }
         if asks_at_points(material) {
             if section.controls.by_area {
                 let message = "WEIGHTING=AREA with routines of the user at points is not supported";
@@ -121,27 +123,29 @@ impl Compiler<'_> {
         self.solid_rows(section, elements.len(), &constants, (material, heats));
         let (spared, kept) = self.spared(section, material);
         let subzonal = self.subzonal(section, material, elements.len())?;
-        let make =
-            Make::<false> { constants, density, corners, nodes, heats, spared, kept, subzonal, numbers: PhantomData };
+        let make = GroupBuilder::<false> {
+            constants,
+            density,
+            corners,
+            nodes,
+            heats,
+            spared,
+            kept,
+            subzonal,
+            numbers: PhantomData,
+        };
         if self.is_single(section, material, &constants) {
             return self.with_volumetric(material, section.span, Linear, make.turned::<false, f32>());
         }
         if section.controls.by_area {
             return self.by_area(section, material, make.turned());
         }
-        if let Some(rubber) = &material.hyperelastic {
-            return Some(self.rubber(rubber, make));
+        let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
+        if !burns && !material.detonation.is_empty() {
+            self.unused(material.span, "*DETONATION POINT", "only *EOS, TYPE=JWL detonates");
         }
-        if let Some(foam) = self.foam(material, section.span, moduli)? {
-            return Some(make.quads(Elastic, foam));
-        }
-        match self.equation(material, section.span)? {
-            None => self.with_volumetric(material, section.span, Linear, make),
-            Some(Equation::Gas(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
-            Some(Equation::UsUp(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
-            Some(Equation::Tabulated(law)) => self.with_volumetric(material, section.span, Eos { law }, make),
-            Some(Equation::Explosive(law)) => self.with_volumetric(material, section.span, law, make),
-        }
+        let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
+        (row.group)(self, material, section.span, make)
     }
 
     /// Elastic moduli of a material; a missing or contradictory card is an error.
@@ -195,19 +199,21 @@ impl Compiler<'_> {
         None
     }
 
-    /// The equation of state of a material, with what it takes from other cards.
-    fn equation(&mut self, material: &Material, span: Span) -> Option<Option<Equation>> {
-        let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
-        if !burns && !material.detonation.is_empty() {
-            self.unused(material.span, "*DETONATION POINT", "only *EOS, TYPE=JWL detonates");
-        }
-        let Some(eos) = &material.eos else { return Some(None) };
+    /// The group of an equation of state, with what it takes from other cards.
+    fn equation_of_state(
+        &mut self,
+        material: &Material,
+        span: Span,
+        builder: GroupBuilder<'_, false>,
+    ) -> Option<Box<dyn ElementGroup>> {
+        let (eos, density) = (material.eos.as_ref()?, builder.density);
+        let mut row = |detail| self.cause(eos.span, "equation of state", 1, "material", detail);
         match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
             (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
+                row(format!("ideal gas, gamma = {}", 1.0 + gas_constant / specific_heat));
                 let absolute_zero = self.model.settings.absolute_zero;
-                let ratio = 1.0 + gas_constant / specific_heat;
-                self.cause(eos.span, "equation of state", 1, "material", format!("ideal gas, gamma = {ratio}"));
-                Some(Some(Equation::Gas(IdealGas { gas_constant, specific_heat, ambient, absolute_zero })))
+                let law = IdealGas { gas_constant, specific_heat, ambient, absolute_zero };
+                self.with_volumetric(material, span, Eos { law }, builder)
             }
             (EosKind::IdealGas(_), rows) => {
                 let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
@@ -216,16 +222,17 @@ impl Compiler<'_> {
                 None
             }
             (EosKind::UsUp([c0, s, gamma0]), _) => {
-                let detail = format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}");
-                self.cause(eos.span, "equation of state", 1, "material", detail);
-                let density = material.density.unwrap_or(0.0);
-                Some(Some(Equation::UsUp(UsUp { density, c0, s, gamma0 })))
+                row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
+                self.with_volumetric(material, span, Eos { law: UsUp { density, c0, s, gamma0 } }, builder)
             }
             (EosKind::Tabular(rows), _) => {
-                self.cause(eos.span, "equation of state", 1, "material", format!("table of {} rows", rows.len()));
-                Some(Some(Equation::Tabulated(Tabulated { density: material.density.unwrap_or(0.0), rows })))
+                row(format!("table of {} rows", rows.len()));
+                self.with_volumetric(material, span, Eos { law: Tabulated { density, rows } }, builder)
             }
-            (EosKind::Jwl(values), _) => self.explosive(material, eos.span, &values, span).map(Some),
+            (EosKind::Jwl(values), _) => {
+                let law = self.explosive(material, eos.span, &values, span)?;
+                self.with_volumetric(material, span, law, builder)
+            }
         }
     }
 
@@ -235,15 +242,15 @@ impl Compiler<'_> {
         material: &Material,
         span: Span,
         volumetric: V,
-        make: Make<'_, AREA, T>,
+        make: GroupBuilder<'_, AREA, T>,
     ) -> Option<Box<dyn ElementGroup>> {
         let heating = if make.heats { heating(material, make.density) } else { Heating::None };
         let failing =
             self.failing(material)?.map(|failing| Failing { spared: make.spared, kept: make.kept, ..failing });
         let Some(plastic) = &material.plastic else {
             return Some(match failing {
-                Some(failing) => make.failing(Elastic, volumetric, failing),
-                None => make.quads(Elastic, volumetric),
+                Some(failure) => make.group(VonMises { hardening: Elastic, volumetric, failure }),
+                None => make.group(VonMises::new(Elastic, volumetric)),
             });
         };
         if let Plastic::Kinematic(lines) = plastic {
@@ -254,13 +261,16 @@ impl Compiler<'_> {
                 return None;
             }
             if let ([[yield_stress, slope, _]], None, Heating::None) = (&lines[..], &material.rate, &heating) {
-                return Some(make.quads(Kinematic { yield_stress: *yield_stress, slope: *slope }, volumetric));
+                let law = Kinematic { yield_stress: *yield_stress, slope: *slope };
+                return Some(make.group(VonMises::new(law, volumetric)));
             }
-            return Some(make.quads(moving(lines, material.rate.as_ref(), heating), volumetric));
+            let law = moving(lines, material.rate.as_ref(), heating);
+            return Some(make.group(VonMises::new(law, volumetric)));
         }
         let law = self.yield_stress(plastic, material, span)?;
-        if let Some(failing) = failing {
-            return Some(make.failing(General { law, heating }, volumetric, failing));
+        if let Some(failure) = failing {
+            let hardening = RateDependentHardening { law, heating };
+            return Some(make.group(VonMises { hardening, volumetric, failure }));
         }
         let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
         if let (Plastic::Tabular(rows), None, Heating::None) = (plastic, &material.rate, &heating)
@@ -268,11 +278,11 @@ impl Compiler<'_> {
         {
             let mut rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
             extrapolate(&mut rows, material);
-            if let Some(lines) = Lines::new(&rows, make.constants.shear) {
-                return Some(make.quads(lines, volumetric));
+            if let Some(lines) = PiecewiseLinearHardening::new(&rows, make.constants.shear) {
+                return Some(make.group(VonMises::new(lines, volumetric)));
             }
         }
-        Some(make.quads(General { law, heating }, volumetric))
+        Some(make.group(VonMises::new(RateDependentHardening { law, heating }, volumetric)))
     }
 
     /// 1 less MAX DEGRADATION, and whether elements stay that come so far.
@@ -314,7 +324,7 @@ impl Compiler<'_> {
         &mut self,
         section: &SolidSection,
         material: &Material,
-        make: Make<'_, true>,
+        make: GroupBuilder<'_, true>,
     ) -> Option<Box<dyn ElementGroup>> {
         let model = self.model;
         let refusal = if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
@@ -545,11 +555,11 @@ fn stiffest(rows: &[Vec<f64>]) -> Moduli {
 }
 
 /// Kinematic hardening by lines of yield stress, slope and temperature.
-fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: Heating) -> Moving {
+fn moving(lines: &[[f64; 3]], rate: Option<&RateDependence>, heating: Heating) -> RateKinematic {
     let size = |line: &[f64; 3]| (line[2], Table { rows: vec![[line[0], 0.0]] });
     let slope = Table { rows: lines.iter().map(|l| [l[1], l[2]]).collect() };
     let base = StaticYield::Tables(TableOverTemperature { tables: lines.iter().map(size).collect() });
-    Moving { size: FlowStress { base, factor: rate_factor(rate) }, slope, heating }
+    RateKinematic { size: FlowStress { base, factor: rate_factor(rate) }, slope, heating }
 }
 
 /// Rows of yield stress, plastic strain and temperature (not a number if absent) as one table a temperature.

@@ -6,15 +6,18 @@ use std::sync::Arc;
 
 use super::Compiler;
 use super::solid::add_masses;
-use super::solid_material::{Moduli, heating};
+use super::solid_material::heating;
 use crate::deck::Diagnostic;
 use crate::element::constants::Constants;
-use crate::element::group::{ElementGroup, Settings};
+use crate::element::group::{ElementGroup, Quads, Settings};
 use crate::element::user_law::{Description, Flow, Yield};
 use crate::element::user_quads::UserQuads;
 use crate::kernel::heating::Heating;
+use crate::kernel::moduli::Moduli;
+use crate::material::point_law::PointLaw;
 use crate::model::{Material, Plastic, SolidSection, StateVariables};
 use crate::state::nodes::Node;
+use crate::user::MaterialLaw;
 
 /// Whether elements of a material ask routines of the user at their points.
 pub(super) fn asks_at_points(material: &Material) -> bool {
@@ -29,8 +32,8 @@ fn flows_at_points(material: &Material) -> bool {
 
 /// What the user's routines give of a law.
 enum UserLaw<'m> {
-    /// The stress, with these constants.
-    Stress(&'m Vec<f64>),
+    /// The stress, with these constants, and who gives it.
+    Stress(&'m [f64], &'static str),
     /// The yield stress, or nothing of it.
     Flow(Yield),
 }
@@ -47,7 +50,7 @@ impl Compiler<'_> {
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
         let (law, moduli) = match &material.user.material {
-            Some(properties) => (UserLaw::Stress(properties), self.user_moduli(section, material)?),
+            Some(properties) => (UserLaw::Stress(properties, "vumat"), self.user_moduli(section, material)?),
             None => self.user_flow(section, material)?,
         };
         let density = material.density?;
@@ -59,7 +62,7 @@ impl Compiler<'_> {
         let hourglass = self.hourglass(section, material, moduli)?;
         let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
         // The moduli of a routine's stress come from its first answer.
-        let told = matches!(law, UserLaw::Stress(_));
+        let told = matches!(law, UserLaw::Stress(..));
         let [bulk, shear] = if told { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
         let constants = Constants { bulk, shear, hourglass, bulk_viscosity };
         let heating =
@@ -67,7 +70,7 @@ impl Compiler<'_> {
         self.user_rows(section, material, &law, (elements.len(), &constants), &heating);
         let StateVariables { count, delete } = material.user.state;
         let (properties, flow) = match law {
-            UserLaw::Stress(properties) => (properties.clone(), None),
+            UserLaw::Stress(properties, _) => (properties.to_vec(), None),
             UserLaw::Flow(yields) => {
                 let elasticity = self.elasticity(section, material, elements.len());
                 (Vec::new(), Some(Flow { bulk, shear, elasticity, yields }))
@@ -92,6 +95,43 @@ impl Compiler<'_> {
             group.follow();
         }
         Some(Box::new(group))
+    }
+
+    /// The group of a section whose material has a law in Rust; `None` if a card is missing or the law does not take its
+    /// constants (reported).
+    pub(super) fn law_group(
+        &mut self,
+        section: &SolidSection,
+        (material, constants, law): (&Material, &[f64], Arc<dyn MaterialLaw>),
+        (corners, nodes): (&[[u32; 4]], &[Node]),
+        mass: &mut [f64],
+    ) -> Option<Box<dyn ElementGroup>> {
+        let StateVariables { count: variables, delete } = material.user.state;
+        let name = &material.name;
+        let refusal = match (material.density, law.moduli(constants)) {
+            (None, _) => format!("material `{name}` has no *DENSITY"),
+            _ if material.elastic.is_some() || material.plastic.is_some() || section.controls.by_area => {
+                format!("material `{name}` has *ELASTIC, *PLASTIC or WEIGHTING=AREA beside *USER MATERIAL")
+            }
+            (_, Err(failure)) => format!("the law of material `{name}` does not take its constants: {failure}"),
+            _ if variables < law.state_variables() => {
+                let least = law.state_variables();
+                format!("the law of material `{name}` needs {least} state variables, *DEPVAR gives {variables}")
+            }
+            (Some(density), Ok(moduli)) => {
+                self.stays_double(section.span, corners.len(), "routines of the user");
+                add_masses(corners, nodes, density, mass);
+                let hourglass = self.hourglass(section, material, moduli)?;
+                let bulk_viscosity = self.model.steps.first().map_or([0.06, 1.2], |s| s.bulk_viscosity);
+                let group = Constants { bulk: moduli.bulk, shear: moduli.shear, hourglass, bulk_viscosity };
+                let stress = UserLaw::Stress(constants, "in Rust");
+                self.user_rows(section, material, &stress, (corners.len(), &group), &Heating::None);
+                let law = PointLaw { law, constants: constants.to_vec(), variables, delete };
+                return Some(Box::new(Quads::new(law, group, density, corners, nodes)));
+            }
+        };
+        self.diagnostics.push(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"));
+        None
     }
 
     /// The moduli that stand for those of a routine's stress until it tells them; `None` if the material lacks a card or has
@@ -202,11 +242,11 @@ impl Compiler<'_> {
         let name = &material.name;
         let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
         let variables = material.user.state.count;
-        let by = if matches!(law, UserLaw::Stress(_)) { "by the user" } else { "elastic" };
+        let by = if matches!(law, UserLaw::Stress(..)) { "by the user" } else { "elastic" };
         self.cause(section.span, "deformable elements", count, "CAX4R", format!("material {name}, {by}, Jaumann rate"));
         match law {
-            UserLaw::Stress(properties) => {
-                let detail = format!("vumat: {} constants, {variables} state variables{heated}", properties.len());
+            UserLaw::Stress(properties, who) => {
+                let detail = format!("{who}: {} constants, {variables} state variables{heated}", properties.len());
                 self.cause(section.span, "user material", count, "points", detail);
             }
             UserLaw::Flow(Yield::User(properties)) => {

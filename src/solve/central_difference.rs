@@ -166,9 +166,9 @@ mod tests {
     use crate::element::frequency::{Held, HighestFrequency};
     use crate::element::group::Quads;
     use crate::kernel::quad;
-    use crate::material::failure::NoDamage;
     use crate::material::plasticity::Elastic;
     use crate::material::volumetric::Linear;
+    use crate::material::von_mises::VonMises;
     use crate::mesh::gather::Gather;
     use crate::state::Instant;
     use crate::state::dofs::Dofs;
@@ -208,7 +208,7 @@ mod tests {
                     mass[*n as usize] += m;
                 }
             }
-            let mut quads = Quads::new((Elastic, Linear, NoDamage), constants, 1.0, &self.elements, &self.nodes);
+            let mut quads = Quads::new(VonMises::new(Elastic, Linear), constants, 1.0, &self.elements, &self.nodes);
             if awake {
                 quads.keep_awake(count as u32 - 1);
             }

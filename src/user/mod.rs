@@ -12,6 +12,7 @@ mod guard;
 pub mod host;
 mod host_routines;
 mod isolate;
+pub mod law;
 pub mod library;
 mod memory;
 mod prototype;
@@ -24,6 +25,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::state::Instant;
 use crate::state::halt::Halt;
 pub use address::show_symbols;
+pub use law::{MaterialLaw, MaterialPoint, Moduli};
 pub(crate) use memory::{PersistentMemory, SavedMemory};
 
 /// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
@@ -32,6 +34,7 @@ pub const MAX_BLOCK: usize = 512;
 /// Arguments of a user load for a block of points of one surface (ABAQUS 6.6 User Subroutines Reference, 1.2.1 "VDLOAD").
 /// Slices have one entry per point unless stated otherwise.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct LoadPoints<'a> {
     /// Surface or element-set name, upper case (`sname` of a surface load; VDLOAD gets blanks for an element load).
     pub surface: &'a str,
@@ -145,6 +148,7 @@ impl<F: FnMut(&LoadPoints<'_>, usize) -> f64 + Send> UserLoad for ByPoint<F> {
 
 /// Arguments of a user amplitude (ABAQUS 6.11 User Subroutines Reference, 1.2.7 "VUAMP").
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct AmplitudeCall<'a> {
     /// Name of the amplitude, upper case.
     pub name: &'a str,
@@ -190,6 +194,7 @@ pub trait UserAmplitude: Send {
 
 /// Arguments of a user motion for one node (ABAQUS 6.11 User Subroutines Reference, 1.2.1 "VDISP").
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct MotionCall<'a> {
     /// Name of the node set (`cbname`), upper case.
     pub set: &'a str,
@@ -227,6 +232,7 @@ pub trait UserMotion: Send {
 /// Moments at which VEXTERNALDB is called, with its `lOp` (ABAQUS 6.14 User Subroutines Reference, 1.2.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
+#[non_exhaustive]
 pub enum AnalysisMoment {
     /// Before the first increment of the first step.
     StartAnalysis = 0,
@@ -259,6 +265,7 @@ impl AnalysisMoment {
 
 /// What the run does after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum RunAction {
     /// Continue.
     #[default]
@@ -288,6 +295,7 @@ pub const MAX_MATERIAL_BLOCK: usize = 136;
 /// one component of all points after the other: of symmetric tensors rr, zz, hoop, rz (tensor shear). Stresses and strains
 /// are in a frame that rotates with the material spin, so tensors among the state variables need no rotation.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct MaterialCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -336,6 +344,7 @@ pub struct MaterialCall<'a> {
 
 /// Answer of a user material; stresses are NaN on entry, state variables and energies the previous ones.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct MaterialAnswer<'a> {
     /// `stressNew`.
     pub stress: &'a mut [f64],
@@ -359,6 +368,7 @@ pub trait UserMaterial: Send {
 
 /// Arguments of a user hardening for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.15 "VUHARD").
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct HardeningCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -390,6 +400,7 @@ pub struct HardeningCall<'a> {
 
 /// Answer of a user hardening; yield stresses are NaN on entry, slopes zero, state variables the previous ones.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct HardeningAnswer<'a> {
     /// `yield`.
     pub stress: &'a mut [f64],
@@ -420,6 +431,7 @@ pub trait PointValues {
 }
 
 /// Arguments of user-defined fields for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.20 "VUSDFLD").
+#[non_exhaustive]
 pub struct FieldCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -449,6 +461,7 @@ pub struct FieldCall<'a> {
 
 /// Answer of user-defined fields; both are the previous ones on entry.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct FieldAnswer<'a> {
     /// `stateNew`: the old state of the other routines.
     pub state: &'a mut [f64],
@@ -467,6 +480,7 @@ pub trait UserFields: Send {
 
 /// Arguments of user characteristic lengths for a block of points (ABAQUS 2016 User Subroutines Reference, 1.2.11
 /// "VUCHARLENGTH").
+#[non_exhaustive]
 pub struct LengthCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -541,8 +555,11 @@ macro_rules! routines {
 
         /// The routines of a job; each at most once, as in ABAQUS.
         #[derive(Clone, Default)]
+        #[non_exhaustive]
         pub struct Routines {
             $($(#[$doc])* pub $field: Option<SharedRoutine<dyn $routine>>,)*
+            /// Material laws of Rust programs, by the name of their material in upper case.
+            pub laws: Vec<(String, Arc<dyn MaterialLaw>)>,
             /// Routines of the user's files that cannot be called as they are.
             pub uncallable: Vec<UncallableRoutine>,
             /// Routines of ABAQUS in these files that nothing here calls.
@@ -645,6 +662,18 @@ impl Routines {
     /// Whether there is any.
     pub fn any(&self) -> bool {
         !self.names().is_empty()
+    }
+
+    /// With a material law in Rust for the `*USER MATERIAL` of this name.
+    #[must_use]
+    pub fn with_law(mut self, material: &str, law: impl MaterialLaw + 'static) -> Self {
+        self.laws.push((material.to_uppercase(), Arc::new(law)));
+        self
+    }
+
+    /// Returns the material law in Rust of a material.
+    pub fn law(&self, material: &str) -> Option<&Arc<dyn MaterialLaw>> {
+        self.laws.iter().find(|(name, _)| name == material).map(|(_, law)| law)
     }
 
     /// With a load that gives the pressure at one point after the other, by the index of the point.

@@ -5,11 +5,11 @@ use std::time::Instant as Stopwatch;
 
 use revolve::internals::constants::{Constants, HourglassControl};
 use revolve::internals::corner_forces::CornerForces;
-use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Pass, Quads};
 use revolve::internals::lanes::LANES;
 use revolve::internals::nodes::Node;
 use revolve::internals::volumetric::Linear;
+use revolve::internals::von_mises::VonMises;
 use revolve::solve::Instant;
 use revolve::user::{AtPoints, Routines};
 
@@ -58,7 +58,7 @@ pub fn run() {
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
-    let mut bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, nodes);
+    let mut bare = Quads::new(VonMises::new(Bare, Linear), constants, 7.85e-9, &elements, nodes);
     let mut corners = CornerForces::new(elements.len().div_ceil(LANES), false);
     let [mut deck, mut without, mut with] = [f64::INFINITY; 3];
     for _ in 0..150 {

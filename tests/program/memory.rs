@@ -5,9 +5,9 @@
 
 use revolve::deck;
 use revolve::internals::constants::{Constants, HourglassControl};
-use revolve::internals::failure::NoDamage;
 use revolve::internals::group::{ElementGroup, Quads};
 use revolve::internals::volumetric::Linear;
+use revolve::internals::von_mises::VonMises;
 use revolve::job;
 use revolve::model::{self, Mesh, Model};
 use revolve::output::History;
@@ -190,7 +190,7 @@ fn an_elastic_deck_holds_no_byte_for_plasticity() {
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: [0.06, 1.2],
     };
-    let bare = Quads::new((Bare, Linear, NoDamage), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());
+    let bare = Quads::new(VonMises::new(Bare, Linear), constants, 7.85e-9, &elements, state.dofs.nodes.as_slice());
     assert_eq!(elastic.groups[0].bytes(), bare.bytes());
 }
 

@@ -3,6 +3,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[path = "../../examples/own_material.rs"]
+mod own_material;
+
 mod built_in_twin;
 mod cache;
 mod deformable;
@@ -11,6 +14,7 @@ mod foundation;
 mod hardening;
 mod in_the_wild;
 mod isolate;
+mod law;
 mod load;
 mod manners;
 mod material;

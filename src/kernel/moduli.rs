@@ -1,0 +1,18 @@
+//! Moduli of isotropic elasticity.
+//! Never here: laws.
+
+/// Bulk and shear modulus.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moduli {
+    /// Bulk modulus.
+    pub bulk: f64,
+    /// Shear modulus.
+    pub shear: f64,
+}
+
+impl Moduli {
+    /// Returns the moduli of Young's modulus and Poisson's ratio.
+    pub fn from_young(young: f64, ratio: f64) -> Moduli {
+        Moduli { bulk: young / (3.0 * (1.0 - 2.0 * ratio)), shear: young / (2.0 * (1.0 + ratio)) }
+    }
+}

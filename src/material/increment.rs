@@ -1,0 +1,183 @@
+//! What an element gives its material in an increment, and what the material answers.
+//! Never here: laws, geometry.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use std::any::Any;
+
+use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::moduli::Moduli;
+use crate::kernel::real::Real;
+
+/// Kinematics of a block of elements over an increment.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+pub struct StrainIncrement<T = f64> {
+    /// Strain increments rr, zz, hoop, rz (tensor shear) in the middle of the increment.
+    pub strain: [Lanes<T>; 4],
+    /// Previous stress, rotated with the material (Jaumann rate).
+    pub carried: [Lanes<T>; 4],
+    /// Spin increments in the (r, z) plane, where [`super::Material::USES_SPIN`].
+    pub spin: Lanes<T>,
+    /// Volumes in the middle of the increment; 0 for lanes without element.
+    pub volume: Lanes<T>,
+    /// Current volumes and masses, and previous stress of the bulk viscosity, where
+    /// [`super::Material::EQUATION_OF_STATE`].
+    pub current_volume: Lanes,
+    /// See [`StrainIncrement::current_volume`].
+    pub mass: Lanes,
+    /// See [`StrainIncrement::current_volume`].
+    pub viscous: Lanes,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Moduli of the elastic trial, upper bounds where they vary.
+    pub moduli: Moduli,
+    /// Lanes with an element.
+    pub count: usize,
+    /// Averaged volumetric strain increments less the element's own; `None` without averaging.
+    pub averaging: Option<Lanes>,
+}
+
+/// Stress update of a block of elements: the elastic trial on entry, the answers of the material on return.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+pub struct StressUpdate<T = f64> {
+    /// Mean stress of the trial, in single precision what the increment adds to it; pressure laws replace it.
+    pub mean: Lanes<T>,
+    /// Deviator of the trial, relative to the back stress where there is one.
+    pub deviator: [Lanes<T>; 4],
+    /// Von Mises stress of the deviator, for laws of [`super::PlasticFlow::Deviatoric`].
+    pub trial: Lanes<T>,
+    /// Answer: equivalent plastic strain increments; of [`super::PlasticFlow::Coupled`] the energy dissipated per volume.
+    pub flow: Lanes<T>,
+    /// Answer of [`super::PlasticFlow::Coupled`]: plastic strain increments. Other laws keep their rotated back stress here.
+    pub plastic: [Lanes<T>; 4],
+    /// Answer: part of the elastic trial that the return to the yield surface left, 1 without plastic flow.
+    pub returned: Lanes<T>,
+    /// Part of the trial that multiplies the deviator; in single precision the part that the return took.
+    left: Lanes<T>,
+    /// Answer where moduli vary: bulk modulus, and shear modulus where the law has no equation of state.
+    pub bulk: Lanes<T>,
+    /// See [`StressUpdate::bulk`].
+    pub shear: Lanes<T>,
+    /// Answer of an equation of state: work of the bulk viscosity that it expected.
+    pub heat: Lanes<T>,
+    /// Sums over the blocks of a task, lane by lane: work of the stress.
+    pub internal: Lanes<T>,
+    /// Sums likewise: plastic dissipation and damage.
+    pub dissipated: Lanes<T>,
+    /// Elements that the material deleted in this pass.
+    pub deleted: usize,
+}
+
+/// Returns a value as one of another type, where it is of that type.
+#[inline(always)]
+pub(super) fn as_type<A: 'static, B: 'static>(value: &mut A) -> Option<&mut B> {
+    (value as &mut dyn Any).downcast_mut()
+}
+
+impl StrainIncrement {
+    /// Returns the strain increments with averaged volumetric parts; `room` holds them where they differ.
+    #[inline(always)]
+    pub fn averaged<'a>(&'a self, room: &'a mut [Lanes; 4]) -> &'a [Lanes; 4] {
+        let Some(averaging) = &self.averaging else { return &self.strain };
+        *room = self.strain;
+        for normal in &mut room[..3] {
+            for l in 0..LANES {
+                normal[l] += averaging[l] * (1.0 / 3.0);
+            }
+        }
+        room
+    }
+}
+
+impl<T: Real> StressUpdate<T> {
+    /// Starts the sums of a task.
+    #[inline(always)]
+    pub fn begin(&mut self) {
+        (self.internal, self.dissipated, self.deleted) = ([T::ZERO; LANES], [T::ZERO; LANES], 0);
+        self.returned = [T::ONE; LANES];
+    }
+
+    /// Scales the deviator back to the yield surface by [`StressUpdate::flow`], and adds the plastic dissipation.
+    #[inline(always)]
+    pub(super) fn return_to_yield_surface(&mut self, strain: &StrainIncrement<T>) {
+        let shear3 = T::of(3.0 * strain.moduli.shear);
+        for l in 0..LANES {
+            let (trial, flow) = (self.trial[l], self.flow[l]);
+            let returned = trial - shear3 * flow;
+            let (factor, left) = if T::SINGLE {
+                let taken = if flow > T::ZERO { shear3 * flow / trial } else { T::ZERO };
+                (T::ONE - taken, taken)
+            } else {
+                let factor = if flow > T::ZERO { returned / trial } else { T::ONE };
+                (factor, factor)
+            };
+            self.left[l] = left;
+            self.returned[l] = factor;
+            self.dissipated[l] += strain.volume[l] * returned * flow;
+        }
+    }
+
+    /// Sets the stress to mean stress and deviator, the latter returned to the yield surface (`PLASTIC`) and shifted by the back
+    /// stress (`BACK`), and adds its work.
+    #[inline(always)]
+    pub(super) fn set_stress<const PLASTIC: bool, const BACK: bool>(
+        &mut self,
+        stress: &mut [Lanes<T>; 4],
+        strain: &StrainIncrement<T>,
+    ) {
+        for l in 0..LANES {
+            let (factor, mean) = (if PLASTIC { self.left[l] } else { T::ONE }, self.mean[l]);
+            let mut s = [
+                mean + factor * self.deviator[0][l],
+                mean + factor * self.deviator[1][l],
+                mean + factor * self.deviator[2][l],
+                factor * self.deviator[3][l],
+            ];
+            if T::SINGLE {
+                s = self.add_increment::<PLASTIC>(strain, l);
+            }
+            if BACK {
+                self.dissipated[l] += self.work_against_back_stress(strain, l);
+                if !T::SINGLE {
+                    for i in 0..4 {
+                        s[i] += self.plastic[i][l];
+                    }
+                }
+            }
+            let double = |i: usize| strain.strain[i][l] * (strain.carried[i][l] + s[i]);
+            self.internal[l] +=
+                T::of(0.5) * strain.volume[l] * ((double(0) + double(1)) + (double(2) + T::of(2.0) * double(3)));
+            for i in 0..4 {
+                stress[i][l] = s[i];
+            }
+        }
+    }
+
+    /// Returns the stress of a lane in single precision: the rotated stress, what the increment adds to it and what the return
+    /// takes. Where nothing is added or taken no digit changes, so that rounding does not add up over increments.
+    #[inline(always)]
+    fn add_increment<const PLASTIC: bool>(&self, strain: &StrainIncrement<T>, l: usize) -> [T; 4] {
+        let shear2 = T::of(2.0 * strain.moduli.shear);
+        let increment = [0, 1, 2, 3].map(|i: usize| strain.strain[i][l]);
+        let dilation = increment[0] + increment[1] + increment[2];
+        let even = self.mean[l] - shear2 * T::of(1.0 / 3.0) * dilation;
+        [0, 1, 2, 3].map(|i| {
+            let more = if i < 3 { shear2 * increment[i] + even } else { shear2 * increment[i] };
+            let trial = strain.carried[i][l] + more;
+            if PLASTIC { trial - self.left[l] * self.deviator[i][l] } else { trial }
+        })
+    }
+
+    /// Returns the plastic work against the back stress of a lane: 3/2 dp times the back stress along the relative stress.
+    #[inline(always)]
+    fn work_against_back_stress(&self, strain: &StrainIncrement<T>, l: usize) -> T {
+        let part = |i: usize| self.plastic[i][l] * self.deviator[i][l];
+        let along = (part(0) + part(1)) + (part(2) + T::of(2.0) * part(3));
+        if self.flow[l] > T::ZERO {
+            T::of(1.5) * strain.volume[l] * self.flow[l] * along / self.trial[l]
+        } else {
+            T::ZERO
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! A material law of a Rust program (`revolve::user::MaterialLaw`) as a material.
+//! Never here: laws.
+
+use std::sync::Arc;
+
+use super::increment::{StrainIncrement, StressUpdate};
+use super::{BlockStart, InitialValue, Material, PlasticFlow};
+use crate::kernel::lanes::{LANES, Lanes, column};
+use crate::kernel::stress::mises;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::user::law::{MaterialLaw, MaterialPoint};
+use crate::variables::{Part, Variable};
+
+/// A law with what the deck says of its material.
+pub struct PointLaw {
+    /// The law.
+    pub law: Arc<dyn MaterialLaw>,
+    /// Constants of `*USER MATERIAL`.
+    pub constants: Vec<f64>,
+    /// State variables of a point.
+    pub variables: usize,
+    /// The state variable that deletes an element when it becomes zero, by its index.
+    pub delete: Option<usize>,
+}
+
+/// State of a block.
+#[derive(Clone, Debug)]
+pub struct PointState {
+    /// State variables of one point after the other.
+    variables: Vec<f64>,
+    deleted: [bool; LANES],
+    /// Volumes at the start.
+    volume: Lanes,
+    total_time: f64,
+}
+
+impl Material for PointLaw {
+    type State = PointState;
+    const FLOW: PlasticFlow = PlasticFlow::Unknown;
+    const FAILS: bool = true;
+
+    fn initial_state(&self, start: &BlockStart) -> PointState {
+        let mut variables = vec![0.0; LANES * self.variables];
+        if let Some(delete) = self.delete {
+            variables.iter_mut().skip(delete).step_by(self.variables).for_each(|variable| *variable = 1.0);
+        }
+        PointState { variables, deleted: [false; LANES], volume: start.volume, total_time: 0.0 }
+    }
+
+    fn begin(&self, state: &mut PointState, total_time: f64) {
+        state.total_time = total_time;
+    }
+
+    /// An increment of no length leaves all as it is.
+    fn update(
+        &self,
+        state: &mut PointState,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+    ) {
+        if strain.dt == 0.0 {
+            return;
+        }
+        for l in 0..strain.count {
+            if state.deleted[l] {
+                continue;
+            }
+            let (increment, carried) = (column(&strain.strain, l), column(&strain.carried, l));
+            let variables = &mut state.variables[l * self.variables..(l + 1) * self.variables];
+            let mut point = MaterialPoint {
+                constants: &self.constants,
+                strain: increment,
+                stress: carried,
+                state: variables,
+                dissipated: 0.0,
+                dt: strain.dt,
+                total_time: state.total_time,
+            };
+            self.law.update(&mut point);
+            let MaterialPoint { stress: new, dissipated, .. } = point;
+            let double = |i: usize| increment[i] * (carried[i] + new[i]);
+            let volume = strain.volume[l];
+            update.internal[l] += 0.5 * volume * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            update.dissipated[l] += volume * dissipated;
+            // 1 but for rounding is 1.
+            let left = mises(new) / update.trial[l];
+            update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
+            if self.delete.is_some_and(|delete| variables[delete] == 0.0) {
+                state.deleted[l] = true;
+                update.deleted += 1;
+            }
+            for (list, new) in stress.iter_mut().zip(new) {
+                list[l] = if state.deleted[l] { 0.0 } else { new };
+            }
+        }
+    }
+
+    fn share(&self, state: &PointState, lane: usize) -> f64 {
+        if state.deleted[lane] { 0.0 } else { 1.0 }
+    }
+
+    fn can_delete(&self) -> bool {
+        self.delete.is_some()
+    }
+
+    fn initial_volume(&self, state: &PointState, lane: usize) -> f64 {
+        state.volume[lane]
+    }
+
+    fn value(&self, state: &PointState, lane: usize, part: Part) -> Option<f64> {
+        match part.variable {
+            Variable::State if part.component < self.variables => {
+                Some(state.variables[lane * self.variables + part.component])
+            }
+            Variable::Status => self.delete.map(|_| self.share(state, lane)),
+            _ => None,
+        }
+    }
+
+    fn set(&self, state: &mut PointState, lane: usize, value: InitialValue) -> bool {
+        match value {
+            InitialValue::StateVariable(variable, value) if variable < self.variables => {
+                state.variables[lane * self.variables + variable] = value;
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Persist for PointState {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let PointState { variables, deleted, volume: _, total_time: _ } = self;
+        persist_fields!(archive; variables.as_mut_slice(), deleted);
+    }
+}

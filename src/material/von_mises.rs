@@ -1,0 +1,338 @@
+//! Isotropic solids and fluids: a hardening law of von Mises plasticity, a pressure law and failure as one material.
+//! Never here: these laws.
+#![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
+
+use super::failure::{Failure, Initiation, NoDamage, Seen};
+use super::increment::{StrainIncrement, StressUpdate, as_type};
+use super::plasticity::{Flow, Hardening};
+use super::volumetric::{PressureUpdate, Volumetric};
+use super::{BlockStart, InitialValue, Material, PlasticFlow};
+use crate::kernel::lanes::{LANES, Lanes, column, near, wide};
+use crate::kernel::moduli::Moduli;
+use crate::kernel::real::Real;
+use crate::kernel::rotation::rotated;
+use crate::kernel::stress;
+use crate::state::archive::{Archive, Persist, persist_fields};
+use crate::variables::{Part, Variable};
+
+/// A material of three laws.
+#[derive(Clone, Debug)]
+pub struct VonMises<H, V, F = NoDamage> {
+    /// Hardening law; [`super::plasticity::Elastic`] without yield.
+    pub hardening: H,
+    /// Pressure law; [`super::volumetric::Linear`] for a constant bulk modulus.
+    pub volumetric: V,
+    /// Failure; [`NoDamage`] without any.
+    pub failure: F,
+}
+
+/// State variables of a block: those of the three laws.
+#[derive(Clone, Debug)]
+pub struct VonMisesState<S, Q, X> {
+    hardening: S,
+    volumetric: Q,
+    failure: X,
+}
+
+impl<H: Hardening, V: Volumetric> VonMises<H, V> {
+    /// Returns a material without failure.
+    pub fn new(hardening: H, volumetric: V) -> Self {
+        VonMises { hardening, volumetric, failure: NoDamage }
+    }
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure, T: Real> Material<T> for VonMises<H, V, F> {
+    type State = VonMisesState<H::State, V::State, F::State>;
+
+    const FLOW: PlasticFlow = if H::PLASTIC { PlasticFlow::Deviatoric } else { PlasticFlow::None };
+    const MODULI_VARY: bool = V::EOS;
+    const EQUATION_OF_STATE: bool = V::EOS;
+    const FAILS: bool = F::FAILS;
+    const USES_SPIN: bool = H::BACKSTRESS;
+
+    fn initial_state(&self, start: &BlockStart) -> Self::State {
+        VonMisesState {
+            hardening: self.hardening.fresh(),
+            volumetric: self.volumetric.fresh(start),
+            failure: self.failure.fresh(&start.area, &start.volume),
+        }
+    }
+
+    #[inline(always)]
+    fn begin(&self, state: &mut Self::State, total_time: f64) {
+        self.volumetric.begin(&mut state.volumetric, total_time);
+    }
+
+    #[inline(always)]
+    fn update(
+        &self,
+        state: &mut Self::State,
+        stress: &mut [Lanes<T>; 4],
+        strain: &StrainIncrement<T>,
+        update: &mut StressUpdate<T>,
+    ) {
+        let shear3 = 3.0 * strain.moduli.shear;
+        if H::BACKSTRESS {
+            update.plastic = self.hardening.back_stress(&state.hardening).each_ref().map(near);
+            update.shift(&strain.spin);
+        }
+        if H::PLASTIC {
+            let mut increment = [0.0; LANES];
+            T::with_wide(&update.trial, |trial| {
+                let flow = &mut Flow { trial, shear3, dt: strain.dt, count: strain.count, increment: &mut increment };
+                self.hardening.flow(&mut state.hardening, flow);
+            });
+            if H::BACKSTRESS {
+                let [back, relative] = [&update.plastic, &update.deviator].map(|list| list.each_ref().map(wide));
+                self.hardening.follow(&mut state.hardening, &back, &relative, &wide(&update.trial), &increment);
+            }
+            update.flow = near(&increment);
+        }
+        if V::EOS
+            && let (Some(strain), Some(update)) = (as_same(strain), as_type(update))
+        {
+            self.update_pressure(&mut state.volumetric, strain, update);
+        }
+        if H::PLASTIC {
+            update.return_to_yield_surface(strain);
+        }
+        match (H::PLASTIC, H::BACKSTRESS) {
+            (false, _) => update.set_stress::<false, false>(stress, strain),
+            (true, false) => update.set_stress::<true, false>(stress, strain),
+            (true, true) => update.set_stress::<true, true>(stress, strain),
+        }
+        if F::FAILS {
+            self.degrade(state, stress, strain, update);
+        }
+    }
+
+    #[inline(always)]
+    fn add_heat(&self, state: &mut Self::State, heat: &Lanes, mass: &Lanes) {
+        self.volumetric.add_heat(&mut state.volumetric, heat, mass);
+    }
+
+    #[inline(always)]
+    fn share(&self, state: &Self::State, lane: usize) -> f64 {
+        self.failure.share(&state.failure, lane)
+    }
+
+    fn can_delete(&self) -> bool {
+        self.failure.deletes()
+    }
+
+    fn initial_volume(&self, state: &Self::State, lane: usize) -> f64 {
+        self.failure.volume(&state.failure, lane)
+    }
+
+    /// Asks the law for the stress at which it begins to yield.
+    #[cold]
+    #[inline(never)]
+    fn yield_stress(&self, state: &Self::State, shear: f64, count: usize) -> Option<Lanes> {
+        H::PLASTIC.then(|| yield_stress(&self.hardening, &state.hardening, shear, count))
+    }
+
+    fn value(&self, state: &Self::State, lane: usize, part: Part) -> Option<f64> {
+        match part.variable {
+            Variable::PlasticStrain => H::PLASTIC.then(|| self.hardening.plastic_strain(&state.hardening, lane)),
+            Variable::Degradation => self.failure.damage(&state.failure, lane),
+            Variable::DamageInitiation => self.failure.initiation(&state.failure, lane, Initiation::Any),
+            Variable::DuctileInitiation => self.failure.initiation(&state.failure, lane, Initiation::Ductile),
+            Variable::JohnsonCookInitiation => self.failure.initiation(&state.failure, lane, Initiation::JohnsonCook),
+            Variable::BurnFraction => self.volumetric.burnt(&state.volumetric, lane),
+            Variable::Temperature => self.temperature(state, lane),
+            Variable::SpecificEnergy => self.volumetric.energy(&state.volumetric, lane),
+            Variable::Status => self.failure.alive(&state.failure, lane).map(|alive| f64::from(u8::from(alive))),
+            _ => None,
+        }
+    }
+
+    fn set(&self, state: &mut Self::State, lane: usize, value: InitialValue) -> bool {
+        match value {
+            InitialValue::Temperature(temperature) => {
+                self.hardening.heat(&mut state.hardening, lane, temperature);
+                self.volumetric.heat(&mut state.volumetric, lane, temperature);
+            }
+            InitialValue::SpecificEnergy(energy) => self.volumetric.set_energy(&mut state.volumetric, lane, energy),
+            InitialValue::PlasticStrain(strain) => return self.hardening.harden(&mut state.hardening, lane, strain),
+            InitialValue::Length(length) => self.failure.set_length(&mut state.failure, lane, length),
+            InitialValue::StateVariable(..) | InitialValue::Field(..) => return false,
+        }
+        true
+    }
+}
+
+/// As [`as_type`], of a value that is only read.
+#[inline(always)]
+fn as_same<T: Real>(strain: &StrainIncrement<T>) -> Option<&StrainIncrement> {
+    (strain as &dyn std::any::Any).downcast_ref()
+}
+
+impl<H: Hardening, V: Volumetric, F: Failure> VonMises<H, V, F> {
+    fn temperature(&self, state: &VonMisesState<H::State, V::State, F::State>, lane: usize) -> Option<f64> {
+        let by_energy = self.volumetric.temperature(&state.volumetric, lane);
+        by_energy.or_else(|| self.hardening.temperature(&state.hardening, lane))
+    }
+
+    /// Updates the mean stress by the pressure law, with the work of the deviator that the yield surface left.
+    #[inline(always)]
+    fn update_pressure(&self, state: &mut V::State, strain: &StrainIncrement, update: &mut StressUpdate) {
+        let shear3 = 3.0 * strain.moduli.shear;
+        let (mut work, mut dilation) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let mut factor = 1.0;
+            if H::PLASTIC {
+                let (trial, flow) = (update.trial[l], update.flow[l]);
+                factor = if flow > 0.0 { (trial - shear3 * flow) / trial } else { 1.0 };
+            }
+            let mean = update.mean[l];
+            let normal =
+                |i: usize| strain.strain[i][l] * ((strain.carried[i][l] - mean) + factor * update.deviator[i][l]);
+            let shear = 2.0 * strain.strain[3][l] * (strain.carried[3][l] + factor * update.deviator[3][l]);
+            work[l] = 0.5 * strain.volume[l] * ((normal(0) + normal(1)) + (normal(2) + shear));
+            dilation[l] = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
+        }
+        let question = PressureUpdate {
+            mean: &mut update.mean,
+            bulk: &mut update.bulk,
+            viscous: &strain.viscous,
+            heat: &mut update.heat,
+            dilation: &dilation,
+            work: &work,
+            middle: &strain.volume,
+            volume: &strain.current_volume,
+            mass: &strain.mass,
+        };
+        self.volumetric.update_pressure(state, question);
+    }
+
+    /// Applies failure to the stress of the undamaged material. The work added becomes that of the degraded stress; the elastic
+    /// energy that is lost counts as dissipated.
+    #[inline(always)]
+    fn degrade<T: Real>(
+        &self,
+        state: &mut VonMisesState<H::State, V::State, F::State>,
+        stress: &mut [Lanes<T>; 4],
+        strain: &StrainIncrement<T>,
+        update: &mut StressUpdate<T>,
+    ) {
+        let Moduli { bulk, shear } = strain.moduli;
+        let mut seen = Seen {
+            plastic: if H::PLASTIC { wide(&update.flow) } else { [0.0; LANES] },
+            mean: [0.0; LANES],
+            mises: [0.0; LANES],
+            temperature: [0.0; LANES],
+            dt: strain.dt,
+            count: strain.count,
+        };
+        let mut before = [0.0; LANES];
+        for l in 0..LANES {
+            let stress = column(stress, l).map(T::wide);
+            (seen.mean[l], seen.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
+        }
+        for l in 0..strain.count {
+            before[l] = self.failure.share(&state.failure, l);
+            seen.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
+        }
+        let left = self.failure.degrade(&mut state.failure, &seen);
+        let per_shear = if shear > 0.0 { 1.0 / (6.0 * shear) } else { 0.0 };
+        for l in 0..strain.count {
+            if before[l] == 0.0 {
+                stress.iter_mut().for_each(|s| s[l] = T::ZERO);
+                continue;
+            }
+            let (full, mean, mises) = (column(stress, l).map(T::wide), seen.mean[l], seen.mises[l]);
+            let (left, bears) = (left.stress[l], left.mean[l]);
+            let shift = [bears - mean, bears - mean, bears - mean, 0.0];
+            let (mut work, volume) = (0.0, strain.volume[l].wide());
+            for i in 0..4 {
+                let acts = left * (full[i] + shift[i]);
+                let (increment, carried) = (strain.strain[i][l].wide(), strain.carried[i][l].wide());
+                let added = carried + full[i];
+                let twice = if i == 3 { 2.0 } else { 1.0 };
+                work += twice * increment * (before[l] * carried + acts - added);
+                stress[i][l] = T::of(acts);
+            }
+            update.internal[l] += T::of(0.5 * volume * work);
+            let bulk = if V::EOS { update.bulk[l].wide() } else { bulk };
+            let distortion = mises * mises * per_shear;
+            let [had, has] = [(before[l], mean), (left, bears)]
+                .map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
+            update.dissipated[l] += T::of(volume * ((had - has) - (1.0 - left) * mises * seen.plastic[l]));
+            update.deleted += usize::from(left == 0.0);
+        }
+    }
+}
+
+impl<T: Real> StressUpdate<T> {
+    /// Rotates the back stress with the material, and takes it off the trial stress.
+    #[inline(always)]
+    fn shift(&mut self, spin: &Lanes<T>) {
+        for l in 0..LANES {
+            let back = rotated([0, 1, 2, 3].map(|i| self.plastic[i][l]), spin[l]);
+            for i in 0..4 {
+                self.plastic[i][l] = back[i];
+                self.deviator[i][l] = self.deviator[i][l] - back[i];
+            }
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| self.deviator[i][l] * self.deviator[i][l]);
+            self.trial[l] = (T::of(1.5) * (a + b + c) + T::of(3.0) * d).root();
+        }
+    }
+}
+
+/// Von Mises stress at which each lane begins to flow at rest, as its law is now: found by asking it.
+fn yield_stress<H: Hardening>(hardening: &H, state: &H::State, shear: f64, count: usize) -> Lanes {
+    let shear3 = 3.0 * shear;
+    let flows = |trial: &Lanes| {
+        let (mut state, mut increment) = (state.clone(), [0.0; LANES]);
+        let flow = &mut Flow { trial, shear3, dt: f64::MAX, count, increment: &mut increment };
+        hardening.flow(&mut state, flow);
+        increment.map(|dp| dp > 0.0)
+    };
+    let (mut low, mut high) = ([0.0; LANES], [1e-12 * shear; LANES]);
+    // Up to what no material bears.
+    for _ in 0..60 {
+        for (l, flown) in flows(&high).into_iter().enumerate() {
+            if !flown {
+                (low[l], high[l]) = (high[l], 2.0 * high[l]);
+            }
+        }
+    }
+    for _ in 0..30 {
+        let between: Lanes = std::array::from_fn(|l| 0.5 * (low[l] + high[l]));
+        for (l, flown) in flows(&between).into_iter().enumerate() {
+            *(if flown { &mut high[l] } else { &mut low[l] }) = between[l];
+        }
+    }
+    high
+}
+
+impl<S: Persist, Q: Persist, X: Persist> Persist for VonMisesState<S, Q, X> {
+    fn persist(&mut self, archive: &mut Archive<'_>) {
+        let VonMisesState { hardening, volumetric, failure } = self;
+        persist_fields!(archive; hardening, volumetric, failure);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LANES, StressUpdate};
+
+    /// The tangent of half the angle is half the spin, so a spin of 2 is a quarter turn: rr and zz change places, and the
+    /// shear its sign.
+    #[test]
+    fn back_stress_rotates_with_the_material() {
+        let mut update: StressUpdate = StressUpdate::default();
+        for (i, value) in [3.0, -2.0, -1.0, 0.5].into_iter().enumerate() {
+            update.plastic[i] = [value; LANES];
+        }
+        update.shift(&[2.0; LANES]);
+        let expected = [-2.0, 3.0, -1.0, -0.5];
+        for i in 0..4 {
+            assert!((update.plastic[i][3] - expected[i]).abs() < 1e-15, "{:?}", update.plastic);
+            assert_eq!(update.deviator[i], update.plastic[i].map(|b| -b));
+        }
+        // Von Mises stress of (3, -2, -1; 0.5).
+        let mises = (0.5f64 * (25.0 + 1.0 + 16.0) + 0.75).sqrt();
+        assert!((update.trial[0] - mises).abs() < 1e-14);
+    }
+}

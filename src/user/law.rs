@@ -1,0 +1,69 @@
+//! Material laws of Rust programs, one material point at a time.
+//! Never here: elements, built-in laws.
+
+use super::LoadFailure;
+pub use crate::kernel::moduli::Moduli;
+
+/// A material point in one increment. Tensors have the components rr, zz, hoop, rz (tensor shear), in axes that rotate with the
+/// material (Jaumann rate).
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct MaterialPoint<'a> {
+    /// Constants of `*USER MATERIAL`.
+    pub constants: &'a [f64],
+    /// Strain increment.
+    pub strain: [f64; 4],
+    /// Previous stress; the law replaces it.
+    pub stress: [f64; 4],
+    /// State variables of `*DEPVAR`, at least [`MaterialLaw::state_variables`]; the law updates them.
+    pub state: &'a mut [f64],
+    /// Energy per volume that the increment dissipates: 0 on entry.
+    pub dissipated: f64,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Total time at the end of the increment.
+    pub total_time: f64,
+}
+
+/// A material law of a Rust program. [`super::Routines::with_law`] registers it by the name of the material, whose
+/// `*USER MATERIAL` card has the constants. Threads share it.
+///
+/// ```
+/// use revolve::user::{LoadFailure, MaterialLaw, MaterialPoint, Moduli, Routines};
+///
+/// /// Linear elasticity with the constants K and G.
+/// struct Hooke;
+///
+/// impl MaterialLaw for Hooke {
+///     fn moduli(&self, constants: &[f64]) -> Result<Moduli, LoadFailure> {
+///         let &[bulk, shear] = constants else { return Err(LoadFailure::new("constants: K, G")) };
+///         Ok(Moduli { bulk, shear })
+///     }
+///
+///     fn update(&self, point: &mut MaterialPoint<'_>) {
+///         let (bulk, shear) = (point.constants[0], point.constants[1]);
+///         let dilation = point.strain[0] + point.strain[1] + point.strain[2];
+///         for (i, (stress, strain)) in point.stress.iter_mut().zip(point.strain).enumerate() {
+///             *stress += 2.0 * shear * strain;
+///             *stress += if i < 3 { (bulk - 2.0 / 3.0 * shear) * dilation } else { 0.0 };
+///         }
+///     }
+/// }
+///
+/// let routines = Routines::none().with_law("HOOKE", Hooke);
+/// ```
+pub trait MaterialLaw: Send + Sync {
+    /// Returns upper bounds of the moduli: the stable time increment, hourglass control and bulk viscosity follow from them.
+    ///
+    /// # Errors
+    /// If the constants are not those of the law; the deck is refused.
+    fn moduli(&self, constants: &[f64]) -> Result<Moduli, LoadFailure>;
+
+    /// Returns how many state variables the law needs; `*DEPVAR` gives as many or more.
+    fn state_variables(&self) -> usize {
+        0
+    }
+
+    /// Updates stress and state variables of a point over an increment.
+    fn update(&self, point: &mut MaterialPoint<'_>);
+}
