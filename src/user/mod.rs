@@ -430,8 +430,8 @@ pub trait PointValues {
     fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize>;
 }
 
-#[non_exhaustive]
 /// Arguments of user-defined fields for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.20 "VUSDFLD").
+#[non_exhaustive]
 pub struct FieldCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -478,9 +478,9 @@ pub trait UserFields: Send {
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure>;
 }
 
-#[non_exhaustive]
 /// Arguments of user characteristic lengths for a block of points (ABAQUS 2016 User Subroutines Reference, 1.2.11
 /// "VUCHARLENGTH").
+#[non_exhaustive]
 pub struct LengthCall<'a> {
     /// Name of the material, upper case (`cmname`).
     pub name: &'a str,
@@ -664,12 +664,6 @@ impl Routines {
         !self.names().is_empty()
     }
 
-    /// With a load that gives the pressure at one point after the other, by the index of the point.
-    #[must_use]
-    pub fn with_pressure(self, pressure: impl FnMut(&LoadPoints<'_>, usize) -> f64 + Send + 'static) -> Self {
-        self.with_load(ByPoint(pressure))
-    }
-
     /// With a material law in Rust for the `*USER MATERIAL` of this name.
     #[must_use]
     pub fn with_law(mut self, material: &str, law: impl MaterialLaw + 'static) -> Self {
@@ -680,5 +674,11 @@ impl Routines {
     /// Returns the material law in Rust of a material.
     pub fn law(&self, material: &str) -> Option<&Arc<dyn MaterialLaw>> {
         self.laws.iter().find(|(name, _)| name == material).map(|(_, law)| law)
+    }
+
+    /// With a load that gives the pressure at one point after the other, by the index of the point.
+    #[must_use]
+    pub fn with_pressure(self, pressure: impl FnMut(&LoadPoints<'_>, usize) -> f64 + Send + 'static) -> Self {
+        self.with_load(ByPoint(pressure))
     }
 }
