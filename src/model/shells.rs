@@ -11,7 +11,7 @@ impl Builder<'_> {
         let Some((elements, material)) = self.section_of(card, |kind| kind == ElementKind::Sax1) else { return };
         let cards::ShellSection { per_area, thickness_points: [thickness, points] } = self.values(card);
         let points = points as usize;
-        if points % 2 == 0 {
+        if points.is_multiple_of(2) {
             let message = format!("Simpson's rule takes an odd number of points, not {points}");
             return self.out_of_range(card.span, message);
         }

@@ -36,10 +36,13 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 /// The same of what has no shear modulus: with 0.05 Noh's sphere on squares overshoots behind its shock (docs/verification.md).
 const FLUID_VISCOSITY: f64 = 0.15;
 
+/// Makes the group of a material's elements; `None` where an error has been reported.
+type MakeGroup = fn(&mut Compiler<'_>, &Material, Span, GroupBuilder<'_, false>) -> Option<Box<dyn ElementGroup>>;
+
 /// Family of materials: which cards ask for it, and the group of its elements.
 struct MaterialRow {
     applies: fn(&Material) -> bool,
-    group: fn(&mut Compiler<'_>, &Material, Span, GroupBuilder<'_, false>) -> Option<Box<dyn ElementGroup>>,
+    group: MakeGroup,
 }
 
 /// Materials by their cards; the first row that applies. A new material is a file in `material` and a row here.
